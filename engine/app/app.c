@@ -1,0 +1,178 @@
+// app.c - loading with a cache, progress on a terminal, JSON and messages for the subcommands.
+#include "engine/app/app.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "engine/core/file.h"
+#include "maps/maps.h"
+
+double app_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+AppOptions app_default_options(void) { return (AppOptions){.vis = vis_default_options(), .keep = true}; }
+
+static bool report(void *context, const char *stage, double done) {
+    enum { WIDTH = 40 };
+    (void)context;
+    static double last;
+    double now = app_seconds();
+    if (now - last < 0.05 && done < 1) return true;
+    last = now;
+    int full = (int)(done * WIDTH);
+    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", stage, full, "########################################",
+            WIDTH - full, "", (int)(done * 100));
+    return true;
+}
+
+Progress app_progress(void) {
+    return isatty(STDERR_FILENO) ? (Progress){report, NULL} : (Progress){NULL, NULL};
+}
+
+void app_progress_end(void) {
+    if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
+}
+
+static bool find_or_make_trees(const AppOptions *options, Arena *arena, AppScene *scene, Error *error) {
+    char *folder = NULL, *path = NULL;
+    Error reason;
+    if ((options->keep || !options->fresh) && file_cache_folder(arena, &folder, &reason)) {
+        path = arena_format(arena, "%s/%016llx.vis", folder, (unsigned long long)scene->building.hash);
+    }
+    if (path && !options->fresh && access(path, R_OK) == 0) {
+        scene->cached = vis_load(path, &scene->graph, arena, &scene->forest, &reason);
+        if (scene->cached) return true;
+        fprintf(stderr, "enfilade: %s; it is made anew\n", reason.text);
+    }
+    Progress progress = app_progress();
+    if (!vis_build_forest(&scene->graph, &options->vis, &progress, arena, &scene->forest)) {
+        return error_set(error, "stopped");
+    }
+    app_progress_end();
+    if (path && options->keep && !vis_save(path, &scene->graph, &scene->forest, &reason)) {
+        fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
+    }
+    return true;
+}
+
+bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
+    *out = (AppScene){0};
+    double start = app_seconds();
+    if (!maps_read(path, arena, &out->building, error)) return false;
+    double read = app_seconds();
+    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
+    double cells = app_seconds();
+    if (!find_or_make_trees(options, arena, out, error)) return false;
+    out->read_seconds = read - start;
+    out->cells_seconds = cells - read;
+    out->trees_seconds = app_seconds() - cells;
+    return true;
+}
+
+static int count_joined(const Building *b) {
+    int joined = 0;
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        if (o->kind != OPENING_DOOR || o->region[0] < 0 || o->region[1] < 0) continue;
+        joined += b->regions[o->region[0]].kind == REGION_ROOM &&
+                  b->regions[o->region[1]].kind == REGION_ROOM && o->region[0] != o->region[1];
+    }
+    return joined;
+}
+
+json_t *app_counts(const AppScene *scene) {
+    const Building *b = &scene->building;
+    int doors = 0, windows = 0, rooms = 0, leaks = 0, bounded = 0;
+    for (int i = 0; i < b->opening_count; i++) {
+        doors += b->openings[i].kind == OPENING_DOOR;
+        windows += b->openings[i].kind == OPENING_WINDOW;
+    }
+    for (int i = 0; i < b->region_count; i++) rooms += b->regions[i].kind == REGION_ROOM;
+    for (int i = 0; i < b->note_count; i++) leaks += b->notes[i].kind == NOTE_LEAK;
+    for (int c = 0; c < scene->graph.cell_count; c++) bounded += scene->forest.bounded[c];
+    json_t *o = json_object();
+    json_object_set_new(o, "storeys", json_integer(b->storey_count));
+    json_object_set_new(o, "rooms", json_integer(rooms));
+    json_object_set_new(o, "cells", json_integer(scene->graph.cell_count));
+    json_object_set_new(o, "portals", json_integer(scene->graph.portal_count));
+    json_object_set_new(o, "doors", json_integer(doors));
+    json_object_set_new(o, "doors_joined", json_integer(count_joined(b)));
+    json_object_set_new(o, "windows", json_integer(windows));
+    json_object_set_new(o, "objects", json_integer(scene->graph.object_count));
+    json_object_set_new(o, "polygons", json_integer(scene->graph.polygon_count));
+    json_object_set_new(o, "stab_nodes", json_integer(scene->forest.node_count));
+    json_object_set_new(o, "bounded_trees", json_integer(bounded));
+    json_object_set_new(o, "leaks", json_integer(leaks));
+    json_object_set_new(o, "notes", json_integer(b->note_count));
+    json_object_set_new(o, "area_drawn", json_real(b->drawn_area));
+    json_object_set_new(o, "area_lost", json_real(b->lost_area));
+    return o;
+}
+
+void app_print_json(json_t *object) {
+    json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(object);
+}
+
+static void print_sentence(const char *format, va_list args) {
+    fputs("enfilade: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+}
+
+int app_fail(int code, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_sentence(format, args);
+    va_end(args);
+    return code;
+}
+
+int app_misuse(const char *command, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_sentence(format, args);
+    va_end(args);
+    fprintf(stderr, "Try `enfilade %s --help`.\n", command);
+    return APP_BAD_USE;
+}
+
+bool app_parse_number(const char *text, double low, double high, double *out) {
+    char *end;
+    *out = strtod(text, &end);
+    return end != text && *end == 0 && *out >= low && *out <= high;
+}
+
+bool app_parse_int(const char *text, int low, int high, int *out) {
+    char *end;
+    long value = strtol(text, &end, 10);
+    *out = (int)value;
+    return end != text && *end == 0 && value >= low && value <= high;
+}
+
+bool app_parse_point(const char *text, Vec3 *out) {
+    char extra;
+    return sscanf(text, "%lf,%lf,%lf%c", &out->x, &out->y, &out->z, &extra) == 3 && isfinite(out->x) &&
+           isfinite(out->y) && isfinite(out->z);
+}
+
+bool app_parse_size(const char *text, int *width, int *height) {
+    char extra;
+    return sscanf(text, "%dx%d%c", width, height, &extra) == 2 && *width >= 16 && *width <= 8192 &&
+           *height >= 16 && *height <= 8192;
+}
+
+void app_print_notes(const Building *building, int most) {
+    static const char *const kinds[NOTE_KINDS] = {"leak", "left out", "changed"};
+    for (int i = 0; i < building->note_count && i < most; i++) {
+        fprintf(stderr, "%s: %s\n", kinds[building->notes[i].kind], building->notes[i].text);
+    }
+    if (building->note_count > most) fprintf(stderr, "and %d more notes\n", building->note_count - most);
+}

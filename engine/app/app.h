@@ -1,0 +1,68 @@
+// app.h - what the subcommands share: loading a building with its cells and stab trees, progress, JSON.
+#ifndef APP_APP_H
+#define APP_APP_H
+
+#include <jansson.h>
+
+#include "visibility/vis.h"
+
+#define APP_VERSION "0.1.0"
+
+// Exit codes.
+enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2 };
+
+typedef struct AppCommand {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);  // argv[0] is the command's name
+} AppCommand;
+
+int cmd_info(int argc, char **argv);
+int cmd_vis(int argc, char **argv);
+int cmd_plan(int argc, char **argv);
+int cmd_walk(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
+
+typedef struct AppOptions {
+    VisOptions vis;
+    bool fresh;  // make the stab trees anew even if the cache has them
+    bool keep;   // store them in the cache
+} AppOptions;
+AppOptions app_default_options(void);
+
+typedef struct AppScene {
+    Building building;
+    CellGraph graph;
+    StabForest forest;
+    double read_seconds, cells_seconds, trees_seconds;
+    bool cached;  // the trees came from the cache
+} AppScene;
+
+// Reads the building, makes cells, and stab trees or finds them in the cache. A cache that cannot be used is passed
+// over with a warning.
+bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
+
+double app_seconds(void);  // a clock that only goes forward
+
+// A bar on standard error, on a terminal only.
+Progress app_progress(void);
+void app_progress_end(void);
+
+// The counts every command with --json gives: cells, portals, doors, doors_joined, polygons, stab_nodes, leaks, ...
+json_t *app_counts(const AppScene *scene);
+void app_print_json(json_t *object);  // to standard output; frees it
+
+// `enfilade: SENTENCE` on standard error; returns the exit code given.
+int app_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Wrong use: the sentence and how to get help.
+int app_misuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Numbers on the command line: the whole text must be one. `low` and `high` included.
+bool app_parse_number(const char *text, double low, double high, double *out);
+bool app_parse_int(const char *text, int low, int high, int *out);
+bool app_parse_point(const char *text, Vec3 *out);               // X,Y,Z
+bool app_parse_size(const char *text, int *width, int *height);  // WxH, 16 to 8192 each
+
+// What was not enclosed, left out or changed, a line each on standard error.
+void app_print_notes(const Building *building, int most);
+
+#endif

@@ -1,0 +1,122 @@
+// cmd_vis.c - `enfilade vis FILE`: makes cells, portals and stab trees, and stores the trees.
+#include <getopt.h>
+#include <stdio.h>
+
+#include "engine/app/app.h"
+
+static const char HELP[] =
+    "usage: enfilade vis FILE [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n\n"
+    "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the user's cache, "
+    "where\n"
+    "the other commands find them. The same bytes come out on any number of threads.\n\n"
+    "  -o OUT.vis      where to write\n"
+    "  --threads N     threads to use, 1 to 256 (default: all cores)\n"
+    "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
+    "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 50000); a larger one keeps its "
+    "visible set\n"
+    "  --json          one JSON object on standard output\n";
+
+typedef struct Arguments {
+    AppOptions load;
+    const char *file, *out;
+    bool json, help;
+} Arguments;
+
+static int parse(int argc, char **argv, Arguments *a) {
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {"threads", required_argument, NULL, 't'},
+                                            {"square", required_argument, NULL, 's'},
+                                            {"max-nodes", required_argument, NULL, 'n'},
+                                            {0}};
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
+        switch (c) {
+        case 'j':
+            a->json = true;
+            break;
+        case 'h':
+            a->help = true;
+            return APP_GOOD;
+        case 'o':
+            a->out = optarg;
+            break;
+        case 't':
+            if (app_parse_int(optarg, 1, 256, &a->load.vis.threads)) break;
+            return app_misuse("vis", "vis: --threads is `%s` (allowed 1 to 256)", optarg);
+        case 's':
+            if (app_parse_number(optarg, 0.25, 100, &a->load.vis.square)) break;
+            return app_misuse("vis", "vis: --square is `%s` (allowed 0.25 to 100)", optarg);
+        case 'n':
+            if (app_parse_int(optarg, 1, 10000000, &a->load.vis.max_nodes)) break;
+            return app_misuse("vis", "vis: --max-nodes is `%s` (allowed 1 to 10000000)", optarg);
+        case ':':
+            return app_misuse("vis", "vis: option `%s` needs a value", argv[optind - 1]);
+        default:
+            return app_misuse("vis", "vis: there is no option `%s`", argv[optind - 1]);
+        }
+    }
+    if (argc - optind != 1)
+        return app_misuse("vis", "vis: one building file is needed, %d were given", argc - optind);
+    a->file = argv[optind];
+    return APP_GOOD;
+}
+
+// Mean share of the cells, and of the polygons in them, that a cell may see.
+static void cell_to_cell(const AppScene *scene, double *cells, double *polygons) {
+    const CellGraph *graph = &scene->graph;
+    double seen_cells = 0, seen_polygons = 0, all = 0;
+    for (int c = 0; c < graph->cell_count; c++) all += graph->surface_first[c + 1] - graph->surface_first[c];
+    for (int c = 0; c < graph->cell_count; c++) {
+        for (int d = 0; d < graph->cell_count; d++) {
+            if (!vis_sees(&scene->forest, c, d)) continue;
+            seen_cells++;
+            seen_polygons += graph->surface_first[d + 1] - graph->surface_first[d];
+        }
+    }
+    *cells = seen_cells / graph->cell_count / graph->cell_count;
+    *polygons = all > 0 ? seen_polygons / graph->cell_count / all : 0;
+}
+
+static void print_result(const Arguments *a, const AppScene *scene) {
+    double cells, surfaces, seconds = scene->cells_seconds + scene->trees_seconds;
+    cell_to_cell(scene, &cells, &surfaces);
+    if (a->json) {
+        json_t *o = app_counts(scene);
+        json_object_set_new(o, "cell_to_cell", json_real(cells));
+        json_object_set_new(o, "surfaces_seen", json_real(surfaces));
+        json_object_set_new(o, "read_seconds", json_real(scene->read_seconds));
+        json_object_set_new(o, "cells_seconds", json_real(scene->cells_seconds));
+        json_object_set_new(o, "trees_seconds", json_real(scene->trees_seconds));
+        json_object_set_new(o, "vis_seconds", json_real(seconds));
+        app_print_json(o);
+        return;
+    }
+    printf("%d cells, %d portals, %d stab nodes; a cell sees %.1f %% of the cells in the mean\n",
+           scene->graph.cell_count, scene->graph.portal_count, scene->forest.node_count, 100 * cells);
+    printf("read %.3f s, cells %.3f s, stab trees %.3f s\n", scene->read_seconds, scene->cells_seconds,
+           scene->trees_seconds);
+}
+
+int cmd_vis(int argc, char **argv) {
+    Arguments a = {.load = app_default_options()};
+    int code = parse(argc, argv, &a);
+    if (code != APP_GOOD) return code;
+    if (a.help) {
+        fputs(HELP, stdout);
+        return APP_GOOD;
+    }
+    a.load.fresh = true;
+    a.load.keep = !a.out;
+    Arena arena = {0};
+    AppScene scene;
+    Error error;
+    bool good = app_load(a.file, &a.load, &arena, &scene, &error) &&
+                (!a.out || vis_save(a.out, &scene.graph, &scene.forest, &error));
+    if (good) {
+        print_result(&a, &scene);
+        app_print_notes(&scene.building, 10);
+    }
+    arena_free(&arena);
+    return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+}

@@ -1,0 +1,105 @@
+// arena.c - a list of blocks, each at least twice as large as the one before up to a limit.
+#include "engine/core/arena.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { ALIGNMENT = 64 };
+static const size_t FIRST_BLOCK = 64 * 1024;
+static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
+
+struct ArenaBlock {
+    ArenaBlock *next;
+    size_t size, used;  // bytes behind this header
+};
+
+static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+
+static void out_of_memory(size_t bytes) {
+    fprintf(stderr, "enfilade: no memory for %zu bytes\n", bytes);
+    exit(1);
+}
+
+static ArenaBlock *add_block(Arena *arena, size_t least) {
+    size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
+    if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
+    if (size < least) size = least;
+    size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    ArenaBlock *block = aligned_alloc(ALIGNMENT, HEADER + size);
+    if (!block) out_of_memory(size);
+    *block = (ArenaBlock){arena->head, size, 0};
+    arena->head = block;
+    return block;
+}
+
+void *arena_alloc(Arena *arena, size_t count, size_t size) {
+    if (size && count > (SIZE_MAX / 2 - HEADER) / size) out_of_memory(SIZE_MAX);
+    size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    if (bytes == 0) bytes = ALIGNMENT;
+    ArenaBlock *block = arena->head;
+    if (!block || block->size - block->used < bytes) block = add_block(arena, bytes);
+    void *memory = (char *)block + HEADER + block->used;
+    block->used += bytes;
+    arena->used += bytes;
+    return memset(memory, 0, bytes);
+}
+
+void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size) {
+    if (count < *capacity) {
+        memset((char *)array + (size_t)count * size, 0, size);
+        return array;
+    }
+    if (count > INT32_MAX / 2) out_of_memory((size_t)count * size);
+    *capacity = *capacity < 8 ? 16 : *capacity * 2;
+    void *larger = arena_alloc(arena, (size_t)*capacity, size);
+    if (count) memcpy(larger, array, (size_t)count * size);
+    return larger;
+}
+
+char *arena_string(Arena *arena, const char *text) {
+    size_t length = strlen(text) + 1;
+    return memcpy(arena_alloc(arena, length, 1), text, length);
+}
+
+char *arena_format(Arena *arena, const char *format, ...) {
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, args);
+    char *text = arena_alloc(arena, (size_t)(length < 0 ? 0 : length) + 1, 1);
+    if (length > 0) vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    va_end(args);
+    return text;
+}
+
+void arena_free(Arena *arena) {
+    while (arena->head) {
+        ArenaBlock *next = arena->head->next;
+        free(arena->head);
+        arena->head = next;
+    }
+    arena->used = 0;
+}
+
+void arena_reset(Arena *arena) {
+    ArenaBlock *largest = NULL;
+    while (arena->head) {
+        ArenaBlock *block = arena->head;
+        arena->head = block->next;
+        if (!largest || block->size > largest->size) {
+            free(largest);
+            largest = block;
+        } else {
+            free(block);
+        }
+    }
+    if (largest) {
+        largest->next = NULL;
+        largest->used = 0;
+    }
+    arena->head = largest;
+    arena->used = 0;
+}

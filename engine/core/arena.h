@@ -1,0 +1,31 @@
+// arena.h - memory that is freed all at once. A stage allocates its result in the caller's arena.
+#ifndef CORE_ARENA_H
+#define CORE_ARENA_H
+
+#include <stddef.h>
+#include <string.h>
+
+typedef struct ArenaBlock ArenaBlock;
+
+// Start with {0}. Not shared between threads.
+typedef struct Arena {
+    ArenaBlock *head;
+    size_t used;  // bytes handed out, for reports
+} Arena;
+
+// Zeroed, aligned to 64 bytes. Never returns NULL: no memory prints the size and exits.
+void *arena_alloc(Arena *arena, size_t count, size_t size);
+char *arena_string(Arena *arena, const char *text);  // a copy
+char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void arena_free(Arena *arena);   // everything; the arena may be used again
+void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
+
+#define ARENA_ARRAY(arena, type, count) ((type *)arena_alloc((arena), (size_t)(count), sizeof(type)))
+
+// A growing array: `array` (may be NULL), `count` and `capacity` are lvalues. Yields a pointer to the new,
+// zeroed last element. The memory of outgrown arrays stays in the arena (at most as much again).
+#define ARENA_PUSH(arena, array, count, capacity)                                                            \
+    ((array) = arena_grow((arena), (array), (count), &(capacity), sizeof *(array)), (array) + (count)++)
+void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size);
+
+#endif

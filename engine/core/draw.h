@@ -1,0 +1,32 @@
+// draw.h - debug and figure drawing as one table of function pointers, so that one drawing routine serves
+// the plan in a file, the overlay on the screen and, with no table, nothing at all.
+#ifndef CORE_DRAW_H
+#define CORE_DRAW_H
+
+#include "engine/core/arena.h"
+#include "engine/core/vec.h"
+
+typedef struct DrawStyle {
+    unsigned stroke, fill;  // 0xRRGGBB; negative width and fill_opacity 0 leave them out
+    double width;           // of the line, metres in plan space
+    double fill_opacity;    // 0..1
+    double dash;            // dash length in metres, 0 = solid
+} DrawStyle;
+
+typedef struct Draw {
+    void (*polygon)(void *context, const Vec2 *points, int count, const DrawStyle *style);
+    void (*line)(void *context, Vec2 a, Vec2 b, const DrawStyle *style);
+    void (*circle)(void *context, Vec2 centre, double radius, const DrawStyle *style);
+    // Centred at `at`, `size` metres high.
+    void (*text)(void *context, Vec2 at, double size, unsigned colour, const char *text);
+    void *context;
+} Draw;
+
+typedef struct SvgDrawing SvgDrawing;
+
+// Draws into memory; plan space in `bounds` (z is not used), y up, `pixels` wide.
+SvgDrawing *svg_begin(Arena *arena, Box bounds, int pixels);
+Draw svg_draw(SvgDrawing *svg);
+const char *svg_end(SvgDrawing *svg);  // the whole document, in the arena
+
+#endif

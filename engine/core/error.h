@@ -1,0 +1,19 @@
+// error.h - one sentence that says where, what was found and what is allowed.
+#ifndef CORE_ERROR_H
+#define CORE_ERROR_H
+
+#include <stdbool.h>
+
+// `office.plan:41: polygon 7 bends by 0.02 m (limit 0.001)`
+typedef struct Error {
+    char text[1024];
+} Error;
+
+// Always returns false, so that a reader can `return error_set(error, ...)`. `error` may be NULL.
+bool error_set(Error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Our own mistake, never bad input: prints the place and aborts, in release builds too.
+#define CORE_ASSERT(condition) ((condition) ? (void)0 : error_assert(#condition, __FILE__, __LINE__))
+_Noreturn void error_assert(const char *condition, const char *file, int line);
+
+#endif

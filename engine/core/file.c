@@ -1,0 +1,119 @@
+// file.c - reading and atomic writing of whole files.
+#include "engine/core/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error) {
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return error_set(error, "%s: cannot be opened: %s", path, strerror(errno));
+    struct stat info;
+    bool good = false;
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
+        error_set(error, "%s: is not a file", path);
+    } else if ((uint64_t)info.st_size > limit) {
+        error_set(error, "%s: has %lld bytes (at most %zu are read)", path, (long long)info.st_size, limit);
+    } else {
+        out->size = (size_t)info.st_size;
+        out->data = arena_alloc(arena, out->size + 1, 1);
+        size_t got = 0;
+        ssize_t step = 1;
+        while (got < out->size && (step = read(fd, out->data + got, out->size - got)) > 0)
+            got += (size_t)step;
+        good = step >= 0 && got == out->size;
+        if (!good) error_set(error, "%s: cannot be read: %s", path, step < 0 ? strerror(errno) : "it shrank");
+    }
+    close(fd);
+    return good;
+}
+
+static bool write_all(int fd, const char *data, size_t size) {
+    while (size > 0) {
+        ssize_t step = write(fd, data, size);
+        if (step < 0 && errno == EINTR) continue;
+        if (step <= 0) return false;
+        data += step;
+        size -= (size_t)step;
+    }
+    return true;
+}
+
+// A rename is on disk only when the folder is.
+static void sync_folder(const char *path) {
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash) {
+        slash[slash == folder] = 0;
+    } else {
+        strcpy(folder, ".");
+    }
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0) return;
+    fsync(fd);
+    close(fd);
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    char beside[PATH_MAX];
+    if (snprintf(beside, sizeof beside, "%s.XXXXXX", path) >= (int)sizeof beside) {
+        return error_set(error, "%s: the path is too long", path);
+    }
+    int fd = mkostemp(beside, O_CLOEXEC);
+    if (fd < 0) return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+    mode_t mask = umask(0);
+    umask(mask);
+    bool good = write_all(fd, data, size) && fchmod(fd, 0666 & ~mask) == 0 && fsync(fd) == 0;
+    int reason = errno;
+    good = close(fd) == 0 && good;
+    if (good && rename(beside, path) == 0) {
+        sync_folder(path);
+        return true;
+    }
+    if (good) reason = errno;
+    unlink(beside);
+    return error_set(error, "%s: cannot be written: %s", path, strerror(reason));
+}
+
+bool file_make_folder(const char *path, Error *error) {
+    char part[PATH_MAX];
+    if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part) {
+        return error_set(error, "%s: the path is too long", path);
+    }
+    for (char *p = part + 1;; p++) {
+        if (*p != '/' && *p != 0) continue;
+        char kept = *p;
+        *p = 0;
+        if (mkdir(part, 0777) != 0 && errno != EEXIST) {
+            return error_set(error, "%s: cannot be made: %s", part, strerror(errno));
+        }
+        *p = kept;
+        if (!kept) break;
+    }
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
+        return error_set(error, "%s: is not a folder", path);
+    return true;
+}
+
+bool file_cache_folder(Arena *arena, char **path, Error *error) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    if (cache && *cache) {
+        *path = arena_format(arena, "%s/enfilade", cache);
+    } else if (home && *home) {
+        *path = arena_format(arena, "%s/.cache/enfilade", home);
+    } else {
+        return error_set(error, "neither XDG_CACHE_HOME nor HOME is set: there is no place for a cache");
+    }
+    return file_make_folder(*path, error);
+}
+
+uint64_t file_hash(const void *data, size_t size, uint64_t seed) {
+    return XXH3_64bits_withSeed(data, size, seed);
+}

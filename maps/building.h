@@ -1,0 +1,220 @@
+// building.h - what a building is, whatever file it came from.
+//
+// Free space is a set of disjoint prisms, the regions: a plan polygon between two heights. What is not in a
+// region is solid (walls, slabs, soil) or beyond the world. Where two regions touch, one sees from one into the
+// other; everywhere else their boundary is an opaque surface. So walls, floors and ceilings are not stored as
+// polygons: the cell stage makes them from the regions, watertight by construction. Furniture and details are
+// polygons of their own, grouped in objects.
+//
+// All plan coordinates and heights of regions are multiples of 1 mm (maps_snap), and regions that touch share
+// their plan vertices exactly: if the boundaries of two regions overlap along a line, they have the same vertices
+// there. Faults against this are named by building_check.
+#ifndef MAPS_BUILDING_H
+#define MAPS_BUILDING_H
+
+#include <stdint.h>
+
+#include "engine/core/arena.h"
+#include "engine/core/error.h"
+#include "engine/core/vec.h"
+
+typedef struct Rgb {
+    float r, g, b;
+} Rgb;
+
+typedef struct Material {
+    const char *name;
+    Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
+    Rgb emission;     // radiant exitance, W/m^2
+    float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
+} Material;
+
+typedef struct Storey {
+    const char *name;
+    double floor;   // metres
+    double height;  // floor to ceiling, metres
+    double slab;    // thickness of the slab under the floor, metres
+} Storey;
+
+typedef enum RegionKind {
+    REGION_ROOM,      // indoors
+    REGION_OUTDOORS,  // under the sky
+    REGION_OPENING,   // inside a wall: a doorway, or one half of it, or a window
+    REGION_SHAFT,     // inside a slab: a stairwell
+    REGION_KINDS
+} RegionKind;
+
+// A prism of free space. The first ring is the outer one, counter-clockwise from above; the others are holes,
+// clockwise. So free space lies to the left of every edge.
+typedef struct Region {
+    RegionKind kind;
+    const char *name;  // of the room as drawn, or ""
+    int storey;        // -1 outdoors
+    int opening;       // for REGION_OPENING, else -1
+    int side;          // for REGION_OPENING: the half it is, 0 or 1 (0 for windows)
+    int first_ring, ring_count;
+    double z0, z1;
+    int floor_material, ceiling_material;  // -1: nothing is drawn (the sky)
+} Region;
+
+typedef struct Ring {
+    int first_point, point_count;
+} Ring;
+
+typedef enum OpeningKind {
+    OPENING_DOOR,     // has a leaf: blocks sight and passage while closed, unless glazed
+    OPENING_PASSAGE,  // no leaf
+    OPENING_WINDOW,   // seen through, not walked through
+    OPENING_KINDS
+} OpeningKind;
+
+// A hole in a wall between `sill` and `head`. A door's region is split in two halves by the vertical plane
+// through leaf[0] and leaf[1]; the closed leaf fills the contact of the halves.
+typedef struct Opening {
+    OpeningKind kind;
+    const char *name;
+    int storey;
+    bool glazed;         // a door of glass: never blocks sight
+    Vec2 leaf[2];        // plan ends of the closed leaf; side 0 lies to the left of leaf[0] -> leaf[1]
+    double sill, head;   // absolute heights, metres
+    int hinge;           // the end the leaf hangs on: 0, 1, or 2 for a double leaf hung on both ends
+    double swing;        // angle from closed to open, radians, counter-clockwise about leaf[hinge] from above
+    int region[2];       // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere
+    const char *reason;  // NULL, or why a side leads nowhere
+    int material;        // of the leaf
+} Opening;
+
+// Convex and planar (within MAPS_PLANARITY), counter-clockwise seen from its front; seen from both sides.
+typedef struct Polygon {
+    int first_vertex, vertex_count;
+    int material;
+} Polygon;
+
+typedef enum ObjectKind {
+    OBJECT_FURNITURE,
+    OBJECT_STAIR,
+    OBJECT_LOW_WALL,  // a wall that does not reach the ceiling
+    OBJECT_FRAME,     // of a door or window
+    OBJECT_LEAF,      // of a door
+    OBJECT_LAMP,
+    OBJECT_SURFACE,  // walls, floors and ceilings, made by the cell stage
+    OBJECT_KINDS
+} ObjectKind;
+
+typedef enum ObjectShown { SHOWN_ALWAYS, SHOWN_CLOSED, SHOWN_OPEN } ObjectShown;
+
+// Polygons that belong together and are drawn together.
+typedef struct Object {
+    ObjectKind kind;
+    const char *name;
+    int first_polygon, polygon_count;
+    int opening;  // whose state decides, for SHOWN_CLOSED and SHOWN_OPEN; else -1
+    ObjectShown shown;
+    // The coarse stand-in for collision and light: a vertical prism or box. Plan corners, counter-clockwise.
+    Vec2 proxy[4];
+    double proxy_z0, proxy_z1;  // equal: there is none
+} Object;
+
+// A flat piece let into a floor or a ceiling (a lamp panel, a carpet): where it lies, the floor or ceiling is
+// left out. Convex, counter-clockwise from above, points in Building.points.
+typedef struct Inlay {
+    int first_point, point_count;
+    double z;
+    int material;
+} Inlay;
+
+typedef struct Light {
+    const char *name;
+    Vec3 position;
+    double radius;  // metres
+    Rgb flux;       // W
+    int object;     // the lamp it sits in, or -1
+} Light;
+
+typedef struct Viewpoint {
+    const char *name;
+    Vec3 eye;
+    double yaw, pitch;  // radians; yaw 0 looks along +x, counter-clockwise; pitch > 0 looks up
+    double fov;         // horizontal, radians
+} Viewpoint;
+
+// A stored camera path: runs of viewpoints.
+typedef struct Tour {
+    const char *name;
+    int first_viewpoint, viewpoint_count;  // in Building.tour_points
+} Tour;
+
+typedef enum NoteKind { NOTE_LEAK, NOTE_DROPPED, NOTE_CHANGED, NOTE_KINDS } NoteKind;
+
+// What was not enclosed (with the way to the hole), left out, or changed on reading.
+typedef struct Note {
+    NoteKind kind;
+    const char *text;  // one sentence with its place
+    Vec3 place;
+    int first_point, point_count;  // a leak's path from the room to the hole and out, in Building.points
+} Note;
+
+typedef struct Building {
+    const char *source;  // the path it was read from
+    uint64_t hash;       // of the file's content
+    Material *materials;
+    Storey *storeys;
+    Region *regions;
+    Ring *rings;
+    Vec2 *points;        // of rings, inlays and leak paths
+    int *edge_material;  // [point_count] of the wall to the right of points[i] -> the next of its ring
+    Opening *openings;
+    Polygon *polygons;
+    Vec3 *vertices;
+    Object *objects;
+    Inlay *inlays;
+    Light *lights;
+    Viewpoint *viewpoints, *tour_points;
+    Tour *tours;
+    Note *notes;
+    int material_count, storey_count, region_count, ring_count, point_count, opening_count, polygon_count,
+        vertex_count, object_count, inlay_count, light_count, viewpoint_count, tour_point_count, tour_count,
+        note_count;
+    int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
+        opening_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
+        viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity;
+    Box world;   // of all free space; beyond it there is nothing
+    Vec3 start;  // where a walk begins: an eye in a room
+    double start_yaw;
+    double drawn_area, lost_area;  // m^2 of rooms as drawn, and of those that could not be used
+} Building;
+
+// Reflectances above this are capped: white paint, and a sum of reflections that ends.
+#define MAPS_MAX_REFLECTANCE 0.85f
+// The grid of the plan and of heights, metres: finer than any wall, coarser than the noise in real files.
+#define MAPS_GRID 0.001
+// How far a polygon's vertices may lie off its plane, metres.
+#define MAPS_PLANARITY 0.001
+// Coordinates beyond this are refused, metres: the grid stays exact in doubles, georeferenced plans fit.
+#define MAPS_LIMIT 1e8
+// How far the outdoors reaches beyond everything built, metres.
+#define MAPS_OUTDOORS 20.0
+
+static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
+
+// Readers append with these; all copy what they are given into the arena.
+int building_add_material(Arena *arena, Building *b, Material material);  // finds an equal one first
+int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name);
+// Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
+// Returns how many polygons it became.
+int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
+// Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
+void building_set_proxy(Building *b, double angle);
+void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+// sRGB channel 0..255 to linear reflectance, capped.
+float maps_linear(int srgb);
+Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
+
+// Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
+int building_check(const Building *b, Arena *arena, const char **faults, int max);
+
+const char *region_kind_name(RegionKind kind);
+const char *opening_kind_name(OpeningKind kind);
+
+#endif

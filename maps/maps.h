@@ -1,0 +1,23 @@
+// maps.h - reading building files of any known format.
+#ifndef MAPS_MAPS_H
+#define MAPS_MAPS_H
+
+#include "engine/core/file.h"
+#include "maps/building.h"
+
+// A file format: one reader a file, one row in the table in maps.c.
+typedef struct MapsReader {
+    const char *name;                  // "plan"
+    const char *suffixes;              // ".plan" or ".sh3d .xml", separated by blanks
+    const char *summary;               // for --help
+    bool (*recognise)(Bytes content);  // by content alone
+    bool (*read)(const char *path, Bytes content, Arena *arena, Building *out, Error *error);
+} MapsReader;
+
+extern const MapsReader *const MAPS_READERS[];  // ends with NULL
+
+// Reads a building with the reader that suffix and content choose; on success the building passes
+// building_check. Bad input: false and one sentence.
+bool maps_read(const char *path, Arena *arena, Building *out, Error *error);
+
+#endif

@@ -1,0 +1,399 @@
+// test_vis.c - cells, portals, stab trees and queries against straight lines traced through them.
+#include <criterion/criterion.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "engine/core/file.h"
+#include "engine/core/predicates.h"
+#include "tests/fixture.h"
+#include "visibility/sightline.h"
+
+typedef struct Made {
+    Arena arena;
+    Building *building;
+    CellGraph graph;
+    StabForest forest;
+} Made;
+
+static void make(Made *m, uint64_t seed, int nx, int ny, int storeys, int threads, int max_nodes) {
+    Random random = {seed};
+    *m = (Made){0};
+    m->building = fixture_rooms(&m->arena, &random, nx, ny, storeys);
+    VisOptions options = vis_default_options();
+    options.threads = threads;
+    if (max_nodes) options.max_nodes = max_nodes;
+    Error error;
+    cr_assert(vis_build_cells(m->building, &options, &m->arena, &m->graph, &error), "seed %llu: %s",
+              (unsigned long long)seed, error.text);
+    cr_assert(vis_build_forest(&m->graph, &options, NULL, &m->arena, &m->forest));
+}
+
+// Proves that orient2d is exact: integers up to 2^26 have an exact answer in 64 bits; offsets of one unit in the last
+// place around a line are told apart as __int128 arithmetic tells them apart.
+__extension__ typedef __int128 Wide;
+Test(predicates, orient2d_is_exact) {
+    Random random = {1};
+    for (int i = 0; i < 200000; i++) {
+        long long p[6];
+        for (int k = 0; k < 6; k++) p[k] = (long long)(random_next(&random) >> 11) - (1ll << 52);
+        if (i % 2) {  // nearly or exactly collinear
+            p[4] = p[0] / 2 + p[2] / 2;
+            p[5] = p[1] / 2 + p[3] / 2;
+        }
+        Wide det = (Wide)(p[2] - p[0]) * (p[5] - p[1]) - (Wide)(p[3] - p[1]) * (p[4] - p[0]);
+        int expected = (det > 0) - (det < 0);
+        int found = orient2d(vec2((double)p[0], (double)p[1]), vec2((double)p[2], (double)p[3]),
+                             vec2((double)p[4], (double)p[5]));
+        cr_assert_eq(found, expected, "case %d", i);
+    }
+}
+
+// Two sets are separated by a line iff they are by one through two of their points.
+static bool separable(const Vec2 *left, const Vec2 *right, int count) {
+    Vec2 all[64];
+    for (int i = 0; i < count; i++) {
+        all[2 * i] = left[i];
+        all[2 * i + 1] = right[i];
+    }
+    for (int i = 0; i < 2 * count; i++) {
+        for (int j = 0; j < 2 * count; j++) {
+            if (vec2_equal(all[i], all[j])) continue;
+            bool good = true;
+            for (int k = 0; k < count && good; k++) {
+                good = orient2d(all[i], all[j], left[k]) >= 0 && orient2d(all[i], all[j], right[k]) <= 0;
+            }
+            if (good) return true;
+        }
+    }
+    return false;
+}
+
+// Proves that the incremental sightline agrees with brute force on chains of portals of convex cells, degenerate
+// ones (small integer coordinates: shared ends, collinear ends) among them.
+Test(sightline, agrees_with_brute_force) {
+    int found = 0, lost = 0;
+    for (uint64_t seed = 1; seed <= 20000; seed++) {
+        Random random = {seed};
+        Vec2 left[16], right[16], l[16], r[16];
+        Sightline line = {.left = l, .right = r, .capacity = 16};
+        int grid = seed % 2 ? 8 : 1000, count = 0;
+        for (int tries = 0; tries < 400 && count < 10; tries++) {
+            Vec2 a = vec2(random_index(&random, grid), random_index(&random, grid) + count * grid / 4);
+            Vec2 b = vec2(random_index(&random, grid), random_index(&random, grid) + count * grid / 4);
+            if (vec2_equal(a, b)) continue;
+            if (count > 0) {
+                Vec2 pl = left[count - 1], pr = right[count - 1];
+                // Beyond the last portal, and the last one before this: a convex cell lies between.
+                if (orient2d(pr, pl, a) > 0 || orient2d(pr, pl, b) > 0) continue;
+                if (orient2d(b, a, pl) < 0 || orient2d(b, a, pr) < 0) continue;
+                if (orient2d(pr, pl, a) == 0 && orient2d(pr, pl, b) == 0) continue;
+            }
+            left[count] = a;
+            right[count] = b;
+            SightlineUndo undo;
+            bool expected = separable(left, right, count + 1);
+            bool got = sightline_push(&line, a, b, &undo);
+            cr_assert_eq(got, expected, "seed %llu, portal %d", (unsigned long long)seed, count);
+            if (!got) {
+                lost++;
+                continue;
+            }
+            found++;
+            if (random_unit(&random) < 0.3) {  // undo must restore
+                sightline_pop(&line, &undo);
+                continue;
+            }
+            count++;
+        }
+    }
+    cr_assert(found > 10000 && lost > 10000, "the chains are too easy: %d crossed, %d not", found, lost);
+}
+
+// Proves the structure: cells convex, each contact on both its cells, portals on the boundary of both, and every
+// cell face covered: portals and surfaces together have the area of the cell's boundary.
+Test(cells, are_closed) {
+    for (uint64_t seed = 1; seed <= 30; seed++) {
+        Made m;
+        make(&m, seed, 3, 3, 2, 1, 0);
+        const CellGraph *g = &m.graph;
+        for (int c = 0; c < g->cell_count; c++) {
+            const Cell *cell = &g->cells[c];
+            double boundary = 0, covered = 0, plan = 0;
+            for (int i = 0; i < cell->edge_count; i++) {
+                const Vec2 *p = g->plan + cell->first_edge;
+                Vec2 a = p[i], b = p[(i + 1) % cell->edge_count], next = p[(i + 2) % cell->edge_count];
+                cr_assert_geq(orient2d(a, b, next), 0, "seed %llu: cell %d is not convex",
+                              (unsigned long long)seed, c);
+                boundary += vec2_length(vec2_sub(b, a)) * (cell->z1 - cell->z0);
+                plan += vec2_cross(vec2_sub(a, p[0]), vec2_sub(b, p[0])) / 2;
+            }
+            boundary += 2 * plan;
+            for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+                const Portal *portal = &g->portals[g->contacts[i].portal];
+                cr_assert(portal->cell[0] == c || portal->cell[1] == c);
+                covered += polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
+            }
+            for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
+                const Polygon *p = &g->polygons[g->objects[i].first_polygon];
+                covered += polygon_area(g->vertices + p->first_vertex, p->vertex_count);
+            }
+            // Rounding only: areas of a few square metres.
+            cr_assert_float_eq(covered, boundary, 1e-9, "seed %llu: cell %d: %.12f of %.12f m2 are covered",
+                               (unsigned long long)seed, c, covered, boundary);
+        }
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that no vertex of a surface lies inside an edge of another: nothing shows through the seams.
+Test(cells, have_no_t_vertices) {
+    Made m;
+    make(&m, 5, 3, 3, 2, 1, 0);
+    const CellGraph *g = &m.graph;
+    int first = g->polygons[g->objects[g->surface_first[0]].first_polygon].first_vertex;
+    for (int i = g->surface_first[0]; i < g->object_count; i++) {
+        const Polygon *p = &g->polygons[g->objects[i].first_polygon];
+        for (int k = 0; k < p->vertex_count; k++) {
+            Vec3 a = g->vertices[p->first_vertex + k],
+                 b = g->vertices[p->first_vertex + (k + 1) % p->vertex_count];
+            Vec3 along = vec3_sub(b, a);
+            for (int v = first; v < g->vertex_count; v++) {
+                Vec3 q = vec3_sub(g->vertices[v], a);
+                double t = vec3_dot(q, along) / vec3_dot(along, along);
+                if (t < 1e-6 || t > 1 - 1e-6) continue;
+                cr_assert_gt(vec3_length(vec3_sub(q, vec3_scale(along, t))), 1e-8);
+            }
+        }
+    }
+    arena_free(&m.arena);
+}
+
+static bool tree_has_path(const Made *m, const Trace *trace) {
+    int node = m->forest.root[trace->cells[0]];
+    for (int i = 1; i < trace->count; i++) {
+        int child = node + 1;
+        if (child >= m->forest.node_count || m->forest.nodes[child].parent != node) return false;
+        while (child >= 0 && m->forest.nodes[child].portal != trace->portals[i - 1])
+            child = m->forest.nodes[child].next;
+        if (child < 0) return false;
+        node = child;
+    }
+    return true;
+}
+
+// Proves that stab trees are conservative: whatever way a straight line takes through portals is a path of the tree,
+// and the visible sets hold its cells; the sets are symmetric; bounded trees keep the visible sets whole.
+Test(forest, holds_every_sightline) {
+    for (uint64_t seed = 1; seed <= 40; seed++) {
+        Made m;
+        bool bounded = seed % 4 == 0;
+        make(&m, seed, 4, 4, seed % 3 ? 1 : 2, 1, bounded ? 3 : 0);
+        Random random = {seed * 77};
+        for (int i = 0; i < 5000; i++) {
+            int cell = random_index(&random, m.graph.cell_count);
+            Trace trace;
+            Vec3 direction = fixture_direction(&random);
+            direction.z *= 0.2;  // mostly level: those lines go far
+            if (!fixture_trace(&m.graph, cell, fixture_point(&m.graph, &random, cell), direction, NULL,
+                               &trace))
+                continue;
+            for (int k = 0; k < trace.count; k++) {
+                cr_assert(vis_sees(&m.forest, cell, trace.cells[k]), "seed %llu: cell %d sees %d",
+                          (unsigned long long)seed, cell, trace.cells[k]);
+            }
+            if (!m.forest.bounded[cell])
+                cr_assert(tree_has_path(&m, &trace), "seed %llu", (unsigned long long)seed);
+        }
+        for (int a = 0; a < m.graph.cell_count; a++) {
+            for (int b = 0; b < a; b++) cr_assert_eq(vis_sees(&m.forest, a, b), vis_sees(&m.forest, b, a));
+        }
+        arena_free(&m.arena);
+    }
+}
+
+// Proves determinism: the same .vis bytes on 1, 2 and 7 threads.
+Test(forest, is_the_same_on_any_number_of_threads) {
+    char path[3][64];
+    Bytes bytes[3];
+    Arena arena = {0};
+    const int threads[3] = {1, 2, 7};
+    for (int i = 0; i < 3; i++) {
+        Made m;
+        make(&m, 11, 5, 5, 2, threads[i], 0);
+        snprintf(path[i], sizeof path[i], "/tmp/enfilade-test-%d-%d.vis", (int)getpid(), i);
+        Error error;
+        cr_assert(vis_save(path[i], &m.graph, &m.forest, &error), "%s", error.text);
+        cr_assert(file_read(path[i], 1 << 30, &arena, &bytes[i], &error), "%s", error.text);
+        unlink(path[i]);
+        arena_free(&m.arena);
+        cr_assert_eq(bytes[i].size, bytes[0].size);
+        cr_assert_eq(memcmp(bytes[i].data, bytes[0].data, bytes[0].size), 0);
+    }
+    arena_free(&arena);
+}
+
+// Proves that a .vis file comes back as it went, and that damaged, cut and foreign files are refused.
+Test(vis_file, refuses_what_is_not_whole) {
+    Made m, other;
+    make(&m, 3, 2, 2, 1, 1, 0);
+    make(&other, 4, 2, 2, 1, 1, 0);
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/enfilade-test-%d.vis", (int)getpid());
+    Error error;
+    StabForest back;
+    Bytes good;
+    cr_assert(vis_save(path, &m.graph, &m.forest, &error), "%s", error.text);
+    cr_assert(vis_load(path, &m.graph, &m.arena, &back, &error), "%s", error.text);
+    cr_assert_eq(back.node_count, m.forest.node_count);
+    cr_assert_eq(memcmp(back.nodes, m.forest.nodes, (size_t)back.node_count * sizeof *back.nodes), 0);
+    cr_assert_not(vis_load(path, &other.graph, &m.arena, &back, &error), "another building's file was taken");
+    cr_assert(file_read(path, 1 << 30, &m.arena, &good, &error));
+    Random random = {9};
+    for (int i = 0; i < 300; i++) {
+        Arena scratch = {0};
+        unsigned char *bad = arena_alloc(&scratch, good.size, 1);
+        memcpy(bad, good.data, good.size);
+        size_t size = good.size;
+        if (i % 2) {
+            size = (size_t)(random_unit(&random) * (double)good.size);
+        } else {
+            bad[(size_t)(random_unit(&random) * (double)good.size)] ^=
+                (unsigned char)(1 << random_index(&random, 8));
+        }
+        cr_assert(file_write(path, bad, size, &error));
+        cr_assert_not(vis_load(path, &m.graph, &scratch, &back, &error), "case %d", i);
+        arena_free(&scratch);
+    }
+    unlink(path);
+    arena_free(&m.arena);
+    arena_free(&other.arena);
+}
+
+static Eye random_eye(const Made *m, Random *random, int *cell) {
+    *cell = random_index(random, m->graph.cell_count);
+    Eye eye = {.position = fixture_point(&m->graph, random, *cell)};
+    if (random_unit(random) < 0.2) return eye;  // all directions
+    Vec3 forward = fixture_direction(random), side = fixture_direction(random);
+    Vec3 right = vec3_normalize(vec3_cross(forward, side)), up = vec3_cross(right, forward);
+    double x = random_between(random, 0.2, 1.5), y = random_between(random, 0.2, 1.5);
+    Vec3 n[4] = {vec3_add(right, vec3_scale(forward, x)), vec3_sub(vec3_scale(forward, x), right),
+                 vec3_add(up, vec3_scale(forward, y)), vec3_sub(vec3_scale(forward, y), up)};
+    eye.frustum_count = 4;
+    for (int i = 0; i < 4; i++) {
+        n[i] = vec3_normalize(n[i]);
+        eye.frustum[i] = (Plane){n[i], vec3_dot(n[i], eye.position)};
+    }
+    return eye;
+}
+
+// An eye exactly on a portal, or on the plane of its cell's portal, or in a corner of it.
+static void put_on_portal(const Made *m, Random *random, int cell, Eye *eye) {
+    const Cell *c = &m->graph.cells[cell];
+    if (c->contact_count == 0) return;
+    const Contact *contact = &m->graph.contacts[c->first_contact + random_index(random, c->contact_count)];
+    const Portal *portal = &m->graph.portals[contact->portal];
+    const Vec3 *v = m->graph.portal_vertices + portal->first_vertex;
+    double s = random_unit(random), t = random_unit(random);
+    if (random_unit(random) < 0.2) s = 0;
+    Vec3 p = vec3_add(v[0], vec3_add(vec3_scale(vec3_sub(v[1], v[0]), s),
+                                     vec3_scale(vec3_sub(v[portal->vertex_count - 1], v[0]), t)));
+    Vec3 moved = vec3_sub(p, eye->position);
+    eye->position = p;
+    for (int i = 0; i < eye->frustum_count; i++) eye->frustum[i].d += vec3_dot(eye->frustum[i].n, moved);
+}
+
+static bool in_view(const Eye *eye, Vec3 direction) {
+    for (int i = 0; i < eye->frustum_count; i++) {
+        if (vec3_dot(eye->frustum[i].n, direction) < 1e-9) return false;
+    }
+    return true;
+}
+
+static bool drawn_surface_at(const CellGraph *g, const VisResult *result, int cell, Vec3 hit) {
+    for (int i = 0; i < result->object_count; i++) {
+        int object = result->objects[i];
+        bool surface = object >= g->surface_first[cell] && object < g->surface_first[cell + 1];
+        bool leaf = g->objects[object].kind == OBJECT_LEAF;
+        if ((surface || leaf) && box_contains(box_grow(g->object_boxes[object], 1e-6), hit)) return true;
+    }
+    return false;
+}
+
+// Proves that a query loses nothing: a line from the eye inside the view, through open portals, ends on a surface
+// that is drawn, in a cell that is listed; with random doors, views, and eyes on portals, by every method.
+Test(query, loses_nothing) {
+    for (uint64_t seed = 1; seed <= 24; seed++) {
+        Made m;
+        make(&m, seed, 4, 4, seed % 3 ? 1 : 2, 1, seed % 4 == 0 ? 3 : 0);
+        VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
+        Random random = {seed * 31};
+        unsigned char *doors = ARENA_ARRAY(&m.arena, unsigned char, m.building->opening_count);
+        for (int i = 0; i < 300; i++) {
+            int cell;
+            Eye eye = random_eye(&m, &random, &cell);
+            if (i % 4 == 0) put_on_portal(&m, &random, cell, &eye);
+            for (int d = 0; d < m.building->opening_count; d++) doors[d] = random_unit(&random) < 0.6;
+            VisMethod method = (VisMethod)(VIS_PORTALS + i % 3);
+            VisResult result = vis_query(query, &eye, cell, doors, method);
+            if (result.eye_cell < 0) continue;
+            for (int k = 0; k < 200; k++) {
+                Vec3 direction = fixture_direction(&random);
+                direction.z *= 0.3;
+                Trace trace;
+                if (!in_view(&eye, direction)) continue;
+                if (!fixture_trace(&m.graph, cell, eye.position, direction, doors, &trace)) continue;
+                cr_assert(drawn_surface_at(&m.graph, &result, trace.cells[trace.count - 1], trace.hit),
+                          "seed %llu, eye %d, line %d, method %s: the surface at (%g, %g, %g) is not drawn",
+                          (unsigned long long)seed, i, k, VIS_METHOD_NAMES[method], trace.hit.x, trace.hit.y,
+                          trace.hit.z);
+            }
+        }
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that culling culls, and that each method draws no more than the weaker one: trees no more than run-time
+// portals, three dimensions no more than two, and all no more than everything.
+Test(query, methods_are_ordered) {
+    Made m;
+    make(&m, 2, 6, 6, 1, 1, 0);
+    VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
+    Random random = {5};
+    double drawn[VIS_METHODS] = {0};
+    for (int i = 0; i < 300; i++) {
+        int cell, count[VIS_METHODS];
+        Eye eye = random_eye(&m, &random, &cell);
+        for (int k = 0; k < VIS_METHODS; k++) {
+            count[k] = vis_query(query, &eye, cell, NULL, (VisMethod)k).polygon_count;
+            drawn[k] += count[k];
+        }
+        cr_assert(count[VIS_STAB] <= count[VIS_PORTALS] && count[VIS_FRUSTUM] <= count[VIS_NONE]);
+    }
+    cr_assert_lt(drawn[VIS_STAB], drawn[VIS_PLAN]);
+    cr_assert_lt(drawn[VIS_STAB], 0.25 * drawn[VIS_NONE]);
+    arena_free(&m.arena);
+}
+
+// Proves that opening a door hides nothing.
+Test(query, opening_a_door_hides_nothing) {
+    Made m;
+    make(&m, 8, 4, 4, 1, 1, 0);
+    VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
+    Random random = {6};
+    unsigned char *doors = ARENA_ARRAY(&m.arena, unsigned char, m.building->opening_count + 1);
+    unsigned char *before = ARENA_ARRAY(&m.arena, unsigned char, m.graph.cell_count);
+    for (int i = 0; i < 300; i++) {
+        int cell;
+        Eye eye = random_eye(&m, &random, &cell);
+        for (int d = 0; d < m.building->opening_count; d++) doors[d] = random_unit(&random) < 0.5;
+        VisResult result = vis_query(query, &eye, cell, doors, VIS_STAB);
+        memset(before, 0, (size_t)m.graph.cell_count);
+        for (int k = 0; k < result.cell_count; k++) before[result.cells[k].cell] = 1;
+        if (m.building->opening_count) doors[random_index(&random, m.building->opening_count)] = 1;
+        result = vis_query(query, &eye, cell, doors, VIS_STAB);
+        for (int k = 0; k < result.cell_count; k++) before[result.cells[k].cell] = 0;
+        for (int c = 0; c < m.graph.cell_count; c++) cr_assert_eq(before[c], 0, "eye %d, cell %d", i, c);
+    }
+    arena_free(&m.arena);
+}

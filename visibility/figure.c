@@ -1,0 +1,302 @@
+// figure.c - plans and stab trees as figures, after figures 1 and 3 of Oki's paper.
+#include "visibility/figure.h"
+
+#include <stdio.h>
+
+#include "engine/core/error.h"
+#include "visibility/sightline.h"
+
+static const DrawStyle WALL = {.stroke = 0x222222, .width = 0.07};
+static const DrawStyle PORTAL = {.stroke = 0x5588cc, .width = 0.015};
+static const DrawStyle DOOR = {.stroke = 0xb05020, .width = 0.05};
+static const DrawStyle SWING = {.stroke = 0xb05020, .width = 0.012, .dash = 0.06};
+static const DrawStyle GLASS = {.stroke = 0x30a0d0, .width = 0.05};
+static const DrawStyle SIGHTLINE = {.stroke = 0xcc2222, .width = 0.02, .dash = 0.12};
+
+static Vec2 centroid(const Vec2 *p, int count) {
+    Vec2 sum = {0, 0};
+    double area = 0;
+    for (int i = 1; i + 1 < count; i++) {
+        double a = vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0]));
+        Vec2 middle = vec2_scale(vec2_add(vec2_add(p[0], p[i]), p[i + 1]), 1.0 / 3);
+        sum = vec2_add(sum, vec2_scale(middle, a));
+        area += a;
+    }
+    return area > 0 ? vec2_scale(sum, 1 / area) : p[0];
+}
+
+static bool cell_at(const Cell *cell, double z) { return cell->z0 <= z && z <= cell->z1; }
+
+static Vec2 cell_middle(const CellGraph *graph, int c) {
+    return centroid(graph->plan + graph->cells[c].first_edge, graph->cells[c].edge_count);
+}
+
+static const Region *region_of(const CellGraph *graph, int c) {
+    return &graph->building->regions[graph->cells[c].region];
+}
+
+static void fill_cells(const CellGraph *graph, double z, const Draw *draw) {
+    static const unsigned fills[REGION_KINDS] = {0xf6f1e6, 0xeaf3e4, 0xf3e6d8, 0xe0e0f0};
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Cell *cell = &graph->cells[c];
+        if (!cell_at(cell, z)) continue;
+        DrawStyle style = {.fill = fills[region_of(graph, c)->kind], .fill_opacity = 1};
+        draw->polygon(draw->context, graph->plan + cell->first_edge, cell->edge_count, &style);
+    }
+}
+
+static void draw_walls(const CellGraph *graph, double z, const Draw *draw) {
+    for (int i = graph->surface_first[0]; i < graph->surface_first[graph->cell_count]; i++) {
+        const Polygon *p = &graph->polygons[graph->objects[i].first_polygon];
+        const Vec3 *v = graph->vertices + p->first_vertex;
+        Box box = box_empty();
+        for (int k = 0; k < p->vertex_count; k++) box = box_add(box, v[k]);
+        if (box.min.z == box.max.z || box.min.z > z || box.max.z < z) continue;
+        Vec3 far = v[0];  // an upright surface: its plan is the line to the corner farthest from the first
+        for (int k = 1; k < p->vertex_count; k++) {
+            if (hypot(v[k].x - v[0].x, v[k].y - v[0].y) > hypot(far.x - v[0].x, far.y - v[0].y)) far = v[k];
+        }
+        draw->line(draw->context, vec2(v[0].x, v[0].y), vec2(far.x, far.y), &WALL);
+    }
+}
+
+static void draw_portals(const CellGraph *graph, double z, const Draw *draw) {
+    for (int i = 0; i < graph->portal_count; i++) {
+        const Portal *portal = &graph->portals[i];
+        const Vec3 *v = graph->portal_vertices + portal->first_vertex;
+        if (!portal->horizontal && v[0].z <= z && z <= v[1].z) {
+            draw->line(draw->context, portal->left, portal->right, &PORTAL);
+        }
+    }
+}
+
+static void draw_swing(const Opening *o, int hinge, double length, double swing, const Draw *draw) {
+    enum { STEPS = 12 };
+    Vec2 leaf = vec2_sub(o->leaf[1 - hinge], o->leaf[hinge]),
+         previous = vec2_add(o->leaf[hinge], vec2_scale(leaf, length));
+    for (int i = 1; i <= STEPS; i++) {
+        double a = swing * i / STEPS, c = cos(a), s = sin(a);
+        Vec2 turned = vec2(leaf.x * c - leaf.y * s, leaf.x * s + leaf.y * c);
+        Vec2 next = vec2_add(o->leaf[hinge], vec2_scale(turned, length));
+        draw->line(draw->context, previous, next, &SWING);
+        previous = next;
+    }
+    draw->line(draw->context, o->leaf[hinge], previous, &DOOR);
+}
+
+static void draw_openings(const CellGraph *graph, double z, const Draw *draw) {
+    const Building *b = graph->building;
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        if (o->sill > z || o->head < z) continue;
+        if (o->kind == OPENING_WINDOW || o->glazed) draw->line(draw->context, o->leaf[0], o->leaf[1], &GLASS);
+        if (o->kind != OPENING_DOOR || o->glazed) continue;
+        if (o->hinge == 2) {
+            draw_swing(o, 0, 0.5, o->swing, draw);
+            draw_swing(o, 1, 0.5, -o->swing, draw);
+        } else {
+            draw_swing(o, o->hinge, 1, o->swing, draw);
+        }
+    }
+}
+
+static void draw_names(const CellGraph *graph, double z, const Draw *draw) {
+    const Building *b = graph->building;
+    for (int r = 0; r < b->region_count; r++) {
+        const Region *region = &b->regions[r];
+        if (region->kind != REGION_ROOM || !*region->name || region->z0 > z || region->z1 < z) continue;
+        const Ring *ring = &b->rings[region->first_ring];
+        draw->text(draw->context, centroid(b->points + ring->first_point, ring->point_count), 0.28, 0x555555,
+                   region->name);
+    }
+}
+
+void figure_plan(const CellGraph *graph, double z, const Draw *draw) {
+    fill_cells(graph, z, draw);
+    draw_portals(graph, z, draw);
+    draw_walls(graph, z, draw);
+    draw_openings(graph, z, draw);
+    draw_names(graph, z, draw);
+}
+
+// ---- sightlines
+
+static bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d, Vec2 *out) {
+    Vec2 u = vec2_sub(b, a), v = vec2_sub(d, c);
+    double det = vec2_cross(u, v);
+    if (fabs(det) < 1e-12) return false;
+    *out = vec2_add(a, vec2_scale(u, vec2_cross(vec2_sub(c, a), v) / det));
+    return true;
+}
+
+// A line between the two extremes of the sequence: through where they cross, half-way between their directions.
+static void middle_line(const Sightline *line, Vec2 *point, Vec2 *direction) {
+    Vec2 a = line->right[line->ccw_from], b = line->left[line->ccw_to];
+    Vec2 c = line->left[line->cw_from], d = line->right[line->cw_to];
+    Vec2 u = vec2_sub(b, a), v = vec2_sub(d, c);
+    u = vec2_scale(u, 1 / fmax(vec2_length(u), 1e-12));
+    v = vec2_scale(v, 1 / fmax(vec2_length(v), 1e-12));
+    *direction = vec2_add(u, v);
+    if (!meet(a, b, c, d, point)) *point = vec2_scale(vec2_add(a, c), 0.5);
+}
+
+// The stretch of the line inside a cell, as parameters along it.
+static bool stretch(const CellGraph *graph, int c, Vec2 point, Vec2 direction, double *from, double *to) {
+    const Cell *cell = &graph->cells[c];
+    const Vec2 *plan = graph->plan + cell->first_edge;
+    *from = -1e9;
+    *to = 1e9;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = plan[i], edge = vec2_sub(plan[(i + 1) % cell->edge_count], a);
+        double here = vec2_cross(edge, vec2_sub(point, a)), rate = vec2_cross(edge, direction);
+        if (fabs(rate) < 1e-12) continue;
+        if (rate > 0) *from = fmax(*from, -here / rate);
+        if (rate < 0) *to = fmin(*to, -here / rate);
+    }
+    return *from < *to + 1e-6;
+}
+
+bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,
+                      Vec2 ends[2]) {
+    int depth = 0, root = node;
+    for (; forest->nodes[root].parent >= 0; root = forest->nodes[root].parent) depth++;
+    if (depth == 0) return false;
+    int *path = ARENA_ARRAY(scratch, int, depth + 1);
+    for (int i = depth, at = node; i >= 0; i--, at = forest->nodes[at].parent) path[i] = at;
+    Sightline line = {.left = ARENA_ARRAY(scratch, Vec2, depth),
+                      .right = ARENA_ARRAY(scratch, Vec2, depth),
+                      .capacity = depth};
+    for (int i = 1; i <= depth; i++) {
+        const StabNode *step = &forest->nodes[path[i]];
+        const Portal *portal = &graph->portals[step->portal];
+        if (portal->horizontal) continue;
+        bool forward = portal->cell[0] == forest->nodes[path[i - 1]].cell;
+        SightlineUndo undo;
+        sightline_push(&line, forward ? portal->left : portal->right, forward ? portal->right : portal->left,
+                       &undo);
+    }
+    Vec2 point, direction;
+    int from_cell = forest->nodes[root].cell, to_cell = forest->nodes[node].cell;
+    if (line.count >= 2) {
+        middle_line(&line, &point, &direction);
+    } else {
+        point = cell_middle(graph, from_cell);
+        Vec2 target =
+            line.count ? vec2_scale(vec2_add(line.left[0], line.right[0]), 0.5) : cell_middle(graph, to_cell);
+        direction = vec2_sub(target, point);
+    }
+    double a, b, c, d;
+    if (!stretch(graph, from_cell, point, direction, &a, &b) ||
+        !stretch(graph, to_cell, point, direction, &c, &d)) {
+        return false;
+    }
+    ends[0] = vec2_add(point, vec2_scale(direction, (a + b) / 2));
+    ends[1] = vec2_add(point, vec2_scale(direction, (c + d) / 2));
+    return true;
+}
+
+void figure_seen(const CellGraph *graph, const StabForest *forest, int root, double z, const Draw *draw) {
+    Arena scratch = {0};
+    int *shallowest = ARENA_ARRAY(&scratch, int, graph->cell_count), first = forest->root[root];
+    int count = forest->root[root + 1] - first;
+    int *depth = ARENA_ARRAY(&scratch, int, count), *witness = ARENA_ARRAY(&scratch, int, graph->cell_count);
+    for (int c = 0; c < graph->cell_count; c++) shallowest[c] = -1;
+    for (int i = 0; i < count; i++) {
+        const StabNode *node = &forest->nodes[first + i];
+        depth[i] = node->parent < 0 ? 0 : depth[node->parent - first] + 1;
+        if (shallowest[node->cell] < 0 || depth[i] < shallowest[node->cell]) {
+            shallowest[node->cell] = depth[i];
+            witness[node->cell] = first + i;
+        }
+    }
+    for (int c = 0; c < graph->cell_count; c++) {
+        if (!cell_at(&graph->cells[c], z) || !vis_sees(forest, root, c)) continue;
+        DrawStyle style = {.fill = c == root ? 0xe0a030 : 0x70a8e0,
+                           .fill_opacity = c == root ? 0.7 : 0.75 / (1 + 0.25 * fmax(0, shallowest[c]))};
+        draw->polygon(draw->context, graph->plan + graph->cells[c].first_edge, graph->cells[c].edge_count,
+                      &style);
+    }
+    for (int c = 0; c < graph->cell_count; c++) {
+        Vec2 ends[2];
+        bool room = region_of(graph, c)->kind == REGION_ROOM || region_of(graph, c)->kind == REGION_OUTDOORS;
+        if (shallowest[c] <= 0 || !room || !cell_at(&graph->cells[c], z)) continue;
+        if (!figure_sightline(graph, forest, witness[c], &scratch, ends)) continue;
+        draw->line(draw->context, ends[0], ends[1], &SIGHTLINE);
+        DrawStyle dot = {.fill = 0xcc2222, .fill_opacity = 1};
+        draw->circle(draw->context, ends[1], 0.05, &dot);
+    }
+    arena_free(&scratch);
+}
+
+// ---- the tree itself
+
+typedef struct TreeFigure {
+    const CellGraph *graph;
+    const StabForest *forest;
+    const Draw *draw;
+    Box area;
+    int max_depth, leaves, next_leaf, levels;
+} TreeFigure;
+
+static int count_leaves(TreeFigure *f, int node, int depth) {
+    if (depth + 1 > f->levels) f->levels = depth + 1;
+    int leaves = 0;
+    for (int child = node + 1; depth < f->max_depth && child >= 0 && child < f->forest->node_count &&
+                               f->forest->nodes[child].parent == node;
+         child = f->forest->nodes[child].next) {
+        leaves += count_leaves(f, child, depth + 1);
+    }
+    return leaves ? leaves : 1;
+}
+
+static void node_label(const TreeFigure *f, int cell, char *text, size_t size) {
+    const Region *region = region_of(f->graph, cell);
+    if (region->kind == REGION_ROOM && *region->name) {
+        snprintf(text, size, "%s", region->name);
+    } else {
+        static const char letters[REGION_KINDS] = {'R', 'O', 'd', 's'};
+        snprintf(text, size, "%c%d", letters[region->kind], cell);
+    }
+}
+
+static double draw_node(TreeFigure *f, int node, int depth) {
+    double width = (f->area.max.x - f->area.min.x) / f->leaves;
+    double height = (f->area.max.y - f->area.min.y) / (f->levels > 1 ? f->levels - 1 : 1);
+    double y = f->area.max.y - depth * height, sum = 0, children[1024];
+    int count = 0;
+    for (int child = node + 1; depth < f->max_depth && child >= 0 && child < f->forest->node_count &&
+                               f->forest->nodes[child].parent == node && count < 1024;
+         child = f->forest->nodes[child].next) {
+        children[count] = draw_node(f, child, depth + 1);
+        sum += children[count++];
+    }
+    double x = count ? sum / count : f->area.min.x + width * (f->next_leaf++ + 0.5);
+    double size = fmin(0.28, fmax(0.05, 0.3 * fmin(width, height)));
+    DrawStyle edge = {.stroke = 0x888888, .width = fmin(0.015, size / 8)};
+    for (int i = 0; i < count; i++) {
+        f->draw->line(f->draw->context, vec2(x, y - 0.7 * size), vec2(children[i], y - height + 0.7 * size),
+                      &edge);
+    }
+    char label[64];
+    node_label(f, f->forest->nodes[node].cell, label, sizeof label);
+    f->draw->text(f->draw->context, vec2(x, y), size, depth ? 0x222222 : 0xb05020, label);
+    return x;
+}
+
+void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box area, int max_depth,
+                 const Draw *draw) {
+    TreeFigure f = {graph, forest, draw, area, max_depth, 0, 0, 0};
+    f.leaves = count_leaves(&f, forest->root[root], 0);
+    draw_node(&f, forest->root[root], 0);
+}
+
+void figure_eye(const CellGraph *graph, const VisResult *result, Vec3 eye, double z, const Draw *draw) {
+    for (int i = 0; i < result->cell_count; i++) {
+        const Cell *cell = &graph->cells[result->cells[i].cell];
+        DrawStyle style = {.fill = 0xe07070, .fill_opacity = 0.35};
+        if (cell_at(cell, z))
+            draw->polygon(draw->context, graph->plan + cell->first_edge, cell->edge_count, &style);
+    }
+    DrawStyle dot = {.fill = 0xcc2222, .fill_opacity = 1};
+    draw->circle(draw->context, vec2(eye.x, eye.y), 0.1, &dot);
+}

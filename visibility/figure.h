@@ -1,0 +1,26 @@
+// figure.h - plans and stab trees as figures, through the drawing table: for files and for the overlay alike.
+#ifndef VISIBILITY_FIGURE_H
+#define VISIBILITY_FIGURE_H
+
+#include "engine/core/draw.h"
+#include "visibility/vis.h"
+
+// What of the building lies at height z: cells, walls (heavy), portals (thin), doors with their swing, windows.
+void figure_plan(const CellGraph *graph, double z, const Draw *draw);
+
+// The cells of the tree of `root` at height z, shaded by depth, and a sightline into each (dashed).
+void figure_seen(const CellGraph *graph, const StabForest *forest, int root, double z, const Draw *draw);
+
+// The tree of `root` as nodes and edges inside `area`, to `max_depth` levels; nodes are labelled by room or number.
+void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box area, int max_depth,
+                 const Draw *draw);
+
+// What the eye sees: the squares of visible cells at height z that hold something drawn, and the view's wedge.
+void figure_eye(const CellGraph *graph, const VisResult *result, Vec3 eye, double z, const Draw *draw);
+
+// A line through all portals on the way to `node`, from inside the root cell to inside the node's, in plan.
+// Returns false for the root itself.
+bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,
+                      Vec2 ends[2]);
+
+#endif

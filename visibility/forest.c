@@ -1,0 +1,262 @@
+// forest.c - the stab tree of every cell: depth-first through portals while a sightline crosses the whole sequence
+// (Teller & Sequin 1991).
+//
+// Portals in walls constrain the sightline in plan; one in a floor or ceiling projects to an area and constrains it
+// only in that a line which goes up never comes down. Leaving a constraint out errs towards visible. A cell that
+// has more sequences than `max_nodes` keeps no tree: its visible set is then the cells reached by a flood in which
+// each further portal must lie at least partly before the first one, and the first behind it.
+//
+// Cells are independent of each other, so the threads do not show in the result. Visibility is symmetric: the sets
+// are intersected with their transpose, and the trees cut accordingly.
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/core/error.h"
+#include "visibility/sightline.h"
+#include "visibility/vis.h"
+
+typedef struct Step {
+    int portal, to;
+    Vec2 left, right;  // as seen when crossing, in whole millimetres where the plan is on the grid
+    int rise;          // of a portal in a floor: +1 up, -1 down; else 0
+} Step;
+
+// On the grid, whole millimetres make collinear points exactly collinear.
+static Vec2 grid_millimetres(Vec2 p) {
+    Vec2 mm = {p.x / MAPS_GRID, p.y / MAPS_GRID}, whole = {nearbyint(mm.x), nearbyint(mm.y)};
+    static const double NOISE = 1e-3;  // millimetres: a coordinate this near the grid came from it
+    return vec2(fabs(mm.x - whole.x) < NOISE ? whole.x : mm.x, fabs(mm.y - whole.y) < NOISE ? whole.y : mm.y);
+}
+
+static Step *make_steps(const CellGraph *graph, Arena *scratch) {
+    Step *steps = ARENA_ARRAY(scratch, Step, graph->contact_count);
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Cell *cell = &graph->cells[c];
+        for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+            const Portal *portal = &graph->portals[graph->contacts[i].portal];
+            bool forward = portal->cell[0] == c;
+            Vec2 left = grid_millimetres(portal->left), right = grid_millimetres(portal->right);
+            steps[i] = (Step){graph->contacts[i].portal, graph->contacts[i].cell, forward ? left : right,
+                              forward ? right : left, portal->horizontal ? (forward ? -1 : 1) : 0};
+        }
+    }
+    return steps;
+}
+
+// One cell's tree while it grows.
+typedef struct Grower {
+    const CellGraph *graph;
+    const Step *steps;
+    StabNode *nodes;  // malloc'd: it grows in a thread of its own
+    int count, capacity, limit;
+    Sightline line;
+    unsigned char *on_path;  // [cell_count] a straight line enters a convex cell once
+    bool exhausted;
+} Grower;
+
+static int add_node(Grower *g, int cell, int portal, int parent) {
+    if (g->count == g->limit) {
+        g->exhausted = true;
+        return -1;
+    }
+    if (g->count == g->capacity) {
+        g->capacity = g->capacity ? g->capacity * 2 : 256;
+        g->nodes = realloc(g->nodes, (size_t)g->capacity * sizeof *g->nodes);
+        CORE_ASSERT(g->nodes);
+    }
+    g->nodes[g->count] = (StabNode){cell, portal, parent, -1};
+    return g->count++;
+}
+
+static void grow(Grower *g, int node, int rise) {
+    int cell = g->nodes[node].cell, last = -1;
+    const Cell *from = &g->graph->cells[cell];
+    for (int i = from->first_contact; i < from->first_contact + from->contact_count && !g->exhausted; i++) {
+        const Step *step = &g->steps[i];
+        if (g->on_path[step->to] || rise * step->rise < 0) continue;
+        SightlineUndo undo;
+        if (step->rise == 0 && !sightline_push(&g->line, step->left, step->right, &undo)) continue;
+        int child = add_node(g, step->to, step->portal, node);
+        if (child >= 0) {
+            if (last >= 0) g->nodes[last].next = child;
+            last = child;
+            g->on_path[step->to] = 1;
+            grow(g, child, step->rise ? step->rise : rise);
+            g->on_path[step->to] = 0;
+        }
+        if (step->rise == 0) sightline_pop(&g->line, &undo);
+    }
+}
+
+static void mark(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
+
+// Does any corner of `what` lie on the given side of `plane` (+1 in front, -1 behind), or on it?
+static bool reaches(const CellGraph *graph, const Portal *what, Plane plane, int side) {
+    for (int i = 0; i < what->vertex_count; i++) {
+        if (side * plane_distance(plane, graph->portal_vertices[what->first_vertex + i]) > -MAPS_GRID)
+            return true;
+    }
+    return false;
+}
+
+// The flood through one way out: no line crosses `first` and then `next` unless each lies partly on the far side
+// of the other.
+static void flood_from(const CellGraph *graph, const Step *steps, int source, int contact, uint64_t *row,
+                       int *stack, unsigned char *entered) {
+    memset(entered, 0, (size_t)graph->cell_count);
+    const Portal *first = &graph->portals[steps[contact].portal];
+    int first_side = first->cell[0] == source ? -1 : 1, depth = 0;
+    entered[source] = entered[steps[contact].to] = 1;
+    mark(row, steps[contact].to);
+    stack[depth++] = steps[contact].to;
+    while (depth > 0) {
+        int cell = stack[--depth];
+        const Cell *from = &graph->cells[cell];
+        for (int i = from->first_contact; i < from->first_contact + from->contact_count; i++) {
+            int to = steps[i].to;
+            if (entered[to]) continue;
+            const Portal *next = &graph->portals[steps[i].portal];
+            int near_side = next->cell[0] == cell ? 1 : -1;
+            if (!reaches(graph, next, first->plane, first_side)) continue;
+            if (!reaches(graph, first, next->plane, near_side)) continue;
+            entered[to] = 1;
+            mark(row, to);
+            stack[depth++] = to;
+        }
+    }
+}
+
+static void flood(const CellGraph *graph, const Step *steps, int source, uint64_t *row) {
+    int *stack = malloc((size_t)graph->cell_count * sizeof *stack);
+    unsigned char *entered = malloc((size_t)graph->cell_count);
+    CORE_ASSERT(stack && entered);
+    const Cell *cell = &graph->cells[source];
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+        flood_from(graph, steps, source, i, row, stack, entered);
+    }
+    free(entered);
+    free(stack);
+}
+
+typedef struct Tree {
+    StabNode *nodes;
+    int count;
+    bool bounded;
+} Tree;
+
+static Tree grow_tree(const CellGraph *graph, const Step *steps, int source, int limit, uint64_t *row) {
+    int most = graph->cell_count + 1;
+    Vec2 *ends = malloc(2 * (size_t)most * sizeof *ends);
+    unsigned char *on_path = calloc((size_t)graph->cell_count, 1);
+    CORE_ASSERT(ends && on_path);
+    Grower g = {.graph = graph,
+                .steps = steps,
+                .limit = limit,
+                .line = {.left = ends, .right = ends + most, .capacity = most},
+                .on_path = on_path};
+    on_path[source] = 1;
+    add_node(&g, source, -1, -1);
+    grow(&g, 0, 0);
+    mark(row, source);
+    if (g.exhausted) {
+        g.count = 1;
+        flood(graph, steps, source, row);
+    } else {
+        for (int i = 0; i < g.count; i++) mark(row, g.nodes[i].cell);
+    }
+    free(ends);
+    free(on_path);
+    return (Tree){g.nodes, g.count, g.exhausted};
+}
+
+static void make_symmetric(StabForest *forest, Arena *scratch) {
+    size_t words = (size_t)forest->words, count = (size_t)forest->cell_count;
+    uint64_t *transpose = ARENA_ARRAY(scratch, uint64_t, count * words);
+    for (int i = 0; i < forest->cell_count; i++) {
+        for (int j = 0; j < forest->cell_count; j++) {
+            if (vis_sees(forest, i, j)) mark(transpose + (size_t)j * words, i);
+        }
+    }
+    for (size_t i = 0; i < count * words; i++) forest->seen[i] &= transpose[i];
+}
+
+// Appends what is left of a tree when the cells that do not see its root are cut off.
+static void append_tree(StabForest *forest, const Tree *tree, int root, int *renumber) {
+    int base = forest->root[root], kept = 0;
+    for (int i = 0; i < tree->count; i++) {
+        StabNode node = tree->nodes[i];
+        bool keep = (node.parent < 0 || renumber[node.parent] >= 0) && vis_sees(forest, root, node.cell);
+        renumber[i] = keep ? kept : -1;
+        if (!keep) continue;
+        if (node.parent >= 0) node.parent = base + renumber[node.parent];
+        forest->nodes[base + kept++] = node;
+    }
+    forest->root[root + 1] = base + kept;
+}
+
+// Links siblings anew: nodes are in depth-first order, so a node's next sibling is the next one with its parent.
+static void link_siblings(StabForest *forest, int root, int *last) {
+    for (int i = forest->root[root]; i < forest->root[root + 1]; i++) {
+        StabNode *node = &forest->nodes[i];
+        node->next = -1;
+        last[i - forest->root[root]] = -1;
+        if (node->parent < 0) continue;
+        int *previous = &last[node->parent - forest->root[root]];
+        if (*previous >= 0) forest->nodes[*previous].next = i;
+        *previous = i;
+    }
+}
+
+static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
+    int total = 0, largest = 1;
+    for (int c = 0; c < forest->cell_count; c++) {
+        total += trees[c].count;
+        if (trees[c].count > largest) largest = trees[c].count;
+    }
+    forest->nodes = ARENA_ARRAY(arena, StabNode, total);
+    int *scrap = ARENA_ARRAY(scratch, int, largest);
+    for (int c = 0; c < forest->cell_count; c++) {
+        forest->bounded[c] = trees[c].bounded;
+        append_tree(forest, &trees[c], c, scrap);
+        link_siblings(forest, c, scrap);
+    }
+    forest->node_count = forest->root[forest->cell_count];
+}
+
+bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,
+                      Arena *arena, StabForest *out) {
+    Arena scratch = {0};
+    int count = graph->cell_count, done = 0, threads = options->threads;
+    *out = (StabForest){.cell_count = count, .words = (count + 63) / 64};
+    out->root = ARENA_ARRAY(arena, int, count + 1);
+    out->bounded = ARENA_ARRAY(arena, unsigned char, count);
+    out->seen = ARENA_ARRAY(arena, uint64_t, (size_t)count * (size_t)out->words);
+    const Step *steps = make_steps(graph, &scratch);
+    Tree *trees = ARENA_ARRAY(&scratch, Tree, count);
+    bool going = true;
+    if (threads <= 0) threads = omp_get_num_procs();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (int c = 0; c < count; c++) {
+        bool go;
+#pragma omp atomic read
+        go = going;
+        if (!go) continue;
+        trees[c] = grow_tree(graph, steps, c, options->max_nodes, out->seen + (size_t)c * (size_t)out->words);
+#pragma omp critical
+        {
+            done++;
+            if (!progress_report(progress, "stab trees", (double)done / count)) {
+#pragma omp atomic write
+                going = false;
+            }
+        }
+    }
+    if (going) {
+        make_symmetric(out, &scratch);
+        assemble(out, trees, arena, &scratch);
+    }
+    for (int c = 0; c < count; c++) free(trees[c].nodes);
+    arena_free(&scratch);
+    return going;
+}

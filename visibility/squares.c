@@ -1,0 +1,248 @@
+// squares.c - the mesh of squares inside each cell, and the objects registered there (Oki 2.2).
+//
+// A surface belongs to its cell: its back is never seen. An object of the building belongs to every square of every
+// cell that one of its polygons touches: the polygon is clipped by the cell grown by VIS_TOUCH, and what is left by
+// rows and columns of squares.
+#include <string.h>
+
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+#include "visibility/build.h"
+
+static int clamp(double x, int count) { return x < 0 ? 0 : x >= count ? count - 1 : (int)x; }
+
+// Square columns or rows from..to that [low, high] touches.
+typedef struct Range {
+    int from, to;
+} Range;
+
+static Range squares_of(double origin, double size, int count, double low, double high) {
+    return (Range){clamp(floor((low - VIS_TOUCH - origin) / size), count),
+                   clamp(floor((high + VIS_TOUCH - origin) / size), count)};
+}
+
+static CellMesh mesh_over(Box box, double size, int first_square) {
+    return (CellMesh){.origin = {box.min.x, box.min.y},
+                      .size = size,
+                      .nx = (int)fmax(1, ceil((box.max.x - box.min.x) / size)),
+                      .ny = (int)fmax(1, ceil((box.max.y - box.min.y) / size)),
+                      .first_square = first_square};
+}
+
+// About one cell per locator square, within limits.
+static double locator_size(const CellGraph *graph) {
+    double area = (graph->box.max.x - graph->box.min.x) * (graph->box.max.y - graph->box.min.y);
+    return fmax(0.5, sqrt(area / (4.0 * graph->cell_count + 16)));
+}
+
+void build_locator(CellBuilder *builder) {
+    CellGraph *graph = builder->graph;
+    CellMesh *mesh = &graph->locator;
+    *mesh = mesh_over(graph->box, locator_size(graph), 0);
+    int squares = mesh->nx * mesh->ny;
+    graph->locator_first = ARENA_ARRAY(builder->arena, int, squares + 1);
+    int *fill = ARENA_ARRAY(builder->scratch, int, squares + 1);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int c = 0; c < graph->cell_count; c++) {
+            Box box = graph->cells[c].box;
+            Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x);
+            Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y);
+            for (int j = y.from; j <= y.to; j++) {
+                for (int i = x.from; i <= x.to; i++) {
+                    int square = j * mesh->nx + i;
+                    if (pass == 0) {
+                        graph->locator_first[square + 1]++;
+                    } else {
+                        graph->locator_cells[fill[square]++] = c;
+                    }
+                }
+            }
+        }
+        if (pass > 0) break;
+        for (int s = 0; s < squares; s++) graph->locator_first[s + 1] += graph->locator_first[s];
+        memcpy(fill, graph->locator_first, (size_t)squares * sizeof *fill);
+        graph->locator_cells = ARENA_ARRAY(builder->arena, int, graph->locator_first[squares]);
+    }
+}
+
+typedef struct Registration {
+    int square, object;
+} Registration;
+
+typedef struct Registrar {
+    CellBuilder *builder;
+    Registration *list;
+    int count, capacity;
+    int *tried;       // [cell_count] the last polygon tried against a cell
+    int *registered;  // [square_count] the last object registered in a square
+    Vec3 *buffer[4];  // each with room for the largest polygon after clipping by a cell and a slab
+} Registrar;
+
+static void add_registration(Registrar *r, int square, int object) {
+    if (r->registered[square] == object) return;
+    r->registered[square] = object;
+    *ARENA_PUSH(r->builder->scratch, r->list, r->count, r->capacity) = (Registration){square, object};
+}
+
+// The part of a convex polygon with low <= coordinate <= high, along x or y, grown by VIS_TOUCH.
+static int clip_slab(const Vec3 *in, int count, Vec3 axis, double low, double high, Vec3 *out, Vec3 *buffer) {
+    count = polygon_clip(in, count, (Plane){axis, low}, VIS_TOUCH, buffer);
+    return polygon_clip(buffer, count, (Plane){vec3_scale(axis, -1), -high}, VIS_TOUCH, out);
+}
+
+static Box bounds(const Vec3 *v, int count) {
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) box = box_add(box, v[i]);
+    return box;
+}
+
+// Registers a polygon that lies within a cell.
+static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *polygon, int count, int object) {
+    Box box = bounds(polygon, count);
+    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y);
+    for (int j = y.from; j <= y.to; j++) {
+        double low = mesh->origin.y + j * mesh->size;
+        int rows =
+            clip_slab(polygon, count, vec3(0, 1, 0), low, low + mesh->size, r->buffer[2], r->buffer[3]);
+        if (rows == 0) continue;
+        Box row = bounds(r->buffer[2], rows);
+        // A convex piece no wider than its row touches every square between its ends.
+        Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, row.min.x, row.max.x);
+        for (int i = x.from; i <= x.to; i++)
+            add_registration(r, mesh->first_square + j * mesh->nx + i, object);
+    }
+}
+
+// The part of a polygon inside a cell grown by VIS_TOUCH.
+static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
+                        Vec3 *buffer) {
+    memcpy(out, polygon, (size_t)count * sizeof *out);
+    count = polygon_clip(out, count, (Plane){{0, 0, 1}, cell->z0}, VIS_TOUCH, buffer);
+    count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, VIS_TOUCH, out);
+    for (int i = 0; i < cell->edge_count && count > 0; i++) {
+        Vec2 a = graph->plan[cell->first_edge + i],
+             b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
+        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, VIS_TOUCH, buffer);
+        memcpy(out, buffer, (size_t)count * sizeof *out);
+    }
+    return count;
+}
+
+static void register_polygon(Registrar *r, int object, int polygon) {
+    CellGraph *graph = r->builder->graph;
+    const Polygon *p = &graph->polygons[polygon];
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    Box box = box_grow(bounds(v, p->vertex_count), VIS_TOUCH);
+    graph->object_boxes[object] = box_union(graph->object_boxes[object], bounds(v, p->vertex_count));
+    const CellMesh *locator = &graph->locator;
+    Range x = squares_of(locator->origin.x, locator->size, locator->nx, box.min.x, box.max.x);
+    Range y = squares_of(locator->origin.y, locator->size, locator->ny, box.min.y, box.max.y);
+    for (int j = y.from; j <= y.to; j++) {
+        for (int i = x.from; i <= x.to; i++) {
+            int square = j * locator->nx + i;
+            for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
+                int c = graph->locator_cells[k];
+                if (r->tried[c] == polygon || !box_overlap(box, graph->cells[c].box)) continue;
+                r->tried[c] = polygon;
+                int count =
+                    clip_to_cell(graph, &graph->cells[c], v, p->vertex_count, r->buffer[0], r->buffer[1]);
+                if (count > 0) register_squares(r, &graph->meshes[c], r->buffer[0], count, object);
+            }
+        }
+    }
+}
+
+static void register_surface(Registrar *r, int object, int cell) {
+    CellGraph *graph = r->builder->graph;
+    const Polygon *p = &graph->polygons[graph->objects[object].first_polygon];
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    graph->object_boxes[object] = bounds(v, p->vertex_count);
+    register_squares(r, &graph->meshes[cell], v, p->vertex_count, object);
+}
+
+// Registrations come in the order of objects, so each square's run is increasing.
+static void store(Registrar *r) {
+    CellGraph *graph = r->builder->graph;
+    Arena *arena = r->builder->arena;
+    graph->square_object_count = r->count;
+    graph->square_first = ARENA_ARRAY(arena, int, graph->square_count + 1);
+    graph->square_objects = ARENA_ARRAY(arena, int, r->count);
+    for (int i = 0; i < r->count; i++) graph->square_first[r->list[i].square + 1]++;
+    for (int s = 0; s < graph->square_count; s++) graph->square_first[s + 1] += graph->square_first[s];
+    int *fill = ARENA_ARRAY(r->builder->scratch, int, graph->square_count);
+    memcpy(fill, graph->square_first, (size_t)graph->square_count * sizeof *fill);
+    for (int i = 0; i < r->count; i++) graph->square_objects[fill[r->list[i].square]++] = r->list[i].object;
+}
+
+static Registrar new_registrar(CellBuilder *builder) {
+    CellGraph *graph = builder->graph;
+    Registrar r = {.builder = builder,
+                   .tried = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
+                   .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count)};
+    for (int c = 0; c < graph->cell_count; c++) r.tried[c] = -1;
+    for (int s = 0; s < graph->square_count; s++) r.registered[s] = -1;
+    int largest = 0;
+    for (int p = 0; p < graph->polygon_count; p++) {
+        if (graph->polygons[p].vertex_count > largest) largest = graph->polygons[p].vertex_count;
+    }
+    for (int i = 0; i < 4; i++)
+        r.buffer[i] = ARENA_ARRAY(builder->scratch, Vec3, largest + BUILD_MAX_VERTICES + 8);
+    return r;
+}
+
+void build_squares(CellBuilder *builder) {
+    CellGraph *graph = builder->graph;
+    graph->meshes = ARENA_ARRAY(builder->arena, CellMesh, graph->cell_count);
+    for (int c = 0; c < graph->cell_count; c++) {
+        graph->meshes[c] = mesh_over(graph->cells[c].box, builder->options->square, graph->square_count);
+        graph->square_count += graph->meshes[c].nx * graph->meshes[c].ny;
+    }
+    graph->object_boxes = ARENA_ARRAY(builder->arena, Box, graph->object_count);
+    for (int i = 0; i < graph->object_count; i++) graph->object_boxes[i] = box_empty();
+    Registrar r = new_registrar(builder);
+    for (int i = 0, cell = 0; i < graph->object_count; i++) {
+        const Object *object = &graph->objects[i];
+        while (cell < graph->cell_count && i >= graph->surface_first[cell + 1]) cell++;
+        if (i >= graph->surface_first[0] && cell < graph->cell_count) {
+            register_surface(&r, i, cell);
+            continue;
+        }
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            register_polygon(&r, i, p);
+        }
+    }
+    store(&r);
+}
+
+static bool cell_holds(const CellGraph *graph, const Cell *cell, Vec3 p) {
+    if (!box_contains(cell->box, p)) return false;
+    const Vec2 *plan = graph->plan + cell->first_edge;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = plan[i], b = plan[(i + 1) % cell->edge_count];
+        if (vec2_cross(vec2_sub(b, a), vec2_sub(vec2(p.x, p.y), a)) < 0) return false;
+    }
+    return true;
+}
+
+int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
+    if (hint >= 0) {
+        CORE_ASSERT(hint < graph->cell_count);
+        const Cell *cell = &graph->cells[hint];
+        if (cell_holds(graph, cell, point)) return hint;
+        for (int i = 0; i < cell->contact_count; i++) {
+            int next = graph->contacts[cell->first_contact + i].cell;
+            if (cell_holds(graph, &graph->cells[next], point)) return next;
+        }
+    }
+    if (!box_contains(graph->box, point)) return -1;
+    const CellMesh *mesh = &graph->locator;
+    int i = clamp((point.x - mesh->origin.x) / mesh->size, mesh->nx);
+    int j = clamp((point.y - mesh->origin.y) / mesh->size, mesh->ny);
+    int square = j * mesh->nx + i;
+    for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
+        int c = graph->locator_cells[k];
+        if (cell_holds(graph, &graph->cells[c], point)) return c;
+    }
+    return -1;
+}

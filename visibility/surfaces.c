@@ -1,0 +1,389 @@
+// surfaces.c - the walls, floors and ceilings that close a cell wherever it has no portal, and the closed leaves.
+//
+// Walls: each plan edge between the heights no portal takes. Floors and ceilings: the cell's plan less its portals
+// and the inlays that lie there. All are convex and face into their cell. Neighbouring surfaces share their
+// vertices: where a corner of one lies on an edge of another it becomes a vertex of that too, since a T-vertex lets
+// light and sight through when it is rounded.
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/core/polygon.h"
+#include "visibility/build.h"
+
+// How near an edge a corner is taken to lie on it, metres: above the rounding of cuts (1e-13), and even a corner of
+// the 1 mm grid that is no nearer than this moves the edge by less than a screen could show.
+static const double T_VERTEX = 1e-7;
+
+static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *name) {
+    CellGraph *graph = builder->graph;
+    Object *object =
+        ARENA_PUSH(builder->arena, graph->objects, graph->object_count, builder->object_capacity);
+    *object = (Object){.kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1};
+    return object;
+}
+
+static void add_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
+    CellGraph *graph = builder->graph;
+    Polygon *polygon =
+        ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
+    *polygon = (Polygon){graph->vertex_count, count, material};
+    for (int i = 0; i < count; i++) {
+        *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
+            vertices[i];
+    }
+    graph->objects[graph->object_count - 1].polygon_count++;
+}
+
+static void copy_building(CellBuilder *builder) {
+    const Building *b = builder->building;
+    for (int i = 0; i < b->object_count; i++) {
+        const Object *from = &b->objects[i];
+        Object *object = add_object(builder, from->kind, from->name);
+        int first = object->first_polygon;
+        *object = *from;
+        object->first_polygon = first;
+        object->polygon_count = 0;
+        for (int p = from->first_polygon; p < from->first_polygon + from->polygon_count; p++) {
+            add_polygon(builder, b->vertices + b->polygons[p].first_vertex, b->polygons[p].vertex_count,
+                        b->polygons[p].material);
+        }
+    }
+}
+
+static void add_surface(CellBuilder *builder, int cell, const Vec3 *vertices, int count, int material) {
+    if (count < 3 || polygon_area(vertices, count) < VIS_SLIVER) {
+        builder->graph->dropped_slivers++;
+        return;
+    }
+    const Region *region = &builder->building->regions[builder->graph->cells[cell].region];
+    add_object(builder, OBJECT_SURFACE, region->name);
+    add_polygon(builder, vertices, count, material);
+}
+
+typedef struct Span {
+    double z0, z1;
+} Span;
+
+static int by_height(const void *p, const void *q) {
+    const Span *a = p, *b = q;
+    return (a->z0 > b->z0) - (a->z0 < b->z0);
+}
+
+// The heights that portals take of the cell's edge a -> b, lowest first; they are disjoint.
+static int portal_spans(const CellGraph *graph, const Cell *cell, Vec2 a, Vec2 b, Span *out) {
+    int count = 0;
+    for (int i = 0; i < cell->contact_count; i++) {
+        const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
+        if (portal->horizontal) continue;
+        bool here = (vec2_equal(portal->left, a) && vec2_equal(portal->right, b)) ||
+                    (vec2_equal(portal->left, b) && vec2_equal(portal->right, a));
+        if (!here) continue;
+        const Vec3 *v = graph->portal_vertices + portal->first_vertex;
+        out[count++] = (Span){v[0].z, v[1].z};
+    }
+    qsort(out, (size_t)count, sizeof *out, by_height);
+    return count;
+}
+
+static void add_wall(CellBuilder *builder, int cell, Vec2 a, Vec2 b, double z0, double z1, int material) {
+    if (z0 >= z1) return;
+    Vec3 quad[4] = {vec3(a.x, a.y, z0), vec3(a.x, a.y, z1), vec3(b.x, b.y, z1), vec3(b.x, b.y, z0)};
+    add_surface(builder, cell, quad, 4, material);
+}
+
+static void add_walls(CellBuilder *builder, int c) {
+    CellGraph *graph = builder->graph;
+    const Cell *cell = &graph->cells[c];
+    Span *spans = ARENA_ARRAY(builder->scratch, Span, cell->contact_count);
+    for (int i = 0; i < cell->edge_count; i++) {
+        int edge = cell->first_edge + i;
+        if (builder->edge_outer[edge]) continue;
+        Vec2 a = graph->plan[edge], b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        int count = portal_spans(graph, cell, a, b, spans), material = builder->edge_material[edge];
+        if (material < 0) material = 0;
+        double from = cell->z0;
+        for (int s = 0; s < count; s++) {
+            add_wall(builder, c, a, b, from, spans[s].z0, material);
+            from = spans[s].z1;
+        }
+        add_wall(builder, c, a, b, from, cell->z1, material);
+    }
+}
+
+// A growing set of convex polygons in one horizontal plane.
+typedef struct Pieces {
+    Vec3 *vertices;
+    int *first;  // [count + 1]
+    int count, vertex_count, vertex_capacity, first_capacity;
+} Pieces;
+
+static void add_piece(Arena *scratch, Pieces *pieces, const Vec3 *vertices, int count) {
+    if (pieces->count == 0) *ARENA_PUSH(scratch, pieces->first, pieces->count, pieces->first_capacity) = 0;
+    for (int i = 0; i < count; i++) {
+        *ARENA_PUSH(scratch, pieces->vertices, pieces->vertex_count, pieces->vertex_capacity) = vertices[i];
+    }
+    *ARENA_PUSH(scratch, pieces->first, pieces->count, pieces->first_capacity) = pieces->vertex_count;
+}
+
+// `first` holds one entry more than there are pieces, once there is any.
+static int piece_count(const Pieces *pieces) { return pieces->count > 0 ? pieces->count - 1 : 0; }
+
+// `polygon` less the convex `hole` (counter-clockwise from above): what lies outside its first edge, then of the
+// rest what lies outside the second, and so on.
+static void subtract(Arena *scratch, const Vec3 *polygon, int count, const Vec3 *hole, int hole_count,
+                     Pieces *out) {
+    Vec3 *rest = ARENA_ARRAY(scratch, Vec3, count + hole_count + 2);
+    Vec3 *part = ARENA_ARRAY(scratch, Vec3, count + hole_count + 2);
+    memcpy(rest, polygon, (size_t)count * sizeof *rest);
+    for (int i = 0; i < hole_count && count > 0; i++) {
+        Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
+        Vec3 n = vec3_normalize(vec3(b.y - a.y, a.x - b.x, 0));  // out of the hole
+        Plane outside = {n, vec3_dot(n, a)}, inside = {vec3_scale(n, -1), -vec3_dot(n, a)};
+        int kept = polygon_clip(rest, count, outside, 0, part);
+        if (kept >= 3 && polygon_area(part, kept) >= VIS_SLIVER) add_piece(scratch, out, part, kept);
+        count = polygon_clip(rest, count, inside, 0, part);
+        memcpy(rest, part, (size_t)count * sizeof *rest);
+    }
+}
+
+static Pieces subtract_from_all(Arena *scratch, const Pieces *from, const Vec3 *hole, int hole_count) {
+    Pieces out = {0};
+    for (int i = 0; i < piece_count(from); i++) {
+        subtract(scratch, from->vertices + from->first[i], from->first[i + 1] - from->first[i], hole,
+                 hole_count, &out);
+    }
+    return out;
+}
+
+// The part of an inlay over this cell becomes a surface of its own.
+static int inlay_in_cell(const CellGraph *graph, const Inlay *inlay, const Cell *cell, Vec3 *out,
+                         Vec3 *buffer) {
+    const Vec2 *points = graph->building->points + inlay->first_point;
+    int count = inlay->point_count;
+    for (int i = 0; i < count; i++) out[i] = vec3(points[i].x, points[i].y, inlay->z);
+    for (int i = 0; i < cell->edge_count && count > 0; i++) {
+        Vec2 a = graph->plan[cell->first_edge + i],
+             b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
+        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, 0, buffer);
+        memcpy(out, buffer, (size_t)count * sizeof *out);
+    }
+    return count >= 3 && polygon_area(out, count) >= VIS_SLIVER ? count : 0;
+}
+
+static void add_level_surface(CellBuilder *builder, int cell, Vec3 *v, int count, int material, bool floor) {
+    for (int i = 0; !floor && i < count / 2; i++) {  // a ceiling faces down
+        Vec3 swap = v[i];
+        v[i] = v[count - 1 - i];
+        v[count - 1 - i] = swap;
+    }
+    add_surface(builder, cell, v, count, material);
+}
+
+static void add_level(CellBuilder *builder, int c, double z, int material, bool floor) {
+    CellGraph *graph = builder->graph;
+    const Building *b = builder->building;
+    const Cell *cell = &graph->cells[c];
+    Vec3 polygon[BUILD_MAX_VERTICES];
+    Pieces pieces = {0};
+    add_piece(builder->scratch, &pieces, polygon, cell_polygon(graph, cell, z, polygon));
+    for (int i = 0; i < cell->contact_count; i++) {
+        const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
+        if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
+        pieces = subtract_from_all(builder->scratch, &pieces, graph->portal_vertices + portal->first_vertex,
+                                   portal->vertex_count);
+    }
+    for (int i = 0; i < b->inlay_count && material >= 0; i++) {
+        const Inlay *inlay = &b->inlays[i];
+        if (inlay->z != z) continue;
+        int most = inlay->point_count + cell->edge_count + 1;
+        Vec3 *part = ARENA_ARRAY(builder->scratch, Vec3, most),
+             *buffer = ARENA_ARRAY(builder->scratch, Vec3, most);
+        int count = inlay_in_cell(graph, inlay, cell, part, buffer);
+        if (count == 0) continue;
+        pieces = subtract_from_all(builder->scratch, &pieces, part, count);
+        add_level_surface(builder, c, part, count, inlay->material, floor);
+    }
+    if (material < 0) return;  // the sky
+    for (int i = 0; i < piece_count(&pieces); i++) {
+        add_level_surface(builder, c, pieces.vertices + pieces.first[i],
+                          pieces.first[i + 1] - pieces.first[i], material, floor);
+    }
+}
+
+static void add_leaves(CellBuilder *builder) {
+    CellGraph *graph = builder->graph;
+    for (int p = 0; p < graph->portal_count; p++) {
+        const Portal *portal = &graph->portals[p];
+        if (portal->door < 0) continue;
+        const Opening *opening = &builder->building->openings[portal->door];
+        Object *object = add_object(builder, OBJECT_LEAF, opening->name);
+        object->opening = portal->door;
+        object->shown = SHOWN_CLOSED;
+        add_polygon(builder, graph->portal_vertices + portal->first_vertex, portal->vertex_count,
+                    opening->material);
+    }
+}
+
+// All corners of surfaces, sorted by height and then along x or along y, so that the corners near an edge are a
+// short run: every edge of a surface is level or upright.
+typedef struct Corners {
+    Vec3 *by_x, *by_y;
+    int count;
+} Corners;
+
+static int by_zxy(const void *p, const void *q) {
+    const Vec3 *a = p, *b = q;
+    if (a->z != b->z) return a->z < b->z ? -1 : 1;
+    if (a->x != b->x) return a->x < b->x ? -1 : 1;
+    return (a->y > b->y) - (a->y < b->y);
+}
+
+static int by_zyx(const void *p, const void *q) {
+    const Vec3 *a = p, *b = q;
+    if (a->z != b->z) return a->z < b->z ? -1 : 1;
+    if (a->y != b->y) return a->y < b->y ? -1 : 1;
+    return (a->x > b->x) - (a->x < b->x);
+}
+
+// Upright edges: sorted by their place in plan.
+static int by_xyz(const void *p, const void *q) {
+    const Vec3 *a = p, *b = q;
+    if (a->x != b->x) return a->x < b->x ? -1 : 1;
+    if (a->y != b->y) return a->y < b->y ? -1 : 1;
+    return (a->z > b->z) - (a->z < b->z);
+}
+
+typedef int Compare(const void *, const void *);
+
+static Vec3 *sorted_copy(Arena *scratch, const Vec3 *points, int *count, Compare *compare) {
+    Vec3 *copy = ARENA_ARRAY(scratch, Vec3, *count);
+    memcpy(copy, points, (size_t)*count * sizeof *copy);
+    qsort(copy, (size_t)*count, sizeof *copy, compare);
+    int kept = 0;
+    for (int i = 0; i < *count; i++) {
+        if (kept == 0 || !vec3_equal(copy[kept - 1], copy[i])) copy[kept++] = copy[i];
+    }
+    *count = kept;
+    return copy;
+}
+
+// The first point not below `key`.
+static int lower_bound(const Vec3 *points, int count, Vec3 key, Compare *compare) {
+    int low = 0, high = count;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (compare(&points[middle], &key) < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+typedef struct Hit {
+    double t;
+    Vec3 point;
+} Hit;
+
+static int by_parameter(const void *p, const void *q) {
+    const Hit *a = p, *b = q;
+    return (a->t > b->t) - (a->t < b->t);
+}
+
+// Appends the corners in run [from, to) that lie inside the edge a -> b.
+static void collect_hits(Arena *scratch, const Vec3 *run, int from, int to, Vec3 a, Vec3 b, Hit **hits,
+                         int *count, int *capacity) {
+    Vec3 along = vec3_sub(b, a);
+    double length2 = vec3_dot(along, along);
+    for (int i = from; i < to; i++) {
+        Vec3 offset = vec3_sub(run[i], a);
+        double t = vec3_dot(offset, along) / length2;
+        if (t <= 0 || t >= 1) continue;
+        Vec3 off = vec3_sub(offset, vec3_scale(along, t));
+        if (vec3_dot(off, off) > T_VERTEX * T_VERTEX) continue;
+        if (vec3_equal(run[i], a) || vec3_equal(run[i], b)) continue;
+        *ARENA_PUSH(scratch, *hits, *count, *capacity) = (Hit){t, run[i]};
+    }
+}
+
+typedef struct TVertices {
+    Arena *scratch;
+    Corners level;  // for level edges
+    Vec3 *upright;  // for upright ones
+    int upright_count;
+    Hit *hits;
+    int hit_capacity;
+} TVertices;
+
+// The corners inside edge a -> b, in order along it.
+static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
+    int count = 0;
+    if (a.x == b.x && a.y == b.y) {
+        Vec3 low = a.z < b.z ? a : b, high = a.z < b.z ? b : a;
+        int from = lower_bound(t->upright, t->upright_count, low, by_xyz);
+        int to = lower_bound(t->upright, t->upright_count, high, by_xyz);
+        collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
+    } else {
+        bool along_x = fabs(b.x - a.x) > fabs(b.y - a.y);  // then few corners share its y
+        const Vec3 *run = along_x ? t->level.by_y : t->level.by_x;
+        Vec3 low = {fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z};
+        Vec3 high = {fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z};
+        Compare *compare = along_x ? by_zyx : by_zxy;
+        int from = lower_bound(run, t->level.count, low, compare);
+        int to = lower_bound(run, t->level.count, high, compare);
+        collect_hits(t->scratch, run, from, to, a, b, &t->hits, &count, &t->hit_capacity);
+    }
+    qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
+    return count;
+}
+
+// Writes the surfaces anew with the corners of others that lie on their edges.
+static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
+    CellGraph *graph = builder->graph;
+    if (first_polygon == graph->polygon_count) return;
+    int first = graph->polygons[first_polygon].first_vertex, count = graph->vertex_count - first;
+    Vec3 *old = ARENA_ARRAY(builder->scratch, Vec3, count);
+    memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
+    TVertices t = {.scratch = builder->scratch};
+    t.level.count = t.upright_count = count;
+    t.upright = sorted_copy(builder->scratch, old, &t.upright_count, by_xyz);
+    t.level.by_x = sorted_copy(builder->scratch, old, &t.level.count, by_zxy);
+    t.level.count = count;
+    t.level.by_y = sorted_copy(builder->scratch, old, &t.level.count, by_zyx);
+    graph->vertex_count = first;
+    for (int p = first_polygon; p < graph->polygon_count; p++) {
+        Polygon *polygon = &graph->polygons[p];
+        const Vec3 *v = old + (polygon->first_vertex - first);
+        int old_count = polygon->vertex_count;
+        polygon->first_vertex = graph->vertex_count;
+        for (int i = 0; i < old_count; i++) {
+            *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
+                v[i];
+            int hits = corners_on_edge(&t, v[i], v[(i + 1) % old_count]);
+            for (int h = 0; h < hits; h++) {
+                *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
+                    t.hits[h].point;
+            }
+        }
+        polygon->vertex_count = graph->vertex_count - polygon->first_vertex;
+    }
+}
+
+void build_surfaces(CellBuilder *builder) {
+    CellGraph *graph = builder->graph;
+    copy_building(builder);
+    int first_polygon = graph->polygon_count;
+    graph->surface_first = ARENA_ARRAY(builder->arena, int, graph->cell_count + 1);
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Region *region = &builder->building->regions[graph->cells[c].region];
+        graph->surface_first[c] = graph->object_count;
+        add_walls(builder, c);
+        add_level(builder, c, graph->cells[c].z0, region->floor_material, true);
+        add_level(builder, c, graph->cells[c].z1, region->ceiling_material, false);
+    }
+    graph->surface_first[graph->cell_count] = graph->object_count;
+    add_leaves(builder);
+    resolve_t_vertices(builder, first_polygon);
+}

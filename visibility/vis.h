@@ -1,0 +1,166 @@
+// vis.h - cells, portals and stab trees, built once; the visible set, asked every frame.
+//
+// Source: S. J. Teller & C. H. Sequin, Visibility Preprocessing for Interactive Walkthroughs, 1991; K. Shudo,
+// S. Murata & K. Matsuyama (Oki), Visibility determination in an indoor walkthrough system and its uses.
+#ifndef VISIBILITY_VIS_H
+#define VISIBILITY_VIS_H
+
+#include <stdint.h>
+
+#include "engine/core/progress.h"
+#include "maps/building.h"
+
+// A convex prism of free space: part of one region.
+typedef struct Cell {
+    int region;
+    int first_edge,
+        edge_count;  // plan polygon in CellGraph.plan, counter-clockwise; vertices may be collinear
+    int first_contact, contact_count;  // in CellGraph.contacts
+    double z0, z1;
+    Box box;
+} Cell;
+
+// A convex planar polygon shared by two cells, with no surface in it.
+typedef struct Portal {
+    int cell[2];
+    int first_vertex, vertex_count;  // in CellGraph.portal_vertices; counter-clockwise seen from cell[0]
+    Plane plane;                     // n points from cell[1] to cell[0]
+    bool horizontal;                 // in a floor or ceiling
+    Vec2 left, right;  // of a vertical portal: its plan ends, seen when crossing from cell[0] to cell[1]
+    int door;          // opening whose closed leaf fills it, else -1
+} Portal;
+
+// One way out of a cell.
+typedef struct Contact {
+    int portal, cell;  // `cell` lies beyond
+} Contact;
+
+// The squares of side `size` that cover a cell's plan (Oki 2.2); square (i, j) has index first_square + j*nx + i.
+typedef struct CellMesh {
+    Vec2 origin;
+    double size;
+    int nx, ny, first_square;
+} CellMesh;
+
+// All that is drawn: the building's polygons and the surfaces of the cells, as one list. Index order is draw
+// order; among coincident surfaces the lowest index is seen.
+typedef struct CellGraph {
+    const Building *building;
+    Cell *cells;
+    Vec2 *plan;
+    Contact *contacts;
+    Portal *portals;
+    Vec3 *portal_vertices;
+    int cell_count, plan_count, contact_count, portal_count, portal_vertex_count;
+    // Objects: first the building's own (same indices), then the surfaces of each cell and the closed leaves.
+    Object *objects;
+    Polygon *polygons;
+    Vec3 *vertices;
+    Box *object_boxes;   // [object_count]
+    int *surface_first;  // [cell_count + 1] the surfaces of cell c are objects surface_first[c] ..
+    int object_count, polygon_count, vertex_count;
+    // Which objects touch which squares of which cells (within VIS_TOUCH). Run s is
+    // square_objects[square_first[s]] .. square_objects[square_first[s + 1] - 1].
+    CellMesh *meshes;   // [cell_count]
+    int *square_first;  // [square_count + 1]
+    int *square_objects;
+    int square_count, square_object_count;
+    // Which cells reach into which squares of the plan, for point location: as above.
+    CellMesh locator;
+    int *locator_first;  // [locator.nx * locator.ny + 1]
+    int *locator_cells;
+    Box box;
+    int dropped_slivers;  // surfaces and portals without area (VIS_SLIVER) that were left out
+} CellGraph;
+
+// How near a polygon must come to a cell to be registered there, metres: more than the grid and than any
+// coplanarity noise, less than any wall.
+#define VIS_TOUCH 0.002
+
+// Surfaces and horizontal portals of less area than this are left out, m^2: a hundredth of a square of the grid.
+#define VIS_SLIVER 1e-8
+
+typedef struct VisOptions {
+    double square;  // side of the mesh squares, metres, 0.25 .. 100
+    int threads;    // 0: all cores
+    int max_nodes;  // of one cell's stab tree; beyond it the tree is dropped and the visible set kept
+} VisOptions;
+VisOptions vis_default_options(void);
+
+// Cells, portals and surfaces from regions. Fails on a building without free space.
+bool vis_build_cells(const Building *building, const VisOptions *options, Arena *arena, CellGraph *out,
+                     Error *error);
+
+// One visible cell of a stab tree: reached from its parent through `portal`. Depth-first; `next` is the sibling.
+typedef struct StabNode {
+    int cell, portal, parent, next;  // -1: none
+} StabNode;
+
+// The tree of cell c is nodes[root[c]] .. nodes[root[c + 1] - 1], the first being c itself; a cell whose tree was
+// too large has one node only and bounded[c] set: its visible set holds all the same.
+typedef struct StabForest {
+    StabNode *nodes;
+    int *root;               // [cell_count + 1]
+    unsigned char *bounded;  // [cell_count]
+    uint64_t *seen;          // [cell_count * words] bit j of row i: j may be seen from i; symmetric
+    int node_count, cell_count, words;
+} StabForest;
+
+static inline bool vis_sees(const StabForest *forest, int from, int to) {
+    return forest->seen[(size_t)from * (size_t)forest->words + (size_t)to / 64] >> (to % 64) & 1;
+}
+
+// Conservative: a cell that a straight line from anywhere in c reaches through portals is in c's tree. All doors
+// open. The same result on any number of threads. Returns false only when progress asked to stop.
+bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,
+                      Arena *arena, StabForest *out);
+
+// The .vis file: cells are made again from the building; the forest is stored under the building's hash.
+bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error);
+bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error);
+
+// A cell that holds `point` (boundaries included), or -1. `hint` is tried first, then its
+// neighbours; -1 for none.
+int vis_locate(const CellGraph *graph, Vec3 point, int hint);
+
+typedef enum VisMethod {
+    VIS_NONE,     // nothing culled
+    VIS_FRUSTUM,  // objects against the view volume alone
+    VIS_PORTALS,  // portals clipped at run time, no trees (Luebke & Georges 1995)
+    VIS_PLAN,     // stab trees, horizontal clipping only (Oki)
+    VIS_STAB,     // stab trees, three-dimensional portal clipping
+    VIS_METHODS
+} VisMethod;
+extern const char *const VIS_METHOD_NAMES[VIS_METHODS];
+
+typedef struct Eye {
+    Vec3 position;
+    Plane frustum[6];   // keep the positive side; all planes but the far one may pass through the eye
+    int frustum_count;  // 0: all directions
+} Eye;
+
+typedef struct VisibleCell {
+    int cell;
+    double distance;  // from the eye to its nearest portal as it was reached, metres; 0 for the eye's cell
+} VisibleCell;
+
+// What one query needs, sized once for a graph.
+typedef struct VisQuery VisQuery;
+VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
+
+typedef struct VisResult {
+    const VisibleCell *cells;  // near to far
+    const int *objects;        // to draw, increasing; those whose door state hides them are left out
+    int cell_count, object_count;
+    int polygon_count;  // in these objects
+    int eye_cell;       // -1: outside all cells, everything is drawn
+    bool overflow;      // a buffer was full: the visible set was drawn
+    int portals_tested, objects_tested;
+} VisResult;
+
+// `door_open` [opening_count] or NULL for all open. Allocates nothing. The result stays valid until the next
+// query. `cell` is the eye's cell, from vis_locate, or -1.
+VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const unsigned char *door_open,
+                    VisMethod method);
+
+#endif

@@ -3,7 +3,7 @@
 #include "visibility/build.h"
 #include "visibility/convex.h"
 
-VisOptions vis_default_options(void) { return (VisOptions){.square = 1.0, .threads = 0, .max_nodes = 50000}; }
+VisOptions vis_default_options(void) { return (VisOptions){.square = 1.0, .threads = 0, .max_nodes = 5000}; }
 
 int cell_polygon(const CellGraph *graph, const Cell *cell, double z, Vec3 *out) {
     for (int i = 0; i < cell->edge_count; i++) {

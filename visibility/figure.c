@@ -111,9 +111,12 @@ static void draw_names(const CellGraph *graph, double z, const Draw *draw) {
     }
 }
 
-void figure_plan(const CellGraph *graph, double z, const Draw *draw) {
+void figure_ground(const CellGraph *graph, double z, const Draw *draw) {
     fill_cells(graph, z, draw);
     draw_portals(graph, z, draw);
+}
+
+void figure_lines(const CellGraph *graph, double z, const Draw *draw) {
     draw_walls(graph, z, draw);
     draw_openings(graph, z, draw);
     draw_names(graph, z, draw);

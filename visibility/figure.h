@@ -5,8 +5,10 @@
 #include "engine/core/draw.h"
 #include "visibility/vis.h"
 
-// What of the building lies at height z: cells, walls (heavy), portals (thin), doors with their swing, windows.
-void figure_plan(const CellGraph *graph, double z, const Draw *draw);
+// What of the building lies at height z, in two layers: the ground (cells by kind, portals as thin lines) and above
+// it the lines (walls, doors with their swing, windows, names). What is drawn between them lies under the walls.
+void figure_ground(const CellGraph *graph, double z, const Draw *draw);
+void figure_lines(const CellGraph *graph, double z, const Draw *draw);
 
 // The cells of the tree of `root` at height z, shaded by depth, and a sightline into each (dashed).
 void figure_seen(const CellGraph *graph, const StabForest *forest, int root, double z, const Draw *draw);

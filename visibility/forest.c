@@ -2,9 +2,10 @@
 // (Teller & Sequin 1991).
 //
 // Portals in walls constrain the sightline in plan; one in a floor or ceiling projects to an area and constrains it
-// only in that a line which goes up never comes down. Leaving a constraint out errs towards visible. A cell that
-// has more sequences than `max_nodes` keeps no tree: its visible set is then the cells reached by a flood in which
-// each further portal must lie at least partly before the first one, and the first behind it.
+// only in that a line which goes up never comes down. Leaving a constraint out errs towards visible. The search stays
+// within the cells that a flood through the first portal reaches, in which each further portal must lie at least
+// partly beyond the first one, and the first one before it (in three dimensions). A cell that has more sequences
+// than `max_nodes` keeps no tree: its visible set is then what the floods reach.
 //
 // Cells are independent of each other, so the threads do not show in the result. Visibility is symmetric: the sets
 // are intersected with their transpose, and the trees cut accordingly.
@@ -44,6 +45,9 @@ static Step *make_steps(const CellGraph *graph, Arena *scratch) {
     return steps;
 }
 
+static void mark(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
+static bool marked(const uint64_t *row, int cell) { return row[cell / 64] >> (cell % 64) & 1; }
+
 // One cell's tree while it grows.
 typedef struct Grower {
     const CellGraph *graph;
@@ -51,7 +55,8 @@ typedef struct Grower {
     StabNode *nodes;  // malloc'd: it grows in a thread of its own
     int count, capacity, limit;
     Sightline line;
-    unsigned char *on_path;  // [cell_count] a straight line enters a convex cell once
+    unsigned char *on_path;   // [cell_count] a straight line enters a convex cell once
+    const uint64_t *reached;  // the cells that the flood through the first portal reaches
     bool exhausted;
 } Grower;
 
@@ -74,7 +79,7 @@ static void grow(Grower *g, int node, int rise) {
     const Cell *from = &g->graph->cells[cell];
     for (int i = from->first_contact; i < from->first_contact + from->contact_count && !g->exhausted; i++) {
         const Step *step = &g->steps[i];
-        if (g->on_path[step->to] || rise * step->rise < 0) continue;
+        if (g->on_path[step->to] || rise * step->rise < 0 || !marked(g->reached, step->to)) continue;
         SightlineUndo undo;
         if (step->rise == 0 && !sightline_push(&g->line, step->left, step->right, &undo)) continue;
         int child = add_node(g, step->to, step->portal, node);
@@ -88,8 +93,6 @@ static void grow(Grower *g, int node, int rise) {
         if (step->rise == 0) sightline_pop(&g->line, &undo);
     }
 }
-
-static void mark(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
 
 // Does any corner of `what` lie on the given side of `plane` (+1 in front, -1 behind), or on it?
 static bool reaches(const CellGraph *graph, const Portal *what, Plane plane, int side) {
@@ -127,46 +130,56 @@ static void flood_from(const CellGraph *graph, const Step *steps, int source, in
     }
 }
 
-static void flood(const CellGraph *graph, const Step *steps, int source, uint64_t *row) {
-    int *stack = malloc((size_t)graph->cell_count * sizeof *stack);
-    unsigned char *entered = malloc((size_t)graph->cell_count);
-    CORE_ASSERT(stack && entered);
-    const Cell *cell = &graph->cells[source];
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        flood_from(graph, steps, source, i, row, stack, entered);
-    }
-    free(entered);
-    free(stack);
-}
-
 typedef struct Tree {
     StabNode *nodes;
     int count;
     bool bounded;
 } Tree;
 
+// Grows the branch through one way out, within the flood through it.
+static void grow_branch(Grower *g, int contact) {
+    const Step *step = &g->steps[contact];
+    SightlineUndo undo;
+    if (step->rise == 0) sightline_push(&g->line, step->left, step->right, &undo);
+    int child = add_node(g, step->to, step->portal, 0);
+    if (child >= 0) {
+        g->on_path[step->to] = 1;
+        grow(g, child, step->rise);
+        g->on_path[step->to] = 0;
+    }
+    if (step->rise == 0) sightline_pop(&g->line, &undo);
+}
+
+// Writes the visible set of `source` into `row`, and returns its tree, or the root alone where that is too large.
 static Tree grow_tree(const CellGraph *graph, const Step *steps, int source, int limit, uint64_t *row) {
-    int most = graph->cell_count + 1;
-    Vec2 *ends = malloc(2 * (size_t)most * sizeof *ends);
-    unsigned char *on_path = calloc((size_t)graph->cell_count, 1);
-    CORE_ASSERT(ends && on_path);
+    size_t most = (size_t)graph->cell_count + 1, words = ((size_t)graph->cell_count + 63) / 64;
+    Arena scratch = {0};
     Grower g = {.graph = graph,
                 .steps = steps,
                 .limit = limit,
-                .line = {.left = ends, .right = ends + most, .capacity = most},
-                .on_path = on_path};
-    on_path[source] = 1;
+                .line = {.left = ARENA_ARRAY(&scratch, Vec2, most),
+                         .right = ARENA_ARRAY(&scratch, Vec2, most),
+                         .capacity = (int)most},
+                .on_path = ARENA_ARRAY(&scratch, unsigned char, most)};
+    const Cell *cell = &graph->cells[source];
+    uint64_t *reached = ARENA_ARRAY(&scratch, uint64_t, words * ((size_t)cell->contact_count + 1));
+    int *stack = ARENA_ARRAY(&scratch, int, most);
+    unsigned char *entered = ARENA_ARRAY(&scratch, unsigned char, most);
+    g.on_path[source] = 1;
     add_node(&g, source, -1, -1);
-    grow(&g, 0, 0);
     mark(row, source);
+    for (int i = 0; i < cell->contact_count; i++) {
+        uint64_t *flood = reached + (size_t)i * words;
+        flood_from(graph, steps, source, cell->first_contact + i, flood, stack, entered);
+        g.reached = flood;
+        if (!g.exhausted) grow_branch(&g, cell->first_contact + i);
+    }
     if (g.exhausted) {
         g.count = 1;
-        flood(graph, steps, source, row);
-    } else {
-        for (int i = 0; i < g.count; i++) mark(row, g.nodes[i].cell);
+        for (size_t i = 0; i < words * (size_t)cell->contact_count; i++) row[i % words] |= reached[i];
     }
-    free(ends);
-    free(on_path);
+    for (int i = 0; i < g.count; i++) mark(row, g.nodes[i].cell);
+    arena_free(&scratch);
     return (Tree){g.nodes, g.count, g.exhausted};
 }
 

@@ -75,11 +75,12 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
     return true;
 }
 
+// Doors are all that a person passes, doorways without a leaf among them.
 static int count_joined(const Building *b) {
     int joined = 0;
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
-        if (o->kind != OPENING_DOOR || o->region[0] < 0 || o->region[1] < 0) continue;
+        if (o->kind == OPENING_WINDOW || o->region[0] < 0 || o->region[1] < 0) continue;
         joined += b->regions[o->region[0]].kind == REGION_ROOM &&
                   b->regions[o->region[1]].kind == REGION_ROOM && o->region[0] != o->region[1];
     }
@@ -90,7 +91,7 @@ json_t *app_counts(const AppScene *scene) {
     const Building *b = &scene->building;
     int doors = 0, windows = 0, rooms = 0, leaks = 0, bounded = 0;
     for (int i = 0; i < b->opening_count; i++) {
-        doors += b->openings[i].kind == OPENING_DOOR;
+        doors += b->openings[i].kind != OPENING_WINDOW;
         windows += b->openings[i].kind == OPENING_WINDOW;
     }
     for (int i = 0; i < b->region_count; i++) rooms += b->regions[i].kind == REGION_ROOM;

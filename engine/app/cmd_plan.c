@@ -101,9 +101,10 @@ static bool draw_figure(const Arguments *a, const AppScene *scene, Arena *arena,
     if (root >= 0) whole.min.y -= tree_height;
     SvgDrawing *svg = svg_begin(arena, whole, a->width);
     Draw draw = svg_draw(svg);
-    figure_plan(graph, z, &draw);
+    figure_ground(graph, z, &draw);
+    if (root >= 0) figure_seen(graph, &scene->forest, root, z, &draw);
+    figure_lines(graph, z, &draw);
     if (root >= 0) {
-        figure_seen(graph, &scene->forest, root, z, &draw);
         DrawStyle paper = {.fill = 0xffffff, .fill_opacity = 1};
         Vec2 sheet[4] = {{whole.min.x, whole.min.y},
                          {whole.max.x, whole.min.y},

@@ -12,7 +12,7 @@ static const char HELP[] =
     "  -o OUT.vis      where to write\n"
     "  --threads N     threads to use, 1 to 256 (default: all cores)\n"
     "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
-    "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 50000); a larger one keeps its "
+    "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 5000); a larger one keeps its "
     "visible set\n"
     "  --json          one JSON object on standard output\n";
 
@@ -62,29 +62,47 @@ static int parse(int argc, char **argv, Arguments *a) {
     return APP_GOOD;
 }
 
-// Mean share of the cells, and of the polygons in them, that a cell may see.
-static void cell_to_cell(const AppScene *scene, double *cells, double *polygons) {
+// Polygons registered in the cells that `from` may see, each once.
+static long polygons_seen(const AppScene *scene, int from, int *stamp) {
     const CellGraph *graph = &scene->graph;
-    double seen_cells = 0, seen_polygons = 0, all = 0;
-    for (int c = 0; c < graph->cell_count; c++) all += graph->surface_first[c + 1] - graph->surface_first[c];
+    long polygons = 0;
     for (int c = 0; c < graph->cell_count; c++) {
-        for (int d = 0; d < graph->cell_count; d++) {
-            if (!vis_sees(&scene->forest, c, d)) continue;
-            seen_cells++;
-            seen_polygons += graph->surface_first[d + 1] - graph->surface_first[d];
+        if (!vis_sees(&scene->forest, from, c)) continue;
+        const CellMesh *mesh = &graph->meshes[c];
+        int first = graph->square_first[mesh->first_square];
+        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        for (int k = first; k < end; k++) {
+            int object = graph->square_objects[k];
+            if (stamp[object] == from + 1) continue;
+            stamp[object] = from + 1;
+            polygons += graph->objects[object].polygon_count;
         }
     }
+    return polygons;
+}
+
+// Mean share of the cells, and of all polygons, that a cell may see.
+static void cell_to_cell(const AppScene *scene, double *cells, double *polygons) {
+    const CellGraph *graph = &scene->graph;
+    Arena scratch = {0};
+    int *stamp = ARENA_ARRAY(&scratch, int, graph->object_count + 1);
+    double seen_cells = 0, seen_polygons = 0;
+    for (int c = 0; c < graph->cell_count; c++) {
+        for (int d = 0; d < graph->cell_count; d++) seen_cells += vis_sees(&scene->forest, c, d);
+        seen_polygons += (double)polygons_seen(scene, c, stamp);
+    }
     *cells = seen_cells / graph->cell_count / graph->cell_count;
-    *polygons = all > 0 ? seen_polygons / graph->cell_count / all : 0;
+    *polygons = graph->polygon_count ? seen_polygons / graph->cell_count / graph->polygon_count : 0;
+    arena_free(&scratch);
 }
 
 static void print_result(const Arguments *a, const AppScene *scene) {
-    double cells, surfaces, seconds = scene->cells_seconds + scene->trees_seconds;
-    cell_to_cell(scene, &cells, &surfaces);
+    double cells, polygons, seconds = scene->cells_seconds + scene->trees_seconds;
+    cell_to_cell(scene, &cells, &polygons);
     if (a->json) {
         json_t *o = app_counts(scene);
         json_object_set_new(o, "cell_to_cell", json_real(cells));
-        json_object_set_new(o, "surfaces_seen", json_real(surfaces));
+        json_object_set_new(o, "cell_to_cell_polygons", json_real(polygons));
         json_object_set_new(o, "read_seconds", json_real(scene->read_seconds));
         json_object_set_new(o, "cells_seconds", json_real(scene->cells_seconds));
         json_object_set_new(o, "trees_seconds", json_real(scene->trees_seconds));
@@ -92,8 +110,10 @@ static void print_result(const Arguments *a, const AppScene *scene) {
         app_print_json(o);
         return;
     }
-    printf("%d cells, %d portals, %d stab nodes; a cell sees %.1f %% of the cells in the mean\n",
-           scene->graph.cell_count, scene->graph.portal_count, scene->forest.node_count, 100 * cells);
+    printf("%d cells, %d portals, %d stab nodes; a cell sees %.1f %% of the cells "
+           "and %.1f %% of the polygons in the mean\n",
+           scene->graph.cell_count, scene->graph.portal_count, scene->forest.node_count, 100 * cells,
+           100 * polygons);
     printf("read %.3f s, cells %.3f s, stab trees %.3f s\n", scene->read_seconds, scene->cells_seconds,
            scene->trees_seconds);
 }

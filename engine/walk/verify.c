@@ -1,0 +1,202 @@
+// verify.c - the culled frame against the unculled one, pixel for pixel.
+#include "engine/walk/verify.h"
+
+#include <string.h>
+#include <time.h>
+
+#include "visibility/hidden/gl_context.h"
+#include "visibility/hidden/gl_items.h"
+
+struct WalkVerify {
+    const CellGraph *graph;
+    const StabForest *forest;
+    VisQuery *query;
+    GlContext *context;
+    GlItems *items;
+    Arena images;  // of the present size
+    ItemBuffer culled, unculled, with_glass;
+    uint32_t *culled_colour, *unculled_colour;
+    int *object_of;       // [polygon_count]
+    int *opaque, *glass;  // [object_count + 1] places in the items' list
+    unsigned *drawn;      // [object_count] the last frame whose draw list had it
+    unsigned *counted;    // [polygon_count] the last count it was part of
+    unsigned frame, count;
+    const unsigned char *door_open;
+};
+
+static bool is_glass(const CellGraph *graph, int polygon) {
+    return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
+}
+
+// A flat shade by material and direction: enough to tell surfaces apart, the same in every frame.
+static uint32_t shade(const CellGraph *graph, int polygon) {
+    const Polygon *p = &graph->polygons[polygon];
+    const Material *m = &graph->building->materials[p->material];
+    Vec3 n = plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n;
+    double light = 0.70 + 0.12 * fabs(n.x) - 0.06 * fabs(n.y) + 0.18 * fabs(n.z);
+    float channels[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+    float emission[3] = {m->emission.r, m->emission.g, m->emission.b};
+    uint32_t colour = 0xff000000u;
+    for (int c = 0; c < 3; c++) {
+        double value = pow(fmin(channels[c] * light + emission[c], 1), 1 / 2.2);
+        colour |= (uint32_t)lround(255 * value) << (8 * c);
+    }
+    return colour;
+}
+
+// The items' list: all opaque polygons in draw order, then all of glass.
+static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
+    const CellGraph *graph = v->graph;
+    Arena scratch = {0};
+    int *list = ARENA_ARRAY(arena, int, graph->polygon_count + 1), count = 0;
+    uint32_t *colours = ARENA_ARRAY(&scratch, uint32_t, graph->polygon_count + 1);
+    for (int glass = 0; glass < 2; glass++) {
+        int *first = glass ? v->glass : v->opaque;
+        for (int o = 0; o < graph->object_count; o++) {
+            first[o] = count;
+            for (int i = 0; i < graph->objects[o].polygon_count; i++) {
+                int polygon = graph->objects[o].first_polygon + i;
+                v->object_of[polygon] = o;
+                if (is_glass(graph, polygon) != (glass == 1)) continue;
+                colours[count] = shade(graph, polygon);
+                list[count++] = polygon;
+            }
+        }
+        first[graph->object_count] = count;
+    }
+    Scene scene = {graph->polygons, graph->vertices, list, count};
+    v->items = gl_items_new(&scene, colours, arena, error);
+    arena_free(&scratch);
+    return v->items != NULL;
+}
+
+WalkVerify *walk_verify_new(const CellGraph *graph, const StabForest *forest, Arena *arena, Error *error) {
+    WalkVerify *v = ARENA_ARRAY(arena, WalkVerify, 1);
+    v->graph = graph;
+    v->forest = forest;
+    v->query = vis_query_new(graph, forest, arena);
+    v->object_of = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
+    v->opaque = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    v->glass = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    v->drawn = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
+    v->counted = ARENA_ARRAY(arena, unsigned, graph->polygon_count + 1);
+    v->context = gl_context_open(arena, error);
+    if (!v->context) return NULL;
+    if (make_items(v, arena, error)) return v;
+    gl_context_close(v->context);
+    return NULL;
+}
+
+void walk_verify_free(WalkVerify *v) {
+    if (!v) return;
+    if (gl_context_use(v->context, NULL)) gl_items_free(v->items);
+    gl_context_close(v->context);
+    arena_free(&v->images);
+}
+
+static void make_images(WalkVerify *v, int width, int height) {
+    if (v->culled.width == width && v->culled.height == height) return;
+    arena_reset(&v->images);
+    size_t pixels = (size_t)width * (size_t)height;
+    v->culled = item_buffer_new(&v->images, width, height);
+    v->unculled = item_buffer_new(&v->images, width, height);
+    v->with_glass = item_buffer_new(&v->images, width, height);
+    v->culled_colour = ARENA_ARRAY(&v->images, uint32_t, pixels);
+    v->unculled_colour = ARENA_ARRAY(&v->images, uint32_t, pixels);
+}
+
+static bool draw_objects(WalkVerify *v, const int *first, bool all, Error *error) {
+    for (int o = 0; o < v->graph->object_count; o++) {
+        bool draw = all ? walk_shown(&v->graph->objects[o], v->door_open) : v->drawn[o] == v->frame;
+        if (draw) gl_items_add(v->items, first[o], first[o + 1] - first[o]);
+    }
+    return gl_items_draw(v->items, error);
+}
+
+int walk_verify_missing(WalkVerify *v, const ItemBuffer *items, int *missing) {
+    v->count++;
+    int count = 0;
+    for (int p = 0; p < items->width * items->height; p++) {
+        int polygon = items->item[p];
+        if (polygon < 0 || v->counted[polygon] == v->count) continue;
+        v->counted[polygon] = v->count;
+        if (v->drawn[v->object_of[polygon]] == v->frame) continue;
+        if (missing) *missing = polygon;
+        count++;
+    }
+    return count;
+}
+
+static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint32_t *ca, const uint32_t *cb) {
+    int count = 0;
+    for (int p = 0; p < a->width * a->height; p++) {
+        count += a->item[p] != b->item[p] || (ca && ca[p] != cb[p]);
+    }
+    return count;
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+// Both frames once more with glass on top; what is missing there is added.
+static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out, Error *error) {
+    if (!draw_objects(v, v->glass, true, error) ||
+        !gl_items_read(v->items, &v->with_glass, v->unculled_colour, error)) {
+        return false;
+    }
+    out->missing_polygons += walk_verify_missing(v, &v->with_glass, &out->missing);
+    double start = now();
+    if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, false, error)) return false;
+    if (!gl_items_read(v->items, &v->culled, NULL, error)) return false;
+    out->mismatched_pixels += count_mismatches(&v->culled, &v->unculled, NULL, NULL);
+    if (!draw_objects(v, v->glass, false, error) || !gl_items_read(v->items, &v->culled, v->culled_colour, error)) {
+        return false;
+    }
+    out->draw_seconds = now() - start;
+    out->mismatched_pixels +=
+        count_mismatches(&v->culled, &v->with_glass, v->culled_colour, v->unculled_colour);
+    return true;
+}
+
+bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const unsigned char *door_open,
+                       VisMethod method, VerifyFrame *out, Error *error) {
+    *out = (VerifyFrame){.missing = -1};
+    if (!gl_context_use(v->context, error)) return false;
+    make_images(v, camera->width, camera->height);
+    v->frame++;
+    v->door_open = door_open;
+    Eye eye = walk_eye(camera);
+    double start = now();
+    out->visible = vis_query(v->query, &eye, cell, door_open, method);
+    out->query_seconds = now() - start;
+    for (int i = 0; i < out->visible.object_count; i++) v->drawn[out->visible.objects[i]] = v->frame;
+    if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, true, error) ||
+        !gl_items_read(v->items, &v->unculled, NULL, error)) {
+        return false;
+    }
+    out->missing_polygons = walk_verify_missing(v, &v->unculled, &out->missing);
+    return compare_glass(v, camera, out, error);
+}
+
+void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
+    for (int p = 0; p < v->culled.width * v->culled.height; p++) {
+        for (int c = 0; c < 3; c++) rgb[3 * p + c] = (uint8_t)(v->culled_colour[p] >> (8 * c));
+    }
+}
+
+const ItemBuffer *walk_verify_items(const WalkVerify *v) { return &v->unculled; }
+
+int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, int *list) {
+    int count = 0;
+    for (int o = 0; o < graph->object_count; o++) {
+        if (!walk_shown(&graph->objects[o], door_open)) continue;
+        for (int i = 0; i < graph->objects[o].polygon_count; i++) {
+            int polygon = graph->objects[o].first_polygon + i;
+            if (!is_glass(graph, polygon)) list[count++] = polygon;
+        }
+    }
+    return count;
+}

@@ -1,0 +1,169 @@
+// verify_random.c - random views where visibility is most likely to go wrong. Eyes stay off solid surfaces by a
+// tenth of a millimetre: an eye in a wall's own plane sees into the wall, and there is nothing to be right about.
+#include <string.h>
+
+#include "engine/walk/verify.h"
+
+#define PI 3.14159265358979323846
+// How near corners the eyes come, metres.
+#define NEAR_LEAST 1e-4
+#define NEAR_MOST 3e-3
+// Tries to find a cell or portal of the kind wanted.
+#define TRIES 64
+
+typedef bool (*Place)(const CellGraph *graph, Random *random, Vec3 *eye);
+
+static const Region *region_of(const CellGraph *graph, int cell) {
+    return &graph->building->regions[graph->cells[cell].region];
+}
+
+static Vec2 centre_of(const CellGraph *graph, const Cell *cell) {
+    Vec2 sum = {0, 0};
+    for (int i = 0; i < cell->edge_count; i++) sum = vec2_add(sum, graph->plan[cell->first_edge + i]);
+    return vec2_scale(sum, 1.0 / cell->edge_count);
+}
+
+// A convex mix of the plan's corners: inside, off the boundary.
+static Vec3 point_in(const CellGraph *graph, int index, Random *random) {
+    const Cell *cell = &graph->cells[index];
+    Vec2 sum = {0, 0};
+    double weights = 0;
+    for (int i = 0; i < cell->edge_count; i++) {
+        double w = -log(1 - random_unit(random)) + 1e-3;
+        sum = vec2_add(sum, vec2_scale(graph->plan[cell->first_edge + i], w));
+        weights += w;
+    }
+    double inset = fmin(NEAR_LEAST, (cell->z1 - cell->z0) / 4);
+    return vec3(sum.x / weights, sum.y / weights, random_between(random, cell->z0 + inset, cell->z1 - inset));
+}
+
+static bool in_kind(const CellGraph *graph, Random *random, RegionKind kind, Vec3 *eye) {
+    for (int i = 0; i < TRIES; i++) {
+        int cell = random_index(random, graph->cell_count);
+        if (region_of(graph, cell)->kind != kind) continue;
+        *eye = point_in(graph, cell, random);
+        return true;
+    }
+    return false;
+}
+
+static bool anywhere(const CellGraph *graph, Random *random, Vec3 *eye) {
+    *eye = point_in(graph, random_index(random, graph->cell_count), random);
+    return true;
+}
+
+static bool room(const CellGraph *graph, Random *random, Vec3 *eye) {
+    return in_kind(graph, random, REGION_ROOM, eye);
+}
+
+static bool doorway(const CellGraph *graph, Random *random, Vec3 *eye) {
+    return in_kind(graph, random, REGION_OPENING, eye);
+}
+
+// Outdoors near the building, where its windows are.
+static bool outdoors(const CellGraph *graph, Random *random, Vec3 *eye) {
+    if (!in_kind(graph, random, REGION_OUTDOORS, eye)) return false;
+    Vec3 start = graph->building->start, near = vec3_lerp(start, *eye, random_between(random, 0.2, 1));
+    int cell = vis_locate(graph, near, -1);
+    if (cell >= 0 && region_of(graph, cell)->kind == REGION_OUTDOORS) *eye = near;
+    return true;
+}
+
+static bool corner(const CellGraph *graph, Random *random, Vec3 *eye) {
+    const Cell *cell = &graph->cells[random_index(random, graph->cell_count)];
+    Vec2 p = graph->plan[cell->first_edge + random_index(random, cell->edge_count)], c = centre_of(graph, cell);
+    double away = random_between(random, NEAR_LEAST, NEAR_MOST), size = vec2_length(vec2_sub(c, p));
+    if (size < 4 * away) return false;
+    p = vec2_add(p, vec2_scale(vec2_sub(c, p), away / size));
+    double up = fmin(random_between(random, NEAR_LEAST, NEAR_MOST), (cell->z1 - cell->z0) / 4);
+    int where = random_index(random, 3);
+    double z = where == 0 ? cell->z0 + up : where == 1 ? cell->z1 - up : random_between(random, cell->z0 + up, cell->z1 - up);
+    *eye = vec3(p.x, p.y, z);
+    return true;
+}
+
+static const Portal *random_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
+    if (graph->portal_count == 0) return NULL;
+    const Portal *portal = &graph->portals[random_index(random, graph->portal_count)];
+    Vec3 sum = {0, 0, 0};
+    double weights = 0;
+    for (int i = 0; i < portal->vertex_count; i++) {
+        double w = -log(1 - random_unit(random)) + 1e-3;
+        sum = vec3_add(sum, vec3_scale(graph->portal_vertices[portal->first_vertex + i], w));
+        weights += w;
+    }
+    *eye = vec3_scale(sum, 1 / weights);
+    return portal;
+}
+
+// Axis-aligned portals hold the eye exactly; others to the last digit.
+static bool on_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
+    const Portal *portal = random_portal(graph, random, eye);
+    if (!portal) return false;
+    Vec3 n = portal->plane.n, v = graph->portal_vertices[portal->first_vertex];
+    if (fabs(n.x) == 1) eye->x = v.x;
+    if (fabs(n.y) == 1) eye->y = v.y;
+    if (fabs(n.z) == 1) eye->z = v.z;
+    return true;
+}
+
+static bool beside_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
+    const Portal *portal = random_portal(graph, random, eye);
+    if (!portal) return false;
+    // From a nanometre to a millimetre, evenly in the exponent.
+    double off = pow(10, random_between(random, -9, -3)) * (random_index(random, 2) ? 1 : -1);
+    *eye = vec3_add(*eye, vec3_scale(portal->plane.n, off));
+    return true;
+}
+
+static bool portal_corner(const CellGraph *graph, Random *random, Vec3 *eye) {
+    if (graph->portal_count == 0) return false;
+    const Portal *portal = &graph->portals[random_index(random, graph->portal_count)];
+    const Vec3 *v = graph->portal_vertices + portal->first_vertex;
+    Vec3 middle = {0, 0, 0}, at = v[random_index(random, portal->vertex_count)];
+    for (int i = 0; i < portal->vertex_count; i++) {
+        middle = vec3_add(middle, vec3_scale(vec3_sub(v[i], v[0]), 1.0 / portal->vertex_count));
+    }
+    Vec3 inward = vec3_sub(vec3_add(v[0], middle), at);
+    double away = random_between(random, NEAR_LEAST, NEAR_MOST), size = vec3_length(inward);
+    if (size < 4 * away) return false;
+    *eye = vec3_add(at, vec3_scale(inward, away / size));
+    return true;
+}
+
+static bool door_leaf(const CellGraph *graph, Random *random, Vec3 *eye) {
+    for (int i = 0; i < TRIES; i++) {
+        const Portal *portal = random_portal(graph, random, eye);
+        if (portal && portal->door >= 0) return true;
+    }
+    return false;
+}
+
+static const struct {
+    const char *name;
+    Place place;
+} KINDS[] = {{"anywhere", anywhere},           {"room", room},
+             {"doorway", doorway},             {"corner", corner},
+             {"portal", on_portal},            {"beside portal", beside_portal},
+             {"portal corner", portal_corner}, {"door leaf", door_leaf},
+             {"outdoors", outdoors}};
+enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
+
+bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out) {
+    int kind = random_index(random, KIND_COUNT), mood = random_index(random, 3);
+    Vec3 eye = {0, 0, 0};
+    out->kind = KINDS[kind].name;
+    for (int i = 0; i < graph->building->opening_count; i++) {
+        bool open = random_index(random, 2);
+        out->door_open[i] = mood == 0 ? 1 : mood == 1 ? 0 : open;
+    }
+    double yaw = random_between(random, -PI, PI);
+    // One in four along an axis, as the walls are.
+    if (random_index(random, 4) == 0) yaw = (random_index(random, 4) - 2) * (PI / 2);
+    double pitch = random_index(random, 4) ? random_between(random, -0.5, 0.5) : random_between(random, -1.55, 1.55);
+    double fov = random_between(random, 0.3, 2.2);
+    if (!KINDS[kind].place(graph, random, &eye)) return false;
+    out->camera = camera_look(eye, yaw, pitch, fov, width, height);
+    out->cell = vis_locate(graph, eye, -1);
+    return out->cell >= 0;
+}

@@ -1,0 +1,175 @@
+// enclose.h - what the steps of maps_enclose hand to each other. Private to maps/enclose*.c.
+//
+// Plan coordinates here are millimetres from a local origin at whole metres, so that a building far from the
+// origin is treated as one at the origin; grid points are whole numbers, exact in doubles. Heights are
+// absolute millimetres.
+#ifndef MAPS_ENCLOSE_H
+#define MAPS_ENCLOSE_H
+
+#define GEOS_USE_ONLY_R_API
+#include <geos_c.h>
+
+#include "maps/sketch.h"
+
+#define ENCLOSE_MM 1000.0  // millimetres in a metre
+
+// A polygon of any number of rings, even-odd.
+typedef struct Shape {
+    Vec2 *points;
+    int *ring;  // [ring_count + 1] offsets into points
+    int ring_count;
+    Vec2 min, max;
+} Shape;
+
+typedef struct ShapeList {
+    Shape *items;
+    int count, capacity;
+} ShapeList;
+
+// An edge of the arrangement: face[0] lies left of v[0] -> v[1], face[1] right; -1 beyond the world.
+typedef struct PlanEdge {
+    int v[2], face[2];
+} PlanEdge;
+
+// Half-edge h is edge h / 2, run from v[h & 1]; its left face is face[h & 1].
+typedef struct PlanFace {
+    int first_half, half_count;  // in Plan.halves: all of its rings, in no order
+    Vec2 inner;                  // a point well inside
+    double area, perimeter;      // mm^2, mm
+} PlanFace;
+
+// One planar arrangement of the linework of all storeys.
+typedef struct Plan {
+    Vec2 *vertices;
+    PlanEdge *edges;
+    PlanFace *faces;
+    int *halves;
+    int *by_x;  // [face_count] faces by inner.x
+    int vertex_count, edge_count, face_count, half_count;
+} Plan;
+
+// The plan box of an opening, with its depth fitted to the walls.
+typedef struct Hole {
+    bool used;
+    bool walled;        // stands in a wall
+    Vec2 centre, u, n;  // mm; width axis and normal, unit
+    double half;        // half the width
+    double v0, v1;      // reach along n
+    double sill, head;
+    Vec2 leaf[2];  // ends of the leaf line
+    Shape box;
+    int opening;  // in Building.openings, -1 until it is there
+} Hole;
+
+// Spot.wall: the index of a wall, or one of these.
+enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4 };
+enum { SPOT_HOLES = 2 };  // openings above one another in one storey's wall
+
+// What one storey has at one face.
+typedef struct Spot {
+    int wall;
+    int hole[SPOT_HOLES];  // openings, -1: none
+    int room;              // as drawn, -1: none
+    int cutout;            // -1: none
+    int indoor;   // a room's index, room_count + n for the nth unnamed space, or -1: outdoors or solid
+    int terrace;  // the room whose floor lies here under the sky, -1: none
+    int owner;    // of an implicit wall: a room that it closes
+} Spot;
+
+typedef enum SpanKind { SPAN_SOLID, SPAN_ROOM, SPAN_OUTDOORS, SPAN_OPENING, SPAN_SHAFT } SpanKind;
+
+// A piece of the column over a face.
+typedef struct Span {
+    SpanKind kind;
+    int id;  // ROOM: as Spot.indoor; OUTDOORS: floor material, or material_count + the room of a terrace;
+             // OPENING: 2 * hole + side; SHAFT: cut-out
+    int storey;
+    double z0, z1;
+    int region;  // in Building.regions, -1
+} Span;
+
+typedef struct Column {
+    int first_span, span_count;
+} Column;
+
+// One attempt at the plan, with or without plugs in small gaps.
+typedef struct Pass {
+    Plan plan;
+    Spot *spots;        // [storey_count * face_count]
+    int *space_storey;  // [space_count] of unnamed enclosed spaces
+    int space_count, space_capacity;
+    double enclosed;  // mm^2 indoors
+    bool leaking;     // a room lies open, or walls enclose nothing
+} Pass;
+
+typedef struct Enclosure {
+    const Sketch *sketch;
+    Building *b;
+    Arena *arena, *scratch;
+    Error *error;
+    GEOSContextHandle_t geos;
+    char geos_message[256];
+    Vec2 origin;  // metres, whole
+    Vec2 world_min, world_max;
+    double bottom, top;  // of all columns
+    Shape *walls, *rooms, *cutouts;
+    bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
+    bool *room_used, *cutout_used;
+    double *room_wall;    // [room_count] mm of implicit wall, 0: none
+    ShapeList *implicit;  // [storey_count] solids of implicit walls
+    ShapeList *plugs;     // [storey_count] fillings of small gaps
+    Hole *holes;          // [opening_count]
+    double *floor, *ceiling, *base,
+        *cover;  // [storey_count] base: under its slab; cover: top of what lies above
+    Pass pass;
+    Span *spans;
+    Column *columns;  // [face_count]
+    int span_count, span_capacity;
+} Enclosure;
+
+// ---- enclose_plan.c
+bool shape_contains(const Shape *shape, Vec2 p);
+Shape shape_of_points(Arena *arena, const Vec2 *points, int count);
+GEOSGeometry *shape_to_geos(Enclosure *e, const Shape *shape);  // made valid; NULL on failure
+void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowest, ShapeList *out);
+// Nodes and polygonizes everything in use; false with the error set when GEOS fails.
+bool plan_build(Enclosure *e, bool with_plugs, Plan *out);
+static inline int half_from(const Plan *p, int h) { return p->edges[h >> 1].v[h & 1]; }
+static inline int half_to(const Plan *p, int h) { return p->edges[h >> 1].v[~h & 1]; }
+static inline int half_left(const Plan *p, int h) { return p->edges[h >> 1].face[h & 1]; }
+static inline int half_right(const Plan *p, int h) { return p->edges[h >> 1].face[~h & 1]; }
+static inline double half_length(const Plan *p, int h) {
+    return vec2_length(vec2_sub(p->vertices[half_to(p, h)], p->vertices[half_from(p, h)]));
+}
+
+// ---- enclose_input.c
+bool enclose_prepare(Enclosure *e);         // shapes, heights, the world, low walls; false with the error set
+bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
+bool enclose_plugs(Enclosure *e, bool *any);
+Vec2 enclose_local(const Enclosure *e, Vec2 p);  // metres to local millimetres
+Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
+const char *enclose_text(const char *place);
+
+// ---- enclose_holes.c
+void holes_fit(Enclosure *e);
+
+// ---- enclose_indoor.c
+void indoor_label(Enclosure *e, Pass *pass, bool with_plugs);
+void indoor_report(Enclosure *e);  // areas, terraces, leaks
+
+// ---- enclose_columns.c
+void columns_build(Enclosure *e);
+static inline bool span_equal(const Span *a, const Span *b) {
+    return a->kind == b->kind && a->id == b->id && a->z0 == b->z0 && a->z1 == b->z1;
+}
+
+// ---- enclose_regions.c
+void regions_trace(Enclosure *e);
+int enclose_push_point(Enclosure *e, Vec2 metres, int material);
+
+// ---- enclose_openings.c
+void openings_append(Enclosure *e);  // before the regions that refer to them
+void openings_join(Enclosure *e);    // regions on either side, leaves, spandrels
+void enclose_choose_start(Enclosure *e);
+
+#endif

@@ -1,0 +1,76 @@
+#!/bin/bash
+# check_commands.sh - the program as its user meets it: help, exit codes, messages, JSON, files written whole.
+set -u
+program=$ENFILADE_BUILD/enfilade
+maps=build/maps
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export XDG_CACHE_HOME=$work/cache
+bad=0
+fail() { echo "check_commands: $*"; bad=1; }
+
+# expect STATUS COMMAND...: runs it, output in $work/out and $work/err.
+expect() {
+    local status=$1
+    shift
+    "$@" >"$work/out" 2>"$work/err" </dev/null
+    local got=$?
+    [ $got -eq "$status" ] || fail "$* exits $got, not $status: $(head -2 "$work/err")"
+}
+says() { grep -q -- "$2" "$work/$1" || fail "no \`$2\` in $1: $(head -2 "$work/$1")"; }
+quiet() { [ ! -s "$work/err" ] || fail "standard error should be empty: $(head -2 "$work/err")"; }
+
+# Help everywhere, on standard output, with exit status 0.
+expect 0 "$program" --help && says out 'usage'
+for command in info vis plan walk bench; do
+    expect 0 "$program" $command --help
+    says out "usage: enfilade $command"
+    quiet
+done
+
+# Wrong use: exit 2, what is wrong, and where help is.
+expect 2 "$program"
+expect 2 "$program" nonsense && says err 'there is no command `nonsense`'
+expect 2 "$program" info && says err -- '--help'
+expect 2 "$program" info --nonsense $maps/two-rooms.plan && says err '`--nonsense`'
+expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 to 256'
+expect 2 "$program" vis --square 1e9 $maps/two-rooms.plan && says err 'allowed 0.25 to 100'
+expect 2 "$program" plan --from 1,2 $maps/two-rooms.plan && says err 'X,Y,Z'
+expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --size 0x0
+expect 2 "$program" bench nonsense
+# Bad input: exit 1 and one sentence with the place.
+expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
+echo 'nonsense 1' >"$work/bad.plan"
+expect 1 "$program" info "$work/bad.plan" && says err 'bad.plan:1'
+expect 1 "$program" plan $maps/two-rooms.plan --from 1000,0,0 && says err 'no cell at'
+[ "$(wc -l <"$work/err")" -eq 1 ] || fail "more than one sentence: $(cat "$work/err")"
+
+# JSON: one object with the promised keys.
+expect 0 "$program" info --json $maps/house.plan
+for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
+expect 0 "$program" vis --json $maps/house.plan
+for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
+
+# The same bytes on 1, 2 and 7 threads, on every sample.
+for map in $maps/*.plan $maps/*.sh3d; do
+    for threads in 1 2 7; do expect 0 "$program" vis "$map" -o "$work/$threads.vis" --threads $threads; done
+    cmp -s "$work/1.vis" "$work/2.vis" && cmp -s "$work/1.vis" "$work/7.vis" || fail "$map: .vis depends on threads"
+done
+
+# A file that cannot be written: exit 1, nothing beside it, an earlier one kept.
+cp "$work/1.vis" "$work/kept.vis"
+expect 1 "$program" vis $maps/two-rooms.plan -o "$work/no/such/folder/x.vis" && says err 'cannot be written'
+(ulimit -f 1; exec "$program" vis $maps/office.plan -o "$work/kept.vis") >/dev/null 2>&1 && fail 'a full disk went unseen'
+cmp -s "$work/1.vis" "$work/kept.vis" || fail 'an earlier file was lost'
+[ -z "$(find "$work" -name 'kept.vis.*' -o -name 'x.vis*' | grep -v '\.vis\.[A-Za-z0-9]*$')" ] || fail 'a half-written file is left'
+# The cache is used, and one that is damaged is passed over with a warning.
+expect 0 "$program" info $maps/two-rooms.plan
+cached=$(ls "$work"/cache/enfilade/*.vis | head -1)
+for file in "$work"/cache/enfilade/*.vis; do printf 'x' | dd of="$file" bs=1 seek=200 conv=notrunc 2>/dev/null; done
+expect 0 "$program" info $maps/two-rooms.plan && says err 'made anew'
+[ -n "$cached" ] || fail 'nothing was cached'
+
+# The plan is well-formed SVG with the tree's rooms.
+expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5
+grep -q '</svg>' "$work/plan.svg" || fail 'the plan is no SVG'
+exit $bad

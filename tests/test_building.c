@@ -1,0 +1,311 @@
+// test_building.c - appending to a building, and the check that names every fault.
+#include <criterion/criterion.h>
+#include <math.h>
+
+#include "engine/core/random.h"
+#include "maps/building.h"
+
+// Proves the sRGB curve at known points (IEC 61966-2-1: 188 is 0.5028 linear, 10 is on the straight part)
+// and the cap.
+Test(building, colours) {
+    cr_expect_float_eq(maps_linear(0), 0, 0);
+    cr_expect_float_eq(maps_linear(10), 10 / 255.0 / 12.92, 1e-6);
+    cr_expect_float_eq(maps_linear(188), 0.5029, 1e-3);
+    cr_expect_eq(maps_linear(255), MAPS_MAX_REFLECTANCE);
+    cr_expect_eq(maps_linear(-5), 0);
+    Rgb c = maps_colour(0xFF00BC);
+    cr_expect_eq(c.r, MAPS_MAX_REFLECTANCE);
+    cr_expect_eq(c.g, 0);
+    cr_expect_float_eq(c.b, 0.5029, 1e-3);
+}
+
+// Proves that equal materials are found again and that names are copied.
+Test(building, materials_are_shared) {
+    Arena arena = {0};
+    Building b = {0};
+    char name[] = "oak";
+    Material oak = {name, {0.4f, 0.3f, 0.2f}, {0, 0, 0}, 1};
+    cr_expect_eq(building_add_material(&arena, &b, oak), 0);
+    cr_expect_eq(building_add_material(&arena, &b, oak), 0);
+    oak.alpha = 0.5f;
+    cr_expect_eq(building_add_material(&arena, &b, oak), 1);
+    name[0] = 'X';
+    cr_expect_str_eq(b.materials[0].name, "oak");
+    arena_free(&arena);
+}
+
+static double area_of_polygons(const Building *b, int first) {
+    double sum = 0;
+    for (int i = first; i < b->polygon_count; i++) {
+        sum += polygon_area(&b->vertices[b->polygons[i].first_vertex], b->polygons[i].vertex_count);
+    }
+    return sum;
+}
+
+static int faults_of(const Building *b, Arena *arena, const char *expected) {
+    const char *faults[8] = {""};
+    int count = building_check(b, arena, faults, 8);
+    if (!expected) {
+        cr_expect_eq(count, 0, "%s", faults[0]);
+    } else {
+        cr_expect_geq(count, 1, "expected: %s", expected);
+        cr_expect(count && strstr(faults[0], expected), "found: %s; expected: %s", faults[0], expected);
+    }
+    return count;
+}
+
+// Proves that convex polygons stay whole, that concave, bent and star-shaped ones are cut into triangles of
+// the same area that pass the check, and that degenerate ones vanish. Star polygons are random: 300 seeds.
+Test(building, polygons_are_made_convex) {
+    Arena arena = {0};
+    Building b = {0};
+    building_add_material(&arena, &b, (Material){"m", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 1});
+    building_add_object(&arena, &b, OBJECT_FURNITURE, "thing");
+    Vec3 square[6] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, 1, 0}, {0, 1, 0}};
+    cr_expect_eq(building_add_polygon(&arena, &b, square, 6, 0), 1);
+    Vec3 concave[5] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5, 0}, {0, 2, 0}};
+    cr_expect_eq(building_add_polygon(&arena, &b, concave, 5, 0), 3);
+    cr_expect_float_eq(area_of_polygons(&b, 1), 2.5, 1e-12);
+    Vec3 bent[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.1}, {0, 1, 0}};
+    cr_expect_eq(building_add_polygon(&arena, &b, bent, 4, 0), 2);
+    Vec3 line[3] = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, wild[3] = {{0, 0, 0}, {NAN, 1, 1}, {2, 0, 2}};
+    cr_expect_eq(building_add_polygon(&arena, &b, line, 3, 0), 0);
+    cr_expect_eq(building_add_polygon(&arena, &b, wild, 3, 0), 0);
+    cr_expect_eq(building_add_polygon(&arena, &b, line, 2, 0), 0);
+    for (int seed = 1; seed <= 300; seed++) {
+        Random r = {(uint64_t)seed};
+        Vec3 star[90];
+        int count = 5 + random_index(&r, 85), first = b.polygon_count;
+        for (int i = 0; i < count; i++) {
+            double a = 2 * M_PI * i / count, radius = random_between(&r, 0.5, 2);
+            star[i] = vec3(radius * cos(a), radius * sin(a), 0.3 * radius * cos(a));  // in a tilted plane
+        }
+        building_add_polygon(&arena, &b, star, count, 0);
+        cr_expect_float_eq(area_of_polygons(&b, first), polygon_area(star, count), 1e-6, "seed %d", seed);
+    }
+    cr_expect_eq(b.objects[0].polygon_count, b.polygon_count);
+    faults_of(&b, &arena, NULL);
+    arena_free(&arena);
+}
+
+// Proves that the proxy is the box in the turned frame.
+Test(building, proxy) {
+    Arena arena = {0};
+    Building b = {0};
+    building_add_object(&arena, &b, OBJECT_FURNITURE, "table");
+    double c = cos(0.5), s = sin(0.5);
+    Vec3 top[4] = {{0, 0, 0.7}, {2 * c, 2 * s, 0.7}, {2 * c - s, 2 * s + c, 0.75}, {-s, c, 0.75}};
+    building_add_polygon(&arena, &b, top, 4, 0);
+    building_set_proxy(&b, 0.5);
+    const Object *o = &b.objects[0];
+    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy[1], o->proxy[0])), 2, 1e-12);
+    cr_expect_float_eq(vec2_length(vec2_sub(o->proxy[2], o->proxy[1])), 1, 1e-12);
+    cr_expect_gt(vec2_cross(vec2_sub(o->proxy[1], o->proxy[0]), vec2_sub(o->proxy[2], o->proxy[1])), 0);
+    cr_expect_float_eq(o->proxy_z0, 0.7, 0);
+    cr_expect_float_eq(o->proxy_z1, 0.75, 0);
+    arena_free(&arena);
+}
+
+// ---- the check
+
+static void add_ring(Arena *arena, Building *b, const double *xy, int count) {
+    *ARENA_PUSH(arena, b->rings, b->ring_count, b->ring_capacity) = (Ring){b->point_count, count};
+    for (int i = 0; i < count; i++) {
+        b->edge_material =
+            arena_grow(arena, b->edge_material, b->point_count, &b->edge_capacity, sizeof(int));
+        b->edge_material[b->point_count] = 0;
+        *ARENA_PUSH(arena, b->points, b->point_count, b->point_capacity) = vec2(xy[2 * i], xy[2 * i + 1]);
+    }
+}
+
+static Region *add_region(Arena *arena, Building *b, double z0, double z1, const double *xy, int count) {
+    Region *r = ARENA_PUSH(arena, b->regions, b->region_count, b->region_capacity);
+    *r =
+        (Region){.name = "", .opening = -1, .first_ring = b->ring_count, .ring_count = 1, .z0 = z0, .z1 = z1};
+    add_ring(arena, b, xy, count);
+    return r;
+}
+
+// Two rooms that share the edge x = 4, the second with a hole.
+static Building sound_building(Arena *arena) {
+    static const double first[] = {0, 0, 4, 0, 4, 3, 0, 3}, second[] = {4, 0, 8, 0, 8, 3, 4, 3},
+                        hole[] = {5, 1, 5, 2, 6, 2, 6, 1};
+    Building b = {0};
+    building_add_material(arena, &b, (Material){"m", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 1});
+    *ARENA_PUSH(arena, b.storeys, b.storey_count, b.storey_capacity) = (Storey){"s", 0, 2.5, 0.2};
+    add_region(arena, &b, 0, 2.5, first, 4);
+    add_region(arena, &b, 0, 2.5, second, 4)->ring_count = 2;
+    add_ring(arena, &b, hole, 4);
+    *ARENA_PUSH(arena, b.openings, b.opening_count, b.opening_capacity) = (Opening){
+        .kind = OPENING_PASSAGE, .name = "gap", .leaf = {{4, 0}, {4, 3}}, .head = 2, .region = {0, 1}};
+    building_add_object(arena, &b, OBJECT_FURNITURE, "thing");
+    Vec3 quad[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    building_add_polygon(arena, &b, quad, 4, 0);
+    *ARENA_PUSH(arena, b.lights, b.light_count, b.light_capacity) =
+        (Light){"lamp", {1, 1, 2}, 0.1, {1, 1, 1}, 0};
+    *ARENA_PUSH(arena, b.viewpoints, b.viewpoint_count, b.viewpoint_capacity) =
+        (Viewpoint){"door", {1, 1, 1.6}, 0, 0, 1};
+    b.world = (Box){{0, 0, 0}, {8, 3, 2.5}};
+    return b;
+}
+
+// Each case spoils one thing of a sound building.
+static void spoil(Building *b, int way) {
+    switch (way) {
+    case 0:
+        b->points[1].x = NAN;
+        break;
+    case 1:
+        b->points[1].x = 3.9995;
+        break;
+    case 2:
+        b->points[1].x = 2e8;
+        break;
+    case 3:
+        b->rings[0].point_count = 2;
+        break;
+    case 4:
+        b->points[2] = vec2(1, 1);
+        b->points[3] = vec2(4, 2);
+        break;
+    case 5:
+        b->points[1] = vec2(0, 3);
+        b->points[3] = vec2(4, 0);
+        break;
+    case 6:
+        b->regions[0].z1 = 0;
+        break;
+    case 7:
+        b->regions[0].floor_material = 7;
+        break;
+    case 8:
+        b->regions[0].z0 = 0.00005;
+        break;
+    case 9:
+        b->points[1].x = b->points[2].x = 5;
+        break;
+    case 10:
+        b->points[2].y = 2;
+        break;
+    case 11:
+        b->edge_material[3] = -1;
+        break;
+    case 12:
+        b->regions[1].first_ring = 2;
+        break;
+    case 13:
+        b->openings[0].region[1] = 9;
+        break;
+    case 14:
+        b->openings[0].region[1] = -1;
+        break;
+    case 15:
+        b->openings[0].sill = 2;
+        break;
+    case 16:
+        b->openings[0].leaf[1] = b->openings[0].leaf[0];
+        break;
+    case 17:
+        b->polygons[0].material = 3;
+        break;
+    case 18:
+        b->vertices[2].z = 1.5;
+        break;
+    case 19:
+        b->vertices[2] = vec3(0.2, 0.2, 1);
+        break;
+    case 20:
+        b->vertices[2] = vec3(INFINITY, 1, 1);
+        break;
+    case 21:
+        b->polygons[0].vertex_count = 9;
+        break;
+    case 22:
+        b->objects[0].polygon_count = 2;
+        break;
+    case 23:
+        b->objects[0].shown = SHOWN_OPEN;
+        break;
+    case 24:
+        b->lights[0].position.x = NAN;
+        break;
+    case 25:
+        b->lights[0].object = 4;
+        break;
+    case 26:
+        b->viewpoints[0].fov = 0;
+        break;
+    case 27:
+        b->materials[0].reflectance.g = 0.9f;
+        break;
+    case 28:
+        b->storeys[0].height = 0;
+        break;
+    case 29:
+        b->start.x = NAN;
+        break;
+    case 30:
+        b->points[8] = vec2(9, 1);
+        b->points[9] = vec2(9, 2);
+        b->points[10] = vec2(10, 2);
+        b->points[11] = vec2(10, 1);
+        break;
+    default:
+        b->points[8] = vec2(5, 1);
+        b->points[9] = vec2(6, 1);
+        b->points[10] = vec2(6, 2);
+        b->points[11] = vec2(5, 2);
+        break;
+    }
+}
+
+// Proves that a sound building passes and that each of 32 faults is named.
+Test(building, check_names_every_fault) {
+    static const char *const expected[] = {
+        "finite",           "grid",          "within",          "at least 3",   "touches or crosses",
+        "signed area",      "reaches from",  "floor material",  "off the grid", "overlap",
+        "sharing vertices", "has material",  "rings",           "region 9",     "without a reason",
+        "sill below head",  "no width",      "material 3",      "bends",        "not convex",
+        "finite",           "all there",     "polygons 0 to 1", "opening -1",   "light 0",
+        "object 4",         "field of view", "reflectance",     "storey 0",     "start",
+        "outside",          "signed area"};
+    int ways = (int)(sizeof expected / sizeof *expected);
+    for (int way = -1; way < ways; way++) {
+        Arena arena = {0};
+        Building b = sound_building(&arena);
+        if (way >= 0) spoil(&b, way);
+        const char *faults[8] = {""};
+        int count = building_check(&b, &arena, faults, 8);
+        bool found = false;
+        for (int i = 0; i < count && i < 8; i++)
+            found = found || (way >= 0 && strstr(faults[i], expected[way]));
+        cr_expect(way < 0 ? count == 0 : found, "case %d: %d faults, first: %s", way, count, faults[0]);
+        arena_free(&arena);
+    }
+}
+
+// Proves that regions one above the other, side by side, and around one another are not taken for
+// overlapping, and that small overlaps in space are.
+Test(building, overlaps_in_space) {
+    static const double room[] = {0, 0, 4, 0, 4, 3, 0, 3}, inner[] = {5, 1, 6, 1, 6, 2, 5, 2},
+                        cross[] = {3.999, 1, 5, 1, 5, 2, 3.999, 2};
+    Arena arena = {0};
+    Building b = sound_building(&arena);
+    b.world.max.z = 9;
+    add_region(&arena, &b, 2.5, 5, room, 4);
+    add_region(&arena, &b, 0, 2.5, inner, 4);
+    faults_of(&b, &arena, NULL);
+    add_region(&arena, &b, 4.999, 6, room, 4);
+    faults_of(&b, &arena, "overlap");
+    arena_free(&arena);
+    b = sound_building(&arena);
+    add_region(&arena, &b, 1, 2, cross, 4);
+    faults_of(&b, &arena, "overlap");
+    arena_free(&arena);
+}
+
+// Proves that every kind has a name.
+Test(building, names) {
+    for (int i = 0; i < REGION_KINDS; i++) cr_expect_gt(strlen(region_kind_name((RegionKind)i)), 0);
+    for (int i = 0; i < OPENING_KINDS; i++) cr_expect_gt(strlen(opening_kind_name((OpeningKind)i)), 0);
+}

@@ -1,0 +1,29 @@
+// gl_items.h - polygons drawn into an item buffer by OpenGL, exact enough to be compared: positions relative to the
+// eye, depth from each polygon's plane, no blending, no antialiasing.
+//
+// All functions work in the current context, in which the items were made.
+#ifndef VISIBILITY_GL_ITEMS_H
+#define VISIBILITY_GL_ITEMS_H
+
+#include "visibility/hidden/hidden.h"
+
+// Nearer than this nothing is drawn, metres: an eye that almost touches a wall must not look through it. Depth does
+// not suffer, it is a float of 1/z.
+#define GL_ITEMS_NEAR 1e-6
+
+typedef struct GlItems GlItems;
+
+// The polygons of `scene`, in its order. `colours`, if not NULL, holds an RGBA for every place in the list, and a
+// colour image is drawn along. Returns NULL on failure.
+GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, Arena *arena, Error *error);
+void gl_items_free(GlItems *items);  // what OpenGL holds
+
+// Clears the buffers and takes up the camera. Allocates only when the size of the image changes (in OpenGL).
+bool gl_items_look(GlItems *items, const Camera *camera, Error *error);
+// A run of the scene's list to be drawn by the next gl_items_draw; in increasing order.
+void gl_items_add(GlItems *items, int first, int count);
+bool gl_items_draw(GlItems *items, Error *error);
+// What was drawn since gl_items_look. `colour` [height * width] RGBA, rows from the top, or NULL.
+bool gl_items_read(GlItems *items, ItemBuffer *out, uint32_t *colour, Error *error);
+
+#endif

@@ -1,0 +1,38 @@
+// osmesa.c - the hidden-surface method `osmesa`: an item buffer by Mesa's software rasteriser.
+#include "visibility/hidden/osmesa.h"
+
+#include "visibility/hidden/gl_context.h"
+#include "visibility/hidden/gl_items.h"
+
+typedef struct Prepared {
+    GlContext *context;
+    GlItems *items;
+    int count;
+} Prepared;
+
+static void osmesa_end(void *prepared) {
+    Prepared *p = prepared;
+    if (gl_context_use(p->context, NULL)) gl_items_free(p->items);
+    gl_context_close(p->context);
+}
+
+static void *osmesa_begin(const Scene *scene, Arena *arena, Error *error) {
+    Prepared *p = ARENA_ARRAY(arena, Prepared, 1);
+    p->count = scene->count;
+    p->context = gl_context_open(arena, error);
+    if (!p->context) return NULL;
+    p->items = gl_items_new(scene, NULL, arena, error);
+    if (p->items) return p;
+    gl_context_close(p->context);
+    return NULL;
+}
+
+static bool osmesa_draw(void *prepared, const Camera *camera, ItemBuffer *out, Error *error) {
+    Prepared *p = prepared;
+    if (!gl_context_use(p->context, error) || !gl_items_look(p->items, camera, error)) return false;
+    gl_items_add(p->items, 0, p->count);
+    return gl_items_draw(p->items, error) && gl_items_read(p->items, out, NULL, error);
+}
+
+const HiddenMethod HIDDEN_OSMESA = {"osmesa", "OpenGL in memory by Mesa's software rasteriser", osmesa_begin,
+                                    osmesa_draw, osmesa_end};

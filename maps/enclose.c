@@ -58,6 +58,7 @@ static bool enclose(Enclosure *e) {
     if (!find_indoors(e)) return false;
     indoor_report(e);
     columns_build(e);
+    columns_drop_unseen_outdoors(e);
     openings_append(e);
     regions_trace(e);
     if (e->b->region_count == 0) return error_set(e->error, "nothing of the plan is free space");

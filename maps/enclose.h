@@ -159,6 +159,7 @@ void indoor_report(Enclosure *e);  // areas, terraces, leaks
 
 // ---- enclose_columns.c
 void columns_build(Enclosure *e);
+void columns_drop_unseen_outdoors(Enclosure *e);
 static inline bool span_equal(const Span *a, const Span *b) {
     return a->kind == b->kind && a->id == b->id && a->z0 == b->z0 && a->z1 == b->z1;
 }

@@ -217,3 +217,54 @@ void columns_build(Enclosure *e) {
         }
     }
 }
+
+static bool is_free(const Span *s) { return s->kind != SPAN_SOLID; }
+
+// Do the spans of two neighbouring columns let anything indoors see the outdoors?
+static bool columns_open(const Enclosure *e, int face, int other) {
+    const Column *a = &e->columns[face], *b = &e->columns[other];
+    for (int i = a->first_span; i < a->first_span + a->span_count; i++) {
+        const Span *s = &e->spans[i];
+        if (!is_free(s) || s->kind == SPAN_OUTDOORS) continue;
+        for (int k = b->first_span; k < b->first_span + b->span_count; k++) {
+            const Span *t = &e->spans[k];
+            if (t->kind == SPAN_OUTDOORS && s->z0 < t->z1 && t->z0 < s->z1) return true;
+        }
+    }
+    return false;
+}
+
+static bool outdoors_is_seen(const Enclosure *e) {
+    const Plan *plan = &e->pass.plan;
+    bool indoors = false;
+    for (int f = 0; f < plan->face_count; f++) {
+        const Span *s = e->spans + e->columns[f].first_span;
+        for (int i = 0; i < e->columns[f].span_count; i++) {
+            indoors = indoors || (is_free(&s[i]) && s[i].kind != SPAN_OUTDOORS);
+            if (i == 0 || !is_free(&s[i - 1]) || !is_free(&s[i])) continue;
+            if ((s[i - 1].kind == SPAN_OUTDOORS) != (s[i].kind == SPAN_OUTDOORS)) return true;
+        }
+    }
+    for (int i = 0; i < plan->edge_count; i++) {
+        int f = plan->edges[i].face[0], g = plan->edges[i].face[1];
+        if (f >= 0 && g >= 0 && (columns_open(e, f, g) || columns_open(e, g, f))) return true;
+    }
+    return !indoors;
+}
+
+// Where nothing opens to it, the outdoors hides nothing and shows nothing: it is left out.
+void columns_drop_unseen_outdoors(Enclosure *e) {
+    if (outdoors_is_seen(e)) return;
+    int kept = 0;
+    for (int f = 0; f < e->pass.plan.face_count; f++) {
+        const Column old = e->columns[f];
+        e->columns[f] = (Column){kept, 0};
+        for (int i = old.first_span; i < old.first_span + old.span_count; i++) {
+            const Span s = e->spans[i];
+            const Span next = s.kind == SPAN_OUTDOORS ? span(SPAN_SOLID, 0, -1, s.z0, s.z1) : s;
+            put(e->spans + e->columns[f].first_span, &e->columns[f].span_count, next);
+        }
+        kept += e->columns[f].span_count;
+    }
+    e->span_count = kept;
+}

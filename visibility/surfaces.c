@@ -186,7 +186,8 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
     const Cell *cell = &graph->cells[c];
     Vec3 polygon[BUILD_MAX_VERTICES];
     Pieces pieces = {0};
-    add_piece(builder->scratch, &pieces, polygon, cell_polygon(graph, cell, z, polygon));
+    int corners = cell_polygon(graph, cell, z, polygon);
+    add_piece(builder->scratch, &pieces, polygon, corners);
     for (int i = 0; i < cell->contact_count; i++) {
         const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
@@ -335,7 +336,7 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
         int to = lower_bound(run, t->level.count, high, compare);
         collect_hits(t->scratch, run, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     }
-    qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
+    if (count > 1) qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
     return count;
 }
 

@@ -240,7 +240,9 @@ static bool outdoors_is_seen(const Enclosure *e) {
     for (int f = 0; f < plan->face_count; f++) {
         const Span *s = e->spans + e->columns[f].first_span;
         for (int i = 0; i < e->columns[f].span_count; i++) {
+            bool terrace = s[i].kind == SPAN_OUTDOORS && s[i].id >= e->b->material_count;
             indoors = indoors || (is_free(&s[i]) && s[i].kind != SPAN_OUTDOORS);
+            if (terrace) return true;  // drawn to be seen
             if (i == 0 || !is_free(&s[i - 1]) || !is_free(&s[i])) continue;
             if ((s[i - 1].kind == SPAN_OUTDOORS) != (s[i].kind == SPAN_OUTDOORS)) return true;
         }

@@ -1,0 +1,126 @@
+# Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, draws a tour), `make test`.
+#   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
+#   make test | soak | asan | fuzz | bench | lint | install PREFIX= DESTDIR= | clean
+config ?= release
+PREFIX ?= /usr/local
+fuzz_seconds ?= 20
+bench ?= walk
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+# All cores, unless the caller said how many. Known in recipes only: make hides it from itself while it reads.
+submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
+
+dir := build/$(config)
+layers := engine/core maps visibility visibility/hidden radiosity engine/walk engine/app
+strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
+# One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of
+# multiply and add: the same input gives the same bytes whatever the compiler.
+base := -std=c17 -D_GNU_SOURCE -ffp-contract=off -march=x86-64-v3 -fopenmp -g -MMD -MP -I. -Ibuild/glad/include
+sanitize := -O1 -fno-omit-frame-pointer -fno-sanitize-recover=undefined
+flags_release := -O2
+flags_debug := -O0
+flags_asan := $(sanitize) -fsanitize=address,undefined
+flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
+CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
+libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lOSMesa -lm
+
+sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
+objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
+library := $(filter-out $(dir)/engine/app/main.o,$(objects))
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_%,$(wildcard tests/*.c)))
+fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
+maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
+        build/maps/office-plain.plan
+
+to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
+            libxxhash-dev libosmesa6-dev libcglm-dev libstb-dev
+to_walk := ffmpeg
+to_test := libcriterion-dev libembree-dev libglm-dev g++ zip ffmpeg
+to_lint := clang-format cppcheck
+to_fuzz := clang libclang-rt-14-dev libomp-dev
+# $(call missing,PACKAGES): shell that sets $$missing; empty where dpkg does not say.
+missing = missing=$$(command -v dpkg-query >/dev/null && for p in $(1); do dpkg-query -W -f '$${Status}' $$p \
+          2>/dev/null | grep -q ' installed' || printf ' %s' $$p; done); true
+# $(call install,PACKAGES): installs what is missing, saying what.
+install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing with apt:$$missing"; \
+          sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
+          $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
+
+.PHONY: all program maps house check-packages walk test soak asan fuzz bench lint install clean FORCE
+all:
+	$(submake) program maps
+program: $(dir)/enfilade
+maps: $(maps)
+
+check-packages:
+	@$(call missing,$(to_build)); [ -z "$$missing" ] || { echo "missing packages:$$missing (make walk installs \
+	them, or apt-get install them)" >&2; exit 1; }
+
+$(dir)/enfilade: $(objects)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
+$(dir)/tests/all: $(library) $(tests)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 $(libs)
+$(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
+$(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
+	@mkdir -p $(@D) && echo "$(CC) $<"
+	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
+$(dir)/glad/gl.o: build/glad/include/glad/gl.h $(dir)/flags
+	@mkdir -p $(@D)
+	@$(CC) $(CFLAGS_ALL) -w -c -o $@ build/glad/src/gl.c
+# Rebuilds everything when the compiler or its flags change.
+$(dir)/flags: FORCE
+	@mkdir -p $(@D)
+	@echo '$(CC) $(CFLAGS_ALL)' | cmp -s - $@ || echo '$(CC) $(CFLAGS_ALL)' > $@
+build/glad/include/glad/gl.h: | check-packages
+	glad --quiet --reproducible --api gl:core=3.3 --extensions GL_ARB_clip_control --out-path build/glad c --loader
+
+build/generate: maps/buildings/generate.c
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -O2 $(strict) -ffp-contract=off -I. -o $@ $< -lm
+build/maps/office%plan: build/generate
+	@mkdir -p $(@D)
+	build/generate $(patsubst build/maps/%.plan,%,$@) 1 > $@.new && mv $@.new $@
+build/maps/%: maps/buildings/%
+	@mkdir -p $(@D)
+	cp $< $@
+
+# Only needed after a change of house.plan: the result is committed.
+house:
+	maps/buildings/house_sh3d.py maps/buildings/house.plan maps/buildings/house.sh3d
+
+walk:
+	$(call install,$(to_build) $(to_walk))
+	$(submake) config=release program maps
+	build/release/enfilade walk build/maps/house.plan --offscreen build/walk --tour auto \
+	    --video build/walk/house.mp4 --stats build/walk/house.csv
+test soak:
+	$(call install,$(to_build) $(to_test))
+	$(submake) program maps $(dir)/tests/all
+	@ENFILADE_SOAK=$(if $(filter soak,$@),1) tests/run.sh $(dir)
+asan:
+	$(submake) config=asan test
+fuzz:
+	$(call install,$(to_build) $(to_fuzz))
+	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
+	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
+	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings || exit 1; done
+bench: all
+	@mkdir -p build/bench
+	$(dir)/enfilade bench $(bench) | tee build/bench/$(bench).csv
+lint:
+	$(call install,$(to_lint))
+	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch])
+	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
+	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
+install: all
+	install -D -m 755 $(dir)/enfilade $(DESTDIR)$(PREFIX)/bin/enfilade
+	install -d $(DESTDIR)$(PREFIX)/share/enfilade
+	install -m 644 $(maps) maps/README.md LICENSE $(DESTDIR)$(PREFIX)/share/enfilade
+clean:
+	rm -rf build
+
+-include $(objects:.o=.d) $(tests:.o=.d)
+.DELETE_ON_ERROR:
+.SECONDARY:

@@ -1,0 +1,61 @@
+// maps.c - the table of readers, and the choice among them: the reader whose suffix and content both fit, else
+// the one whose content fits, else the one whose suffix fits (it knows best what is wrong with the file).
+#include "maps/maps.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D;
+const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN, &MAPS_READER_SH3D, NULL};
+
+static const size_t MAX_FILE = (size_t)1 << 30;  // bytes: a home with all its models has some 100 MB at most
+
+// Whether `path` ends in one of the suffixes separated by blanks.
+static bool suffix_fits(const char *path, const char *suffixes) {
+    size_t length = strlen(path);
+    for (const char *s = suffixes; *s;) {
+        size_t n = strcspn(s, " ");
+        if (n > 0 && length > n && strncasecmp(path + length - n, s, n) == 0) return true;
+        s += n + strspn(s + n, " ");
+    }
+    return false;
+}
+
+static const MapsReader *choose(const char *path, Bytes content) {
+    const MapsReader *by_content = NULL, *by_suffix = NULL;
+    for (int i = 0; MAPS_READERS[i]; i++) {
+        const MapsReader *reader = MAPS_READERS[i];
+        bool suffix = suffix_fits(path, reader->suffixes), fits = reader->recognise(content);
+        if (suffix && fits) return reader;
+        if (fits && !by_content) by_content = reader;
+        if (suffix && !by_suffix) by_suffix = reader;
+    }
+    return by_content ? by_content : by_suffix;
+}
+
+static bool refuse_unknown(const char *path, Error *error) {
+    char known[256] = "";
+    for (int i = 0; MAPS_READERS[i]; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", used ? " " : "", MAPS_READERS[i]->suffixes);
+    }
+    return error_set(error, "%s: not a building file of a known format (known are %s)", path, known);
+}
+
+bool maps_read(const char *path, Arena *arena, Building *out, Error *error) {
+    Bytes content;
+    memset(out, 0, sizeof *out);
+    if (!file_read(path, MAX_FILE, arena, &content, error)) return false;
+    const MapsReader *reader = choose(path, content);
+    if (!reader) return refuse_unknown(path, error);
+    if (!reader->read(path, content, arena, out, error)) return false;
+    out->source = arena_string(arena, path);
+    out->hash = file_hash(content.data, content.size, 0);
+    const char *fault;
+    int faults = building_check(out, arena, &fault, 1);
+    if (faults > 0)
+        return error_set(error, "%s: the building as read is faulty: %s (%d faults in all)", path, fault,
+                         faults);
+    return true;
+}

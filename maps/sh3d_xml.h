@@ -1,0 +1,30 @@
+// sh3d_xml.h - an XML file as a tree of elements; text between elements is not kept.
+#ifndef MAPS_SH3D_XML_H
+#define MAPS_SH3D_XML_H
+
+#include "engine/core/file.h"
+
+// Elements in one file; nesting (furniture groups may nest). Real homes: below 10,000 and 6.
+#define XML_MAX_ELEMENTS (2 << 20)
+#define XML_MAX_DEPTH 64
+
+typedef struct XmlAttribute {
+    const char *name, *value;
+} XmlAttribute;
+
+typedef struct XmlNode XmlNode;
+struct XmlNode {
+    const char *name;
+    XmlAttribute *attributes;
+    int attribute_count;
+    int line;
+    XmlNode *parent, *first, *last, *next;  // first and last child; next sibling
+};
+
+// `where` names the file in messages. Document types and entities are refused: homes have none, bombs do.
+bool xml_parse(Bytes content, const char *where, Arena *arena, const XmlNode **root, Error *error);
+
+const char *xml_get(const XmlNode *node, const char *name);  // NULL: no such attribute
+bool xml_is(const XmlNode *node, const char *name);
+
+#endif

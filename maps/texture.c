@@ -1,0 +1,49 @@
+// texture.c - mean colours of images, decoded by stb_image. sRGB is decoded before averaging: a chequered floor
+// reflects the mean of its tiles' reflectances, not the reflectance of its mean code.
+#include "maps/texture.h"
+
+#include <limits.h>
+
+// GIF, PSD and the like are left out: homes have PNG and JPEG, and every decoder is one more thing to attack.
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_BMP
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 16384
+#define STB_IMAGE_IMPLEMENTATION
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+// stb_image adds 0 to null pointers on images cut short: harmless, but a sanitizer would stop there.
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((no_sanitize("undefined"))), apply_to = function)
+#endif
+#include <stb/stb_image.h>
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
+#pragma GCC diagnostic pop
+
+bool texture_mean(Bytes image, Rgb *mean) {
+    int width, height, channels;
+    if (image.size > INT_MAX) return false;
+    int size = (int)image.size;
+    if (!stbi_info_from_memory(image.data, size, &width, &height, &channels)) return false;
+    if (width <= 0 || height <= 0 || width > TEXTURE_MAX_PIXELS / height) return false;
+    unsigned char *pixels = stbi_load_from_memory(image.data, size, &width, &height, &channels, 4);
+    if (!pixels) return false;
+    double linear[256], sum[3] = {0}, weight = 0;
+    for (int i = 0; i < 256; i++) linear[i] = (double)maps_linear(i);
+    size_t count = (size_t)width * (size_t)height;
+    for (size_t i = 0; i < count; i++) {
+        const unsigned char *pixel = pixels + 4 * i;
+        for (int c = 0; c < 3; c++) sum[c] += linear[pixel[c]] * pixel[3];
+        weight += pixel[3];
+    }
+    stbi_image_free(pixels);
+    if (weight <= 0) return false;
+    *mean = (Rgb){(float)(sum[0] / weight), (float)(sum[1] / weight), (float)(sum[2] / weight)};
+    return true;
+}

@@ -1,0 +1,84 @@
+// support.c - paths, temporary folders and commands for tests.
+#include "tests/support.h"
+
+#include <ftw.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <criterion/criterion.h>
+
+enum { READ_LIMIT = 1 << 30, MAX_FOLDERS = 64, OPEN_FOLDERS = 16 };
+
+static char folders[MAX_FOLDERS][64];
+static int folder_count;
+
+const char *support_shared(const char *name) {
+    static char path[512];
+    snprintf(path, sizeof path, "../shared/data/%s", name);
+    if (access(path, R_OK) != 0) cr_skip_test("%s is not here", path);
+    return path;
+}
+
+const char *support_build(void) {
+    const char *build = getenv("ENFILADE_BUILD");
+    return build && *build ? build : "build/release";
+}
+
+bool support_soak(void) {
+    const char *soak = getenv("ENFILADE_SOAK");
+    return soak && *soak;
+}
+
+int support_count(int quick, int at_soak) { return support_soak() ? at_soak : quick; }
+
+static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *at) {
+    (void)status, (void)type, (void)at;
+    return remove(path);
+}
+
+static void remove_folders(void) {
+    for (int i = 0; i < folder_count; i++) nftw(folders[i], remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS);
+}
+
+char *support_folder(Arena *arena) {
+    cr_assert_lt(folder_count, MAX_FOLDERS, "a test makes more than %d folders", MAX_FOLDERS);
+    if (folder_count == 0) atexit(remove_folders);
+    char *path = folders[folder_count];
+    snprintf(path, sizeof folders[0], "/tmp/enfilade-test-XXXXXX");
+    cr_assert_not_null(mkdtemp(path), "no temporary folder");
+    folder_count++;
+    return arena_string(arena, path);
+}
+
+Bytes support_read(Arena *arena, const char *path) {
+    Bytes bytes = {0};
+    Error error = {""};
+    cr_assert(file_read(path, READ_LIMIT, arena, &bytes, &error), "%s", error.text);
+    return bytes;
+}
+
+int support_run(Arena *arena, char **output, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    char *command = NULL;
+    int length = vasprintf(&command, format, arguments);
+    va_end(arguments);
+    cr_assert_geq(length, 0);
+    char *joined = arena_format(arena, "{ %s\n} 2>&1", command);
+    free(command);
+    FILE *pipe = popen(joined, "r");
+    cr_assert_not_null(pipe, "cannot run %s", joined);
+    char *text = NULL;
+    size_t size = 0, used;
+    char part[4096];
+    FILE *memory = open_memstream(&text, &size);
+    while ((used = fread(part, 1, sizeof part, pipe)) > 0) fwrite(part, 1, used, memory);
+    fclose(memory);
+    int status = pclose(pipe);
+    if (output) *output = arena_string(arena, text);
+    free(text);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}

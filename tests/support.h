@@ -1,0 +1,28 @@
+// support.h - what tests share: where things lie, how much to try, and folders that vanish.
+#ifndef TESTS_SUPPORT_H
+#define TESTS_SUPPORT_H
+
+#include <stdbool.h>
+
+#include "engine/core/file.h"
+
+// `../shared/data/NAME`; skips the running test, saying so, where it is absent.
+const char *support_shared(const char *name);
+
+// `build/release`, or the configuration under test: the program is `%s/enfilade`.
+const char *support_build(void);
+
+bool support_soak(void);                    // `make soak`: take your time
+int support_count(int quick, int at_soak);  // how many cases to try
+
+// A new folder, removed with all it holds when the test's process ends. In `arena`.
+char *support_folder(Arena *arena);
+
+// The whole file; fails the running test when it cannot be read.
+Bytes support_read(Arena *arena, const char *path);
+
+// Runs a shell command, standard error with standard output; both in `output` (may be NULL). Returns the exit
+// status, 128 + the signal's number when a signal ended it.
+int support_run(Arena *arena, char **output, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+#endif

@@ -213,7 +213,7 @@ static void fit(Enclosure *e, int i) {
     h->centre = enclose_local(e, o->centre);
     Vec3 p = enclose_place(e, h->centre, o->storey);
     if (o->storey < 0 || o->storey >= e->b->storey_count) {
-        building_note(e->arena, e->b, NOTE_DROPPED, p, "opening %s left out: storey %d (there are %d)",
+        building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: storey %d (there are %d)",
                       enclose_text(o->place), o->storey, e->b->storey_count);
         return;
     }
@@ -224,10 +224,10 @@ static void fit(Enclosure *e, int i) {
     h->v0 = -depth / 2;
     h->v1 = depth / 2;
     if (!fit_heights(e, o, h)) {
-        building_note(
-            e->arena, e->b, NOTE_DROPPED, p,
-            "opening %s at (%.2f, %.2f) left out: %g m wide, from %g m up to %g m under a ceiling at %g m",
-            enclose_text(o->place), p.x, p.y, o->width, o->sill, o->head, e->ceiling[o->storey] / ENCLOSE_MM);
+        building_note(e->arena, e->b, NOTE_DROPPED, p,
+                      "%s at (%.2f, %.2f) left out: %g m wide, from %g m up to %g m under a ceiling at %g m",
+                      enclose_text(o->place), p.x, p.y, o->width, o->sill, o->head,
+                      e->ceiling[o->storey] / ENCLOSE_MM);
         return;
     }
     h->walled = fit_to_walls(e, o, h, depth);

@@ -455,21 +455,21 @@ static void report_room(Enclosure *e, int i, const RoomAreas *a) {
     e->b->lost_area += lost / m2;
     if (a->overlapped > SMALL_OVERLAP) {
         building_note(e->arena, e->b, NOTE_CHANGED, p,
-                      "room %s at (%.2f, %.2f) overlaps earlier ones by %.2f m^2: they keep it", name, p.x,
-                      p.y, a->overlapped / m2);
+                      "%s at (%.2f, %.2f) overlaps earlier ones by %.2f m^2: they keep it", name, p.x, p.y,
+                      a->overlapped / m2);
     }
     if (a->drawn <= 0 || lost == a->drawn) {
         building_note(e->arena, e->b, NOTE_DROPPED, p,
-                      "room %s at (%.2f, %.2f) left out: walls or other rooms cover its %.2f m^2", name, p.x,
-                      p.y, (a->drawn + a->overlapped) / m2);
+                      "%s at (%.2f, %.2f) left out: walls or other rooms cover its %.2f m^2", name, p.x, p.y,
+                      (a->drawn + a->overlapped) / m2);
     } else if (lost > SMALL_OVERLAP) {
         building_note(e->arena, e->b, NOTE_DROPPED, p,
-                      "room %s at (%.2f, %.2f): %.2f of its %.2f m^2 lie outside the walls and are left out",
-                      name, p.x, p.y, lost / m2, a->drawn / m2);
+                      "%s at (%.2f, %.2f): %.2f of its %.2f m^2 lie outside the walls and are left out", name,
+                      p.x, p.y, lost / m2, a->drawn / m2);
     }
     if (a->terrace > SMALL_OVERLAP) {
         building_note(e->arena, e->b, NOTE_CHANGED, p,
-                      "room %s at (%.2f, %.2f) is not enclosed: %.2f m^2 of it are a terrace", name, p.x, p.y,
+                      "%s at (%.2f, %.2f) is not enclosed: %.2f m^2 of it are a terrace", name, p.x, p.y,
                       a->terrace / m2);
     }
 }
@@ -498,11 +498,11 @@ static void report_holes(Enclosure *e) {
         const char *by = other >= 0 ? enclose_text(e->sketch->openings[other].place) : "its own thinness";
         if (kept <= 0) {
             h->used = false;
-            building_note(e->arena, e->b, NOTE_DROPPED, at,
-                          "opening %s at (%.2f, %.2f) left out: covered by %s", name, at.x, at.y, by);
+            building_note(e->arena, e->b, NOTE_DROPPED, at, "%s at (%.2f, %.2f) left out: covered by %s",
+                          name, at.x, at.y, by);
         } else if (lost > SMALL_LOSS * (kept + lost)) {
             building_note(e->arena, e->b, NOTE_CHANGED, at,
-                          "opening %s at (%.2f, %.2f) loses %.0f %% of its place to %s", name, at.x, at.y,
+                          "%s at (%.2f, %.2f) loses %.0f %% of its place to %s", name, at.x, at.y,
                           100 * lost / (kept + lost), by);
         }
     }
@@ -612,10 +612,9 @@ static void note_leak(Enclosure *e, const Spot *spots, int storey, int id, Gap g
     bool room = id < e->sketch->room_count;
     int start = largest_face(p, spots, id), in = half_left(p, gap.half), out = half_right(p, gap.half);
     Vec3 inner = enclose_place(e, p->faces[start].inner, storey), hole = enclose_place(e, gap.middle, storey);
-    building_note(e->arena, e->b, NOTE_LEAK, hole,
-                  "room %s is open to the outdoors over %.2f m at (%.2f, %.2f)",
-                  room ? enclose_text(e->sketch->rooms[id].place) : "without a name", gap.length / ENCLOSE_MM,
-                  hole.x, hole.y);
+    building_note(e->arena, e->b, NOTE_LEAK, hole, "%s is open to the outdoors over %.2f m at (%.2f, %.2f)",
+                  room ? enclose_text(e->sketch->rooms[id].place) : "a space without a name",
+                  gap.length / ENCLOSE_MM, hole.x, hole.y);
     int first = e->b->point_count;
     enclose_push_point(e, vec2(inner.x, inner.y), 0);
     if (search(p, spots, way, start, in, GROUND_ROOM, id) == in) push_way(e, way, in);

@@ -46,25 +46,28 @@ static double height_mm(double metres) { return nearbyint(metres * ENCLOSE_MM); 
 
 // ---- refusing what cannot be computed with
 
+// A place names its thing itself.
+static const char *name_of(const char *what, const char *place) { return place && *place ? place : what; }
+
 static bool check_points(Enclosure *e, const char *what, const char *place, int first, int count) {
     const Sketch *s = e->sketch;
     if (first < 0 || count < 0 || first > s->point_count - count) {
-        return error_set(e->error, "%s %s: points %d to %d of %d", what, enclose_text(place), first,
+        return error_set(e->error, "%s: points %d to %d of %d", name_of(what, place), first,
                          first + count - 1, s->point_count);
     }
     for (int i = first; i < first + count; i++) {
         Vec2 p = s->points[i];
         if (good(p.x) && good(p.y)) continue;
-        return error_set(e->error, "%s %s: point %d is at (%g, %g) m (finite and within %g m)", what,
-                         enclose_text(place), i - first + 1, p.x, p.y, MAPS_LIMIT);
+        return error_set(e->error, "%s: point %d is at (%g, %g) m (finite and within %g m)",
+                         name_of(what, place), i - first + 1, p.x, p.y, MAPS_LIMIT);
     }
     return true;
 }
 
 static bool check_number(Enclosure *e, const char *what, const char *place, const char *field, double x) {
     if (good(x)) return true;
-    return error_set(e->error, "%s %s: its %s is %g (finite and within %g)", what, enclose_text(place), field,
-                     x, MAPS_LIMIT);
+    return error_set(e->error, "%s: its %s is %g (finite and within %g)", name_of(what, place), field, x,
+                     MAPS_LIMIT);
 }
 
 static bool check_opening(Enclosure *e, const SketchOpening *o) {
@@ -91,7 +94,7 @@ static bool check_heights(Enclosure *e) {
             "storey %d (%s): floor %g m, height %g m, slab %g m (finite, height above 0, slab at least 0)", i,
             enclose_text(s->name), s->floor, s->height, s->slab);
     }
-    return check_number(e, "the", "ground", "height", e->sketch->ground);
+    return check_number(e, "the ground", NULL, "height", e->sketch->ground);
 }
 
 static bool check_sketch(Enclosure *e) {
@@ -234,9 +237,8 @@ static void sort_walls(Enclosure *e) {
             add_low_wall(e, w);
         } else {
             Vec3 p = enclose_place(e, e->walls[i].points[0], w->storey);
-            building_note(e->arena, e->b, NOTE_DROPPED, p,
-                          "wall %s left out: it has no height at (%.2f, %.2f)", enclose_text(w->place), p.x,
-                          p.y);
+            building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: it has no height at (%.2f, %.2f)",
+                          enclose_text(w->place), p.x, p.y);
         }
     }
 }
@@ -254,9 +256,8 @@ static void sort_rooms(Enclosure *e) {
         double z1 = isnan(r->z1) ? e->b->storeys[r->storey].floor + e->b->storeys[r->storey].height : r->z1;
         if (height_mm(z0) >= height_mm(z1)) {
             Vec3 p = enclose_place(e, e->rooms[i].points[0], r->storey);
-            building_note(e->arena, e->b, NOTE_DROPPED, p,
-                          "room %s left out: it reaches from %g m up to %g m", enclose_text(r->place), z0,
-                          z1);
+            building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: it reaches from %g m up to %g m",
+                          enclose_text(r->place), z0, z1);
             e->room_used[i] = false;
             double area = shape_area(&e->rooms[i]) / (ENCLOSE_MM * ENCLOSE_MM);
             e->b->drawn_area += area;

@@ -187,9 +187,8 @@ static void join_opening(Enclosure *e, Flood *flood, int hole, int *faces) {
     if (o->region[0] >= 0 && o->region[1] >= 0) return;
     o->reason = reason_for(e, o);
     Vec3 at = enclose_place(e, e->holes[hole].centre, storey);
-    building_note(e->arena, e->b, NOTE_CHANGED, at, "%s %s at (%.2f, %.2f) leads nowhere: %s",
-                  opening_kind_name(o->kind), enclose_text(e->sketch->openings[hole].place), at.x, at.y,
-                  o->reason);
+    building_note(e->arena, e->b, NOTE_CHANGED, at, "%s at (%.2f, %.2f) leads nowhere: %s",
+                  enclose_text(e->sketch->openings[hole].place), at.x, at.y, o->reason);
 }
 
 // ---- open leaves
@@ -314,7 +313,7 @@ static void add_spandrels(Enclosure *e, int hole) {
     } else {
         Vec3 at = enclose_place(e, h->centre, s->storey);
         building_note(e->arena, e->b, NOTE_CHANGED, at,
-                      "opening %s at (%.2f, %.2f): its cut-out is no polygon and becomes a rectangle",
+                      "%s at (%.2f, %.2f): its cut-out is no polygon and becomes a rectangle",
                       enclose_text(s->place), at.x, at.y);
     }
 }

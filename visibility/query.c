@@ -100,10 +100,6 @@ static bool shown(const VisQuery *q, const Object *object) {
     return open == (object->shown == SHOWN_OPEN);
 }
 
-static bool door_closed(const VisQuery *q, int door) {
-    return door >= 0 && q->door_open && !q->door_open[door];
-}
-
 // No corner of the box is in front of one of the planes: it cannot be seen.
 static bool box_outside(Box box, const Plane *planes, int count) {
     Vec3 middle = vec3_scale(vec3_add(box.min, box.max), 0.5), half = vec3_sub(box.max, middle);
@@ -295,6 +291,13 @@ static bool eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye
     return box_contains(box_grow(box, AT_PORTAL), eye);
 }
 
+// A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
+static bool door_closed(const VisQuery *q, const Portal *portal) {
+    if (portal->door < 0 || !q->door_open || q->door_open[portal->door]) return false;
+    Vec3 eye = q->eye->position;
+    return fabs(plane_distance(portal->plane, eye)) >= ON_PLANE || !eye_at_portal(q->graph, portal, eye);
+}
+
 // The cone beyond `portal`, crossed from `cell`. Returns false when nothing of it is seen.
 static bool narrow(VisQuery *q, const Cone *cone, int portal_index, int cell, Cone *out, double *distance) {
     const CellGraph *graph = q->graph;
@@ -365,15 +368,28 @@ static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone)
     draw_cell(q, cell, cone);
 }
 
+// Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
+// rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
+static void draw_half(VisQuery *q, int cell, const Cone *cone) {
+    const Cell *cells = q->graph->cells;
+    int first = cell;
+    while (first > 0 && cells[first - 1].region == cells[cell].region) first--;
+    for (int c = first; c < q->graph->cell_count && cells[c].region == cells[cell].region; c++)
+        draw_cell(q, c, cone);
+}
+
 static void walk_tree(VisQuery *q, int node, int depth) {
     const StabNode *nodes = q->forest->nodes;
     int end = q->forest->node_count;
     for (int child = node + 1 < end && nodes[node + 1].parent == node ? node + 1 : -1; child >= 0;
          child = nodes[child].next) {
         double distance;
-        if (door_closed(q, q->graph->portals[nodes[child].portal].door)) continue;
         if (!narrow(q, &q->cones[depth], nodes[child].portal, nodes[node].cell, &q->cones[depth + 1],
                     &distance)) {
+            continue;
+        }
+        if (door_closed(q, &q->graph->portals[nodes[child].portal])) {
+            draw_half(q, nodes[child].cell, &q->cones[depth + 1]);
             continue;
         }
         visit_cell(q, nodes[child].cell, distance, &q->cones[depth + 1]);
@@ -391,9 +407,13 @@ static void walk_portals(VisQuery *q, int c, int depth) {
     for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
         Contact contact = q->graph->contacts[i];
         double distance;
-        if (q->on_path[contact.cell] || door_closed(q, q->graph->portals[contact.portal].door)) continue;
+        if (q->on_path[contact.cell]) continue;
         if (q->limit && !(q->limit[contact.cell / 64] >> (contact.cell % 64) & 1)) continue;
         if (!narrow(q, &q->cones[depth], contact.portal, c, &q->cones[depth + 1], &distance)) continue;
+        if (door_closed(q, &q->graph->portals[contact.portal])) {
+            draw_half(q, contact.cell, &q->cones[depth + 1]);
+            continue;
+        }
         visit_cell(q, contact.cell, distance, &q->cones[depth + 1]);
         walk_portals(q, contact.cell, depth + 1);
     }

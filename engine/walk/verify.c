@@ -50,6 +50,7 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
     Arena scratch = {0};
     int *list = ARENA_ARRAY(arena, int, graph->polygon_count + 1), count = 0;
     uint32_t *colours = ARENA_ARRAY(&scratch, uint32_t, graph->polygon_count + 1);
+    unsigned char *one_sided = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
     for (int glass = 0; glass < 2; glass++) {
         int *first = glass ? v->glass : v->opaque;
         for (int o = 0; o < graph->object_count; o++) {
@@ -59,13 +60,14 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
                 v->object_of[polygon] = o;
                 if (is_glass(graph, polygon) != (glass == 1)) continue;
                 colours[count] = shade(graph, polygon);
+                one_sided[count] = graph->objects[o].kind == OBJECT_SURFACE;
                 list[count++] = polygon;
             }
         }
         first[graph->object_count] = count;
     }
     Scene scene = {graph->polygons, graph->vertices, list, count};
-    v->items = gl_items_new(&scene, colours, arena, error);
+    v->items = gl_items_new(&scene, colours, one_sided, arena, error);
     arena_free(&scratch);
     return v->items != NULL;
 }
@@ -127,7 +129,8 @@ int walk_verify_missing(WalkVerify *v, const ItemBuffer *items, int *missing) {
     return count;
 }
 
-static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint32_t *ca, const uint32_t *cb) {
+static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint32_t *ca,
+                            const uint32_t *cb) {
     int count = 0;
     for (int p = 0; p < a->width * a->height; p++) {
         count += a->item[p] != b->item[p] || (ca && ca[p] != cb[p]);
@@ -152,7 +155,8 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
     if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, false, error)) return false;
     if (!gl_items_read(v->items, &v->culled, NULL, error)) return false;
     out->mismatched_pixels += count_mismatches(&v->culled, &v->unculled, NULL, NULL);
-    if (!draw_objects(v, v->glass, false, error) || !gl_items_read(v->items, &v->culled, v->culled_colour, error)) {
+    if (!draw_objects(v, v->glass, false, error) ||
+        !gl_items_read(v->items, &v->culled, v->culled_colour, error)) {
         return false;
     }
     out->draw_seconds = now() - start;

@@ -11,18 +11,23 @@
 #include "engine/core/polygon.h"
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_math.h"
-#include "visibility/hidden/raycast.h"
+
+// A polygon this near the eye's plane is seen edge-on, metres: it covers no pixel but by rounding.
+static const double EDGE_ON = 1e-5;
 
 struct GlItems {
     const Polygon *polygons;
     const Vec3 *vertices;
-    Vec3 *normal, *centre;  // [count], of the planes
-    int *polygon;           // [count]
-    int *first_vertex;      // [count + 1] in the vertex buffer
-    int *first_index;       // [count + 1] in the index buffer
-    float (*position)[3];   // [vertex count] relative to the eye
-    float (*plane)[4];      // [count] n / height, and the least 1/z of its vertices; all zero: edge-on or behind
-    GLsizei *run_count;     // [count] of the next draw, in indices
+    Vec3 *normal, *centre;           // [count], of the planes
+    int *polygon;                    // [count]
+    const unsigned char *one_sided;  // [count] or NULL
+    int *first_vertex;               // [count + 1] in the vertex buffer
+    int *first_index;                // [count + 1] in the index buffer
+    float (*position)[3];            // [vertex count] relative to the eye
+    float (
+        *plane)[2]
+               [4];  // [count] n / height; the least and the greatest 1/z of its vertices, 0: not to be drawn
+    GLsizei *run_count;  // [count] of the next draw, in indices
     const void **run_offset;
     int count, run_total, run_end;
     unsigned program, array, position_buffer, fixed_buffer, index_buffer, plane_buffer, plane_texture;
@@ -57,11 +62,12 @@ static const char FRAGMENT_SHADER[] =
     "layout(location = 0) out int item;\n"
     "layout(location = 1) out vec4 colour;\n"
     "void main() {\n"
-    "    vec4 plane = texelFetch(planes, vIds.x);\n"
-    "    if (plane.w <= 0.0) discard;\n"
+    "    vec4 plane = texelFetch(planes, 2 * vIds.x), reach = texelFetch(planes, 2 * vIds.x + 1);\n"
+    "    if (reach.x <= 0.0) discard;\n"
     "    vec3 ray = corner + gl_FragCoord.x * along_x + gl_FragCoord.y * along_y;\n"
     // Vertices are rounded to a 256th of a pixel: a fragment just off the polygon stays within its reach.
-    "    gl_FragDepth = min(near * max(dot(plane.xyz, ray), plane.w), 1.0);\n"
+    "    float inverse = reach.z > 0.0 ? gl_FragCoord.w : dot(plane.xyz, ray);\n"
+    "    gl_FragDepth = min(near * clamp(inverse, reach.x, reach.y), 1.0);\n"
     "    item = vIds.y;\n"
     "    colour = vColour;\n"
     "}\n";
@@ -71,7 +77,8 @@ static void fill_fixed(GlItems *items, const uint32_t *colours, FixedVertex *ver
         const Polygon *polygon = &items->polygons[items->polygon[k]];
         const Vec3 *v = items->vertices + polygon->first_vertex;
         for (int i = 0; i < polygon->vertex_count; i++) {
-            vertex[items->first_vertex[k] + i] = (FixedVertex){k, items->polygon[k], colours ? colours[k] : 0};
+            vertex[items->first_vertex[k] + i] =
+                (FixedVertex){k, items->polygon[k], colours ? colours[k] : 0};
         }
         int *triangle = (int *)(index + items->first_index[k]);
         polygon_triangulate(v, polygon->vertex_count, triangle);
@@ -114,11 +121,13 @@ static void make_buffers(GlItems *items, const FixedVertex *vertex, const unsign
                           (const void *)offsetof(FixedVertex, colour));
     glGenBuffers(1, &items->index_buffer);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, items->index_buffer);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)items->first_index[items->count] * sizeof *index),
-                 index, GL_STATIC_DRAW);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 (GLsizeiptr)((size_t)items->first_index[items->count] * sizeof *index), index,
+                 GL_STATIC_DRAW);
     glGenBuffers(1, &items->plane_buffer);
     glBindBuffer(GL_TEXTURE_BUFFER, items->plane_buffer);
-    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)items->count * sizeof *items->plane), NULL, GL_STREAM_DRAW);
+    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)items->count * sizeof *items->plane), NULL,
+                 GL_STREAM_DRAW);
     glGenTextures(1, &items->plane_texture);
     glBindTexture(GL_TEXTURE_BUFFER, items->plane_texture);
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, items->plane_buffer);
@@ -137,17 +146,19 @@ static bool make_program(GlItems *items, Error *error) {
     return true;
 }
 
-GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, Arena *arena, Error *error) {
+GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigned char *one_sided,
+                      Arena *arena, Error *error) {
     int most = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-    if (scene->count > most) {
-        error_set(error, "OpenGL: %d polygons to draw (this machine allows %d)", scene->count, most);
+    if (scene->count > most / 2) {
+        error_set(error, "OpenGL: %d polygons to draw (this machine allows %d)", scene->count, most / 2);
         return NULL;
     }
     GlItems *items = ARENA_ARRAY(arena, GlItems, 1);
     size_t count = (size_t)scene->count + 1;  // never empty
     *items = (GlItems){.polygons = scene->polygons, .vertices = scene->vertices, .count = scene->count};
     items->coloured = colours != NULL;
+    items->one_sided = one_sided;
     items->normal = ARENA_ARRAY(arena, Vec3, count);
     items->centre = ARENA_ARRAY(arena, Vec3, count);
     items->polygon = ARENA_ARRAY(arena, int, count);
@@ -157,7 +168,8 @@ GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, Arena *arena,
     items->run_count = ARENA_ARRAY(arena, GLsizei, count);
     items->run_offset = ARENA_ARRAY(arena, const void *, count);
     measure(items, scene);
-    items->position = arena_alloc(arena, (size_t)items->first_vertex[items->count] + 1, sizeof *items->position);
+    items->position =
+        arena_alloc(arena, (size_t)items->first_vertex[items->count] + 1, sizeof *items->position);
     if (!make_program(items, error)) return NULL;
     Arena scratch = {0};
     FixedVertex *vertex = ARENA_ARRAY(&scratch, FixedVertex, items->first_vertex[items->count] + 1);
@@ -181,7 +193,8 @@ static void free_targets(GlItems *items) {
 void gl_items_free(GlItems *items) {
     if (!items) return;
     free_targets(items);
-    unsigned buffers[] = {items->position_buffer, items->fixed_buffer, items->index_buffer, items->plane_buffer};
+    unsigned buffers[] = {items->position_buffer, items->fixed_buffer, items->index_buffer,
+                          items->plane_buffer};
     glDeleteBuffers(4, buffers);
     glDeleteTextures(1, &items->plane_texture);
     glDeleteVertexArrays(1, &items->array);
@@ -225,22 +238,29 @@ static void look(GlItems *items, const Camera *camera) {
         const Polygon *polygon = &items->polygons[items->polygon[k]];
         const Vec3 *v = items->vertices + polygon->first_vertex;
         float(*position)[3] = items->position + items->first_vertex[k];
-        double farthest = 0;
+        double farthest = 0, nearest = INFINITY;
         for (int i = 0; i < polygon->vertex_count; i++) {
             Vec3 at = vec3_sub(v[i], camera->eye);
             position[i][0] = (float)at.x;
             position[i][1] = (float)at.y;
             position[i][2] = (float)at.z;
             farthest = fmax(farthest, vec3_dot(at, camera->forward));
+            nearest = fmin(nearest, vec3_dot(at, camera->forward));
         }
         Vec3 n = items->normal[k];
         double height = vec3_dot(n, vec3_sub(items->centre[k], camera->eye));
-        bool seen = fabs(height) >= HIDDEN_EDGE_ON && farthest > 0;
-        float *plane = items->plane[k];
-        plane[0] = seen ? (float)(n.x / height) : 0;
-        plane[1] = seen ? (float)(n.y / height) : 0;
-        plane[2] = seen ? (float)(n.z / height) : 0;
-        plane[3] = seen ? (float)(1 / farthest) : 0;
+        // The back of a surface lies in the wall. A polygon seen edge-on has no depth by its plane, yet fills the seam
+        // between its neighbours: there the rasteriser's own depth does, between its near and its far edge.
+        bool edge_on = fabs(height) < EDGE_ON;
+        bool back = !edge_on && height > 0 && items->one_sided && items->one_sided[k];
+        bool seen = !back && farthest > 0;
+        float *plane = items->plane[k][0], *reach = items->plane[k][1];
+        plane[0] = seen && !edge_on ? (float)(n.x / height) : 0;
+        plane[1] = seen && !edge_on ? (float)(n.y / height) : 0;
+        plane[2] = seen && !edge_on ? (float)(n.z / height) : 0;
+        reach[0] = seen ? (float)(1 / farthest) : 0;
+        reach[1] = (float)(1 / fmax(nearest, GL_ITEMS_NEAR));
+        reach[2] = edge_on;
     }
 }
 
@@ -249,7 +269,8 @@ static void upload(const GlItems *items) {
     glBindBuffer(GL_ARRAY_BUFFER, items->position_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, 0, (GLsizeiptr)(vertices * sizeof *items->position), items->position);
     glBindBuffer(GL_TEXTURE_BUFFER, items->plane_buffer);
-    glBufferSubData(GL_TEXTURE_BUFFER, 0, (GLsizeiptr)((size_t)items->count * sizeof *items->plane), items->plane);
+    glBufferSubData(GL_TEXTURE_BUFFER, 0, (GLsizeiptr)((size_t)items->count * sizeof *items->plane),
+                    items->plane);
 }
 
 static void set_uniforms(const GlItems *items, const Camera *camera) {

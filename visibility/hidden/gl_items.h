@@ -14,8 +14,10 @@
 typedef struct GlItems GlItems;
 
 // The polygons of `scene`, in its order. `colours`, if not NULL, holds an RGBA for every place in the list, and a
-// colour image is drawn along. Returns NULL on failure.
-GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, Arena *arena, Error *error);
+// colour image is drawn along. Where `one_sided` (for every place in the list, kept; or NULL) is set, the back of a
+// polygon is not drawn. Returns NULL on failure.
+GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigned char *one_sided,
+                      Arena *arena, Error *error);
 void gl_items_free(GlItems *items);  // what OpenGL holds
 
 // Clears the buffers and takes up the camera. Allocates only when the size of the image changes (in OpenGL).

@@ -21,7 +21,7 @@ static void *osmesa_begin(const Scene *scene, Arena *arena, Error *error) {
     p->count = scene->count;
     p->context = gl_context_open(arena, error);
     if (!p->context) return NULL;
-    p->items = gl_items_new(scene, NULL, arena, error);
+    p->items = gl_items_new(scene, NULL, NULL, arena, error);
     if (p->items) return p;
     gl_context_close(p->context);
     return NULL;

@@ -269,5 +269,6 @@ ObjModel obj_box(Arena *arena) {
     *ARENA_PUSH(arena, m.groups, m.group_count, m.group_capacity) = "";
     *ARENA_PUSH(arena, m.materials, m.material_count, m.material_capacity) = name_material("");
     m.box = (Box){vec3(0, 0, 0), vec3(1, 1, 1)};
+    m.fixed_box = true;
     return m;
 }

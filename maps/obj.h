@@ -30,8 +30,9 @@ typedef struct ObjModel {
     ObjMaterial *materials;  // material 0 is "" for faces before the first usemtl
     int vertex_count, corner_count, face_count, group_count, material_count;
     int vertex_capacity, corner_capacity, face_capacity, group_capacity, material_capacity;
-    int skipped;  // lines that could not be used
-    Box box;      // of the vertices that faces use
+    int skipped;     // lines that could not be used
+    Box box;         // of the vertices that faces use
+    bool fixed_box;  // the box is given, whatever the faces fill of it
 } ObjModel;
 
 // Where material libraries and images are looked for. `name` as the file spells it; `read` may be NULL.

@@ -179,8 +179,8 @@ static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
     Box turned = box_empty(), tilted = box_empty();
     for (int i = 0; i < m->corner_count; i++)
         turned = box_add(turned, times(p->turn, m->vertices[m->corners[i]]));
-    // The unit box stands for itself: the plain stair fills only part of it.
-    if (m->box.max.x == 1 && m->box.min.x == 0) turned = turned_box(m->box, p->turn);
+    // The plain stair fills only part of its box.
+    if (m->fixed_box) turned = turned_box(m->box, p->turn);
     double c = cos(-p->pitch), sn = sin(-p->pitch), cr = cos(-p->roll), sr = sin(-p->roll);
     bool tilt = p->pitch != 0 || p->roll != 0;
     for (int i = 0; i < m->vertex_count; i++) {

@@ -482,23 +482,37 @@ static bool in_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
     return true;
 }
 
-static bool in_some_portal(const CellGraph *graph, const Cell *cell, Vec3 eye) {
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        if (in_portal(graph, &graph->portals[graph->contacts[i].portal], eye)) return true;
+// Is the eye farther than EYE_CLEARANCE from every surface of the cell? Where it is nearer to a face it must be in a
+// portal of that face, and the same must hold of the cell beyond, which may be a sliver; `depth` 0 is the eye's cell.
+static bool clear_of_face(const CellGraph *graph, int c, Vec3 n, double d, Vec3 eye, int depth);
+
+static bool clear_of_cell(const CellGraph *graph, int c, Vec3 eye, int depth) {
+    const Cell *cell = &graph->cells[c];
+    const Vec2 *plan = graph->plan + cell->first_edge;
+    if (!clear_of_face(graph, c, vec3(0, 0, 1), cell->z0, eye, depth)) return false;
+    if (!clear_of_face(graph, c, vec3(0, 0, -1), -cell->z1, eye, depth)) return false;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = plan[i], edge = vec2_sub(plan[i + 1 == cell->edge_count ? 0 : i + 1], a);
+        double length = vec2_length(edge);
+        Vec3 n = {-edge.y / length, edge.x / length, 0};
+        if (!clear_of_face(graph, c, n, n.x * a.x + n.y * a.y, eye, depth)) return false;
     }
-    return false;
+    return true;
 }
 
-// Is the eye farther than EYE_CLEARANCE from every surface of its cell?
-static bool eye_is_clear(const CellGraph *graph, const Cell *cell, Vec3 eye) {
-    bool near = eye.z - cell->z0 < EYE_CLEARANCE || cell->z1 - eye.z < EYE_CLEARANCE;
-    const Vec2 *plan = graph->plan + cell->first_edge;
-    Vec2 at = {eye.x, eye.y};
-    for (int i = 0; i < cell->edge_count && !near; i++) {
-        Vec2 a = plan[i], edge = vec2_sub(plan[i + 1 == cell->edge_count ? 0 : i + 1], a);
-        near = vec2_cross(edge, vec2_sub(at, a)) < EYE_CLEARANCE * vec2_length(edge);
+static bool clear_of_face(const CellGraph *graph, int c, Vec3 n, double d, Vec3 eye, int depth) {
+    static const double SAME = 1e-9;
+    const Cell *cell = &graph->cells[c];
+    if (fabs(vec3_dot(n, eye) - d) >= EYE_CLEARANCE) return true;
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+        const Contact *contact = &graph->contacts[i];
+        const Portal *portal = &graph->portals[contact->portal];
+        double turn = vec3_dot(portal->plane.n, n);
+        bool on_face = fabs(turn) > 1 - SAME && fabs(portal->plane.d * turn - d) < SAME * (1 + fabs(d));
+        if (!on_face || !in_portal(graph, portal, eye)) continue;
+        return depth > 0 || clear_of_cell(graph, contact->cell, eye, depth + 1);
     }
-    return !near || in_some_portal(graph, cell, eye);
+    return false;
 }
 
 // ---- results
@@ -576,8 +590,7 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const unsigned char *
         q->frame = 1;
         q->cone_serial = 0;
     }
-    if (cell >= 0 && !eye_is_clear(q->graph, &q->graph->cells[cell], eye->position))
-        q->result.eye_cell = cell = -1;
+    if (cell >= 0 && !clear_of_cell(q->graph, cell, eye->position, 0)) q->result.eye_cell = cell = -1;
     if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
         draw_all(q, method == VIS_FRUSTUM);
     } else {

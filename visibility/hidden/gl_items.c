@@ -66,7 +66,8 @@ static const char FRAGMENT_SHADER[] =
     "    if (reach.x <= 0.0) discard;\n"
     "    vec3 ray = corner + gl_FragCoord.x * along_x + gl_FragCoord.y * along_y;\n"
     // Vertices are rounded to a 256th of a pixel: a fragment just off the polygon stays within its reach.
-    "    float inverse = reach.z > 0.0 ? gl_FragCoord.w : dot(plane.xyz, ray);\n"
+    "    float inverse = dot(plane.xyz, ray);\n"
+    "    if (reach.z > 0.0) inverse = max(reach.z * length(ray.xy), max(ray.z * plane.x, ray.z * plane.y));\n"
     "    gl_FragDepth = min(near * clamp(inverse, reach.x, reach.y), 1.0);\n"
     "    item = vIds.y;\n"
     "    colour = vColour;\n"
@@ -238,7 +239,7 @@ static void look(GlItems *items, const Camera *camera) {
         const Polygon *polygon = &items->polygons[items->polygon[k]];
         const Vec3 *v = items->vertices + polygon->first_vertex;
         float(*position)[3] = items->position + items->first_vertex[k];
-        double farthest = 0, nearest = INFINITY;
+        double farthest = 0, nearest = INFINITY, far_in_plan = 0, top = -INFINITY, bottom = INFINITY;
         for (int i = 0; i < polygon->vertex_count; i++) {
             Vec3 at = vec3_sub(v[i], camera->eye);
             position[i][0] = (float)at.x;
@@ -246,21 +247,24 @@ static void look(GlItems *items, const Camera *camera) {
             position[i][2] = (float)at.z;
             farthest = fmax(farthest, vec3_dot(at, camera->forward));
             nearest = fmin(nearest, vec3_dot(at, camera->forward));
+            top = fmax(top, at.z);
+            bottom = fmin(bottom, at.z);
+            far_in_plan = fmax(far_in_plan, at.x * at.x + at.y * at.y);
         }
         Vec3 n = items->normal[k];
         double height = vec3_dot(n, vec3_sub(items->centre[k], camera->eye));
         // The back of a surface lies in the wall. A polygon seen edge-on has no depth by its plane, yet fills the seam
-        // between its neighbours: there the rasteriser's own depth does, between its near and its far edge.
+        // between its neighbours: there it is taken to lie where a ray along it leaves the box around it.
         bool edge_on = fabs(height) < EDGE_ON;
         bool back = !edge_on && height > 0 && items->one_sided && items->one_sided[k];
         bool seen = !back && farthest > 0;
         float *plane = items->plane[k][0], *reach = items->plane[k][1];
-        plane[0] = seen && !edge_on ? (float)(n.x / height) : 0;
-        plane[1] = seen && !edge_on ? (float)(n.y / height) : 0;
-        plane[2] = seen && !edge_on ? (float)(n.z / height) : 0;
+        plane[0] = edge_on ? (top > EDGE_ON ? (float)(1 / top) : 0) : (float)(n.x / height);
+        plane[1] = edge_on ? (bottom < -EDGE_ON ? (float)(1 / bottom) : 0) : (float)(n.y / height);
+        plane[2] = edge_on ? 0 : (float)(n.z / height);
         reach[0] = seen ? (float)(1 / farthest) : 0;
         reach[1] = (float)(1 / fmax(nearest, GL_ITEMS_NEAR));
-        reach[2] = edge_on;
+        reach[2] = edge_on ? (float)(1 / fmax(sqrt(far_in_plan), GL_ITEMS_NEAR)) : 0;
     }
 }
 

@@ -30,9 +30,10 @@ EmbreeOracle *embree_oracle_new(const Scene *scene, Vec3 origin, Arena *arena) {
     oracle->scene = rtcNewScene(oracle->device);
     rtcSetSceneFlags(oracle->scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry mesh = rtcNewGeometry(oracle->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *at = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof *at, corners);
-    unsigned *index =
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof *index, triangles);
+    float *at =
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof *at, corners);
+    unsigned *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof *index, triangles);
     int *polygon = oracle->polygon;
     unsigned base = 0;
     for (int k = 0; k < scene->count; k++) {

@@ -18,7 +18,8 @@ bool image_write_png(const char *path, const uint8_t *rgb, int width, int height
     void *memory = malloc(size);
     if (!memory) return error_set(error, "%s: no memory for %zu bytes of PNG", path, (size_t)size);
     bool good = png_image_write_to_memory(&image, memory, &size, 0, rgb, 0, NULL);
-    good = good ? file_write(path, memory, size, error) : error_set(error, "%s: PNG: %s", path, image.message);
+    good =
+        good ? file_write(path, memory, size, error) : error_set(error, "%s: PNG: %s", path, image.message);
     free(memory);
     return good;
 }
@@ -33,8 +34,8 @@ bool image_read_png(const char *path, Arena *arena, uint8_t **rgb, int *width, i
     image.format = PNG_FORMAT_RGB;
     if (PNG_IMAGE_SIZE(image) > IMAGE_LIMIT) {
         png_image_free(&image);
-        return error_set(error, "%s: an image of %u x %u pixels (limit %zu bytes)", path, image.width, image.height,
-                         IMAGE_LIMIT);
+        return error_set(error, "%s: an image of %u x %u pixels (limit %zu bytes)", path, image.width,
+                         image.height, IMAGE_LIMIT);
     }
     *rgb = arena_alloc(arena, PNG_IMAGE_SIZE(image), 1);
     *width = (int)image.width;

@@ -34,11 +34,11 @@ typedef struct Guide {
     TourPath *path;
     unsigned char *passable;  // [portal_count]
     unsigned char *looked;    // [region_count] a turn was made there
-    int *largest;           // [region_count] its largest cell, where the turn is made
-    int *from;              // [cell_count] the contact by which the shortest way enters, -1
-    double *cost;           // [cell_count]
-    Vec3 *at;               // [cell_count] where the shortest way stands in the cell
-    int *heap, *heap_slot;  // [cell_count]
+    int *largest;             // [region_count] its largest cell, where the turn is made
+    int *from;                // [cell_count] the contact by which the shortest way enters, -1
+    double *cost;             // [cell_count]
+    Vec3 *at;                 // [cell_count] where the shortest way stands in the cell
+    int *heap, *heap_slot;    // [cell_count]
     int heap_count;
     Vec3 eye;
     double yaw;
@@ -89,8 +89,10 @@ static bool passable(const CellGraph *graph, const Portal *portal) {
     }
     double a = graph->cells[portal->cell[0]].z0, b = graph->cells[portal->cell[1]].z0;
     if (vec2_length(vec2_sub(portal->left, portal->right)) < TOUR_WIDTH) return false;
-    if (kind_of(graph, portal->cell[0]) == REGION_SHAFT || kind_of(graph, portal->cell[1]) == REGION_SHAFT) return true;
-    return box.max.z - fmax(a, b) >= TOUR_HEIGHT && box.min.z <= fmax(a, b) + MAPS_GRID && fabs(a - b) <= TOUR_STEP_UP;
+    if (kind_of(graph, portal->cell[0]) == REGION_SHAFT || kind_of(graph, portal->cell[1]) == REGION_SHAFT)
+        return true;
+    return box.max.z - fmax(a, b) >= TOUR_HEIGHT && box.min.z <= fmax(a, b) + MAPS_GRID &&
+           fabs(a - b) <= TOUR_STEP_UP;
 }
 
 int tour_reachable(const CellGraph *graph, int start, unsigned char *out) {
@@ -393,8 +395,8 @@ static void interpolate(const TourOptions *options, Arena *arena, const Viewpoin
     for (int i = 1; i <= count; i++) {
         double t = (double)i / count;
         *ARENA_PUSH(arena, out->frames, out->frame_count, out->frame_capacity) =
-            (TourFrame){vec3_lerp(a->eye, b->eye, t), wrap(a->yaw + turn * t), a->pitch + (b->pitch - a->pitch) * t,
-                        a->fov + (b->fov - a->fov) * t};
+            (TourFrame){vec3_lerp(a->eye, b->eye, t), wrap(a->yaw + turn * t),
+                        a->pitch + (b->pitch - a->pitch) * t, a->fov + (b->fov - a->fov) * t};
     }
 }
 
@@ -414,12 +416,12 @@ static bool no_such_tour(const Building *b, const char *name, Error *error) {
         }
         used += (size_t)snprintf(names + used, sizeof names - used, ", %s", next);
     }
-    return error_set(error, "%s: there is no tour or viewpoint `%s` (allowed: %s)", b->source ? b->source : "building",
-                     name, names);
+    return error_set(error, "%s: there is no tour or viewpoint `%s` (allowed: %s)",
+                     b->source ? b->source : "building", name, names);
 }
 
-bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena, TourPath *out,
-               Error *error) {
+bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena,
+               TourPath *out, Error *error) {
     const Building *b = graph->building;
     *out = (TourPath){0};
     out->reachable = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
@@ -432,7 +434,8 @@ bool tour_make(const CellGraph *graph, const char *name, const TourOptions *opti
         if (strcmp(b->tours[i].name, name) != 0 || b->tours[i].viewpoint_count == 0) continue;
         const Viewpoint *v = b->tour_points + b->tours[i].first_viewpoint;
         add_viewpoint(options, arena, v, out);
-        for (int k = 1; k < b->tours[i].viewpoint_count; k++) interpolate(options, arena, &v[k - 1], &v[k], out);
+        for (int k = 1; k < b->tours[i].viewpoint_count; k++)
+            interpolate(options, arena, &v[k - 1], &v[k], out);
         return true;
     }
     for (int i = 0; i < b->viewpoint_count; i++) {

@@ -28,8 +28,8 @@ typedef struct TourPath {
 // stairs, never through windows; on first entering a room a full turn at its centre. The outdoors is crossed where
 // there is no other way, and visited a step before each outer door. Any other name: a stored tour, or a stored
 // viewpoint (one frame). False, with the names there are, when there is none of that name.
-bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena, TourPath *out,
-               Error *error);
+bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena,
+               TourPath *out, Error *error);
 
 // The cells that a person reaches from a cell, as above. `out` [cell_count]; returns how many.
 int tour_reachable(const CellGraph *graph, int start, unsigned char *out);

@@ -193,13 +193,21 @@ void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
 
 const ItemBuffer *walk_verify_items(const WalkVerify *v) { return &v->unculled; }
 
-int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, int *list) {
+static bool faces_away(const CellGraph *graph, int polygon, Vec3 eye) {
+    const Polygon *p = &graph->polygons[polygon];
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    return vec3_dot(plane_of_polygon(v, p->vertex_count).n, vec3_sub(eye, v[0])) <= 0;
+}
+
+int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, const Vec3 *eye, int *list) {
     int count = 0;
     for (int o = 0; o < graph->object_count; o++) {
-        if (!walk_shown(&graph->objects[o], door_open)) continue;
-        for (int i = 0; i < graph->objects[o].polygon_count; i++) {
-            int polygon = graph->objects[o].first_polygon + i;
-            if (!is_glass(graph, polygon)) list[count++] = polygon;
+        const Object *object = &graph->objects[o];
+        if (!walk_shown(object, door_open)) continue;
+        for (int i = 0; i < object->polygon_count; i++) {
+            int polygon = object->first_polygon + i;
+            bool hidden = eye && object->kind == OBJECT_SURFACE && faces_away(graph, polygon, *eye);
+            if (!hidden && !is_glass(graph, polygon)) list[count++] = polygon;
         }
     }
     return count;

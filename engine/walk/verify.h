@@ -13,11 +13,11 @@ WalkVerify *walk_verify_new(const CellGraph *graph, const StabForest *forest, Ar
 void walk_verify_free(WalkVerify *verify);  // NULL is allowed
 
 typedef struct VerifyFrame {
-    VisResult visible;      // of the query, until the next frame
+    VisResult visible;                   // of the query, until the next frame
     double query_seconds, draw_seconds;  // draw: of the culled frame
-    int mismatched_pixels;  // in the item buffers or the colour images
-    int missing_polygons;   // distinct ones seen in the unculled frame and not in the draw list
-    int missing;            // one of them, or -1
+    int mismatched_pixels;               // in the item buffers or the colour images
+    int missing_polygons;                // distinct ones seen in the unculled frame and not in the draw list
+    int missing;                         // one of them, or -1
 } VerifyFrame;
 
 // Opaque polygons are compared first, then, with these as background, glass drawn as if it were opaque.
@@ -31,8 +31,9 @@ const ItemBuffer *walk_verify_items(const WalkVerify *verify);
 // How many distinct polygons of an item buffer are not in the last frame's draw list. `missing` may be NULL.
 int walk_verify_missing(WalkVerify *verify, const ItemBuffer *items, int *missing);
 
-// The opaque polygons that a door state shows, in draw order: what other methods are given. `list` [polygon_count].
-int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, int *list);
+// The opaque polygons that a door state shows, in draw order: what other methods are given. With an eye, surfaces of
+// cells that face away from it are left out: two may lie back to back, and the eye sees one. `list` [polygon_count].
+int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, const Vec3 *eye, int *list);
 
 // A random view to be verified: eyes anywhere in free space, in doorways, within millimetres of corners, on and beside
 // portal planes, beside their corners, in the planes of door leaves, outdoors; doors open and closed at random.

@@ -71,13 +71,16 @@ static bool outdoors(const CellGraph *graph, Random *random, Vec3 *eye) {
 
 static bool corner(const CellGraph *graph, Random *random, Vec3 *eye) {
     const Cell *cell = &graph->cells[random_index(random, graph->cell_count)];
-    Vec2 p = graph->plan[cell->first_edge + random_index(random, cell->edge_count)], c = centre_of(graph, cell);
+    Vec2 p = graph->plan[cell->first_edge + random_index(random, cell->edge_count)],
+         c = centre_of(graph, cell);
     double away = random_between(random, NEAR_LEAST, NEAR_MOST), size = vec2_length(vec2_sub(c, p));
     if (size < 4 * away) return false;
     p = vec2_add(p, vec2_scale(vec2_sub(c, p), away / size));
     double up = fmin(random_between(random, NEAR_LEAST, NEAR_MOST), (cell->z1 - cell->z0) / 4);
     int where = random_index(random, 3);
-    double z = where == 0 ? cell->z0 + up : where == 1 ? cell->z1 - up : random_between(random, cell->z0 + up, cell->z1 - up);
+    double z = where == 0   ? cell->z0 + up
+               : where == 1 ? cell->z1 - up
+                            : random_between(random, cell->z0 + up, cell->z1 - up);
     *eye = vec3(p.x, p.y, z);
     return true;
 }
@@ -142,10 +145,14 @@ static bool door_leaf(const CellGraph *graph, Random *random, Vec3 *eye) {
 static const struct {
     const char *name;
     Place place;
-} KINDS[] = {{"anywhere", anywhere},           {"room", room},
-             {"doorway", doorway},             {"corner", corner},
-             {"portal", on_portal},            {"beside portal", beside_portal},
-             {"portal corner", portal_corner}, {"door leaf", door_leaf},
+} KINDS[] = {{"anywhere", anywhere},
+             {"room", room},
+             {"doorway", doorway},
+             {"corner", corner},
+             {"portal", on_portal},
+             {"beside portal", beside_portal},
+             {"portal corner", portal_corner},
+             {"door leaf", door_leaf},
              {"outdoors", outdoors}};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
@@ -160,7 +167,8 @@ bool walk_random_view(const CellGraph *graph, Random *random, int width, int hei
     double yaw = random_between(random, -PI, PI);
     // One in four along an axis, as the walls are.
     if (random_index(random, 4) == 0) yaw = (random_index(random, 4) - 2) * (PI / 2);
-    double pitch = random_index(random, 4) ? random_between(random, -0.5, 0.5) : random_between(random, -1.55, 1.55);
+    double pitch =
+        random_index(random, 4) ? random_between(random, -0.5, 0.5) : random_between(random, -1.55, 1.55);
     double fov = random_between(random, 0.3, 2.2);
     if (!KINDS[kind].place(graph, random, &eye)) return false;
     out->camera = camera_look(eye, yaw, pitch, fov, width, height);

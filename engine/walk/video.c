@@ -23,12 +23,13 @@ struct Video {
 };
 
 static bool start(Video *video, int input, int width, int height, int frames_per_second, Arena *arena) {
-    char *size = arena_format(arena, "%dx%d", width, height), *rate = arena_format(arena, "%d", frames_per_second);
-    char *arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo", "-pix_fmt",
-                         "rgb24", "-s", size, "-r", rate, "-i", "pipe:0", "-an",
+    char *size = arena_format(arena, "%dx%d", width, height),
+         *rate = arena_format(arena, "%d", frames_per_second);
+    char *arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo",
+                         "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "pipe:0", "-an",
                          // The codec's colours are stored two by two: odd sizes get a border.
-                         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf",
-                         "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y",
+                         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
+                         "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y",
                          (char *)(uintptr_t)video->temporary, NULL};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -41,7 +42,8 @@ static bool start(Video *video, int input, int width, int height, int frames_per
     return failure == 0;
 }
 
-Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena, Error *error) {
+Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena,
+                   Error *error) {
     Video *video = ARENA_ARRAY(arena, Video, 1);
     video->path = arena_string(arena, path);
     video->temporary = arena_format(arena, "%s.%ld.part", path, (long)getpid());
@@ -58,7 +60,8 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
     close(pair[1]);
     video->socket = pair[0];
     if (started) return video;
-    error_set(error, "%s: ffmpeg cannot be started: %s (the Debian package ffmpeg has it)", path, strerror(failure));
+    error_set(error, "%s: ffmpeg cannot be started: %s (the Debian package ffmpeg has it)", path,
+              strerror(failure));
     close(pair[0]);
     close(video->log);
     return NULL;
@@ -85,7 +88,8 @@ bool video_add(Video *video, const uint8_t *rgb, Error *error) {
         ssize_t n = send(video->socket, rgb + sent, video->frame_size - sent, MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR) continue;
         // Why, ffmpeg says at its end.
-        if (n < 0) return error_set(error, "%s: ffmpeg takes no more frames: %s", video->path, strerror(errno));
+        if (n < 0)
+            return error_set(error, "%s: ffmpeg takes no more frames: %s", video->path, strerror(errno));
         sent += (size_t)n;
     }
     return true;

@@ -10,8 +10,10 @@
 typedef struct Video Video;
 
 // The file is written beside `path` and renamed by video_end: an earlier file survives any failure.
-Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena, Error *error);
-bool video_add(Video *video, const uint8_t *rgb, Error *error);  // [height * width * 3] sRGB, rows from the top
+Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena,
+                   Error *error);
+bool video_add(Video *video, const uint8_t *rgb,
+               Error *error);  // [height * width * 3] sRGB, rows from the top
 bool video_end(Video *video, Error *error);
 void video_abandon(Video *video);  // after a failure elsewhere; NULL is allowed
 

@@ -15,7 +15,8 @@ struct GlContext {
 
 bool gl_context_use(GlContext *context, Error *error) {
     if (OSMesaGetCurrentContext() == context->osmesa) return true;
-    if (OSMesaMakeCurrent(context->osmesa, context->pixels, GL_UNSIGNED_BYTE, GL_CONTEXT_SIDE, GL_CONTEXT_SIDE)) {
+    if (OSMesaMakeCurrent(context->osmesa, context->pixels, GL_UNSIGNED_BYTE, GL_CONTEXT_SIDE,
+                          GL_CONTEXT_SIDE)) {
         return true;
     }
     return error_set(error, "OSMesa: the OpenGL context cannot be made current");
@@ -64,7 +65,8 @@ static unsigned shader(unsigned kind, const char *text, Error *error) {
 }
 
 unsigned gl_program(const char *vertex, const char *fragment, Error *error) {
-    unsigned v = shader(GL_VERTEX_SHADER, vertex, error), f = v ? shader(GL_FRAGMENT_SHADER, fragment, error) : 0;
+    unsigned v = shader(GL_VERTEX_SHADER, vertex, error),
+             f = v ? shader(GL_FRAGMENT_SHADER, fragment, error) : 0;
     unsigned program = 0;
     if (f) {
         program = glCreateProgram();

@@ -11,9 +11,18 @@
 #include "engine/core/polygon.h"
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_math.h"
+#include "visibility/hidden/raycast.h"
 
-// A polygon this near the eye's plane is seen edge-on, metres: it covers no pixel but by rounding.
+// A surface this near the eye's plane is seen edge-on, metres: it covers no pixel but by rounding.
 static const double EDGE_ON = 1e-5;
+
+// A polygon's plane as the fragment shader reads it.
+typedef struct PlaneTexels {
+    // n / height over the eye, so that 1/z = dot(n / height, ray). Of a polygon seen edge-on: 1 / its reach up and down.
+    float plane[4];
+    // The least (0: not to be drawn) and the greatest 1/z of its vertices; 1 / its reach in plan if edge-on, else 0.
+    float reach[4];
+} PlaneTexels;
 
 struct GlItems {
     const Polygon *polygons;
@@ -24,10 +33,8 @@ struct GlItems {
     int *first_vertex;               // [count + 1] in the vertex buffer
     int *first_index;                // [count + 1] in the index buffer
     float (*position)[3];            // [vertex count] relative to the eye
-    float (
-        *plane)[2]
-               [4];  // [count] n / height; the least and the greatest 1/z of its vertices, 0: not to be drawn
-    GLsizei *run_count;  // [count] of the next draw, in indices
+    PlaneTexels *planes;             // [count]
+    GLsizei *run_count;              // [count] of the next draw, in indices
     const void **run_offset;
     int count, run_total, run_end;
     unsigned program, array, position_buffer, fixed_buffer, index_buffer, plane_buffer, plane_texture;
@@ -127,7 +134,7 @@ static void make_buffers(GlItems *items, const FixedVertex *vertex, const unsign
                  GL_STATIC_DRAW);
     glGenBuffers(1, &items->plane_buffer);
     glBindBuffer(GL_TEXTURE_BUFFER, items->plane_buffer);
-    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)items->count * sizeof *items->plane), NULL,
+    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)items->count * sizeof *items->planes), NULL,
                  GL_STREAM_DRAW);
     glGenTextures(1, &items->plane_texture);
     glBindTexture(GL_TEXTURE_BUFFER, items->plane_texture);
@@ -165,7 +172,7 @@ GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigne
     items->polygon = ARENA_ARRAY(arena, int, count);
     items->first_vertex = ARENA_ARRAY(arena, int, count);
     items->first_index = ARENA_ARRAY(arena, int, count);
-    items->plane = arena_alloc(arena, count, sizeof *items->plane);
+    items->planes = ARENA_ARRAY(arena, PlaneTexels, count);
     items->run_count = ARENA_ARRAY(arena, GLsizei, count);
     items->run_offset = ARENA_ARRAY(arena, const void *, count);
     measure(items, scene);
@@ -253,12 +260,12 @@ static void look(GlItems *items, const Camera *camera) {
         }
         Vec3 n = items->normal[k];
         double height = vec3_dot(n, vec3_sub(items->centre[k], camera->eye));
-        // The back of a surface lies in the wall. A polygon seen edge-on has no depth by its plane, yet fills the seam
+        // The back of a surface lies in the wall. Seen edge-on it has no depth by its plane, yet it fills the seam
         // between its neighbours: there it is taken to lie where a ray along it leaves the box around it.
-        bool edge_on = fabs(height) < EDGE_ON;
-        bool back = !edge_on && height > 0 && items->one_sided && items->one_sided[k];
-        bool seen = !back && farthest > 0;
-        float *plane = items->plane[k][0], *reach = items->plane[k][1];
+        bool surface = items->one_sided && items->one_sided[k];
+        bool edge_on = fabs(height) < (surface ? EDGE_ON : HIDDEN_EDGE_ON);
+        bool seen = farthest > 0 && (surface ? edge_on || height < 0 : !edge_on);
+        float *plane = items->planes[k].plane, *reach = items->planes[k].reach;
         plane[0] = edge_on ? (top > EDGE_ON ? (float)(1 / top) : 0) : (float)(n.x / height);
         plane[1] = edge_on ? (bottom < -EDGE_ON ? (float)(1 / bottom) : 0) : (float)(n.y / height);
         plane[2] = edge_on ? 0 : (float)(n.z / height);
@@ -273,8 +280,8 @@ static void upload(const GlItems *items) {
     glBindBuffer(GL_ARRAY_BUFFER, items->position_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, 0, (GLsizeiptr)(vertices * sizeof *items->position), items->position);
     glBindBuffer(GL_TEXTURE_BUFFER, items->plane_buffer);
-    glBufferSubData(GL_TEXTURE_BUFFER, 0, (GLsizeiptr)((size_t)items->count * sizeof *items->plane),
-                    items->plane);
+    glBufferSubData(GL_TEXTURE_BUFFER, 0, (GLsizeiptr)((size_t)items->count * sizeof *items->planes),
+                    items->planes);
 }
 
 static void set_uniforms(const GlItems *items, const Camera *camera) {

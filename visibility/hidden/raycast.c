@@ -300,5 +300,5 @@ static bool raycast_draw(void *prepared, const Camera *camera, ItemBuffer *out, 
     return true;
 }
 
-const HiddenMethod HIDDEN_RAYCAST = {"raycast", "one ray a pixel in double precision, the reference", raycast_begin,
-                                     raycast_draw, NULL};
+const HiddenMethod HIDDEN_RAYCAST = {"raycast", "one ray a pixel in double precision, the reference",
+                                     raycast_begin, raycast_draw, NULL};

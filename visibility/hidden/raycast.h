@@ -16,7 +16,8 @@ RayScene *ray_scene_new(const Scene *scene, Arena *arena);
 // The nearest polygon along eye + z * ray, z > 0, or -1. Nearest by z rounded to float, then by list order: so
 // coincident surfaces, equal but for the last bits of a double, go to the first in the list.
 int ray_scene_nearest(const RayScene *rays, Vec3 eye, Vec3 ray, float *z);
-int ray_scene_nearest_brute(const RayScene *rays, Vec3 eye, Vec3 ray, float *z);  // the same without hierarchy
+int ray_scene_nearest_brute(const RayScene *rays, Vec3 eye, Vec3 ray,
+                            float *z);  // the same without hierarchy
 
 extern const HiddenMethod HIDDEN_RAYCAST;
 

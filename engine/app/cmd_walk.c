@@ -1,0 +1,262 @@
+// cmd_walk.c - `enfilade walk FILE`: a walk through a building; for now off-screen, along a tour.
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "engine/app/app.h"
+#include "engine/walk/walk_offscreen.h"
+
+static const char HELP[] =
+    "usage: enfilade walk FILE --offscreen DIR [--tour auto|NAME] [OPTIONS]\n\n"
+    "Walks through a building and draws what is seen, without a window. `auto` visits every cell that a "
+    "person\n"
+    "reaches through doors; NAME is a tour or viewpoint stored in the file.\n\n"
+    "  --offscreen DIR    write the frames to DIR/frame-00000.png ...\n"
+    "  --tour NAME        auto (default), or the name of a stored tour or viewpoint\n"
+    "  --size WxH         pixels, 16 to 8192 each (default 960x540; with --verify 640x360)\n"
+    "  --video OUT.mp4    also as a video, made by ffmpeg\n"
+    "  --fps N            frames of the video in a second, 1 to 240 (default 12)\n"
+    "  --every N          write each Nth frame only (default 1)\n"
+    "  --step M           greatest way between two frames, metres, 0.01 to 10 (default 0.5)\n"
+    "  --turn DEG         greatest turn between two frames, degrees, 1 to 60 (default 15)\n"
+    "  --stats OUT.csv    a line a frame: place, cells, objects, polygons, times\n"
+    "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
+    "  --doors STATE      open (default), closed or random\n"
+    "  --verify           draw each frame also with nothing culled and compare, in flat colours\n"
+    "  --random N         then verify N random views as well (with --verify)\n"
+    "  --raycast N        check N of these frames and views against rays, too (with --verify)\n"
+    "  --seed N           of what is random (default 1)\n"
+    "  --json             one JSON object on standard output\n\n"
+    "Exit status 1 also when --verify finds a difference.\n";
+
+typedef struct Arguments {
+    WalkOptions walk;
+    const char *file;
+    bool json, help, sized;
+} Arguments;
+
+enum {
+    OFFSCREEN = 256,
+    TOUR,
+    SIZE,
+    VIDEO,
+    FPS,
+    EVERY,
+    STEP,
+    TURN,
+    STATS,
+    METHOD,
+    DOORS,
+    VERIFY,
+    RANDOM,
+    RAYCAST,
+    SEED
+};
+
+static int find_name(const char *const *names, int count, const char *name) {
+    for (int i = 0; i < count; i++) {
+        if (strcmp(names[i], name) == 0) return i;
+    }
+    return -1;
+}
+
+static int misuse_number(const char *option, const char *value, const char *allowed) {
+    return app_misuse("walk", "walk: --%s is `%s` (allowed %s)", option, value, allowed);
+}
+
+static int take_number(Arguments *a, int c, const char *value) {
+    int seed;
+    double degrees;
+    switch (c) {
+    case SIZE:
+        a->sized = true;
+        if (app_parse_size(value, &a->walk.width, &a->walk.height)) return APP_GOOD;
+        return misuse_number("size", value, "WxH, 16 to 8192 each");
+    case FPS:
+        if (app_parse_int(value, 1, 240, &a->walk.frames_per_second)) return APP_GOOD;
+        return misuse_number("fps", value, "1 to 240");
+    case EVERY:
+        if (app_parse_int(value, 1, 1000000, &a->walk.every)) return APP_GOOD;
+        return misuse_number("every", value, "1 to 1000000");
+    case STEP:
+        if (app_parse_number(value, 0.01, 10, &a->walk.path.step)) return APP_GOOD;
+        return misuse_number("step", value, "0.01 to 10 metres");
+    case TURN:
+        if (!app_parse_number(value, 1, 60, &degrees)) return misuse_number("turn", value, "1 to 60 degrees");
+        a->walk.path.turn = degrees * (3.14159265358979323846 / 180);
+        return APP_GOOD;
+    case RANDOM:
+        if (app_parse_int(value, 1, 10000000, &a->walk.random)) return APP_GOOD;
+        return misuse_number("random", value, "1 to 10000000");
+    case RAYCAST:
+        if (app_parse_int(value, 1, 1000000, &a->walk.raycast)) return APP_GOOD;
+        return misuse_number("raycast", value, "1 to 1000000");
+    default:
+        if (!app_parse_int(value, 0, 2147483647, &seed))
+            return misuse_number("seed", value, "0 to 2147483647");
+        a->walk.seed = (uint64_t)seed;
+        return APP_GOOD;
+    }
+}
+
+static int take(Arguments *a, int c, char **argv) {
+    int index;
+    switch (c) {
+    case 'j':
+        a->json = true;
+        return APP_GOOD;
+    case OFFSCREEN:
+        a->walk.folder = optarg;
+        return APP_GOOD;
+    case TOUR:
+        a->walk.tour = optarg;
+        return APP_GOOD;
+    case VIDEO:
+        a->walk.video = optarg;
+        return APP_GOOD;
+    case STATS:
+        a->walk.stats = optarg;
+        return APP_GOOD;
+    case VERIFY:
+        a->walk.verify = true;
+        return APP_GOOD;
+    case METHOD:
+        index = find_name(VIS_METHOD_NAMES, VIS_METHODS, optarg);
+        if (index < 0) return misuse_number("method", optarg, "none, frustum, portals, plan, stab");
+        a->walk.method = (VisMethod)index;
+        return APP_GOOD;
+    case DOORS:
+        index = find_name(WALK_DOORS_NAMES, WALK_DOORS, optarg);
+        if (index < 0) return misuse_number("doors", optarg, "open, closed, random");
+        a->walk.doors = (WalkDoors)index;
+        return APP_GOOD;
+    case ':':
+        return app_misuse("walk", "walk: option `%s` needs a value", argv[optind - 1]);
+    case '?':
+        return app_misuse("walk", "walk: there is no option `%s`", argv[optind - 1]);
+    default:
+        return take_number(a, c, optarg);
+    }
+}
+
+static int parse(int argc, char **argv, Arguments *a) {
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {"verify", no_argument, NULL, VERIFY},
+                                            {"offscreen", required_argument, NULL, OFFSCREEN},
+                                            {"tour", required_argument, NULL, TOUR},
+                                            {"size", required_argument, NULL, SIZE},
+                                            {"video", required_argument, NULL, VIDEO},
+                                            {"fps", required_argument, NULL, FPS},
+                                            {"every", required_argument, NULL, EVERY},
+                                            {"step", required_argument, NULL, STEP},
+                                            {"turn", required_argument, NULL, TURN},
+                                            {"stats", required_argument, NULL, STATS},
+                                            {"method", required_argument, NULL, METHOD},
+                                            {"doors", required_argument, NULL, DOORS},
+                                            {"random", required_argument, NULL, RANDOM},
+                                            {"raycast", required_argument, NULL, RAYCAST},
+                                            {"seed", required_argument, NULL, SEED},
+                                            {0}};
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
+        if (c == 'h') {
+            a->help = true;
+            return APP_GOOD;
+        }
+        int code = take(a, c, argv);
+        if (code != APP_GOOD) return code;
+    }
+    if (argc - optind != 1)
+        return app_misuse("walk", "walk: one building file is needed, %d were given", argc - optind);
+    a->file = argv[optind];
+    if (!a->walk.folder) {
+        return app_misuse("walk",
+                          "walk: there is no window yet; draw a tour off-screen with --offscreen DIR");
+    }
+    if (a->walk.random > 0 && !a->walk.verify) return app_misuse("walk", "walk: --random needs --verify");
+    if (a->walk.raycast > 0 && !a->walk.verify) return app_misuse("walk", "walk: --raycast needs --verify");
+    return APP_GOOD;
+}
+
+static void print_json(const AppScene *scene, const WalkTotals *t) {
+    json_t *o = app_counts(scene);
+    json_object_set_new(o, "frames", json_integer(t->frames));
+    json_object_set_new(o, "random_frames", json_integer(t->random_frames));
+    json_object_set_new(o, "images", json_integer(t->images));
+    json_object_set_new(o, "cells_reachable", json_integer(t->reachable_cells));
+    json_object_set_new(o, "cells_visited", json_integer(t->visited_cells));
+    json_object_set_new(o, "polygons_total", json_integer(t->polygons_total));
+    json_object_set_new(o, "polygons_drawn_mean", json_real(t->polygons_drawn_mean));
+    json_object_set_new(o, "cells_visible_mean", json_real(t->cells_visible_mean));
+    json_object_set_new(o, "query_us_mean", json_real(t->query_us_mean));
+    json_object_set_new(o, "query_us_max", json_real(t->query_us_max));
+    json_object_set_new(o, "frame_ms_mean", json_real(t->frame_ms_mean));
+    json_object_set_new(o, "mismatched_pixels", json_integer(t->mismatched_pixels));
+    json_object_set_new(o, "missing_polygons", json_integer(t->missing_polygons));
+    json_object_set_new(o, "raycast_frames", json_integer(t->raycast_frames));
+    json_object_set_new(o, "raycast_missing", json_integer(t->raycast_missing));
+    app_print_json(o);
+}
+
+static void print_result(const Arguments *a, const WalkTotals *t) {
+    printf("%d frames of tour `%s`; %.1f of %d polygons drawn in the mean (%.1f %%), query %.1f us, frame "
+           "%.1f ms\n",
+           t->frames, a->walk.tour, t->polygons_drawn_mean, t->polygons_total,
+           t->polygons_total > 0 ? 100 * t->polygons_drawn_mean / t->polygons_total : 0, t->query_us_mean,
+           t->frame_ms_mean);
+    if (t->images > 0)
+        printf("frames      %s/frame-00000.png to frame-%05d.png\n", a->walk.folder, t->images - 1);
+    if (a->walk.video) printf("video       %s\n", a->walk.video);
+    if (a->walk.stats) printf("statistics  %s\n", a->walk.stats);
+    if (a->walk.verify) {
+        printf("verified    %d frames and %d random views: %ld pixels differ, %ld polygons are missing\n",
+               t->frames, t->random_frames, t->mismatched_pixels, t->missing_polygons);
+    }
+    if (t->raycast_frames > 0) {
+        printf("rays        %d frames: %ld polygons seen that are not drawn\n", t->raycast_frames,
+               t->raycast_missing);
+    }
+}
+
+static bool run(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
+    AppOptions load = app_default_options();
+    AppScene scene;
+    if (!app_load(a->file, &load, arena, &scene, error)) return false;
+    Progress progress = app_progress();
+    bool good = walk_offscreen(&scene.graph, &scene.forest, &a->walk, &progress, arena, totals, error);
+    app_progress_end();
+    if (!good) return false;
+    if (a->json) {
+        print_json(&scene, totals);
+    } else {
+        print_result(a, totals);
+    }
+    return true;
+}
+
+int cmd_walk(int argc, char **argv) {
+    Arguments a = {.walk = walk_default_options()};
+    int code = parse(argc, argv, &a);
+    if (code != APP_GOOD) return code;
+    if (a.help) {
+        fputs(HELP, stdout);
+        return APP_GOOD;
+    }
+    if (a.walk.verify && !a.sized) {
+        a.walk.width = 640;
+        a.walk.height = 360;
+    }
+    Arena arena = {0};
+    WalkTotals totals;
+    Error error;
+    bool good = run(&a, &arena, &totals, &error);
+    if (!good) app_fail(APP_BAD_INPUT, "%s", error.text);
+    if (good && totals.bad_frames > 0) {
+        app_fail(APP_BAD_INPUT, "%d frames differ from the unculled ones; %s", totals.bad_frames,
+                 totals.first_fault);
+        good = false;
+    }
+    arena_free(&arena);
+    return good ? APP_GOOD : APP_BAD_INPUT;
+}

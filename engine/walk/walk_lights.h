@@ -1,0 +1,23 @@
+// walk_lights.h - which lamps shine on which objects, until there is real light: those of the same room.
+#ifndef WALK_LIGHTS_H
+#define WALK_LIGHTS_H
+
+#include "visibility/vis.h"
+
+typedef struct WalkLamp {
+    float position[3];  // relative to the origin given
+    float strength;
+    float colour[3];  // the largest channel 1
+    float unused;
+} WalkLamp;
+
+typedef struct WalkLights {
+    WalkLamp *lamps;          // [lamp_count] by region
+    int *first, *count;       // [object_count] a run of lamps
+    unsigned char *outdoors;  // [object_count] under the sky
+    int lamp_count;
+} WalkLights;
+
+WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena);
+
+#endif

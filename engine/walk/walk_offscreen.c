@@ -1,0 +1,288 @@
+// walk_offscreen.c - runs a tour frame by frame: locate the eye, ask what is visible, draw, write.
+#include "engine/walk/walk_offscreen.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "engine/core/file.h"
+#include "engine/core/random.h"
+#include "engine/walk/image.h"
+#include "engine/walk/verify.h"
+#include "engine/walk/video.h"
+#include "engine/walk/walk_renderer.h"
+#include "visibility/hidden/gl_context.h"
+#include "visibility/hidden/raycast.h"
+
+const char *const WALK_DOORS_NAMES[WALK_DOORS] = {"open", "closed", "random"};
+
+WalkOptions walk_default_options(void) {
+    return (WalkOptions){.tour = "auto",
+                         .width = 960,
+                         .height = 540,
+                         .every = 1,
+                         .frames_per_second = 12,
+                         .seed = 1,
+                         .method = VIS_STAB,
+                         .path = tour_default_options()};
+}
+
+// What one frame came to, drawn for its looks or verified.
+typedef struct Frame {
+    VisResult visible;
+    double query_seconds, draw_seconds;
+    int mismatched_pixels, missing_polygons, missing, raycast_missing;
+} Frame;
+
+typedef struct Walk {
+    const CellGraph *graph;
+    const WalkOptions *options;
+    Arena *arena;
+    WalkTotals *totals;
+    VisQuery *query;
+    GlContext *context;      // of the renderer
+    WalkRenderer *renderer;  // NULL when verifying
+    WalkVerify *verify;      // or NULL
+    Video *video;
+    uint8_t *rgb;
+    unsigned char *door_open;
+    char *stats;
+    size_t stats_size, stats_room;
+    int cell, planned;  // planned: frames and random views to be verified
+    Arena rays;
+} Walk;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+// ---- statistics
+
+static void write_stats(Walk *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void write_stats(Walk *w, const char *format, ...) {
+    enum { LINE = 512 };
+    if (!w->options->stats) return;
+    if (w->stats_room - w->stats_size < LINE) {
+        // Outgrown text stays in the arena: as much again at most.
+        size_t room = 2 * w->stats_room + LINE;
+        char *more = arena_alloc(w->arena, room, 1);
+        if (w->stats_size > 0) memcpy(more, w->stats, w->stats_size);
+        w->stats = more;
+        w->stats_room = room;
+    }
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(w->stats + w->stats_size, LINE, format, args);
+    va_end(args);
+    CORE_ASSERT(length < LINE);
+    w->stats_size += (size_t)length;
+}
+
+static void add_to_totals(Walk *w, int index, const char *kind, const Camera *camera, const Frame *f) {
+    WalkTotals *t = w->totals;
+    t->mismatched_pixels += f->mismatched_pixels;
+    t->missing_polygons += f->missing_polygons;
+    t->raycast_missing += f->raycast_missing;
+    if (f->mismatched_pixels == 0 && f->missing_polygons == 0 && f->raycast_missing == 0) return;
+    t->bad_frames++;
+    if (t->first_fault) return;
+    t->first_fault =
+        arena_format(w->arena,
+                     "%s %d, eye %.9g,%.9g,%.9g in cell %d, looking along %.4f,%.4f,%.4f: %d pixels differ, "
+                     "%d polygons are missing (one is %d), rays find %d",
+                     kind, index, camera->eye.x, camera->eye.y, camera->eye.z, f->visible.eye_cell,
+                     camera->forward.x, camera->forward.y, camera->forward.z, f->mismatched_pixels,
+                     f->missing_polygons, f->missing, f->raycast_missing);
+}
+
+static void add_to_means(Walk *w, int index, const TourFrame *at, const Frame *f) {
+    WalkTotals *t = w->totals;
+    const VisResult *v = &f->visible;
+    t->polygons_drawn_mean += v->polygon_count;
+    t->cells_visible_mean += v->cell_count;
+    t->objects_mean += v->object_count;
+    t->query_us_mean += 1e6 * f->query_seconds;
+    t->query_us_max = fmax(t->query_us_max, 1e6 * f->query_seconds);
+    t->frame_ms_mean += 1e3 * (f->query_seconds + f->draw_seconds);
+    t->portals_tested_mean += v->portals_tested;
+    t->objects_tested_mean += v->objects_tested;
+    write_stats(w, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d\n", index, at->eye.x,
+                at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
+                v->polygon_count, w->graph->polygon_count, 1e6 * f->query_seconds,
+                1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons);
+}
+
+static void divide_means(WalkTotals *t) {
+    double *means[] = {&t->polygons_drawn_mean, &t->cells_visible_mean, &t->objects_mean,
+                       &t->query_us_mean,       &t->frame_ms_mean,      &t->portals_tested_mean,
+                       &t->objects_tested_mean};
+    for (size_t i = 0; i < sizeof means / sizeof *means; i++) *means[i] /= t->frames > 0 ? t->frames : 1;
+}
+
+// ---- frames
+
+// What rays see through each pixel against the draw list.
+static bool compare_rays(Walk *w, const Camera *camera, const unsigned char *door_open, Frame *out,
+                         Error *error) {
+    const CellGraph *graph = w->graph;
+    arena_reset(&w->rays);
+    int *list = ARENA_ARRAY(&w->rays, int, graph->polygon_count + 1);
+    Scene scene = {graph->polygons, graph->vertices, list,
+                   walk_opaque_polygons(graph, door_open, &camera->eye, list)};
+    ItemBuffer items = item_buffer_new(&w->rays, camera->width, camera->height);
+    if (!HIDDEN_RAYCAST.draw(ray_scene_new(&scene, &w->rays), camera, &items, error)) return false;
+    out->raycast_missing = walk_verify_missing(w->verify, &items, &out->missing);
+    w->totals->raycast_frames++;
+    return true;
+}
+
+static bool verify_frame(Walk *w, const Camera *camera, int cell, const unsigned char *door_open, Frame *out,
+                         Error *error) {
+    VerifyFrame v;
+    if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->method, &v, error)) return false;
+    *out = (Frame){
+        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0};
+    long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
+    // One each time the line through (0, 0) and (planned, rays) passes a whole number.
+    bool chosen = done * rays / w->planned != (done + 1) * rays / w->planned;
+    return !chosen || compare_rays(w, camera, door_open, out, error);
+}
+
+static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) {
+    Eye eye = walk_eye(camera);
+    double start = now();
+    *out = (Frame){.visible = vis_query(w->query, &eye, w->cell, w->door_open, w->options->method),
+                   .missing = -1};
+    double asked = now();
+    if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count, error))
+        return false;
+    walk_renderer_finish();
+    out->query_seconds = asked - start;
+    out->draw_seconds = now() - asked;
+    return true;
+}
+
+static bool write_frame(Walk *w, int index, Error *error) {
+    const WalkOptions *o = w->options;
+    if (index % o->every != 0 || (!o->folder && !w->video)) return true;
+    if (w->verify) {
+        walk_verify_image(w->verify, w->rgb);
+    } else if (!walk_renderer_read(w->renderer, w->rgb, error)) {
+        return false;
+    }
+    if (w->video && !video_add(w->video, w->rgb, error)) return false;
+    if (!o->folder) return true;
+    Arena scratch = {0};
+    const char *path = arena_format(&scratch, "%s/frame-%05d.png", o->folder, w->totals->images);
+    bool good = image_write_png(path, w->rgb, o->width, o->height, error);
+    arena_free(&scratch);
+    w->totals->images += good;
+    return good;
+}
+
+static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Error *error) {
+    const WalkOptions *o = w->options;
+    write_stats(
+        w, "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
+           "mismatched_pixels,missing_polygons\n");
+    for (int i = 0; i < path->frame_count; i++) {
+        const TourFrame *at = &path->frames[i];
+        Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
+        w->cell = vis_locate(w->graph, at->eye, w->cell);
+        Frame frame;
+        bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
+                              : draw_frame(w, &camera, &frame, error);
+        if (!good || !write_frame(w, i, error)) return false;
+        w->totals->frames++;
+        add_to_totals(w, i, "frame", &camera, &frame);
+        add_to_means(w, i, at, &frame);
+        if (!progress_report(progress, "tour", (double)(i + 1) / path->frame_count))
+            return error_set(error, "stopped");
+    }
+    return true;
+}
+
+static bool run_random(Walk *w, const Progress *progress, Error *error) {
+    // A building without doors has no place in the plane of a leaf: most draws are good, some never.
+    enum { DRAWS = 100 };
+    const WalkOptions *o = w->options;
+    Random random = {o->seed};
+    RandomView view = {.door_open =
+                           ARENA_ARRAY(w->arena, unsigned char, w->graph->building->opening_count + 1)};
+    for (int i = 0; i < o->random; i++) {
+        int draws = 0;
+        while (!walk_random_view(w->graph, &random, o->width, o->height, &view) && draws < DRAWS) draws++;
+        if (draws == DRAWS) return error_set(error, "no place for a random eye was found in %d draws", DRAWS);
+        Frame frame;
+        if (!verify_frame(w, &view.camera, view.cell, view.door_open, &frame, error)) return false;
+        w->totals->random_frames++;
+        add_to_totals(w, i, view.kind, &view.camera, &frame);
+        if (!progress_report(progress, "random views", (i + 1.0) / o->random))
+            return error_set(error, "stopped");
+    }
+    return true;
+}
+
+// ---- set-up
+
+static void set_doors(Walk *w) {
+    Random random = {w->options->seed};
+    for (int i = 0; i < w->graph->building->opening_count; i++) {
+        int toss = random_index(&random, 2);
+        w->door_open[i] =
+            w->options->doors == WALK_DOORS_OPEN || (w->options->doors == WALK_DOORS_RANDOM && toss);
+    }
+}
+
+static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
+    const WalkOptions *o = w->options;
+    if (o->folder && !file_make_folder(o->folder, error)) return false;
+    if (o->verify || o->random > 0) {
+        w->verify = walk_verify_new(w->graph, forest, w->arena, error);
+        if (!w->verify) return false;
+    } else {
+        w->query = vis_query_new(w->graph, forest, w->arena);
+        w->context = gl_context_open(w->arena, error);
+        if (!w->context) return false;
+        w->renderer = walk_renderer_new(w->graph, w->arena, error);
+        if (!w->renderer) return false;
+    }
+    if (!o->video) return true;
+    w->video = video_begin(o->video, o->width, o->height, o->frames_per_second, w->arena, error);
+    return w->video != NULL;
+}
+
+static void close_drawing(Walk *w) {
+    video_abandon(w->video);
+    walk_verify_free(w->verify);
+    if (w->context && gl_context_use(w->context, NULL)) walk_renderer_free(w->renderer);
+    gl_context_close(w->context);
+    arena_free(&w->rays);
+}
+
+bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const WalkOptions *options,
+                    const Progress *progress, Arena *arena, WalkTotals *out, Error *error) {
+    CORE_ASSERT(options->every >= 1 && options->width >= 1 && options->height >= 1);
+    *out = (WalkTotals){.polygons_total = graph->polygon_count};
+    TourPath path;
+    if (!tour_make(graph, options->tour, &options->path, arena, &path, error)) return false;
+    out->reachable_cells = path.reachable_count;
+    out->visited_cells = path.visited_count;
+    Walk w = {.graph = graph, .options = options, .arena = arena, .totals = out, .cell = -1};
+    w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
+    w.door_open = ARENA_ARRAY(arena, unsigned char, graph->building->opening_count + 1);
+    set_doors(&w);
+    w.planned = path.frame_count + options->random;
+    bool good = open_drawing(&w, forest, error) && run_tour(&w, &path, progress, error) &&
+                run_random(&w, progress, error);
+    if (good && w.video) {
+        good = video_end(w.video, error);
+        w.video = NULL;
+    }
+    close_drawing(&w);
+    divide_means(out);
+    return good && (!options->stats || file_write(options->stats, w.stats, w.stats_size, error));
+}

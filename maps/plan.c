@@ -582,34 +582,21 @@ typedef struct Statement {
     bool (*read)(Plan *plan);
 } Statement;
 
-static const Statement STATEMENTS[] = {{"plan", BLOCK_NONE, false, read_header},
-                                       {"storey", BLOCK_NONE, false, read_storey},
-                                       {"material", BLOCK_NONE, false, read_material},
-                                       {"ground", BLOCK_NONE, false, read_ground},
-                                       {"facade", BLOCK_NONE, false, read_facade},
-                                       {"slabs", BLOCK_NONE, false, read_slabs},
-                                       {"room", BLOCK_NONE, true, read_room},
-                                       {"wall", BLOCK_NONE, true, read_wall},
-                                       {"door", BLOCK_NONE, true, read_door},
-                                       {"passage", BLOCK_NONE, true, read_passage},
-                                       {"window", BLOCK_NONE, true, read_window},
-                                       {"stairwell", BLOCK_NONE, true, read_stairwell},
-                                       {"stair", BLOCK_NONE, true, read_stair},
-                                       {"light", BLOCK_NONE, true, read_light},
-                                       {"inlay", BLOCK_NONE, true, read_inlay},
-                                       {"model", BLOCK_NONE, false, read_model},
-                                       {"place", BLOCK_NONE, true, read_place},
-                                       {"view", BLOCK_NONE, true, read_view},
-                                       {"tour", BLOCK_NONE, true, read_tour},
-                                       {"start", BLOCK_NONE, true, read_start},
-                                       {"box", BLOCK_MODEL, false, read_box},
-                                       {"prism", BLOCK_MODEL, false, read_prism},
-                                       {"cylinder", BLOCK_MODEL, false, read_cylinder},
-                                       {"poly", BLOCK_MODEL, false, read_poly},
-                                       {"light", BLOCK_MODEL, false, read_model_light},
-                                       {"end", BLOCK_MODEL, false, read_end},
-                                       {"eye", BLOCK_TOUR, true, read_tour_eye},
-                                       {"end", BLOCK_TOUR, false, read_end}};
+static const Statement STATEMENTS[] = {
+    {"plan", BLOCK_NONE, false, read_header},        {"storey", BLOCK_NONE, false, read_storey},
+    {"material", BLOCK_NONE, false, read_material},  {"ground", BLOCK_NONE, false, read_ground},
+    {"facade", BLOCK_NONE, false, read_facade},      {"slabs", BLOCK_NONE, false, read_slabs},
+    {"room", BLOCK_NONE, true, read_room},           {"wall", BLOCK_NONE, true, read_wall},
+    {"door", BLOCK_NONE, true, read_door},           {"passage", BLOCK_NONE, true, read_passage},
+    {"window", BLOCK_NONE, true, read_window},       {"stairwell", BLOCK_NONE, true, read_stairwell},
+    {"stair", BLOCK_NONE, true, read_stair},         {"light", BLOCK_NONE, true, read_light},
+    {"inlay", BLOCK_NONE, true, read_inlay},         {"model", BLOCK_NONE, false, read_model},
+    {"place", BLOCK_NONE, true, read_place},         {"view", BLOCK_NONE, true, read_view},
+    {"tour", BLOCK_NONE, true, read_tour},           {"start", BLOCK_NONE, true, read_start},
+    {"box", BLOCK_MODEL, false, read_box},           {"prism", BLOCK_MODEL, false, read_prism},
+    {"cylinder", BLOCK_MODEL, false, read_cylinder}, {"poly", BLOCK_MODEL, false, read_poly},
+    {"light", BLOCK_MODEL, false, read_model_light}, {"end", BLOCK_MODEL, false, read_end},
+    {"eye", BLOCK_TOUR, true, read_tour_eye},        {"end", BLOCK_TOUR, false, read_end}};
 enum { STATEMENT_COUNT = sizeof STATEMENTS / sizeof STATEMENTS[0] };
 
 static bool unknown_statement(Plan *plan, const char *word) {

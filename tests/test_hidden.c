@@ -28,7 +28,8 @@ static Vec3 random_direction(Random *random) {
 
 // A convex polygon of 3 to 6 vertices on an ellipse, one in three with a collinear vertex on its last edge.
 static void soup_add_random(Arena *arena, Soup *soup, Random *random, Vec3 centre, Vec3 n) {
-    Vec3 u = vec3_normalize(vec3_cross(n, fabs(n.z) > 0.9 ? vec3(1, 0, 0) : vec3(0, 0, 1))), v = vec3_cross(n, u);
+    Vec3 u = vec3_normalize(vec3_cross(n, fabs(n.z) > 0.9 ? vec3(1, 0, 0) : vec3(0, 0, 1))),
+         v = vec3_cross(n, u);
     double a = random_between(random, 0.05, 3), b = random_between(random, 0.05, 3);
     double start = random_between(random, 0, 2 * PI);
     int count = 3 + random_index(random, 4);
@@ -143,15 +144,17 @@ Test(hidden, no_ray_slips_through_an_edge) {
         }
         Scene scene = {soup.polygons, soup.vertices, NULL, soup.polygon_count};
         RayScene *rays = ray_scene_new(&scene, &arena);
-        Vec3 eye = vec3(o.x + random_between(&random, 0.001, 7.099), o.y + random_between(&random, 0.001, 3.299),
-                        o.z + random_between(&random, 0.001, 2.699));
+        Vec3 eye =
+            vec3(o.x + random_between(&random, 0.001, 7.099), o.y + random_between(&random, 0.001, 3.299),
+                 o.z + random_between(&random, 0.001, 2.699));
         for (int k = 0; k < soup.polygon_count; k++) {
             const Vec3 *v = soup.vertices + soup.polygons[k].first_vertex;
             for (int i = 0; i < 200; i++) {
                 int a = i % soup.polygons[k].vertex_count, b = (a + 1) % soup.polygons[k].vertex_count;
                 Vec3 ray = vec3_sub(vec3_lerp(v[a], v[b], i < 20 ? 0 : random_unit(&random)), eye);
                 float z;
-                cr_assert(ray_scene_nearest(rays, eye, ray, &z) >= 0, "trial %d, polygon %d, edge %d", trial, k, a);
+                cr_assert(ray_scene_nearest(rays, eye, ray, &z) >= 0, "trial %d, polygon %d, edge %d", trial,
+                          k, a);
             }
         }
         arena_free(&arena);
@@ -167,8 +170,10 @@ static bool edge_on(const Scene *scene, int item, Vec3 eye) {
 
 // What a rasteriser may see at a pixel instead: what lies within a 128th of a pixel (it rounds vertices to a 256th),
 // or at the same depth but for float rounding.
-static bool excused(const RayScene *rays, const Camera *camera, int i, int j, int item, float z, float seen_z) {
-    float tie = 1e-5f * fminf(z, seen_z);  // about 100 roundings of a float, for a plane seen at a grazing angle
+static bool excused(const RayScene *rays, const Camera *camera, int i, int j, int item, float z,
+                    float seen_z) {
+    float tie =
+        1e-5f * fminf(z, seen_z);  // about 100 roundings of a float, for a plane seen at a grazing angle
     if (fabsf(z - seen_z) <= tie) return true;
     for (int k = 0; k < 32; k++) {
         double angle = 2 * PI * k / 16, radius = k < 16 ? 1 / 128.0 : 1 / 300.0;
@@ -184,8 +189,8 @@ typedef struct Difference {
     int pixels, excused, unexcused, depth;
 } Difference;
 
-static Difference compare(const Scene *scene, const RayScene *rays, const Camera *camera, const ItemBuffer *want,
-                          const ItemBuffer *got) {
+static Difference compare(const Scene *scene, const RayScene *rays, const Camera *camera,
+                          const ItemBuffer *want, const ItemBuffer *got) {
     Difference d = {0};
     for (int j = 0; j < camera->height; j++) {
         for (int i = 0; i < camera->width; i++) {
@@ -193,7 +198,8 @@ static Difference compare(const Scene *scene, const RayScene *rays, const Camera
             d.pixels++;
             if (want->item[p] == got->item[p]) {
                 // Float rounding of 1/z, a hundred times over for grazing planes.
-                if (want->item[p] >= 0 && fabsf(want->depth[p] - got->depth[p]) > 1e-4f * want->depth[p]) d.depth++;
+                if (want->item[p] >= 0 && fabsf(want->depth[p] - got->depth[p]) > 1e-4f * want->depth[p])
+                    d.depth++;
             } else if ((got->item[p] >= 0 && edge_on(scene, got->item[p], camera->eye)) ||
                        excused(rays, camera, i, j, got->item[p], want->depth[p], got->depth[p])) {
                 d.excused++;
@@ -227,8 +233,8 @@ Test(hidden, osmesa_equals_raycast, .timeout = 60) {
             cr_assert(hidden_find("osmesa")->draw(osmesa, &camera, &got, &error), "%s", error.text);
             Difference d = compare(&scene, rays, &camera, &want, &got);
             cr_assert(d.unexcused == 0 && d.depth == 0 && d.excused * 100 <= d.pixels,
-                      "seed %lu, trial %d: %d of %d pixels differ, %d of them excused; %d depths", (unsigned long)seed,
-                      trial, d.unexcused + d.excused, d.pixels, d.excused, d.depth);
+                      "seed %lu, trial %d: %d of %d pixels differ, %d of them excused; %d depths",
+                      (unsigned long)seed, trial, d.unexcused + d.excused, d.pixels, d.excused, d.depth);
         }
         hidden_find("osmesa")->end(osmesa);
         arena_free(&arena);
@@ -253,8 +259,9 @@ Test(hidden, embree_equals_raycast, .timeout = 60) {
         cr_assert(HIDDEN_RAYCAST.draw(rays, &camera, &want, &error));
         embree_oracle_draw(embree, &camera, &got);
         Difference d = compare(&scene, rays, &camera, &want, &got);
-        cr_assert(d.unexcused == 0 && d.excused * 100 <= d.pixels, "seed %lu, trial %d: %d of %d pixels differ, %d excused",
-                  (unsigned long)seed, trial, d.unexcused + d.excused, d.pixels, d.excused);
+        cr_assert(d.unexcused == 0 && d.excused * 100 <= d.pixels,
+                  "seed %lu, trial %d: %d of %d pixels differ, %d excused", (unsigned long)seed, trial,
+                  d.unexcused + d.excused, d.pixels, d.excused);
         embree_oracle_free(embree);
         arena_free(&arena);
     }
@@ -279,8 +286,8 @@ Test(hidden, near_walls_stay_closed) {
             ItemBuffer items = item_buffer_new(&arena, 64, 48);
             cr_assert(HIDDEN_METHODS[m]->draw(prepared, &camera, &items, &error));
             for (int p = 0; p < 64 * 48; p++) {
-                cr_assert(items.item[p] == 0, "%s at %g m: pixel %d sees %d", HIDDEN_METHODS[m]->name, distance[k],
-                          p, items.item[p]);
+                cr_assert(items.item[p] == 0, "%s at %g m: pixel %d sees %d", HIDDEN_METHODS[m]->name,
+                          distance[k], p, items.item[p]);
             }
         }
         if (HIDDEN_METHODS[m]->end) HIDDEN_METHODS[m]->end(prepared);

@@ -199,7 +199,8 @@ static void heap_swap(Guide *g, int i, int j) {
 // Ties go to the lower cell: the tour is the same on every machine.
 static bool heap_before(const Guide *g, int i, int j) {
     int a = g->heap[i], b = g->heap[j];
-    return g->cost[a] < g->cost[b] || (g->cost[a] == g->cost[b] && a < b);
+    double dearer = g->cost[a] - g->cost[b];
+    return dearer < 0 || (dearer == 0 && a < b);
 }
 
 static void heap_raise(Guide *g, int cell) {

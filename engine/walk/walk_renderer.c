@@ -313,7 +313,7 @@ static void add_solids(WalkRenderer *w, const int *objects, int count) {
 
 static void use_scene(const WalkRenderer *w, unsigned program, const Camera *camera) {
     glUseProgram(program);
-    mat4 clip;
+    mat4 clip = GLM_MAT4_ZERO_INIT;
     // Row 0 of the image is its top: drawn upside down, read as it is.
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
     glUniformMatrix4fv(glGetUniformLocation(program, "clip"), 1, GL_FALSE, &clip[0][0]);

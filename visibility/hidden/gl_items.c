@@ -285,7 +285,7 @@ static void upload(const GlItems *items) {
 }
 
 static void set_uniforms(const GlItems *items, const Camera *camera) {
-    mat4 clip;
+    mat4 clip = GLM_MAT4_ZERO_INIT;
     gl_clip_matrix(camera, GL_ITEMS_NEAR, true, clip);
     glUniformMatrix4fv(items->clip, 1, GL_FALSE, &clip[0][0]);
     Vec3 corner = camera_ray(camera, 0, 0);

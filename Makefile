@@ -1,6 +1,6 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, draws a tour), `make test`.
 #   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | fuzz | bench | lint | install PREFIX= DESTDIR= | clean
+#   make test | soak | asan | fuzz | bench | pictures | lint | install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 20
@@ -47,7 +47,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak asan fuzz bench lint install clean FORCE
+.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures lint install clean FORCE
 all:
 	$(submake) program maps
 program: $(dir)/enfilade
@@ -108,7 +108,17 @@ fuzz:
 	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings || exit 1; done
 bench: all
 	@mkdir -p build/bench
-	$(dir)/enfilade bench $(bench) | tee build/bench/$(bench).csv
+	$(dir)/enfilade bench $(bench) $(filter %.plan,$(maps)) | tee build/bench/$(bench).csv
+# The pictures of the README; the chart shows the benchmark as `make bench` left it.
+pictures: all
+	@mkdir -p build/pictures tests/pictures
+	for view in living kitchen courtyard study; do $(dir)/enfilade walk build/maps/house.plan --size 1200x675 \
+	    --offscreen build/pictures/$$view --tour $$view || exit 1; done
+	montage $(patsubst %,build/pictures/%/frame-00000.png,living kitchen courtyard study) -tile 2x2 -geometry 600x338+3+3 \
+	    tests/pictures/house.png
+	$(dir)/enfilade plan build/maps/two-rooms.plan --from 1,1,1.5 --width 800 -o build/pictures/plan.svg
+	rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
+	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch])

@@ -77,11 +77,10 @@ const char *sh3d_text(const XmlNode *node, const char *name) {
     return text ? text : "";
 }
 
-const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what, Vec2 at) {
+const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what) {
     const char *id = sh3d_text(node, "id"), *name = sh3d_text(node, "name");
     const char *label = *id && strlen(id) < 24 ? id : name;  // long ids are random and say less than the line
-    return arena_format(s->arena, "%s %s%s(line %d) at (%.2f, %.2f)", what, label, *label ? " " : "",
-                        node->line, at.x, at.y);
+    return arena_format(s->arena, "%s %s%s(line %d)", what, label, *label ? " " : "", node->line);
 }
 
 void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place) {
@@ -228,7 +227,7 @@ static void read_room(Sh3d *s, const XmlNode *node) {
         room.point_count++;
     }
     Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
-    room.place = sh3d_place(s, node, "room", first);
+    room.place = sh3d_place(s, node, "room");
     // floorVisible and ceilingVisible only say what the program draws: whoever walks needs a floor.
     room.floor_material = sh3d_material(s, node, "floorColor", "floorTexture", s->floor_material);
     room.ceiling_material = sh3d_material(s, node, "ceilingColor", "ceilingTexture", s->ceiling_material);

@@ -102,7 +102,7 @@ double sh3d_coordinate(Sh3d *s, const XmlNode *node, const char *name, double mi
 double sh3d_angle(Sh3d *s, const XmlNode *node, const char *name);  // counter-clockwise; quarter turns exact
 bool sh3d_flag(const XmlNode *node, const char *name, bool missing);
 const char *sh3d_text(const XmlNode *node, const char *name);  // "" when absent
-const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what, Vec2 at);
+const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what);
 bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) __attribute__((format(printf, 3, 4)));
 void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place);
 

@@ -120,7 +120,7 @@ void sh3d_read_opening(Sh3d *s, const XmlNode *node) {
     o.depth = thickness * depth;
     o.head = level->floor + up + height * (1 - top);
     o.sill = o.head - height * tall;
-    o.place = sh3d_place(s, node, "door or window", o.centre);
+    o.place = sh3d_place(s, node, "door or window");
     classify(s, node, &o, mirrored);
     if (s->failed) return;
     if (o.width < MAPS_GRID || o.head - o.sill < MAPS_GRID) {

@@ -314,7 +314,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
         memcpy(shape, (Vec2[]){{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 4 * sizeof(Vec2));
         count = 4;
     }
-    SketchCutout cutout = {storey, s->sketch->point_count, count, sh3d_place(s, p->node, "stair", p->at)};
+    SketchCutout cutout = {storey, s->sketch->point_count, count, sh3d_place(s, p->node, "stair")};
     double c = cos(p->angle), sn = sin(p->angle);
     for (int i = 0; i < count; i++) {
         // The square's y counts from the back to the front.

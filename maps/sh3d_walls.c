@@ -42,7 +42,7 @@ static Sh3dWall read_wall(Sh3d *s, const XmlNode *node) {
     w.left_material = sh3d_material(s, node, "leftSideColor", "leftSideTexture", s->wall_material);
     w.right_material = sh3d_material(s, node, "rightSideColor", "rightSideTexture", s->wall_material);
     w.top_material = sh3d_material(s, node, "topColor", "topTexture", s->wall_material);
-    w.place = sh3d_place(s, node, "wall", vec2_scale(vec2_add(w.start, w.end), 0.5));
+    w.place = sh3d_place(s, node, "wall");
     return w;
 }
 
@@ -102,6 +102,20 @@ static void join_walls(Sh3d *s) {
 
 // ---- storeys as high as their walls
 
+// A storey that has no high walls, but sloped ones that others join at both ends, is an attic, as high as the highest of
+// these: 0 if it is none. Gables that stand alone and parapets close nothing.
+static double attic_height(const Sh3d *s, int storey) {
+    double highest = 0;
+    for (int i = 0; i < s->wall_count; i++) {
+        const Sh3dWall *w = &s->walls[i];
+        bool sloped = fabs(w->top[0] - w->top[1]) > SH3D_SAME_HEIGHT;
+        if (w->storey != storey || !sloped) continue;
+        if (w->joined[0] < 0 || w->joined[1] < 0) return 0;
+        highest = fmax(highest, fmax(w->top[0], w->top[1]) - w->floor);
+    }
+    return highest;
+}
+
 // The height that most metres of the storey's high walls have, if most of them differ from what the level says.
 // (O(n^2) over distinct heights, of which there are few.)
 static void adjust_height(Sh3d *s, int storey) {
@@ -122,8 +136,9 @@ static void adjust_height(Sh3d *s, int storey) {
         lengths[k] += length;
         if (best < 0 || lengths[k] > lengths[best]) best = k;
     }
-    if (best < 0 || other <= total / 2) return;
-    double height = heights[best];
+    double attic = best < 0 ? attic_height(s, storey) : 0;
+    if (attic <= 0 && (best < 0 || other <= total / 2)) return;
+    double height = attic > 0 ? attic : heights[best];
     // Walls of two storeys belong to the lower one: its ceiling stays below the upper floor.
     for (int i = storey + 1; i < s->b->storey_count; i++) {
         const Storey *above = &s->b->storeys[i];
@@ -278,9 +293,10 @@ static void add_bounding(Sh3d *s, const Sh3dWall *w) {
     Sketch *k = s->sketch;
     int n = w->side_count;
     Vec2 along = vec2_sub(w->end, w->start);
-    SketchWall wall = {
-        w->storey, k->point_count, 2 * n, w->floor, fmax(w->top[0], w->top[1]), atan2(along.y, along.x),
-        w->place};
+    // The room is a prism as high as its highest point, so what bounds it is as high: a knee wall too.
+    const Storey *storey = &s->b->storeys[w->storey];
+    double top = fmax(storey->floor + storey->height, fmax(w->top[0], w->top[1]));
+    SketchWall wall = {w->storey, k->point_count, 2 * n, w->floor, top, atan2(along.y, along.x), w->place};
     // The ends take the left side's material; they show only where nothing is joined.
     for (int i = 0; i < n; i++)
         sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material : w->left_material);

@@ -288,16 +288,16 @@ static void add_run(WalkRenderer *w, int pass, int object) {
 }
 
 // The surfaces of cells are seen from inside their cells only: where two lie back to back, each hides nothing.
-static void draw_runs(const WalkRenderer *w) {
+static void draw_runs(const WalkRenderer *w, unsigned program) {
+    int one_sided = glGetUniformLocation(program, "one_sided");
+    glUniform1i(one_sided, 0);
     glMultiDrawElements(GL_TRIANGLES, w->run_count, GL_UNSIGNED_INT, w->run_offset, w->run_own);
-    glEnable(GL_CULL_FACE);
-    glFrontFace(GL_CW);  // the image is upside down
+    glUniform1i(one_sided, 1);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
     glMultiDrawElements(GL_TRIANGLES, w->run_count + w->run_own, GL_UNSIGNED_INT, w->run_offset + w->run_own,
                         w->run_total - w->run_own);
     glDisable(GL_POLYGON_OFFSET_FILL);
-    glDisable(GL_CULL_FACE);
 }
 
 static void add_solids(WalkRenderer *w, const int *objects, int count) {
@@ -337,7 +337,7 @@ static void draw_occlusion(WalkRenderer *w, const Camera *camera) {
     glBindFramebuffer(GL_FRAMEBUFFER, w->depth_frame);
     glClear(GL_DEPTH_BUFFER_BIT);
     use_scene(w, w->depth_only, camera);
-    draw_runs(w);
+    draw_runs(w, w->depth_only);
     glDisable(GL_DEPTH_TEST);
     glViewport(0, 0, coarse(w->width), coarse(w->height));
     glBindFramebuffer(GL_FRAMEBUFFER, w->open_frame);
@@ -387,7 +387,7 @@ static void draw_glass(WalkRenderer *w, const Camera *camera, const int *objects
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
     use_scene(w, w->scene, camera);
-    draw_runs(w);
+    draw_runs(w, w->scene);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
 }
@@ -414,7 +414,7 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
     glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
     use_scene(w, w->scene, camera);
     use_texture(w->blur_texture);
-    draw_runs(w);
+    draw_runs(w, w->scene);
     draw_sky(w, camera);
     draw_glass(w, camera, objects, object_count);
     return gl_check("drawing", error);

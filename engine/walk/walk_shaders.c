@@ -27,12 +27,15 @@ const char WALK_SCENE_VERTEX[] =
     "layout(location = 4) in ivec2 lamps;\n"
     "uniform mat4 clip;\n"
     "uniform vec3 eye;\n"
+    "uniform bool one_sided;\n"
     "out vec3 vPosition;\n"
     "flat out vec3 vNormal;\n"
     "flat out vec4 vColour, vEmission;\n"
     "flat out ivec2 vLamps;\n"
     "void main() {\n"
     "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    // Seen from behind: all corners to one place outside the view.
+    "    if (one_sided && dot(normal, eye - position) < 0.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
     "    vPosition = position; vNormal = normal; vLamps = lamps;\n"
     "    vColour = vec4(colour.rgb * colour.rgb, colour.a); vEmission = emission;\n"
     "}\n";

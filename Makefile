@@ -115,7 +115,7 @@ pictures: all
 	for view in living kitchen courtyard study; do $(dir)/enfilade walk build/maps/house.plan --size 1200x675 \
 	    --offscreen build/pictures/$$view --tour $$view || exit 1; done
 	montage $(patsubst %,build/pictures/%/frame-00000.png,living kitchen courtyard study) -tile 2x2 -geometry 600x338+3+3 \
-	    tests/pictures/house.png
+	    -depth 8 -colors 200 tests/pictures/house.png
 	$(dir)/enfilade plan build/maps/two-rooms.plan --from 1,1,1.5 --width 800 -o build/pictures/plan.svg
 	rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
 	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp

@@ -241,12 +241,10 @@ static bool is_outer_step(const Guide *g, int cell, const Portal **door) {
 }
 
 static bool is_target(const Guide *g, int cell) {
-    const Portal *door;
     int region = g->graph->cells[cell].region;
     RegionKind kind = kind_of(g->graph, cell);
     if (kind == REGION_ROOM && !g->looked[region] && g->largest[region] == cell) return true;
-    if (g->path->visited[cell]) return false;
-    return kind != REGION_OUTDOORS || is_outer_step(g, cell, &door);
+    return !g->path->visited[cell];
 }
 
 // Dijkstra from where the tour stands; returns the nearest target or -1.

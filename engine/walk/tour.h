@@ -25,8 +25,8 @@ typedef struct TourPath {
 } TourPath;
 
 // `auto`: every cell that a person reaches from Building.start through doors, passages, open sides of rooms and over
-// stairs, never through windows; on first entering a room a full turn at its centre. The outdoors is crossed where
-// there is no other way, and visited a step before each outer door. Any other name: a stored tour, or a stored
+// stairs, never through windows; on first entering a room a full turn at its centre. Outdoors it steps just into
+// each cell, and looks back at each outer door. Any other name: a stored tour, or a stored
 // viewpoint (one frame). False, with the names there are, when there is none of that name.
 bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena,
                TourPath *out, Error *error);

@@ -278,8 +278,10 @@ static void add_run(WalkRenderer *w, int pass, int object) {
     if (count == 0) return;
     int last = w->run_total - 1;
     const void *offset = (const void *)((size_t)first * sizeof(unsigned));
-    if (last >= 0 && (const char *)w->run_offset[last] + (size_t)w->run_count[last] * sizeof(unsigned) ==
-                         (const char *)offset) {
+    // Things and surfaces are drawn apart.
+    if (last >= w->run_own &&
+        (const char *)w->run_offset[last] + (size_t)w->run_count[last] * sizeof(unsigned) ==
+            (const char *)offset) {
         w->run_count[last] += count;
         return;
     }

@@ -1,30 +1,27 @@
-# walk.gp - from `enfilade bench walk` (CSV): what each way of culling draws, and what it costs to know.
+# walk.gp - from `enfilade bench walk` (CSV, five methods a building): what each way of culling draws and costs.
 # usage: gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
-set terminal pngcairo size 1100,480 font 'DejaVu Sans,10' background '#ffffff'
+set terminal pngcairo size 1100,420 font 'DejaVu Sans,10' background '#ffffff'
 set output out
 set datafile separator ','
-set key autotitle columnhead
-set logscale xy
-set grid lc rgb '#dddddd'
-set xlabel 'query, microseconds a frame (mean)'
-set ylabel 'polygons drawn, % of all (mean)'
-set yrange [0.5:150]
-set key outside right top
-buildings = "two-rooms.plan house.plan office.plan office-plain.plan"
 methods = "none frustum portals plan stab"
-colours = "#999999 #7a5fa8 #d08020 #3080c0 #b02020"
-set multiplot layout 1,2
-set title 'all methods'
-unset key
-plot for [m=1:5] csv using (strcol(2) eq word(methods,m) ? ($7 > 0.05 ? $7 : 0.05) : NaN):(100*$5/$4) \
-    with points pt 7 ps 1.3 lc rgb word(colours,m) title word(methods,m), \
-    for [m=1:5] csv using (strcol(2) eq word(methods,m) ? ($7 > 0.05 ? $7 : 0.05) : NaN):(100*$5/$4):1 \
-    with labels offset 0,0.8 font ',7' tc rgb '#555555' notitle
-set title 'frame time (640x360, software OpenGL)'
-set key inside left top
-set xlabel 'polygons drawn (mean)'
-set ylabel 'frame, milliseconds (mean)'
-set yrange [*:*]
-plot for [m=1:5] csv using (strcol(2) eq word(methods,m) ? $5 : NaN):8 \
-    with points pt 7 ps 1.3 lc rgb word(colours,m) title word(methods,m)
+colours = "#b0b0b0 #7a5fa8 #d08020 #3080c0 #b02020"
+titles = "'polygons drawn, % of all' 'query, microseconds' 'frame, ms (640x360, software OpenGL)'"
+place(row) = int(row / 5) * 6.5 + int(row) % 5
+label_of(file) = file[1:strlen(file) - 5]
+figure(k, drawn, all, query, frame) = k == 1 ? 100 * drawn / all : k == 2 ? query : frame
+set boxwidth 0.9
+set style fill solid
+set grid ytics lc rgb '#dddddd'
+set border 3
+set tics nomirror
+set xtics scale 0
+set xrange [-1.5:25.5]
+set logscale y
+set yrange [1:300]
+set key top right horizontal samplen 1
+set multiplot layout 1,3
+do for [k=1:3] {
+    set title word(titles, k)
+    plot for [m=0:4] csv every ::1 using (int($0) % 5 == m ? place($0) : NaN):(figure(k, $5, $4, $7, $8)) with boxes lc rgb word(colours, m + 1) title (k == 1 ? word(methods, m + 1) : ''), csv every 5::3 using (6.5 * $0 + 2):(1):xtic(label_of(stringcolumn(1))) with points ps 0 notitle
+}
 unset multiplot

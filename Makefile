@@ -38,6 +38,7 @@ to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libp
 to_walk := ffmpeg
 to_test := libcriterion-dev libembree-dev libglm-dev g++ zip ffmpeg
 to_lint := clang-format cppcheck
+to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core
 to_fuzz := clang libclang-rt-14-dev libomp-dev
 # $(call missing,PACKAGES): shell that sets $$missing; empty where dpkg does not say.
 missing = missing=$$(command -v dpkg-query >/dev/null && for p in $(1); do dpkg-query -W -f '$${Status}' $$p \
@@ -110,7 +111,9 @@ bench: all
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(filter %.plan,$(maps)) | tee build/bench/$(bench).csv
 # The pictures of the README; the chart shows the benchmark as `make bench` left it.
-pictures: all
+pictures:
+	$(call install,$(to_build) $(to_pictures))
+	$(submake) all
 	@mkdir -p build/pictures tests/pictures
 	for view in living kitchen courtyard study; do $(dir)/enfilade walk build/maps/house.plan --size 1200x675 \
 	    --offscreen build/pictures/$$view --tour $$view || exit 1; done

@@ -190,6 +190,8 @@ typedef struct Building {
 #define MAPS_GRID 0.001
 // How far a polygon's vertices may lie off its plane, metres.
 #define MAPS_PLANARITY 0.001
+// Polygons of less area are dropped and are faults, m^2: a tenth of a millimetre squared shows nowhere.
+#define MAPS_SMALLEST_AREA 1e-8
 // Coordinates beyond this are refused, metres: the grid stays exact in doubles, georeferenced plans fit.
 #define MAPS_LIMIT 1e8
 // How far the outdoors reaches beyond everything built, metres.
@@ -214,7 +216,6 @@ Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
 // Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
 int building_check(const Building *b, Arena *arena, const char **faults, int max);
 
-const char *region_kind_name(RegionKind kind);
 const char *opening_kind_name(OpeningKind kind);
 
 #endif

@@ -190,7 +190,7 @@ Test(tour, stored_ones) {
     for (int k = 1; k < path.frame_count; k++) {
         const TourFrame *f = &path.frames[k - 1];
         cr_assert(vec3_length(vec3_sub(f[1].eye, f[0].eye)) <= options.step + 1e-9);
-        cr_assert(fabs(remainder(f[1].yaw - f[0].yaw, 2 * acos(-1))) <= options.turn + 1e-9);
+        cr_assert(fabs(remainder(f[1].yaw - f[0].yaw, 2 * M_PI)) <= options.turn + 1e-9);
     }
     cr_assert(tour_make(&w.graph, b->viewpoints[0].name, &options, &w.arena, &path, &error), "%s",
               error.text);

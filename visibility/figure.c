@@ -292,14 +292,3 @@ void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box
     f.leaves = count_leaves(&f, forest->root[root], 0);
     draw_node(&f, forest->root[root], 0);
 }
-
-void figure_eye(const CellGraph *graph, const VisResult *result, Vec3 eye, double z, const Draw *draw) {
-    for (int i = 0; i < result->cell_count; i++) {
-        const Cell *cell = &graph->cells[result->cells[i].cell];
-        DrawStyle style = {.fill = 0xe07070, .fill_opacity = 0.35};
-        if (cell_at(cell, z))
-            draw->polygon(draw->context, graph->plan + cell->first_edge, cell->edge_count, &style);
-    }
-    DrawStyle dot = {.fill = 0xcc2222, .fill_opacity = 1};
-    draw->circle(draw->context, vec2(eye.x, eye.y), 0.1, &dot);
-}

@@ -17,9 +17,6 @@ void figure_seen(const CellGraph *graph, const StabForest *forest, int root, dou
 void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box area, int max_depth,
                  const Draw *draw);
 
-// What the eye sees: the squares of visible cells at height z that hold something drawn, and the view's wedge.
-void figure_eye(const CellGraph *graph, const VisResult *result, Vec3 eye, double z, const Draw *draw);
-
 // A line through all portals on the way to `node`, from inside the root cell to inside the node's, in plan.
 // Returns false for the root itself.
 bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,

@@ -94,9 +94,9 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
 
 // ---- objects
 
-static bool shown(const VisQuery *q, const Object *object) {
+bool vis_shown(const Object *object, const unsigned char *door_open) {
     if (object->shown == SHOWN_ALWAYS) return true;
-    bool open = !q->door_open || q->door_open[object->opening];
+    bool open = !door_open || door_open[object->opening];
     return open == (object->shown == SHOWN_OPEN);
 }
 
@@ -541,7 +541,7 @@ static void collect_objects(VisQuery *q) {
     for (int word = 0; word <= graph->object_count / 64; word++) {
         for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
             int object = word * 64 + __builtin_ctzll(bits);
-            if (!shown(q, &graph->objects[object])) continue;
+            if (!vis_shown(&graph->objects[object], q->door_open)) continue;
             q->objects[result->object_count++] = object;
             result->polygon_count += graph->objects[object].polygon_count;
         }

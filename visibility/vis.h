@@ -123,6 +123,13 @@ bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest
 // neighbours; -1 for none.
 int vis_locate(const CellGraph *graph, Vec3 point, int hint);
 
+// Does the state of its door show this object? `door_open` as for vis_query.
+bool vis_shown(const Object *object, const unsigned char *door_open);
+
+static inline bool vis_is_glass(const CellGraph *graph, int polygon) {
+    return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
+}
+
 typedef enum VisMethod {
     VIS_NONE,     // nothing culled
     VIS_FRUSTUM,  // objects against the view volume alone

@@ -4,17 +4,11 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "maps/maps.h"
-
-double app_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 AppOptions app_default_options(void) { return (AppOptions){.vis = vis_default_options(), .keep = true}; }
 
@@ -22,7 +16,7 @@ static bool report(void *context, const char *stage, double done) {
     enum { WIDTH = 40 };
     (void)context;
     static double last;
-    double now = app_seconds();
+    double now = clock_seconds();
     if (now - last < 0.05 && done < 1) return true;
     last = now;
     int full = (int)(done * WIDTH);
@@ -63,15 +57,15 @@ static bool find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
 
 bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
     *out = (AppScene){0};
-    double start = app_seconds();
+    double start = clock_seconds();
     if (!maps_read(path, arena, &out->building, error)) return false;
-    double read = app_seconds();
+    double read = clock_seconds();
     if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
-    double cells = app_seconds();
+    double cells = clock_seconds();
     if (!find_or_make_trees(options, arena, out, error)) return false;
     out->read_seconds = read - start;
     out->cells_seconds = cells - read;
-    out->trees_seconds = app_seconds() - cells;
+    out->trees_seconds = clock_seconds() - cells;
     return true;
 }
 

@@ -41,8 +41,6 @@ typedef struct AppScene {
 // over with a warning.
 bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
 
-double app_seconds(void);  // a clock that only goes forward
-
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);
 void app_progress_end(void);

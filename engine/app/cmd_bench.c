@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/app/app.h"
+#include "engine/core/clock.h"
 #include "engine/walk/tour.h"
 #include "engine/walk/view.h"
 #include "engine/walk/walk_renderer.h"
@@ -40,13 +41,13 @@ static bool measure(const AppScene *scene, const TourPath *path, const Arguments
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
         Eye eye = walk_eye(&camera);
         cell = vis_locate(&scene->graph, at->eye, cell);
-        double start = app_seconds();
+        double start = clock_seconds();
         VisResult v = vis_query(query, &eye, cell, NULL, method);
-        double asked = app_seconds();
+        double asked = clock_seconds();
         if (!walk_renderer_draw(renderer, &camera, v.objects, v.object_count, error)) return false;
         walk_renderer_finish();
         if (i < 0) continue;
-        out->frame += app_seconds() - start;
+        out->frame += clock_seconds() - start;
         out->query += asked - start;
         out->polygons += v.polygon_count;
         out->cells += v.cell_count;

@@ -83,7 +83,7 @@ static int take_number(Arguments *a, int c, const char *value) {
         return misuse_number("step", value, "0.01 to 10 metres");
     case TURN:
         if (!app_parse_number(value, 1, 60, &degrees)) return misuse_number("turn", value, "1 to 60 degrees");
-        a->walk.path.turn = degrees * (3.14159265358979323846 / 180);
+        a->walk.path.turn = degrees * (M_PI / 180);
         return APP_GOOD;
     case RANDOM:
         if (app_parse_int(value, 1, 10000000, &a->walk.random)) return APP_GOOD;

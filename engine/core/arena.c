@@ -1,7 +1,6 @@
 // arena.c - a list of blocks, each at least twice as large as the one before up to a limit.
 #include "engine/core/arena.h"
 
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,14 +62,20 @@ char *arena_string(Arena *arena, const char *text) {
     return memcpy(arena_alloc(arena, length, 1), text, length);
 }
 
-char *arena_format(Arena *arena, const char *format, ...) {
-    va_list args, again;
-    va_start(args, format);
+char *arena_format_list(Arena *arena, const char *format, va_list args) {
+    va_list again;
     va_copy(again, args);
     int length = vsnprintf(NULL, 0, format, args);
     char *text = arena_alloc(arena, (size_t)(length < 0 ? 0 : length) + 1, 1);
     if (length > 0) vsnprintf(text, (size_t)length + 1, format, again);
     va_end(again);
+    return text;
+}
+
+char *arena_format(Arena *arena, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    char *text = arena_format_list(arena, format, args);
     va_end(args);
     return text;
 }

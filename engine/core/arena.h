@@ -2,6 +2,7 @@
 #ifndef CORE_ARENA_H
 #define CORE_ARENA_H
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ typedef struct Arena {
 void *arena_alloc(Arena *arena, size_t count, size_t size);
 char *arena_string(Arena *arena, const char *text);  // a copy
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
+char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
 void arena_free(Arena *arena);   // everything; the arena may be used again
 void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
 

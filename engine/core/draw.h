@@ -7,7 +7,7 @@
 #include "engine/core/vec.h"
 
 typedef struct DrawStyle {
-    unsigned stroke, fill;  // 0xRRGGBB; negative width and fill_opacity 0 leave them out
+    unsigned stroke, fill;  // 0xRRGGBB; width 0 leaves the line out, fill_opacity 0 the filling
     double width;           // of the line, metres in plan space
     double fill_opacity;    // 0..1
     double dash;            // dash length in metres, 0 = solid

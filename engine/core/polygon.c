@@ -74,3 +74,26 @@ void polygon_triangulate(const Vec3 *vertices, int count, int *triangle) {
         for (int i = best; i + 1 < left; i++) ring[i] = ring[i + 1];
     }
 }
+
+double polygon_corner_sine(Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
+    Vec3 in = vec3_sub(b, a), out = vec3_sub(c, b);
+    double lengths = vec3_length(in) * vec3_length(out);
+    return lengths > 0 ? vec3_dot(vec3_cross(in, out), n) / lengths : 0;
+}
+
+double polygon_bend(const Vec3 *vertices, int count, Plane plane) {
+    double worst = 0;
+    for (int i = 0; i < count; i++) worst = fmax(worst, fabs(plane_distance(plane, vertices[i])));
+    return worst;
+}
+
+bool polygon_is_convex(const Vec3 *vertices, int count, Vec3 n) {
+    double turn = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 a = vertices[i], b = vertices[(i + 1) % count], c = vertices[(i + 2) % count];
+        double sine = polygon_corner_sine(a, b, c, n), cosine_part = vec3_dot(vec3_sub(b, a), vec3_sub(c, b));
+        if (sine < -POLYGON_COLLINEAR) return false;
+        turn += atan2(sine * vec3_length(vec3_sub(b, a)) * vec3_length(vec3_sub(c, b)), cosine_part);
+    }
+    return fabs(turn - 2 * M_PI) < 1;
+}

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
 // The least clear width a person walks through, metres: narrower gaps are slits beside furniture and columns.
 #define TOUR_WIDTH 0.5
 // The least clear height, metres: cellar doors are lower than a person, who ducks.
@@ -24,7 +23,7 @@
 #define TOUR_STILL 0.05
 
 TourOptions tour_default_options(void) {
-    return (TourOptions){.step = 0.5, .turn = 15 * PI / 180, .fov = 75 * PI / 180, .eye_height = 1.6};
+    return (TourOptions){.step = 0.5, .turn = 15 * M_PI / 180, .fov = 75 * M_PI / 180, .eye_height = 1.6};
 }
 
 typedef struct Guide {
@@ -164,7 +163,7 @@ static void emit(Guide *g) {
 }
 
 // To (-pi, pi].
-static double wrap(double angle) { return remainder(angle, 2 * PI); }
+static double wrap(double angle) { return remainder(angle, 2 * M_PI); }
 
 static void turn_by(Guide *g, double angle) {
     int steps = (int)ceil(fabs(angle) / g->options->turn - 1e-9);
@@ -321,7 +320,7 @@ static void walk_to(Guide *g, int target) {
     int region = g->graph->cells[target].region;
     if (kind != REGION_ROOM || g->looked[region] || g->largest[region] != target) return;
     g->looked[region] = 1;
-    turn_by(g, 2 * PI);
+    turn_by(g, 2 * M_PI);
 }
 
 // ---- the tours

@@ -2,14 +2,13 @@
 #include "engine/walk/verify.h"
 
 #include <string.h>
-#include <time.h>
 
+#include "engine/core/clock.h"
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_items.h"
 
 struct WalkVerify {
     const CellGraph *graph;
-    const StabForest *forest;
     VisQuery *query;
     GlContext *context;
     GlItems *items;
@@ -23,10 +22,6 @@ struct WalkVerify {
     unsigned frame, count;
     const unsigned char *door_open;
 };
-
-static bool is_glass(const CellGraph *graph, int polygon) {
-    return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
-}
 
 // A flat shade by material and direction: enough to tell surfaces apart, the same in every frame.
 static uint32_t shade(const CellGraph *graph, int polygon) {
@@ -58,7 +53,7 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
             for (int i = 0; i < graph->objects[o].polygon_count; i++) {
                 int polygon = graph->objects[o].first_polygon + i;
                 v->object_of[polygon] = o;
-                if (is_glass(graph, polygon) != (glass == 1)) continue;
+                if (vis_is_glass(graph, polygon) != (glass == 1)) continue;
                 colours[count] = shade(graph, polygon);
                 one_sided[count] = graph->objects[o].kind == OBJECT_SURFACE;
                 list[count++] = polygon;
@@ -75,7 +70,6 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
 WalkVerify *walk_verify_new(const CellGraph *graph, const StabForest *forest, Arena *arena, Error *error) {
     WalkVerify *v = ARENA_ARRAY(arena, WalkVerify, 1);
     v->graph = graph;
-    v->forest = forest;
     v->query = vis_query_new(graph, forest, arena);
     v->object_of = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
     v->opaque = ARENA_ARRAY(arena, int, graph->object_count + 1);
@@ -109,7 +103,7 @@ static void make_images(WalkVerify *v, int width, int height) {
 
 static bool draw_objects(WalkVerify *v, const int *first, bool all, Error *error) {
     for (int o = 0; o < v->graph->object_count; o++) {
-        bool draw = all ? walk_shown(&v->graph->objects[o], v->door_open) : v->drawn[o] == v->frame;
+        bool draw = all ? vis_shown(&v->graph->objects[o], v->door_open) : v->drawn[o] == v->frame;
         if (draw) gl_items_add(v->items, first[o], first[o + 1] - first[o]);
     }
     return gl_items_draw(v->items, error);
@@ -138,12 +132,6 @@ static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint
     return count;
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 // Both frames once more with glass on top; what is missing there is added.
 static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out, Error *error) {
     if (!draw_objects(v, v->glass, true, error) ||
@@ -151,7 +139,7 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
         return false;
     }
     out->missing_polygons += walk_verify_missing(v, &v->with_glass, &out->missing);
-    double start = now();
+    double start = clock_seconds();
     if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, false, error)) return false;
     if (!gl_items_read(v->items, &v->culled, NULL, error)) return false;
     out->mismatched_pixels += count_mismatches(&v->culled, &v->unculled, NULL, NULL);
@@ -159,7 +147,7 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
         !gl_items_read(v->items, &v->culled, v->culled_colour, error)) {
         return false;
     }
-    out->draw_seconds = now() - start;
+    out->draw_seconds = clock_seconds() - start;
     out->mismatched_pixels +=
         count_mismatches(&v->culled, &v->with_glass, v->culled_colour, v->unculled_colour);
     return true;
@@ -173,9 +161,9 @@ bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const unsi
     v->frame++;
     v->door_open = door_open;
     Eye eye = walk_eye(camera);
-    double start = now();
+    double start = clock_seconds();
     out->visible = vis_query(v->query, &eye, cell, door_open, method);
-    out->query_seconds = now() - start;
+    out->query_seconds = clock_seconds() - start;
     for (int i = 0; i < out->visible.object_count; i++) v->drawn[out->visible.objects[i]] = v->frame;
     if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, true, error) ||
         !gl_items_read(v->items, &v->unculled, NULL, error)) {
@@ -191,8 +179,6 @@ void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
     }
 }
 
-const ItemBuffer *walk_verify_items(const WalkVerify *v) { return &v->unculled; }
-
 static bool faces_away(const CellGraph *graph, int polygon, Vec3 eye) {
     const Polygon *p = &graph->polygons[polygon];
     const Vec3 *v = graph->vertices + p->first_vertex;
@@ -203,11 +189,11 @@ int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open,
     int count = 0;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
-        if (!walk_shown(object, door_open)) continue;
+        if (!vis_shown(object, door_open)) continue;
         for (int i = 0; i < object->polygon_count; i++) {
             int polygon = object->first_polygon + i;
             bool hidden = eye && object->kind == OBJECT_SURFACE && faces_away(graph, polygon, *eye);
-            if (!hidden && !is_glass(graph, polygon)) list[count++] = polygon;
+            if (!hidden && !vis_is_glass(graph, polygon)) list[count++] = polygon;
         }
     }
     return count;

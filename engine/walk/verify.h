@@ -25,9 +25,8 @@ typedef struct VerifyFrame {
 bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const unsigned char *door_open,
                        VisMethod method, VerifyFrame *out, Error *error);
 
-// Of the last frame: the culled image [height * width * 3] sRGB; the unculled items, glass left out.
+// The culled image of the last frame, [height * width * 3] sRGB.
 void walk_verify_image(const WalkVerify *verify, uint8_t *rgb);
-const ItemBuffer *walk_verify_items(const WalkVerify *verify);
 // How many distinct polygons of an item buffer are not in the last frame's draw list. `missing` may be NULL.
 int walk_verify_missing(WalkVerify *verify, const ItemBuffer *items, int *missing);
 

@@ -4,7 +4,6 @@
 
 #include "engine/walk/verify.h"
 
-#define PI 3.14159265358979323846
 // How near corners the eyes come, metres.
 #define NEAR_LEAST 1e-4
 #define NEAR_MOST 3e-3
@@ -164,9 +163,9 @@ bool walk_random_view(const CellGraph *graph, Random *random, int width, int hei
         bool open = random_index(random, 2);
         out->door_open[i] = mood == 0 ? 1 : mood == 1 ? 0 : open;
     }
-    double yaw = random_between(random, -PI, PI);
+    double yaw = random_between(random, -M_PI, M_PI);
     // One in four along an axis, as the walls are.
-    if (random_index(random, 4) == 0) yaw = (random_index(random, 4) - 2) * (PI / 2);
+    if (random_index(random, 4) == 0) yaw = (random_index(random, 4) - 2) * (M_PI / 2);
     double pitch =
         random_index(random, 4) ? random_between(random, -0.5, 0.5) : random_between(random, -1.55, 1.55);
     double fov = random_between(random, 0.3, 2.2);

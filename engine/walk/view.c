@@ -14,9 +14,3 @@ Eye walk_eye(const Camera *camera) {
     eye.frustum[3] = side(camera, vec3_scale(camera->up, -1), camera->tan_y);
     return eye;
 }
-
-bool walk_shown(const Object *object, const unsigned char *door_open) {
-    if (object->shown == SHOWN_ALWAYS || object->opening < 0) return true;
-    bool open = !door_open || door_open[object->opening];
-    return open == (object->shown == SHOWN_OPEN);
-}

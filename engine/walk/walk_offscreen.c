@@ -1,13 +1,10 @@
 // walk_offscreen.c - runs a tour frame by frame: locate the eye, ask what is visible, draw, write.
 #include "engine/walk/walk_offscreen.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-#include <time.h>
-
+#include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "engine/core/random.h"
+#include "engine/core/text.h"
 #include "engine/walk/image.h"
 #include "engine/walk/verify.h"
 #include "engine/walk/video.h"
@@ -47,39 +44,10 @@ typedef struct Walk {
     Video *video;
     uint8_t *rgb;
     unsigned char *door_open;
-    char *stats;
-    size_t stats_size, stats_room;
+    Text stats;
     int cell, planned;  // planned: frames and random views to be verified
     Arena rays;
 } Walk;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-// ---- statistics
-
-static void write_stats(Walk *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void write_stats(Walk *w, const char *format, ...) {
-    enum { LINE = 512 };
-    if (!w->options->stats) return;
-    if (w->stats_room - w->stats_size < LINE) {
-        // Outgrown text stays in the arena: as much again at most.
-        size_t room = 2 * w->stats_room + LINE;
-        char *more = arena_alloc(w->arena, room, 1);
-        if (w->stats_size > 0) memcpy(more, w->stats, w->stats_size);
-        w->stats = more;
-        w->stats_room = room;
-    }
-    va_list args;
-    va_start(args, format);
-    int length = vsnprintf(w->stats + w->stats_size, LINE, format, args);
-    va_end(args);
-    CORE_ASSERT(length < LINE);
-    w->stats_size += (size_t)length;
-}
 
 static void add_to_totals(Walk *w, int index, const char *kind, const Camera *camera, const Frame *f) {
     WalkTotals *t = w->totals;
@@ -109,7 +77,8 @@ static void add_to_means(Walk *w, int index, const TourFrame *at, const Frame *f
     t->frame_ms_mean += 1e3 * (f->query_seconds + f->draw_seconds);
     t->portals_tested_mean += v->portals_tested;
     t->objects_tested_mean += v->objects_tested;
-    write_stats(w, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d\n", index, at->eye.x,
+    if (!w->options->stats) return;
+    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d\n", index, at->eye.x,
                 at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
                 v->polygon_count, w->graph->polygon_count, 1e6 * f->query_seconds,
                 1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons);
@@ -153,15 +122,15 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const unsigned
 
 static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) {
     Eye eye = walk_eye(camera);
-    double start = now();
+    double start = clock_seconds();
     *out = (Frame){.visible = vis_query(w->query, &eye, w->cell, w->door_open, w->options->method),
                    .missing = -1};
-    double asked = now();
+    double asked = clock_seconds();
     if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count, error))
         return false;
     walk_renderer_finish();
     out->query_seconds = asked - start;
-    out->draw_seconds = now() - asked;
+    out->draw_seconds = clock_seconds() - asked;
     return true;
 }
 
@@ -185,9 +154,10 @@ static bool write_frame(Walk *w, int index, Error *error) {
 
 static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Error *error) {
     const WalkOptions *o = w->options;
-    write_stats(
-        w, "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
-           "mismatched_pixels,missing_polygons\n");
+    text_append(
+        &w->stats,
+        "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
+        "mismatched_pixels,missing_polygons\n");
     for (int i = 0; i < path->frame_count; i++) {
         const TourFrame *at = &path->frames[i];
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
@@ -271,7 +241,12 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
     if (!tour_make(graph, options->tour, &options->path, arena, &path, error)) return false;
     out->reachable_cells = path.reachable_count;
     out->visited_cells = path.visited_count;
-    Walk w = {.graph = graph, .options = options, .arena = arena, .totals = out, .cell = -1};
+    Walk w = {.graph = graph,
+              .options = options,
+              .arena = arena,
+              .totals = out,
+              .stats = {.arena = arena},
+              .cell = -1};
     w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
     w.door_open = ARENA_ARRAY(arena, unsigned char, graph->building->opening_count + 1);
     set_doors(&w);
@@ -284,5 +259,5 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
     }
     close_drawing(&w);
     divide_means(out);
-    return good && (!options->stats || file_write(options->stats, w.stats, w.stats_size, error));
+    return good && (!options->stats || file_write(options->stats, w.stats.data, w.stats.size, error));
 }

@@ -48,10 +48,6 @@ struct WalkRenderer {
 
 // ---- upload
 
-static bool is_glass(const CellGraph *graph, int polygon) {
-    return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
-}
-
 static uint8_t byte(double x) { return (uint8_t)lround(255 * fmin(fmax(x, 0), 1)); }
 
 static void fill_vertices(const WalkRenderer *w, int polygon, int object, const WalkLights *lights,
@@ -85,7 +81,7 @@ static int fill_indices(const CellGraph *graph, int pass, const int *first_verte
         for (int i = 0; i < graph->objects[o].polygon_count; i++) {
             int polygon = graph->objects[o].first_polygon + i;
             const Polygon *p = &graph->polygons[polygon];
-            if (is_glass(graph, polygon) != (pass == GLASS)) continue;
+            if (vis_is_glass(graph, polygon) != (pass == GLASS)) continue;
             int *triangle = (int *)(index + count);
             polygon_triangulate(graph->vertices + p->first_vertex, p->vertex_count, triangle);
             for (int k = 0; k < 3 * (p->vertex_count - 2); k++) triangle[k] += first_vertex[polygon];

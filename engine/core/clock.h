@@ -1,0 +1,14 @@
+// clock.h - a clock that only goes forward, for those who measure. Stages and queries never read it.
+#ifndef CORE_CLOCK_H
+#define CORE_CLOCK_H
+
+#include <time.h>
+
+// Seconds from some fixed moment.
+static inline double clock_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+#endif

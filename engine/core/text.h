@@ -1,0 +1,17 @@
+// text.h - text that grows as it is written: SVG, CSV.
+#ifndef CORE_TEXT_H
+#define CORE_TEXT_H
+
+#include "engine/core/arena.h"
+
+// Start with {.arena = ...}; `data` ends with a zero byte once something was appended. Outgrown text stays in the
+// arena, as much again at most.
+typedef struct Text {
+    Arena *arena;
+    char *data;
+    size_t size, capacity;
+} Text;
+
+void text_append(Text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

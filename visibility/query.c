@@ -4,7 +4,6 @@
 //
 // The narrowed volume is a cone: planes through the eye. It is kept a little too large, so that nothing a rasteriser
 // could show is lost: see ANGLE_SLACK and POSITION_SLACK.
-#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/error.h"
@@ -21,8 +20,8 @@ static const double POSITION_SLACK = 2e-5;
 // wedge along the plane if the portal is seen edge-on from afar. Metres.
 static const double ON_PLANE = 1e-3;
 static const double AT_PORTAL = 1e-2;
-// An eye this near a wall sees through it where the near plane of a view cuts it off. Metres: ten times the near
-// plane of our own views.
+// An eye this near a wall may be behind it in the floats of a rasteriser, or see through it where its near plane cuts
+// it off, metres. A view whose near plane is farther than this must keep its eye that much off the walls.
 static const double EYE_CLEARANCE = 1e-3;
 
 const char *const VIS_METHOD_NAMES[VIS_METHODS] = {"none", "frustum", "portals", "plan", "stab"};
@@ -56,18 +55,11 @@ struct VisQuery {
     VisResult result;
 };
 
-static int forest_depth(const StabForest *forest) {
-    int deepest = 1;
-    for (int c = 0; c < forest->cell_count; c++) {
-        int *depth = NULL, root = forest->root[c], count = forest->root[c + 1] - root;
-        depth = malloc((size_t)count * sizeof *depth);
-        CORE_ASSERT(depth);
-        for (int i = 0; i < count; i++) {
-            int parent = forest->nodes[root + i].parent;
-            depth[i] = parent < 0 ? 1 : depth[parent - root] + 1;
-            if (depth[i] > deepest) deepest = depth[i];
-        }
-        free(depth);
+static int forest_depth(const StabForest *forest, Arena *scratch) {
+    int deepest = 1, *depth = ARENA_ARRAY(scratch, int, forest->node_count);
+    for (int i = 0; i < forest->node_count; i++) {
+        depth[i] = forest->nodes[i].parent < 0 ? 1 : depth[forest->nodes[i].parent] + 1;
+        if (depth[i] > deepest) deepest = depth[i];
     }
     return deepest;
 }
@@ -76,7 +68,9 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     // A walk without trees goes at most this deep; beyond it the visible set is drawn.
     enum { WALK_DEPTH = 1024 };
     VisQuery *q = arena_alloc(arena, 1, sizeof *q);
-    int deepest = forest_depth(forest);
+    Arena scratch = {0};
+    int deepest = forest_depth(forest, &scratch);
+    arena_free(&scratch);
     q->graph = graph;
     q->forest = forest;
     q->depth_limit = graph->cell_count < WALK_DEPTH ? graph->cell_count : WALK_DEPTH;
@@ -378,22 +372,28 @@ static void draw_half(VisQuery *q, int cell, const Cone *cone) {
         draw_cell(q, c, cone);
 }
 
+// Goes from `cell` through a portal to `to`, narrowing the cone of this depth to that of the next. Returns whether the
+// way leads on from there.
+static bool enter(VisQuery *q, int cell, int portal, int to, int depth) {
+    double distance;
+    Cone *beyond = &q->cones[depth + 1];
+    if (!narrow(q, &q->cones[depth], portal, cell, beyond, &distance)) return false;
+    bool closed = door_closed(q, &q->graph->portals[portal]);
+    if (closed) {
+        draw_half(q, to, beyond);
+    } else {
+        visit_cell(q, to, distance, beyond);
+    }
+    return !closed;
+}
+
 static void walk_tree(VisQuery *q, int node, int depth) {
     const StabNode *nodes = q->forest->nodes;
-    int end = q->forest->node_count;
-    for (int child = node + 1 < end && nodes[node + 1].parent == node ? node + 1 : -1; child >= 0;
+    int first = node + 1, end = q->forest->node_count;
+    for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
          child = nodes[child].next) {
-        double distance;
-        if (!narrow(q, &q->cones[depth], nodes[child].portal, nodes[node].cell, &q->cones[depth + 1],
-                    &distance)) {
-            continue;
-        }
-        if (door_closed(q, &q->graph->portals[nodes[child].portal])) {
-            draw_half(q, nodes[child].cell, &q->cones[depth + 1]);
-            continue;
-        }
-        visit_cell(q, nodes[child].cell, distance, &q->cones[depth + 1]);
-        walk_tree(q, child, depth + 1);
+        if (enter(q, nodes[node].cell, nodes[child].portal, nodes[child].cell, depth))
+            walk_tree(q, child, depth + 1);
     }
 }
 
@@ -406,16 +406,9 @@ static void walk_portals(VisQuery *q, int c, int depth) {
     q->on_path[c] = 1;
     for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
         Contact contact = q->graph->contacts[i];
-        double distance;
-        if (q->on_path[contact.cell]) continue;
-        if (q->limit && !(q->limit[contact.cell / 64] >> (contact.cell % 64) & 1)) continue;
-        if (!narrow(q, &q->cones[depth], contact.portal, c, &q->cones[depth + 1], &distance)) continue;
-        if (door_closed(q, &q->graph->portals[contact.portal])) {
-            draw_half(q, contact.cell, &q->cones[depth + 1]);
-            continue;
-        }
-        visit_cell(q, contact.cell, distance, &q->cones[depth + 1]);
-        walk_portals(q, contact.cell, depth + 1);
+        bool hidden = q->limit && !(q->limit[contact.cell / 64] >> (contact.cell % 64) & 1);
+        if (q->on_path[contact.cell] || hidden) continue;
+        if (enter(q, c, contact.portal, contact.cell, depth)) walk_portals(q, contact.cell, depth + 1);
     }
     q->on_path[c] = 0;
 }

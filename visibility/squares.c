@@ -191,11 +191,20 @@ static Registrar new_registrar(CellBuilder *builder) {
     return r;
 }
 
+// A cell has at most MOST_SQUARES along a side: the outdoors is large and holds little, and every square a view covers
+// is looked into.
+static double square_size(Box box, const VisOptions *options) {
+    enum { MOST_SQUARES = 16 };
+    double longest = fmax(box.max.x - box.min.x, box.max.y - box.min.y);
+    return fmax(options->square, longest / MOST_SQUARES);
+}
+
 void build_squares(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     graph->meshes = ARENA_ARRAY(builder->arena, CellMesh, graph->cell_count);
     for (int c = 0; c < graph->cell_count; c++) {
-        graph->meshes[c] = mesh_over(graph->cells[c].box, builder->options->square, graph->square_count);
+        graph->meshes[c] = mesh_over(graph->cells[c].box, square_size(graph->cells[c].box, builder->options),
+                                     graph->square_count);
         graph->square_count += graph->meshes[c].nx * graph->meshes[c].ny;
     }
     graph->object_boxes = ARENA_ARRAY(builder->arena, Box, graph->object_count);

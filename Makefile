@@ -75,7 +75,7 @@ $(dir)/flags: FORCE
 	@mkdir -p $(@D)
 	@echo '$(CC) $(CFLAGS_ALL)' | cmp -s - $@ || echo '$(CC) $(CFLAGS_ALL)' > $@
 build/glad/include/glad/gl.h: | check-packages
-	glad --quiet --reproducible --api gl:core=3.3 --extensions GL_ARB_clip_control --out-path build/glad c --loader
+	glad --quiet --reproducible --api gl:core=3.3 --out-path build/glad c --loader
 
 build/generate: maps/buildings/generate.c
 	@mkdir -p $(@D)

@@ -30,6 +30,12 @@ typedef struct WalkVertex {
 
 enum { SOLID, GLASS, PASSES };  // two index ranges an object
 
+// A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
+typedef struct SceneProgram {
+    unsigned program;
+    int clip, eye, size, one_sided;
+} SceneProgram;
+
 struct WalkRenderer {
     const CellGraph *graph;
     Vec3 origin;
@@ -39,7 +45,9 @@ struct WalkRenderer {
     int run_total, run_own;  // run_own: of things, before the surfaces of cells
     int *glass;              // [object_count] to draw, farthest first
     double *glass_far;
-    unsigned scene, depth_only, sky, occlusion, blur;  // programs
+    SceneProgram scene, depth_only;
+    unsigned sky, occlusion, blur;  // programs
+    int sky_forward, sky_right, sky_up, occlusion_tangents;
     unsigned array, vertex_buffer, index_buffer, lamp_buffer, lamp_texture;
     unsigned depth_frame, depth_texture, open_frame, open_texture, blur_frame, blur_texture;
     unsigned frame, colour_target, depth_target, flat_frame, flat_target;
@@ -147,18 +155,33 @@ static void upload(WalkRenderer *w) {
     arena_free(&scratch);
 }
 
+static bool make_scene_program(SceneProgram *out, const char *fragment, Error *error) {
+    unsigned program = gl_program(WALK_SCENE_VERTEX, fragment, error);
+    *out =
+        (SceneProgram){program, glGetUniformLocation(program, "clip"), glGetUniformLocation(program, "eye"),
+                       glGetUniformLocation(program, "size"), glGetUniformLocation(program, "one_sided")};
+    return program != 0;
+}
+
 static bool make_programs(WalkRenderer *w, Error *error) {
-    w->scene = gl_program(WALK_SCENE_VERTEX, WALK_SCENE_FRAGMENT, error);
-    w->depth_only = w->scene ? gl_program(WALK_SCENE_VERTEX, WALK_DEPTH_FRAGMENT, error) : 0;
-    w->sky = w->depth_only ? gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error) : 0;
+    if (!make_scene_program(&w->scene, WALK_SCENE_FRAGMENT, error) ||
+        !make_scene_program(&w->depth_only, WALK_DEPTH_FRAGMENT, error)) {
+        return false;
+    }
+    w->sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
     w->occlusion = w->sky ? gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error) : 0;
     w->blur = w->occlusion ? gl_program(WALK_SCREEN_VERTEX, WALK_BLUR_FRAGMENT, error) : 0;
     if (!w->blur) return false;
-    glUseProgram(w->scene);
-    glUniform1i(glGetUniformLocation(w->scene, "lamps"), 0);
-    glUniform1i(glGetUniformLocation(w->scene, "occlusion"), 1);
+    w->sky_forward = glGetUniformLocation(w->sky, "forward");
+    w->sky_right = glGetUniformLocation(w->sky, "right");
+    w->sky_up = glGetUniformLocation(w->sky, "up");
+    w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
+    glUseProgram(w->scene.program);
+    glUniform1i(glGetUniformLocation(w->scene.program, "lamps"), 0);
+    glUniform1i(glGetUniformLocation(w->scene.program, "occlusion"), 1);
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), 1);
+    glUniform1f(glGetUniformLocation(w->occlusion, "near"), (float)WALK_NEAR);
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), 1);
     return true;
@@ -202,7 +225,7 @@ void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
     free_targets(w);
     unsigned buffers[] = {w->vertex_buffer, w->index_buffer, w->lamp_buffer};
-    unsigned programs[] = {w->scene, w->depth_only, w->sky, w->occlusion, w->blur};
+    unsigned programs[] = {w->scene.program, w->depth_only.program, w->sky, w->occlusion, w->blur};
     glDeleteBuffers(3, buffers);
     glDeleteTextures(1, &w->lamp_texture);
     glDeleteVertexArrays(1, &w->array);
@@ -286,11 +309,10 @@ static void add_run(WalkRenderer *w, int pass, int object) {
 }
 
 // The surfaces of cells are seen from inside their cells only: where two lie back to back, each hides nothing.
-static void draw_runs(const WalkRenderer *w, unsigned program) {
-    int one_sided = glGetUniformLocation(program, "one_sided");
-    glUniform1i(one_sided, 0);
+static void draw_runs(const WalkRenderer *w, const SceneProgram *program) {
+    glUniform1i(program->one_sided, 0);
     glMultiDrawElements(GL_TRIANGLES, w->run_count, GL_UNSIGNED_INT, w->run_offset, w->run_own);
-    glUniform1i(one_sided, 1);
+    glUniform1i(program->one_sided, 1);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
     glMultiDrawElements(GL_TRIANGLES, w->run_count + w->run_own, GL_UNSIGNED_INT, w->run_offset + w->run_own,
@@ -309,20 +331,18 @@ static void add_solids(WalkRenderer *w, const int *objects, int count) {
     }
 }
 
-static void use_scene(const WalkRenderer *w, unsigned program, const Camera *camera) {
-    glUseProgram(program);
+static void use_scene(const WalkRenderer *w, const SceneProgram *program, const Camera *camera) {
+    glUseProgram(program->program);
     mat4 clip = GLM_MAT4_ZERO_INIT;
     // Row 0 of the image is its top: drawn upside down, read as it is.
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
-    glUniformMatrix4fv(glGetUniformLocation(program, "clip"), 1, GL_FALSE, &clip[0][0]);
+    glUniformMatrix4fv(program->clip, 1, GL_FALSE, &clip[0][0]);
     Vec3 eye = vec3_sub(camera->eye, w->origin);
-    glUniform3f(glGetUniformLocation(program, "eye"), (float)eye.x, (float)eye.y, (float)eye.z);
-    glUniform2f(glGetUniformLocation(program, "size"), (float)w->width, (float)w->height);
+    glUniform3f(program->eye, (float)eye.x, (float)eye.y, (float)eye.z);
+    glUniform2f(program->size, (float)w->width, (float)w->height);
 }
 
-static void set_vector(unsigned program, const char *name, Vec3 v) {
-    glUniform3f(glGetUniformLocation(program, name), (float)v.x, (float)v.y, (float)v.z);
-}
+static void set_vector(int place, Vec3 v) { glUniform3f(place, (float)v.x, (float)v.y, (float)v.z); }
 
 static void use_texture(unsigned texture) {
     glActiveTexture(GL_TEXTURE1);
@@ -334,15 +354,14 @@ static void use_texture(unsigned texture) {
 static void draw_occlusion(WalkRenderer *w, const Camera *camera) {
     glBindFramebuffer(GL_FRAMEBUFFER, w->depth_frame);
     glClear(GL_DEPTH_BUFFER_BIT);
-    use_scene(w, w->depth_only, camera);
-    draw_runs(w, w->depth_only);
+    use_scene(w, &w->depth_only, camera);
+    draw_runs(w, &w->depth_only);
     glDisable(GL_DEPTH_TEST);
     glViewport(0, 0, coarse(w->width), coarse(w->height));
     glBindFramebuffer(GL_FRAMEBUFFER, w->open_frame);
     glUseProgram(w->occlusion);
     use_texture(w->depth_texture);
-    glUniform2f(glGetUniformLocation(w->occlusion, "tangents"), (float)camera->tan_x, (float)camera->tan_y);
-    glUniform1f(glGetUniformLocation(w->occlusion, "near"), (float)WALK_NEAR);
+    glUniform2f(w->occlusion_tangents, (float)camera->tan_x, (float)camera->tan_y);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glBindFramebuffer(GL_FRAMEBUFFER, w->blur_frame);
     glUseProgram(w->blur);
@@ -354,9 +373,9 @@ static void draw_occlusion(WalkRenderer *w, const Camera *camera) {
 
 static void draw_sky(const WalkRenderer *w, const Camera *camera) {
     glUseProgram(w->sky);
-    set_vector(w->sky, "forward", camera->forward);
-    set_vector(w->sky, "right", vec3_scale(camera->right, camera->tan_x));
-    set_vector(w->sky, "up", vec3_scale(camera->up, -camera->tan_y));
+    set_vector(w->sky_forward, camera->forward);
+    set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
+    set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
     glDepthFunc(GL_LEQUAL);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
@@ -384,8 +403,8 @@ static void draw_glass(WalkRenderer *w, const Camera *camera, const int *objects
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
-    use_scene(w, w->scene, camera);
-    draw_runs(w, w->scene);
+    use_scene(w, &w->scene, camera);
+    draw_runs(w, &w->scene);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
 }
@@ -410,9 +429,9 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
     draw_occlusion(w, camera);
     glBindFramebuffer(GL_FRAMEBUFFER, w->frame);
     glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
-    use_scene(w, w->scene, camera);
+    use_scene(w, &w->scene, camera);
     use_texture(w->blur_texture);
-    draw_runs(w, w->scene);
+    draw_runs(w, &w->scene);
     draw_sky(w, camera);
     draw_glass(w, camera, objects, object_count);
     return gl_check("drawing", error);

@@ -1,6 +1,7 @@
 // walk_shaders.c - a soft sky and ground light by the surface's direction, three weak lights from fixed directions so
 // that walls differ, the lamps of the room, and ambient occlusion from the depth buffer (after M. Mittring, Finding
-// next gen: CryEngine 2, 2007; here samples on a disc around the pixel count by how far they rise over its surface), which darkens corners and the floor under furniture.
+// next gen: CryEngine 2, 2007; here samples on a disc around the pixel count by how far they rise over its surface),
+// which darkens corners and the floor under furniture.
 #include "engine/walk/walk_shaders.h"
 
 #define COMMON                                                                                               \

@@ -28,7 +28,7 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
                   .name = arena_string(arena, name ? name : ""),
                   .first_polygon = b->polygon_count,
                   .opening = -1,
-                  .shown = SHOWN_ALWAYS};
+                  .leaf = -1};
     return b->object_count - 1;
 }
 
@@ -142,6 +142,26 @@ float maps_linear(int srgb) {
 Rgb maps_colour(unsigned rgb) {
     return (Rgb){maps_linear((int)(rgb >> 16 & 255)), maps_linear((int)(rgb >> 8 & 255)),
                  maps_linear((int)(rgb & 255))};
+}
+
+Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
+    double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
+    Vec2 from = vec2(closed.x - leaf->pivot.x, closed.y - leaf->pivot.y);
+    // An unmoved leaf stays where it was read, to the last bit.
+    if (angle == 0) return vec3(closed.x + open * leaf->slide.x, closed.y + open * leaf->slide.y, closed.z);
+    return vec3(leaf->pivot.x + c * from.x - s * from.y + open * leaf->slide.x,
+                leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, closed.z);
+}
+
+void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {
+    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
+    Vec2 half = vec2_scale(vec2(-along.y, along.x), leaf->thickness / 2 / vec2_length(along));
+    for (int i = 0; i < 4; i++) {
+        Vec2 end = leaf->axis[i == 1 || i == 2];
+        Vec2 p = i < 2 ? vec2_sub(end, half) : vec2_add(end, half);
+        Vec3 at = leaf_point(leaf, open, vec3(p.x, p.y, 0));
+        corner[i] = vec2(at.x, at.y);
+    }
 }
 
 const char *opening_kind_name(OpeningKind kind) {

@@ -69,20 +69,33 @@ typedef enum OpeningKind {
 } OpeningKind;
 
 // A hole in a wall between `sill` and `head`. A door's region is split in two halves by the vertical plane
-// through leaf[0] and leaf[1]; the closed leaf fills the contact of the halves.
+// through line[0] and line[1]. A closed door, glazed ones apart, fills the contact of the halves: nothing is seen
+// past its leaves.
 typedef struct Opening {
     OpeningKind kind;
     const char *name;
     int storey;
-    bool glazed;         // a door of glass: never blocks sight
-    Vec2 leaf[2];        // plan ends of the closed leaf; side 0 lies to the left of leaf[0] -> leaf[1]
-    double sill, head;   // absolute heights, metres
-    int hinge;           // the end the leaf hangs on: 0, 1, or 2 for a double leaf hung on both ends
-    double swing;        // angle from closed to open, radians, counter-clockwise about leaf[hinge] from above
+    bool glazed;                 // a door of glass: never blocks sight
+    Vec2 line[2];                // its plan ends; side 0 lies to the left of line[0] -> line[1]
+    double sill, head;           // absolute heights, metres
+    int first_leaf, leaf_count;  // in Building.leaves; of doors only
+    double open;                 // how far it is open as drawn, 0 closed .. 1 wide open
     int region[2];       // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere
     const char *reason;  // NULL, or why a side leads nowhere
     int material;        // of the leaf
 } Opening;
+
+// What moves of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
+// axis through `pivot` and then shifted by t * slide. `axis` and `thickness` are its plan box when closed: `axis` runs
+// through the middle of the box from the hinged end to the free one.
+typedef struct Leaf {
+    int opening;
+    Vec2 pivot;
+    double turn;  // radians, counter-clockwise from above; 0 where it slides
+    Vec2 slide;   // metres; 0, 0 where it turns
+    Vec2 axis[2];
+    double thickness, z0, z1;  // metres
+} Leaf;
 
 // Convex and planar (within MAPS_PLANARITY), counter-clockwise seen from its front; seen from both sides.
 typedef struct Polygon {
@@ -101,15 +114,14 @@ typedef enum ObjectKind {
     OBJECT_KINDS
 } ObjectKind;
 
-typedef enum ObjectShown { SHOWN_ALWAYS, SHOWN_CLOSED, SHOWN_OPEN } ObjectShown;
-
 // Polygons that belong together and are drawn together.
 typedef struct Object {
     ObjectKind kind;
     const char *name;
     int first_polygon, polygon_count;
-    int opening;  // whose state decides, for SHOWN_CLOSED and SHOWN_OPEN; else -1
-    ObjectShown shown;
+    int opening;  // the door or window it is part of, or -1
+    int leaf;     // in Building.leaves: moves with it, drawn here as when closed; or -1
+    bool plug;    // fills the contact of a door's halves: there only while the door is closed
     // The coarse stand-in for collision and light: a vertical prism or box. Plan corners, counter-clockwise.
     Vec2 proxy[4];
     double proxy_z0, proxy_z1;  // equal: there is none
@@ -164,6 +176,7 @@ typedef struct Building {
     Vec2 *points;        // of rings, inlays and leak paths
     int *edge_material;  // [point_count] of the wall to the right of points[i] -> the next of its ring
     Opening *openings;
+    Leaf *leaves;
     Polygon *polygons;
     Vec3 *vertices;
     Object *objects;
@@ -172,12 +185,12 @@ typedef struct Building {
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;
-    int material_count, storey_count, region_count, ring_count, point_count, opening_count, polygon_count,
-        vertex_count, object_count, inlay_count, light_count, viewpoint_count, tour_point_count, tour_count,
-        note_count;
+    int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
+        polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
+        tour_point_count, tour_count, note_count;
     int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
-        opening_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
-        viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity;
+        opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
+        light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;
@@ -215,6 +228,11 @@ Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
 
 // Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
 int building_check(const Building *b, Arena *arena, const char **faults, int max);
+
+// Where a point of a leaf, given as when closed, is at share `open` of its way.
+Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
+// Its plan box there, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
+void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
 
 const char *opening_kind_name(OpeningKind kind);
 

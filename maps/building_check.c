@@ -104,9 +104,13 @@ static void check_objects(Check *c) {
             fault(c, "object %d (%s): polygons %d to %d of %d", i, text_of(o->name), o->first_polygon,
                   o->first_polygon + o->polygon_count - 1, b->polygon_count);
         }
-        if ((o->shown != SHOWN_ALWAYS || o->opening != -1) && !index_good(o->opening, b->opening_count)) {
+        if ((o->plug || o->opening != -1) && !index_good(o->opening, b->opening_count)) {
             fault(c, "object %d (%s): opening %d (allowed 0 to %d)", i, text_of(o->name), o->opening,
                   b->opening_count - 1);
+        }
+        if (o->leaf != -1 && !index_good(o->leaf, b->leaf_count)) {
+            fault(c, "object %d (%s): leaf %d (allowed 0 to %d)", i, text_of(o->name), o->leaf,
+                  b->leaf_count - 1);
         }
         bool proxy = good(o->proxy_z0) && good(o->proxy_z1) && o->proxy_z0 <= o->proxy_z1;
         for (int k = 0; k < 4; k++) proxy = proxy && good(o->proxy[k].x) && good(o->proxy[k].y);
@@ -188,18 +192,20 @@ static void check_openings(Check *c) {
         if (!index_good(o->storey, b->storey_count)) {
             fault(c, "opening %d (%s): storey %d of %d", i, name, o->storey, b->storey_count);
         }
-        if (!good(o->leaf[0].x) || !good(o->leaf[0].y) || !good(o->leaf[1].x) || !good(o->leaf[1].y) ||
-            !good(o->swing)) {
-            fault(c, "opening %d (%s): its leaf or swing is not finite", i, name);
-        } else if (vec2_equal(o->leaf[0], o->leaf[1])) {
-            fault(c, "opening %d (%s) at (%.3f, %.3f): its leaf has no width", i, name, o->leaf[0].x,
-                  o->leaf[0].y);
+        if (!good(o->line[0].x) || !good(o->line[0].y) || !good(o->line[1].x) || !good(o->line[1].y)) {
+            fault(c, "opening %d (%s): its line is not finite", i, name);
+        } else if (vec2_equal(o->line[0], o->line[1])) {
+            fault(c, "opening %d (%s) at (%.3f, %.3f): it has no width", i, name, o->line[0].x, o->line[0].y);
         }
         if (!good(o->sill) || !good(o->head) || o->sill >= o->head) {
             fault(c, "opening %d (%s): sill %g m, head %g m (sill below head)", i, name, o->sill, o->head);
         }
-        if (o->hinge < 0 || o->hinge > 2)
-            fault(c, "opening %d (%s): hinge %d (allowed 0 to 2)", i, name, o->hinge);
+        if (!(o->open >= 0 && o->open <= 1))
+            fault(c, "opening %d (%s): open by %g (allowed 0 to 1)", i, name, o->open);
+        if (!run_good(o->first_leaf, o->leaf_count, b->leaf_count)) {
+            fault(c, "opening %d (%s): leaves %d to %d of %d", i, name, o->first_leaf,
+                  o->first_leaf + o->leaf_count - 1, b->leaf_count);
+        }
         if (!index_good(o->material, b->material_count)) {
             fault(c, "opening %d (%s): material %d of %d", i, name, o->material, b->material_count);
         }
@@ -209,9 +215,24 @@ static void check_openings(Check *c) {
             }
         }
         if ((o->region[0] == -1 || o->region[1] == -1) && !o->reason) {
-            fault(c, "opening %d (%s) at (%.3f, %.3f): leads nowhere without a reason", i, name, o->leaf[0].x,
-                  o->leaf[0].y);
+            fault(c, "opening %d (%s) at (%.3f, %.3f): leads nowhere without a reason", i, name, o->line[0].x,
+                  o->line[0].y);
         }
+    }
+}
+
+static void check_leaves(Check *c) {
+    const Building *b = c->b;
+    for (int i = 0; i < b->leaf_count; i++) {
+        const Leaf *l = &b->leaves[i];
+        double numbers[] = {l->pivot.x,   l->pivot.y,   l->turn,      l->slide.x,   l->slide.y, l->axis[0].x,
+                            l->axis[0].y, l->axis[1].x, l->axis[1].y, l->thickness, l->z0,      l->z1};
+        bool finite = true;
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) finite = finite && good(numbers[k]);
+        if (!finite || l->thickness <= 0 || l->z0 >= l->z1 || vec2_equal(l->axis[0], l->axis[1]))
+            fault(c, "leaf %d at (%.3f, %.3f): it is not finite or has no size", i, l->pivot.x, l->pivot.y);
+        if (!index_good(l->opening, b->opening_count))
+            fault(c, "leaf %d: opening %d of %d", i, l->opening, b->opening_count);
     }
 }
 
@@ -536,6 +557,7 @@ int building_check(const Building *b, Arena *arena, const char **faults, int max
     check_materials_and_storeys(&c);
     check_regions(&c);
     check_openings(&c);
+    check_leaves(&c);
     check_objects(&c);
     check_inlays(&c);
     check_lights_and_views(&c);

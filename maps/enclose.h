@@ -56,7 +56,7 @@ typedef struct Hole {
     double half;        // half the width
     double v0, v1;      // reach along n
     double sill, head;
-    Vec2 leaf[2];  // ends of the leaf line
+    Vec2 line[2];  // the plane in which a door closes
     Shape box;
     int opening;  // in Building.openings, -1 until it is there
 } Hole;
@@ -170,7 +170,12 @@ int enclose_push_point(Enclosure *e, Vec2 metres, int material);
 
 // ---- enclose_openings.c
 void openings_append(Enclosure *e);  // before the regions that refer to them
-void openings_join(Enclosure *e);    // regions on either side, leaves, spandrels
+void openings_join(Enclosure *e);    // regions on either side, polygons of leaves, spandrels
 void enclose_choose_start(Enclosure *e);
+
+// ---- enclose_leaves.c
+void leaves_append(Enclosure *e, int hole);  // of the opening appended last: as modelled, or made
+void leaves_assign(Enclosure *e);          // objects of the sketch's openings become those of the building's
+void leaves_draw(Enclosure *e, int hole);  // polygons of those that are not modelled
 
 #endif

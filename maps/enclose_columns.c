@@ -169,7 +169,7 @@ static void paint_walls(const Enclosure *e, int face, Painter *p) {
         for (int k = 0; k < SPOT_HOLES && spot->hole[k] >= 0; k++) {
             const Hole *h = &e->holes[spot->hole[k]];
             bool door = e->sketch->openings[spot->hole[k]].kind == OPENING_DOOR;
-            int side = door && orient2d(h->leaf[0], h->leaf[1], plan->faces[face].inner) < 0;
+            int side = door && orient2d(h->line[0], h->line[1], plan->faces[face].inner) < 0;
             paint(p, span(SPAN_OPENING, 2 * spot->hole[k] + side, s, h->sill, h->head));
         }
     }

@@ -244,8 +244,8 @@ static void fit(Enclosure *e, int i) {
     double middle = (h->v0 + h->v1) / 2;
     Vec2 corners[4] = {from_frame(h, -h->half, h->v0), from_frame(h, h->half, h->v0),
                        from_frame(h, h->half, h->v1), from_frame(h, -h->half, h->v1)};
-    h->leaf[0] = from_frame(h, -h->half, middle);
-    h->leaf[1] = from_frame(h, h->half, middle);
+    h->line[0] = from_frame(h, -h->half, middle);
+    h->line[1] = from_frame(h, h->half, middle);
     h->box = shape_of_points(e->scratch, corners, 4);
     h->used = true;
 }

@@ -79,6 +79,7 @@ static bool check_opening(Enclosure *e, const SketchOpening *o) {
            check_number(e, "opening", p, "depth", o->depth) &&
            check_number(e, "opening", p, "sill", o->sill) && check_number(e, "opening", p, "head", o->head) &&
            check_number(e, "opening", p, "swing", o->swing) &&
+           check_number(e, "opening", p, "slide", o->slide) &&
            check_points(e, "opening", p, o->first_cutout, o->cutout_count);
 }
 

@@ -1,17 +1,14 @@
-// enclose_openings.c - doors and windows once the regions stand: what they join, their leaves swung open, the
-// spandrels of arched ones, and where a walk begins.
+// enclose_openings.c - doors and windows once the regions stand: what they join, the spandrels of arched ones, and
+// where a walk begins.
 #include <stdlib.h>
 
 #include "engine/core/predicates.h"
 #include "maps/enclose.h"
 
-// An open leaf keeps this clear of jamb, sill and head, metres: more than VIS_TOUCH and than the planes'
-// noise.
-static const double LEAF_INSET = 0.01;
 // Spandrels stand this far inside the wall's face, metres, so that they do not lie in the wall's plane.
 static const double SPANDREL_INSET = 0.005;
-// An end of a leaf line lies within this of its vertex on the grid, mm.
-static const double LEAF_REACH = 3;
+// An end of a door's line lies within this of its vertex on the grid, mm.
+static const double LINE_REACH = 3;
 // Eye height of a walk, metres; clear of the ceiling by EYE_CLEAR.
 static const double EYE = 1.6, EYE_CLEAR = 0.1;
 
@@ -32,12 +29,12 @@ static bool has_hole(const Spot *s, int hole) {
 
 // ---- appending
 
-// The grid's vertex at an end of the leaf line.
+// The grid's vertex at an end of an opening's line.
 static Vec2 on_grid(const Enclosure *e, int hole, Vec2 end) {
     const Plan *p = &e->pass.plan;
     int storey = e->sketch->openings[hole].storey;
     Vec2 best = vec2(nearbyint(end.x), nearbyint(end.y));
-    double nearest = LEAF_REACH;
+    double nearest = LINE_REACH;
     for (int i = 0; i < p->edge_count; i++) {
         Vec2 v = p->vertices[p->edges[i].v[0]], w = p->vertices[p->edges[i].v[1]];
         double dv = vec2_length(vec2_sub(v, end)), dw = vec2_length(vec2_sub(w, end));
@@ -60,8 +57,8 @@ void openings_append(Enclosure *e) {
         Hole *h = &e->holes[i];
         if (!h->used) continue;
         const SketchOpening *s = &e->sketch->openings[i];
-        Vec2 leaf[2] = {on_grid(e, i, h->leaf[0]), on_grid(e, i, h->leaf[1])};
-        if (vec2_equal(leaf[0], leaf[1])) leaf[1] = vec2(leaf[1].x + 1, leaf[1].y);
+        Vec2 line[2] = {on_grid(e, i, h->line[0]), on_grid(e, i, h->line[1])};
+        if (vec2_equal(line[0], line[1])) line[1] = vec2(line[1].x + 1, line[1].y);
         h->opening = b->opening_count;
         int material =
             s->material >= 0 && s->material < b->material_count ? s->material : e->sketch->outer_material;
@@ -70,14 +67,15 @@ void openings_append(Enclosure *e) {
                       .name = arena_string(e->arena, s->name ? s->name : ""),
                       .storey = s->storey,
                       .glazed = s->glazed,
-                      .leaf = {to_metres(e, leaf[0]), to_metres(e, leaf[1])},
+                      .line = {to_metres(e, line[0]), to_metres(e, line[1])},
                       .sill = h->sill / ENCLOSE_MM,
                       .head = h->head / ENCLOSE_MM,
-                      .hinge = s->hinge < 0 || s->hinge > 2 ? 0 : s->hinge,
-                      .swing = s->swing,
+                      .open = fmin(fmax(s->open, 0), 1),
                       .region = {-1, -1},
                       .material = material};
+        leaves_append(e, i);
     }
+    leaves_assign(e);
 }
 
 // ---- what an opening joins
@@ -111,12 +109,12 @@ static int best_region(const Enclosure *e, const Flood *flood) {
     return best;
 }
 
-// Whether the middle of half-edge h lies on the given side of the leaf line.
+// Whether the middle of half-edge h lies on the given side of the opening's line.
 static bool on_side(const Enclosure *e, int hole, int side, int h) {
     const Plan *p = &e->pass.plan;
     Vec2 m = vec2_scale(vec2_add(p->vertices[half_from(p, h)], p->vertices[half_to(p, h)]), 0.5);
     const Hole *at = &e->holes[hole];
-    return (orient2d(at->leaf[0], at->leaf[1], m) > 0) == (side == 0);
+    return (orient2d(at->line[0], at->line[1], m) > 0) == (side == 0);
 }
 
 // Adds up the contacts of a span; other openings' spans not met before go into the queue.
@@ -189,44 +187,6 @@ static void join_opening(Enclosure *e, Flood *flood, int hole, int *faces) {
     Vec3 at = enclose_place(e, e->holes[hole].centre, storey);
     building_note(e->arena, e->b, NOTE_CHANGED, at, "%s at (%.2f, %.2f) leads nowhere: %s",
                   enclose_text(e->sketch->openings[hole].place), at.x, at.y, o->reason);
-}
-
-// ---- open leaves
-
-// One leaf from `hinge` towards `free`, turned by `swing`.
-static void add_leaf(Enclosure *e, const Opening *o, Vec2 hinge, Vec2 tip, double share, double swing) {
-    Vec2 along = vec2_sub(tip, hinge);
-    double length = vec2_length(along);
-    if (length * share <= 3 * LEAF_INSET) return;
-    along = vec2_scale(along, 1 / length);
-    Vec2 open =
-        vec2(along.x * cos(swing) - along.y * sin(swing), along.x * sin(swing) + along.y * cos(swing));
-    Vec2 a = vec2_add(hinge, vec2_scale(along, LEAF_INSET));
-    Vec2 start = vec2_add(a, vec2_scale(open, LEAF_INSET)),
-         end = vec2_add(a, vec2_scale(open, length * share - 2 * LEAF_INSET));
-    double z0 = o->sill + LEAF_INSET, z1 = o->head - LEAF_INSET;
-    if (z0 >= z1) return;
-    Vec3 quad[4] = {{start.x, start.y, z0}, {end.x, end.y, z0}, {end.x, end.y, z1}, {start.x, start.y, z1}};
-    building_add_polygon(e->arena, e->b, quad, 4, o->material);
-}
-
-static void add_leaves(Enclosure *e, int opening) {
-    const Opening *o = &e->b->openings[opening];
-    // A leaf that slides goes into the wall: nothing of it is seen.
-    if (o->kind != OPENING_DOOR || o->swing == 0) return;
-    int object = building_add_object(e->arena, e->b, OBJECT_LEAF, o->name);
-    e->b->objects[object].opening = opening;
-    e->b->objects[object].shown = SHOWN_OPEN;
-    double turn = o->swing;
-    Vec2 along = vec2_sub(o->leaf[1], o->leaf[0]);
-    if (o->hinge == 2) {
-        add_leaf(e, o, o->leaf[0], o->leaf[1], 0.5, o->swing);
-        add_leaf(e, o, o->leaf[1], o->leaf[0], 0.5, -o->swing);
-        turn = 0;
-    } else {
-        add_leaf(e, o, o->leaf[o->hinge], o->leaf[!o->hinge], 1, o->swing);
-    }
-    building_set_proxy(e->b, atan2(along.y, along.x) + turn);
 }
 
 // ---- spandrels
@@ -325,7 +285,7 @@ void openings_join(Enclosure *e) {
     for (int i = 0; i < e->sketch->opening_count; i++) {
         if (!e->holes[i].used) continue;
         join_opening(e, &flood, i, faces);
-        add_leaves(e, e->holes[i].opening);
+        leaves_draw(e, i);
         add_spandrels(e, i);
     }
 }
@@ -366,8 +326,7 @@ static double depth_in(const Building *b, const Region *r, Vec2 q) {
 static double clear_of_objects(const Building *b, Vec2 q, double z0, double z1, double limit) {
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
-        if (o->proxy_z1 <= o->proxy_z0 || o->proxy_z0 >= z1 || o->proxy_z1 <= z0 || o->shown == SHOWN_CLOSED)
-            continue;
+        if (o->proxy_z1 <= o->proxy_z0 || o->proxy_z0 >= z1 || o->proxy_z1 <= z0 || o->leaf >= 0) continue;
         double out =
             -INFINITY;  // distance to the farthest side plane: exact beside a side, small at a corner
         for (int k = 0; k < 4; k++) {

@@ -144,7 +144,7 @@ static void gather_lines(Enclosure *e, bool with_plugs, Lines *lines) {
     for (int i = 0; i < s->opening_count; i++) {
         if (!e->holes[i].used) continue;
         add_shape(e, lines, &e->holes[i].box);
-        if (s->openings[i].kind == OPENING_DOOR) add_line(e, lines, e->holes[i].leaf, 2, false);
+        if (s->openings[i].kind == OPENING_DOOR) add_line(e, lines, e->holes[i].line, 2, false);
     }
     for (int i = 0; i < e->b->storey_count; i++) {
         add_shapes(e, lines, &e->implicit[i]);

@@ -352,9 +352,11 @@ static bool read_opening(Plan *plan, OpeningKind kind) {
         {.word = "material", .kind = PLAN_MATERIAL, .out = &o.material},
         {.word = "hinge", .kind = PLAN_CHOICE, .out = &o.hinge, .words = "left right both"},
         {.word = "swing", .kind = PLAN_ANGLE, .out = &o.swing, .min = -180, .max = 180},
+        {.word = "slide", .kind = PLAN_LENGTH, .out = &o.slide, .min = -MAX_OPENING, .max = MAX_OPENING},
+        {.word = "open", .kind = PLAN_PURE, .out = &o.open, .min = 0, .max = 1},
         {.word = "glazed", .kind = PLAN_FLAG, .out = &o.glazed}};
-    // Only doors have a leaf: the last three words are theirs.
-    int count = kind == OPENING_DOOR ? 10 : 7;
+    // Only doors have a leaf: the last five words are theirs.
+    int count = kind == OPENING_DOOR ? 12 : 7;
     if (!plan_name(line, "the opening's name", &o.name) || !plan_point(line, "its centre", &o.centre) ||
         !plan_options(line, options, count))
         return false;

@@ -6,13 +6,12 @@
 #include <string.h>
 #include <strings.h>
 
-#include "maps/sh3d.h"
+#include "maps/sh3d_pieces.h"
 
 static const unsigned BOX_COLOUR = 0xC8C4BC;  // sRGB, of a piece without model and colour
 static const double FLAT = 1e-9;              // model units: an extent below it stays flat
 static const float PANE_ALPHA = 0.3f;         // of window panes whose material is not transparent itself
 static const float INVISIBLE = 0.01f;         // alpha below which a face is not there at all
-static const double OPEN_LEAF = 0.3;          // depth over width of a leaf from which its model stands open
 static const double WATTS = 10;               // radiant flux of a lamp of power 1
 static const double DEFAULT_POWER = 0.5, DEFAULT_RADIUS = 0.0325;  // the program's own; metres
 static const double MAX_STEP = 0.2;                                // metres, of a plain stair
@@ -24,20 +23,6 @@ static const size_t MAX_MODEL = (size_t)64 << 20;  // bytes
 static const char *const STAIR_WORDS[] = {"stair", "escalier", "trepp",   "scala", "escaler", "escada",
                                           "trap",  "schod",    "лестниц", "階段",  NULL};
 static const char *const NO_STAIR_WORDS[] = {"trapez", "strap", "staircase rail", NULL};
-
-typedef struct Piece {
-    const XmlNode *node;
-    const char *name;
-    Vec2 at;
-    double z;  // of its foot
-    double width, depth, height;
-    double angle;
-    double pitch, roll;
-    bool mirrored;
-    double turn[9];  // modelRotation, row by row
-    bool coloured;
-    unsigned colour;
-} Piece;
 
 static Piece read_piece(Sh3d *s, const XmlNode *node) {
     static const double UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -212,20 +197,14 @@ static void add_face(Sh3d *s, const Vec3 *placed, const int *corner, int count, 
     building_add_polygon(s->arena, s->b, few, count, material);
 }
 
-typedef enum FaceChoice { ALL_FACES, FRAME_FACES, LEAF_FACES } FaceChoice;
-
-// `sweethome3d_opening_on_hinge_1_door`, `sweethome3d_window_pane_on_rail_2` and the like, but not the hinge itself.
-static bool moves(const char *group) {
-    return strstr(group, "sweethome3d_") && (strstr(group, "_on_hinge_") || strstr(group, "_on_rail_"));
-}
-
-static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, FaceChoice choice,
-                      bool box) {
+// The faces whose part is `which`; `part` [face_count], NULL: all.
+static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, const int *part,
+                      int which, bool box) {
     int *material = ARENA_ARRAY(s->arena, int, 2 * m->material_count);
     for (int i = 0; i < 2 * m->material_count; i++) material[i] = -2;
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
-        if (choice != ALL_FACES && moves(m->groups[f->group]) != (choice == LEAF_FACES)) continue;
+        if (part && part[i] != which) continue;
         bool pane = is_pane(m->groups[f->group]);
         int *known = &material[2 * f->material + pane];
         if (*known == -2) *known = piece_material(s, p, &m->materials[f->material], pane, box);
@@ -337,27 +316,7 @@ static void add_piece(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
         sh3d_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
     }
     building_add_object(s->arena, s->b, kind, p->name);
-    add_faces(s, p, m, place(s, p, m), ALL_FACES, box);
-    finish_object(s, p);
-}
-
-static void add_leaves(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, int opening) {
-    double c = cos(p->angle), sn = sin(p->angle);
-    Box box = box_empty();
-    for (int i = 0; i < m->face_count; i++) {
-        const ObjFace *f = &m->faces[i];
-        for (int k = 0; moves(m->groups[f->group]) && k < f->corner_count; k++) {
-            Vec3 v = placed[m->corners[f->first_corner + k]];
-            box = box_add(box, vec3(c * v.x + sn * v.y, c * v.y - sn * v.x, v.z));
-        }
-    }
-    if (box_is_empty(box)) return;
-    int object = building_add_object(s->arena, s->b, OBJECT_LEAF, p->name);
-    s->b->objects[object].opening = opening;
-    // Some models are drawn open: they show the leaf as it stands then.
-    bool open = box.max.y - box.min.y > OPEN_LEAF * (box.max.x - box.min.x);
-    s->b->objects[object].shown = open ? SHOWN_OPEN : SHOWN_CLOSED;
-    add_faces(s, p, m, placed, LEAF_FACES, false);
+    add_faces(s, p, m, place(s, p, m), NULL, 0, box);
     finish_object(s, p);
 }
 
@@ -371,12 +330,20 @@ void sh3d_add_opening_model(Sh3d *s, const XmlNode *node, int opening, const cha
         return;
     }
     const Vec3 *placed = place(s, &p, m);
-    bool door = s->sketch->openings[opening].kind == OPENING_DOOR;
+    SketchOpening *o = &s->sketch->openings[opening];
+    Sh3dLeaves leaves = {NULL, {0}};
+    if (o->kind == OPENING_DOOR) leaves = sh3d_find_leaves(s, &p, m, placed, o);
     int frame = building_add_object(s->arena, s->b, OBJECT_FRAME, name);
     s->b->objects[frame].opening = opening;
-    add_faces(s, &p, m, placed, door ? FRAME_FACES : ALL_FACES, false);
+    add_faces(s, &p, m, placed, leaves.part, SH3D_FRAME, false);
     finish_object(s, &p);
-    if (door) add_leaves(s, &p, m, placed, opening);
+    for (int leaf = 0; leaf < o->leaf_count; leaf++) {
+        int object = building_add_object(s->arena, s->b, OBJECT_LEAF, name);
+        s->b->objects[object].opening = opening;
+        s->b->objects[object].leaf = leaf;
+        add_faces(s, &p, m, sh3d_close_leaf(s, m, placed, &leaves, leaf, o), leaves.part, leaf, false);
+        finish_object(s, &p);
+    }
 }
 
 static Rgb lamp_flux(Sh3d *s, const XmlNode *source, double watts) {

@@ -28,6 +28,10 @@ typedef struct SketchRoom {
     int wall_material;  // of those walls, seen from inside
 } SketchRoom;
 
+enum { SKETCH_MAX_LEAVES = 4 };
+
+// Objects that are leaves of its model name it by its index in Object.opening, and the leaf's index among its own in
+// Object.leaf.
 typedef struct SketchOpening {
     OpeningKind kind;
     int storey;
@@ -36,9 +40,16 @@ typedef struct SketchOpening {
     double width, depth;
     double sill, head;  // absolute
     bool glazed;
-    int hinge;     // 0: at -width/2, 1: at +width/2, 2: both
-    double swing;  // radians, see Opening
+    int hinge;  // of a door: 0: at -width/2, 1: at +width/2, 2: a leaf at each
+    double
+        swing;  // radians from closed to open, counter-clockwise from above; of two leaves that at -width/2
+    double
+        slide;  // metres along the width axis that it slides instead of turning; two leaves slide apart by it
+    double open;  // as drawn, see Opening
     int material;
+    // The leaves of its model (see Leaf); without any they are made from the words above.
+    Leaf leaves[SKETCH_MAX_LEAVES];
+    int leaf_count;
     // The cut-out, if not a rectangle: a simple polygon in the unit square, x along the width, y up.
     int first_cutout, cutout_count;  // in Sketch.points
     const char *name, *place;

@@ -76,7 +76,7 @@ static void set_opening(Arena *arena, Building *b, bool door, Vec2 from, Vec2 to
     Opening *o = ARENA_PUSH(arena, b->openings, b->opening_count, b->opening_capacity);
     *o = (Opening){.kind = door ? OPENING_DOOR : OPENING_PASSAGE,
                    .name = "",
-                   .leaf = {from, to},
+                   .line = {from, to},
                    .sill = z,
                    .head = z + DOOR_HEIGHT,
                    .region = {-1, -1}};
@@ -177,8 +177,8 @@ static double exit_distance(const CellGraph *graph, const Cell *cell, Vec3 from,
     return t;
 }
 
-bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction,
-                   const unsigned char *door_open, Trace *out) {
+bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, const float *door_open,
+                   Trace *out) {
     static const double DOUBTFUL = 1e-6;
     out->count = 1;
     out->cells[0] = cell;

@@ -19,8 +19,8 @@ typedef struct Trace {
 
 // Follows a straight line from `from` in `cell` by its exits alone: the oracle for what can be seen. Lines that run
 // within 1e-6 m of an edge of a portal are given up (returns false): they are decided by rounding.
-bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction,
-                   const unsigned char *door_open, Trace *out);
+bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, const float *door_open,
+                   Trace *out);
 
 Vec3 fixture_point(const CellGraph *graph, Random *random, int cell);  // inside the cell
 Vec3 fixture_direction(Random *random);                                // uniform on the sphere

@@ -64,7 +64,7 @@ Test(query, allocates_nothing) {
     cr_assert(vis_build_cells(b, &options, &arena, &graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&graph, &options, NULL, &arena, &forest));
     VisQuery *query = vis_query_new(&graph, &forest, &arena);
-    unsigned char *doors = ARENA_ARRAY(&arena, unsigned char, b->opening_count + 1);
+    float *doors = ARENA_ARRAY(&arena, float, b->opening_count + 1);
     int objects = 0;
     for (int i = 0; i < 2000; i++) {
         Eye eye = {.position = fixture_point(&graph, &random, random_index(&random, graph.cell_count))};

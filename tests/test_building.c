@@ -137,7 +137,7 @@ static Building sound_building(Arena *arena) {
     add_region(arena, &b, 0, 2.5, second, 4)->ring_count = 2;
     add_ring(arena, &b, hole, 4);
     *ARENA_PUSH(arena, b.openings, b.opening_count, b.opening_capacity) = (Opening){
-        .kind = OPENING_PASSAGE, .name = "gap", .leaf = {{4, 0}, {4, 3}}, .head = 2, .region = {0, 1}};
+        .kind = OPENING_PASSAGE, .name = "gap", .line = {{4, 0}, {4, 3}}, .head = 2, .region = {0, 1}};
     building_add_object(arena, &b, OBJECT_FURNITURE, "thing");
     Vec3 quad[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     building_add_polygon(arena, &b, quad, 4, 0);
@@ -203,7 +203,7 @@ static void spoil(Building *b, int way) {
         b->openings[0].sill = 2;
         break;
     case 16:
-        b->openings[0].leaf[1] = b->openings[0].leaf[0];
+        b->openings[0].line[1] = b->openings[0].line[0];
         break;
     case 17:
         b->polygons[0].material = 3;
@@ -224,7 +224,7 @@ static void spoil(Building *b, int way) {
         b->objects[0].polygon_count = 2;
         break;
     case 23:
-        b->objects[0].shown = SHOWN_OPEN;
+        b->objects[0].plug = true;
         break;
     case 24:
         b->lights[0].position.x = NAN;

@@ -37,7 +37,7 @@ Test(plan, statements) {
     Arena arena = {0};
     Building b;
     read_more(&arena,
-              "door d 4.1,2 angle 90 width 1 height 2 hinge right swing -45 glazed material red\n"
+              "door d 4.1,2 angle 90 width 1 height 2 hinge right swing -45 open 0.25 glazed material red\n"
               "window w 2,-0.1 width 1.5 sill 1 height 1.2\n"
               "stair up 1,2 width 1 depth 3 height 2 steps 10 material red\n"
               "light l 1,1,2 flux 1 2 3 radius 0.2\n"
@@ -49,12 +49,14 @@ Test(plan, statements) {
               &b);
     cr_assert_eq(b.opening_count, 2);
     const Opening *d = &b.openings[0];
-    cr_expect(d->kind == OPENING_DOOR && d->glazed && d->hinge == 1, "the door's words");
-    cr_expect_float_eq(d->swing, -M_PI / 4, 1e-12);
+    cr_expect(d->kind == OPENING_DOOR && d->glazed && d->open == 0.25 && d->leaf_count == 1,
+              "the door's words");
+    cr_expect_float_eq(b.leaves[d->first_leaf].turn, -M_PI / 4, 1e-12);
+    cr_expect_gt(b.leaves[d->first_leaf].pivot.y, 2.4, "hung at the far end");
     cr_expect_float_eq(d->sill, 1, 1e-9);
     cr_expect_float_eq(d->head, 3, 1e-9);
     cr_expect(d->region[0] >= 0 && d->region[1] >= 0, "the door joins both rooms");
-    cr_expect_float_eq(d->leaf[0].x, 4.1, 1e-9, "the leaf stands in the middle of the wall");
+    cr_expect_float_eq(d->line[0].x, 4.1, 1e-9, "the leaf stands in the middle of the wall");
     cr_expect_eq(b.openings[1].kind, OPENING_WINDOW);
     int stair = 0;
     for (int i = 0; i < b.object_count; i++) {
@@ -134,7 +136,7 @@ Test(plan, openings_are_fitted) {
     read_more(&arena,
               "door near 4.02,1 angle 90 width 0.8 height 2\nwindow out 2,4.15 width 1 sill 1 height 1\n",
               &b);
-    cr_expect_float_eq(b.openings[0].leaf[0].x, 4.1, 1e-9);
+    cr_expect_float_eq(b.openings[0].line[0].x, 4.1, 1e-9);
     cr_expect(b.openings[0].region[0] >= 0 && b.openings[0].region[1] >= 0);
     cr_expect(b.openings[1].region[0] >= 0 && b.openings[1].region[1] >= 0);
     Error error = {""};
@@ -145,7 +147,7 @@ Test(plan, openings_are_fitted) {
     cr_assert(read, "%s", error.text);
     cr_expect_eq(b.note_count, 0, "%s", b.note_count ? b.notes[0].text : "");
     cr_expect(b.opening_count == 1 && b.openings[0].region[0] >= 0 && b.openings[0].region[1] >= 0);
-    cr_expect_float_eq(b.openings[0].leaf[0].y, 0, 1e-9);
+    cr_expect_float_eq(b.openings[0].line[0].y, 0, 1e-9);
     arena_free(&arena);
 }
 

@@ -487,11 +487,11 @@ Test(sh3d, colours_of_pieces) {
     free_home(&h);
 }
 
-// A door's moving parts are a leaf, shown while it is closed; its panes are glass; a model drawn open shows its
-// leaf while the door is open. The leaf names the opening that it belongs to.
+// A door's moving parts are a leaf that turns on its hinge; its panes are glass; a model drawn open is closed, and the
+// door is open. The leaf names the opening that it belongs to.
 Test(sh3d, leaves_of_doors) {
-    static const char MODEL[] = "v -1 0 -1\nv 1 0 -1\nv 1 2 -1\nv -1 2 -1\nv -1 0 1\nv -1 2 1\n"
-                                "g frame\nf 1 2 3\nf 1 4 6 5\ng sweethome3d_hinge_1\nf 1 2 4\n"
+    static const char MODEL[] = "v -1 0 -1\nv 1 0 -1\nv 1 2 -1\nv -1 2 -1\nv -1 0 1\nv -1 2 1\nv -1 0 -0.99\n"
+                                "g frame\nf 1 2 3\nf 1 4 6 5\ng sweethome3d_hinge_1\nf 1 7 4\n"
                                 "g sweethome3d_opening_on_hinge_1_door\nf %s\n"
                                 "g sweethome3d_window_pane_on_hinge_1\nusemtl white\nf %s\n";
     for (int open = 0; open < 2; open++) {
@@ -513,7 +513,18 @@ Test(sh3d, leaves_of_doors) {
         const Object *o = &h.b.objects[2];
         cr_assert_eq(o->kind, OBJECT_LEAF);
         cr_assert_eq(o->opening, 1);
-        cr_assert_eq(o->shown, open ? SHOWN_OPEN : SHOWN_CLOSED);
+        cr_assert_eq(o->leaf, 0);
+        const SketchOpening *door = &h.sketch.openings[1];
+        cr_assert_eq(door->leaf_count, 1);
+        // The hinge is at the left of the back; the model's box is scaled to 0.9 m by 0.9 m around x = 3 m.
+        cr_assert_float_eq(door->leaves[0].pivot.x, 2.55, 1e-6);
+        cr_assert_float_eq(door->leaves[0].turn, -M_PI / 2, 1e-6);
+        cr_assert_float_eq(door->open, open ? 1 : 0, 0.01);
+        for (int k = 0; k < 4; k++) {
+            Vec3 v = h.b.vertices[h.b.polygons[o->first_polygon].first_vertex + k];
+            cr_assert(v.y > 0.4 && v.x > 2.5 && v.x < 3.5, "closed, it lies along the back: %g, %g", v.x,
+                      v.y);
+        }
         cr_assert_eq(o->polygon_count, 2);
         cr_assert_eq(h.b.materials[h.b.polygons[o->first_polygon].material].alpha, 1.0f);
         cr_assert_lt(h.b.materials[h.b.polygons[o->first_polygon + 1].material].alpha, 1.0f);

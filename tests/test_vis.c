@@ -328,7 +328,7 @@ Test(query, loses_nothing) {
         make(&m, seed, 4, 4, seed % 3 ? 1 : 2, 1, seed % 4 == 0 ? 3 : 0);
         VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
         Random random = {seed * 31};
-        unsigned char *doors = ARENA_ARRAY(&m.arena, unsigned char, m.building->opening_count);
+        float *doors = ARENA_ARRAY(&m.arena, float, m.building->opening_count);
         for (int i = 0; i < 300; i++) {
             int cell;
             Eye eye = random_eye(&m, &random, &cell);
@@ -381,7 +381,7 @@ Test(query, opening_a_door_hides_nothing) {
     make(&m, 8, 4, 4, 1, 1, 0);
     VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
     Random random = {6};
-    unsigned char *doors = ARENA_ARRAY(&m.arena, unsigned char, m.building->opening_count + 1);
+    float *doors = ARENA_ARRAY(&m.arena, float, m.building->opening_count + 1);
     unsigned char *before = ARENA_ARRAY(&m.arena, unsigned char, m.graph.cell_count);
     for (int i = 0; i < 300; i++) {
         int cell;

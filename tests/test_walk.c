@@ -18,7 +18,7 @@ typedef struct Walked {
     Building building;
     CellGraph graph;
     StabForest forest;
-    unsigned char *doors;
+    float *doors;
 } Walked;
 
 static void open_building(Walked *w, const char *path) {
@@ -28,7 +28,7 @@ static void open_building(Walked *w, const char *path) {
     cr_assert(maps_read(path, &w->arena, &w->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&w->building, &options, &w->arena, &w->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&w->graph, &options, NULL, &w->arena, &w->forest));
-    w->doors = ARENA_ARRAY(&w->arena, unsigned char, w->building.opening_count + 1);
+    w->doors = ARENA_ARRAY(&w->arena, float, w->building.opening_count + 1);
 }
 
 static void expect_whole(const VerifyFrame *frame, const char *what, int index, const Camera *c) {
@@ -40,11 +40,11 @@ static void expect_whole(const VerifyFrame *frame, const char *what, int index, 
 }
 
 // Rays decide for themselves what is seen: every polygon they meet is in the draw list of the last frame.
-static void expect_rays_agree(Walked *w, WalkVerify *verify, Camera camera, const unsigned char *doors) {
+static void expect_rays_agree(Walked *w, WalkVerify *verify, Camera camera, const float *doors) {
     Arena scratch = {0};
     Error error;
     int *list = ARENA_ARRAY(&scratch, int, w->graph.polygon_count + 1);
-    Scene scene = {w->graph.polygons, w->graph.vertices, list,
+    Scene scene = {w->graph.polygons, walk_verify_vertices(verify), list,
                    walk_opaque_polygons(&w->graph, doors, &camera.eye, list)};
     camera.width = 160;
     camera.height = 90;

@@ -27,6 +27,14 @@ void build_surfaces(CellBuilder *builder);
 void build_locator(CellBuilder *builder);
 void build_squares(CellBuilder *builder);
 
+// leaves.c: all that a leaf sweeps on its way, from z0 to z1: plan boxes whose union holds it at every share, z = 0.
+enum { SWEPT_STEPS = 33 };
+typedef struct SweptLeaf {
+    Vec3 plan[SWEPT_STEPS][4];  // counter-clockwise
+    double z0, z1;
+} SweptLeaf;
+void build_swept(const CellGraph *graph, int object, SweptLeaf *out);
+
 // The plan polygon of a cell at height z; `out` needs room for edge_count vertices. Counter-clockwise from above.
 int cell_polygon(const CellGraph *graph, const Cell *cell, double z, Vec3 *out);
 

@@ -70,18 +70,18 @@ static void draw_portals(const CellGraph *graph, double z, const Draw *draw) {
     }
 }
 
-static void draw_swing(const Opening *o, int hinge, double length, double swing, const Draw *draw) {
+// The way of the free end from closed to wide open, and the leaf there.
+static void draw_leaf(const Leaf *leaf, const Draw *draw) {
     enum { STEPS = 12 };
-    Vec2 leaf = vec2_sub(o->leaf[1 - hinge], o->leaf[hinge]),
-         previous = vec2_add(o->leaf[hinge], vec2_scale(leaf, length));
+    Vec2 previous = leaf->axis[1];
     for (int i = 1; i <= STEPS; i++) {
-        double a = swing * i / STEPS, c = cos(a), s = sin(a);
-        Vec2 turned = vec2(leaf.x * c - leaf.y * s, leaf.x * s + leaf.y * c);
-        Vec2 next = vec2_add(o->leaf[hinge], vec2_scale(turned, length));
+        Vec3 at = leaf_point(leaf, (double)i / STEPS, vec3(leaf->axis[1].x, leaf->axis[1].y, 0));
+        Vec2 next = vec2(at.x, at.y);
         draw->line(draw->context, previous, next, &SWING);
         previous = next;
     }
-    draw->line(draw->context, o->leaf[hinge], previous, &DOOR);
+    Vec3 hinge = leaf_point(leaf, 1, vec3(leaf->axis[0].x, leaf->axis[0].y, 0));
+    draw->line(draw->context, vec2(hinge.x, hinge.y), previous, &DOOR);
 }
 
 static void draw_openings(const CellGraph *graph, double z, const Draw *draw) {
@@ -89,14 +89,9 @@ static void draw_openings(const CellGraph *graph, double z, const Draw *draw) {
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
         if (o->sill > z || o->head < z) continue;
-        if (o->kind == OPENING_WINDOW || o->glazed) draw->line(draw->context, o->leaf[0], o->leaf[1], &GLASS);
+        if (o->kind == OPENING_WINDOW || o->glazed) draw->line(draw->context, o->line[0], o->line[1], &GLASS);
         if (o->kind != OPENING_DOOR || o->glazed) continue;
-        if (o->hinge == 2) {
-            draw_swing(o, 0, 0.5, o->swing, draw);
-            draw_swing(o, 1, 0.5, -o->swing, draw);
-        } else {
-            draw_swing(o, o->hinge, 1, o->swing, draw);
-        }
+        for (int k = o->first_leaf; k < o->first_leaf + o->leaf_count; k++) draw_leaf(&b->leaves[k], draw);
     }
 }
 

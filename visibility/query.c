@@ -49,7 +49,7 @@ struct VisQuery {
     unsigned frame, cone_serial;
     // Of the query under way:
     const Eye *eye;
-    const unsigned char *door_open;
+    const float *door_open;
     VisMethod method;
     const uint64_t *limit;  // only cells of this visible set are entered, or NULL
     VisResult result;
@@ -88,10 +88,8 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
 
 // ---- objects
 
-bool vis_shown(const Object *object, const unsigned char *door_open) {
-    if (object->shown == SHOWN_ALWAYS) return true;
-    bool open = !door_open || door_open[object->opening];
-    return open == (object->shown == SHOWN_OPEN);
+bool vis_shown(const Object *object, const float *door_open) {
+    return !object->plug || (door_open && door_open[object->opening] == 0);
 }
 
 // No corner of the box is in front of one of the planes: it cannot be seen.
@@ -287,7 +285,7 @@ static bool eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
 static bool door_closed(const VisQuery *q, const Portal *portal) {
-    if (portal->door < 0 || !q->door_open || q->door_open[portal->door]) return false;
+    if (portal->door < 0 || !q->door_open || q->door_open[portal->door] > 0) return false;
     Vec3 eye = q->eye->position;
     return fabs(plane_distance(portal->plane, eye)) >= ON_PLANE || !eye_at_portal(q->graph, portal, eye);
 }
@@ -569,7 +567,7 @@ static void walk(VisQuery *q, int cell) {
     if (q->result.overflow) draw_visible_set(q, cell);
 }
 
-VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const unsigned char *door_open, VisMethod method) {
+VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {
     CORE_ASSERT(cell < q->graph->cell_count && method < VIS_METHODS);
     q->eye = eye;
     q->door_open = door_open;

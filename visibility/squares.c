@@ -2,7 +2,7 @@
 //
 // A surface belongs to its cell: its back is never seen. An object of the building belongs to every square of every
 // cell that one of its polygons touches: the polygon is clipped by the cell grown by VIS_TOUCH, and what is left by
-// rows and columns of squares.
+// rows and columns of squares. The leaf of a door belongs wherever it may come.
 #include <string.h>
 
 #include "engine/core/error.h"
@@ -73,7 +73,8 @@ typedef struct Registrar {
     CellBuilder *builder;
     Registration *list;
     int count, capacity;
-    int *tried;       // [cell_count] the last polygon tried against a cell
+    int *tried;  // [cell_count] the last polygon or prism tried against a cell, by its serial number
+    int serial;
     int *registered;  // [square_count] the last object registered in a square
     Vec3 *buffer[4];  // each with room for the largest polygon after clipping by a cell and a slab
 } Registrar;
@@ -113,12 +114,10 @@ static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *pol
     }
 }
 
-// The part of a polygon inside a cell grown by VIS_TOUCH.
-static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
+// The part of a polygon inside a cell's plan grown by VIS_TOUCH.
+static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
                         Vec3 *buffer) {
-    memcpy(out, polygon, (size_t)count * sizeof *out);
-    count = polygon_clip(out, count, (Plane){{0, 0, 1}, cell->z0}, VIS_TOUCH, buffer);
-    count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, VIS_TOUCH, out);
+    memmove(out, polygon, (size_t)count * sizeof *out);
     for (int i = 0; i < cell->edge_count && count > 0; i++) {
         Vec2 a = graph->plan[cell->first_edge + i],
              b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
@@ -129,12 +128,20 @@ static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *po
     return count;
 }
 
-static void register_polygon(Registrar *r, int object, int polygon) {
+// The part of a polygon inside a cell grown by VIS_TOUCH.
+static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
+                        Vec3 *buffer) {
+    count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, VIS_TOUCH, buffer);
+    count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, VIS_TOUCH, out);
+    return clip_to_plan(graph, cell, out, count, out, buffer);
+}
+
+// Registers a polygon, or, `upright`, all that lies over and under it within `box`.
+static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_count, Box box, bool upright) {
     CellGraph *graph = r->builder->graph;
-    const Polygon *p = &graph->polygons[polygon];
-    const Vec3 *v = graph->vertices + p->first_vertex;
-    Box box = box_grow(bounds(v, p->vertex_count), VIS_TOUCH);
-    graph->object_boxes[object] = box_union(graph->object_boxes[object], bounds(v, p->vertex_count));
+    int serial = r->serial++;
+    graph->object_boxes[object] = box_union(graph->object_boxes[object], box);
+    box = box_grow(box, VIS_TOUCH);
     const CellMesh *locator = &graph->locator;
     Range x = squares_of(locator->origin.x, locator->size, locator->nx, box.min.x, box.max.x);
     Range y = squares_of(locator->origin.y, locator->size, locator->ny, box.min.y, box.max.y);
@@ -143,13 +150,31 @@ static void register_polygon(Registrar *r, int object, int polygon) {
             int square = j * locator->nx + i;
             for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
                 int c = graph->locator_cells[k];
-                if (r->tried[c] == polygon || !box_overlap(box, graph->cells[c].box)) continue;
-                r->tried[c] = polygon;
-                int count =
-                    clip_to_cell(graph, &graph->cells[c], v, p->vertex_count, r->buffer[0], r->buffer[1]);
+                if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
+                r->tried[c] = serial;
+                int count = (upright ? clip_to_plan : clip_to_cell)(graph, &graph->cells[c], v, vertex_count,
+                                                                    r->buffer[0], r->buffer[1]);
                 if (count > 0) register_squares(r, &graph->meshes[c], r->buffer[0], count, object);
             }
         }
+    }
+}
+
+static void register_polygon(Registrar *r, int object, int polygon) {
+    const CellGraph *graph = r->builder->graph;
+    const Polygon *p = &graph->polygons[polygon];
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    register_shape(r, object, v, p->vertex_count, bounds(v, p->vertex_count), false);
+}
+
+static void register_leaf(Registrar *r, int object) {
+    SweptLeaf swept;
+    build_swept(r->builder->graph, object, &swept);
+    for (int i = 0; i < SWEPT_STEPS; i++) {
+        Box box = bounds(swept.plan[i], 4);
+        box.min.z = swept.z0;
+        box.max.z = swept.z1;
+        register_shape(r, object, swept.plan[i], 4, box, true);
     }
 }
 
@@ -182,7 +207,7 @@ static Registrar new_registrar(CellBuilder *builder) {
                    .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count)};
     for (int c = 0; c < graph->cell_count; c++) r.tried[c] = -1;
     for (int s = 0; s < graph->square_count; s++) r.registered[s] = -1;
-    int largest = 0;
+    int largest = 4;  // of what a leaf sweeps
     for (int p = 0; p < graph->polygon_count; p++) {
         if (graph->polygons[p].vertex_count > largest) largest = graph->polygons[p].vertex_count;
     }
@@ -215,6 +240,10 @@ void build_squares(CellBuilder *builder) {
         while (cell < graph->cell_count && i >= graph->surface_first[cell + 1]) cell++;
         if (i >= graph->surface_first[0] && cell < graph->cell_count) {
             register_surface(&r, i, cell);
+            continue;
+        }
+        if (object->leaf >= 0 && object->polygon_count > 0) {
+            register_leaf(&r, i);
             continue;
         }
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {

@@ -18,7 +18,8 @@ static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *nam
     CellGraph *graph = builder->graph;
     Object *object =
         ARENA_PUSH(builder->arena, graph->objects, graph->object_count, builder->object_capacity);
-    *object = (Object){.kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1};
+    *object = (Object){
+        .kind = kind, .name = name, .first_polygon = graph->polygon_count, .opening = -1, .leaf = -1};
     return object;
 }
 
@@ -212,7 +213,7 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
     }
 }
 
-static void add_leaves(CellBuilder *builder) {
+static void add_plugs(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     for (int p = 0; p < graph->portal_count; p++) {
         const Portal *portal = &graph->portals[p];
@@ -220,7 +221,7 @@ static void add_leaves(CellBuilder *builder) {
         const Opening *opening = &builder->building->openings[portal->door];
         Object *object = add_object(builder, OBJECT_LEAF, opening->name);
         object->opening = portal->door;
-        object->shown = SHOWN_CLOSED;
+        object->plug = true;
         add_polygon(builder, graph->portal_vertices + portal->first_vertex, portal->vertex_count,
                     opening->material);
     }
@@ -385,6 +386,6 @@ void build_surfaces(CellBuilder *builder) {
         add_level(builder, c, graph->cells[c].z1, region->ceiling_material, false);
     }
     graph->surface_first[graph->cell_count] = graph->object_count;
-    add_leaves(builder);
+    add_plugs(builder);
     resolve_t_vertices(builder, first_polygon);
 }

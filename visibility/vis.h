@@ -56,7 +56,7 @@ typedef struct CellGraph {
     Object *objects;
     Polygon *polygons;
     Vec3 *vertices;
-    Box *object_boxes;   // [object_count]
+    Box *object_boxes;   // [object_count]; of a leaf, all that it sweeps
     int *surface_first;  // [cell_count + 1] the surfaces of cell c are objects surface_first[c] ..
     int object_count, polygon_count, vertex_count;
     // Which objects touch which squares of which cells (within VIS_TOUCH). Run s is
@@ -123,8 +123,12 @@ bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest
 // neighbours; -1 for none.
 int vis_locate(const CellGraph *graph, Vec3 point, int hint);
 
-// Does the state of its door show this object? `door_open` as for vis_query.
-bool vis_shown(const Object *object, const unsigned char *door_open);
+// Does the state of its door show this object? All but the plugs of open doors. `door_open` as for vis_query.
+bool vis_shown(const Object *object, const float *door_open);
+
+// Puts the leaves of doors where `door_open` has them: writes their vertices. `vertices` [vertex_count] is the caller's
+// copy of the graph's, in which leaves are as when closed.
+void vis_pose(const CellGraph *graph, const float *door_open, Vec3 *vertices);
 
 static inline bool vis_is_glass(const CellGraph *graph, int polygon) {
     return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
@@ -165,9 +169,8 @@ typedef struct VisResult {
     int portals_tested, objects_tested;
 } VisResult;
 
-// `door_open` [opening_count] or NULL for all open. Allocates nothing. The result stays valid until the next
-// query. `cell` is the eye's cell, from vis_locate, or -1.
-VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const unsigned char *door_open,
-                    VisMethod method);
+// `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
+// A door that is not quite closed blocks nothing. Allocates nothing. The result stays valid until the next query. `cell` is the eye's cell, from vis_locate, or -1.
+VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, VisMethod method);
 
 #endif

@@ -23,7 +23,7 @@ static void print_doors(const Building *b) {
                                                    : "a room";
         }
         printf("  %-8s %-20s at (%.2f, %.2f): %s - %s", opening_kind_name(o->kind), o->name,
-               (o->leaf[0].x + o->leaf[1].x) / 2, (o->leaf[0].y + o->leaf[1].y) / 2, side[0], side[1]);
+               (o->line[0].x + o->line[1].x) / 2, (o->line[0].y + o->line[1].y) / 2, side[0], side[1]);
         printf(o->reason ? "; %s\n" : "\n", o->reason);
     }
 }

@@ -20,7 +20,8 @@ struct WalkVerify {
     unsigned *drawn;      // [object_count] the last frame whose draw list had it
     unsigned *counted;    // [polygon_count] the last count it was part of
     unsigned frame, count;
-    const unsigned char *door_open;
+    const float *door_open;
+    Vec3 *vertices;  // [vertex_count] with the leaves of doors where they stand
 };
 
 // A flat shade by material and direction: enough to tell surfaces apart, the same in every frame.
@@ -61,7 +62,9 @@ static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
         }
         first[graph->object_count] = count;
     }
-    Scene scene = {graph->polygons, graph->vertices, list, count};
+    v->vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
+    memcpy(v->vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *v->vertices);
+    Scene scene = {graph->polygons, v->vertices, list, count};
     v->items = gl_items_new(&scene, colours, one_sided, arena, error);
     arena_free(&scratch);
     return v->items != NULL;
@@ -123,6 +126,15 @@ int walk_verify_missing(WalkVerify *v, const ItemBuffer *items, int *missing) {
     return count;
 }
 
+static void pose(WalkVerify *v) {
+    vis_pose(v->graph, v->door_open, v->vertices);
+    for (int o = 0; o < v->graph->building->object_count; o++) {
+        if (v->graph->objects[o].leaf < 0) continue;
+        gl_items_moved(v->items, v->opaque[o], v->opaque[o + 1] - v->opaque[o]);
+        gl_items_moved(v->items, v->glass[o], v->glass[o + 1] - v->glass[o]);
+    }
+}
+
 static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint32_t *ca,
                             const uint32_t *cb) {
     int count = 0;
@@ -153,13 +165,14 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
     return true;
 }
 
-bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const unsigned char *door_open,
+bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const float *door_open,
                        VisMethod method, VerifyFrame *out, Error *error) {
     *out = (VerifyFrame){.missing = -1};
     if (!gl_context_use(v->context, error)) return false;
     make_images(v, camera->width, camera->height);
     v->frame++;
     v->door_open = door_open;
+    pose(v);
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
     out->visible = vis_query(v->query, &eye, cell, door_open, method);
@@ -179,13 +192,15 @@ void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
     }
 }
 
+const Vec3 *walk_verify_vertices(const WalkVerify *v) { return v->vertices; }
+
 static bool faces_away(const CellGraph *graph, int polygon, Vec3 eye) {
     const Polygon *p = &graph->polygons[polygon];
     const Vec3 *v = graph->vertices + p->first_vertex;
     return vec3_dot(plane_of_polygon(v, p->vertex_count).n, vec3_sub(eye, v[0])) <= 0;
 }
 
-int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, const Vec3 *eye, int *list) {
+int walk_opaque_polygons(const CellGraph *graph, const float *door_open, const Vec3 *eye, int *list) {
     int count = 0;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];

@@ -22,8 +22,11 @@ typedef struct VerifyFrame {
 
 // Opaque polygons are compared first, then, with these as background, glass drawn as if it were opaque.
 // `door_open` as for vis_query.
-bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const unsigned char *door_open,
+bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const float *door_open,
                        VisMethod method, VerifyFrame *out, Error *error);
+
+// [vertex_count] of the graph, with the leaves of doors as they stood in the last frame.
+const Vec3 *walk_verify_vertices(const WalkVerify *verify);
 
 // The culled image of the last frame, [height * width * 3] sRGB.
 void walk_verify_image(const WalkVerify *verify, uint8_t *rgb);
@@ -32,17 +35,19 @@ int walk_verify_missing(WalkVerify *verify, const ItemBuffer *items, int *missin
 
 // The opaque polygons that a door state shows, in draw order: what other methods are given. With an eye, surfaces of
 // cells that face away from it are left out: two may lie back to back, and the eye sees one. `list` [polygon_count].
-int walk_opaque_polygons(const CellGraph *graph, const unsigned char *door_open, const Vec3 *eye, int *list);
+int walk_opaque_polygons(const CellGraph *graph, const float *door_open, const Vec3 *eye, int *list);
 
 // A random view to be verified: eyes anywhere in free space, in doorways, within millimetres of corners, on and beside
 // portal planes, beside their corners, in the planes of door leaves, outdoors; doors open and closed at random.
 typedef struct RandomView {
     Camera camera;
     int cell;
-    const char *kind;          // which of these
-    unsigned char *door_open;  // [opening_count]
+    const char *kind;  // which of these
+    float *door_open;  // [opening_count]
 } RandomView;
 // `out->door_open` must have room. False when the graph has no place of the kind drawn: draw again.
+// How far a door is open: closed, wide open, or anything between, hardly open too.
+float walk_random_share(Random *random);
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out);
 
 #endif

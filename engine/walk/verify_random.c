@@ -155,13 +155,20 @@ static const struct {
              {"outdoors", outdoors}};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
+float walk_random_share(Random *random) {
+    int state = random_index(random, 4);
+    // Half of the doors at any angle, some of them hardly open.
+    float share = (float)random_unit(random), ajar = share * share * share * share;
+    return state == 0 ? 0 : state == 1 ? 1 : state == 2 ? share : fmaxf(ajar, 1e-6f);
+}
+
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out) {
     int kind = random_index(random, KIND_COUNT), mood = random_index(random, 3);
     Vec3 eye = {0, 0, 0};
     out->kind = KINDS[kind].name;
     for (int i = 0; i < graph->building->opening_count; i++) {
-        bool open = random_index(random, 2);
-        out->door_open[i] = mood == 0 ? 1 : mood == 1 ? 0 : open;
+        float share = walk_random_share(random);
+        out->door_open[i] = mood == 0 ? 1 : mood == 1 ? 0 : share;
     }
     double yaw = random_between(random, -M_PI, M_PI);
     // One in four along an axis, as the walls are.

@@ -43,7 +43,7 @@ typedef struct Walk {
     WalkVerify *verify;      // or NULL
     Video *video;
     uint8_t *rgb;
-    unsigned char *door_open;
+    float *door_open;
     Text stats;
     int cell, planned;  // planned: frames and random views to be verified
     Arena rays;
@@ -94,12 +94,11 @@ static void divide_means(WalkTotals *t) {
 // ---- frames
 
 // What rays see through each pixel against the draw list.
-static bool compare_rays(Walk *w, const Camera *camera, const unsigned char *door_open, Frame *out,
-                         Error *error) {
+static bool compare_rays(Walk *w, const Camera *camera, const float *door_open, Frame *out, Error *error) {
     const CellGraph *graph = w->graph;
     arena_reset(&w->rays);
     int *list = ARENA_ARRAY(&w->rays, int, graph->polygon_count + 1);
-    Scene scene = {graph->polygons, graph->vertices, list,
+    Scene scene = {graph->polygons, walk_verify_vertices(w->verify), list,
                    walk_opaque_polygons(graph, door_open, &camera->eye, list)};
     ItemBuffer items = item_buffer_new(&w->rays, camera->width, camera->height);
     if (!HIDDEN_RAYCAST.draw(ray_scene_new(&scene, &w->rays), camera, &items, error)) return false;
@@ -108,7 +107,7 @@ static bool compare_rays(Walk *w, const Camera *camera, const unsigned char *doo
     return true;
 }
 
-static bool verify_frame(Walk *w, const Camera *camera, int cell, const unsigned char *door_open, Frame *out,
+static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *door_open, Frame *out,
                          Error *error) {
     VerifyFrame v;
     if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->method, &v, error)) return false;
@@ -180,8 +179,7 @@ static bool run_random(Walk *w, const Progress *progress, Error *error) {
     enum { DRAWS = 100 };
     const WalkOptions *o = w->options;
     Random random = {o->seed};
-    RandomView view = {.door_open =
-                           ARENA_ARRAY(w->arena, unsigned char, w->graph->building->opening_count + 1)};
+    RandomView view = {.door_open = ARENA_ARRAY(w->arena, float, w->graph->building->opening_count + 1)};
     for (int i = 0; i < o->random; i++) {
         int draws = 0;
         while (!walk_random_view(w->graph, &random, o->width, o->height, &view) && draws < DRAWS) draws++;
@@ -201,9 +199,9 @@ static bool run_random(Walk *w, const Progress *progress, Error *error) {
 static void set_doors(Walk *w) {
     Random random = {w->options->seed};
     for (int i = 0; i < w->graph->building->opening_count; i++) {
-        int toss = random_index(&random, 2);
-        w->door_open[i] =
-            w->options->doors == WALK_DOORS_OPEN || (w->options->doors == WALK_DOORS_RANDOM && toss);
+        float random_share = walk_random_share(&random);
+        const float share[WALK_DOORS] = {[WALK_DOORS_OPEN] = 1, [WALK_DOORS_RANDOM] = random_share};
+        w->door_open[i] = share[w->options->doors];
     }
 }
 
@@ -248,7 +246,7 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
               .stats = {.arena = arena},
               .cell = -1};
     w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
-    w.door_open = ARENA_ARRAY(arena, unsigned char, graph->building->opening_count + 1);
+    w.door_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
     set_doors(&w);
     w.planned = path.frame_count + options->random;
     bool good = open_drawing(&w, forest, error) && run_tour(&w, &path, progress, error) &&

@@ -182,7 +182,7 @@ def model_obj(statements):
     return obj, lights
 
 
-def framed(window, width, height, depth, leaf, double):
+def framed(window, width, height, depth, leaf, double, slides):
     obj, f, h = Obj(), FRAME, depth / 2
     obj.box((-width / 2, -h, 0), (-width / 2 + f, h, height), "white")
     obj.box((width / 2 - f, -h, 0), (width / 2, h, height), "white")
@@ -196,7 +196,8 @@ def framed(window, width, height, depth, leaf, double):
     if double:
         parts = [(-width / 2 + f, 0), (0, width / 2 - f)]
     for i, (x0, x1) in enumerate(parts):
-        obj.box((x0, -0.02, 0.005), (x1, 0.02, height - f), leaf, (), "sweethome3d_opening_on_hinge_%d" % (i + 1))
+        obj.box((x0, -0.02, 0.005), (x1, 0.02, height - f), leaf, (),
+                "sweethome3d_opening_on_%s_%d" % ("rail" if slides else "hinge", i + 1))
     return obj
 
 
@@ -370,8 +371,10 @@ class Home:
                      (min(a[1], b[1]) < at[1] < max(a[1], b[1]) if upright else min(a[0], b[0]) < at[0] < max(a[0], b[0])))
         double, glass = o.get("hinge") == "both", "glazed" in o
         leaf = "pane" if glass else o.get("material", "plain")
-        obj = framed(kind == "window", width, height, depth, leaf, double)
-        key = "%s-%d-%d-%d-%s%s" % (kind, width * 100, height * 100, depth * 100, leaf, "-2" if double else "")
+        slides = "slide" in o
+        obj = framed(kind == "window", width, height, depth, leaf, double, slides)
+        key = "%s-%d-%d-%d-%s%s%s" % (kind, width * 100, height * 100, depth * 100, leaf, "-2" if double else "",
+                                      "-rail" if slides else "")
         extra = {"wallThickness": 1.0, "wallDistance": 0.0, "wallCutOutOnBothSides": "true", "boundToWall": "true",
                  "cutOutShape": "M0,0 v1 h1 v-1 z", "movable": "false"}
         if shape:
@@ -379,7 +382,7 @@ class Home:
         if o.get("material") and not glass:
             extra["color"] = self.colour(o["material"])
         swing, sashes = math.radians(float(o.get("swing", 90))), []
-        if kind == "door":
+        if kind == "door" and not slides:
             if o.get("hinge") != "right":
                 sashes.append((0.0, 0.0, swing))
             if o.get("hinge") in ("right", "both"):

@@ -95,19 +95,26 @@ static void fill_fixed(GlItems *items, const uint32_t *colours, FixedVertex *ver
     }
 }
 
-static void measure(GlItems *items, const Scene *scene) {
-    for (int k = 0; k < items->count; k++) {
-        items->polygon[k] = scene->list ? scene->list[k] : k;
-        const Polygon *polygon = &scene->polygons[items->polygon[k]];
-        const Vec3 *v = scene->vertices + polygon->first_vertex;
+void gl_items_moved(GlItems *items, int first, int count) {
+    for (int k = first; k < first + count; k++) {
+        const Polygon *polygon = &items->polygons[items->polygon[k]];
+        const Vec3 *v = items->vertices + polygon->first_vertex;
         int n = polygon->vertex_count;
         items->normal[k] = plane_of_polygon(v, n).n;
         Vec3 offset = {0, 0, 0};
         for (int i = 0; i < n; i++) offset = vec3_add(offset, vec3_sub(v[i], v[0]));
         items->centre[k] = vec3_add(v[0], vec3_scale(offset, 1.0 / n));
+    }
+}
+
+static void measure(GlItems *items, const Scene *scene) {
+    for (int k = 0; k < items->count; k++) {
+        items->polygon[k] = scene->list ? scene->list[k] : k;
+        int n = scene->polygons[items->polygon[k]].vertex_count;
         items->first_vertex[k + 1] = items->first_vertex[k] + n;
         items->first_index[k + 1] = items->first_index[k] + 3 * (n - 2);
     }
+    gl_items_moved(items, 0, items->count);
 }
 
 static void make_buffers(GlItems *items, const FixedVertex *vertex, const unsigned *index) {

@@ -20,6 +20,9 @@ GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigne
                       Arena *arena, Error *error);
 void gl_items_free(GlItems *items);  // what OpenGL holds
 
+// The vertices of a run of the scene's list were changed by their owner; they must stay in one plane.
+void gl_items_moved(GlItems *items, int first, int count);
+
 // Clears the buffers and takes up the camera. Allocates only when the size of the image changes (in OpenGL).
 bool gl_items_look(GlItems *items, const Camera *camera, Error *error);
 // A run of the scene's list to be drawn by the next gl_items_draw; in increasing order.

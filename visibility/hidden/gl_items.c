@@ -13,8 +13,10 @@
 #include "visibility/hidden/gl_math.h"
 #include "visibility/hidden/raycast.h"
 
-// A surface this near the eye's plane is seen edge-on, metres: it covers no pixel but by rounding.
+// A surface whose plane is this near the eye is seen edge-on, metres: it covers no pixel but by rounding.
 static const double EDGE_ON = 1e-5;
+// So is any polygon that spans less than this angle between the eye and its plane, radians: a hundredth of a pixel.
+static const double EDGE_ON_ANGLE = 1e-5;
 
 // A polygon's plane as the fragment shader reads it.
 typedef struct PlaneTexels {
@@ -247,6 +249,25 @@ static bool make_targets(GlItems *items, int width, int height, Error *error) {
     return gl_check("making an item buffer", error);
 }
 
+// How far outside the polygon the eye stands, in its plane: 0 over it, never too much.
+static double distance_outside(const Vec3 *v, int count, Vec3 n, Vec3 eye) {
+    double out = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 outward = vec3_normalize(vec3_cross(vec3_sub(v[i + 1 == count ? 0 : i + 1], v[i]), n));
+        out = fmax(out, vec3_dot(outward, vec3_sub(eye, v[i])));
+    }
+    return out;
+}
+
+static bool is_edge_on(const GlItems *items, int k, double height, Vec3 eye) {
+    if (fabs(height) >= EDGE_ON) return false;
+    if ((items->one_sided && items->one_sided[k]) || fabs(height) < HIDDEN_EDGE_ON) return true;
+    // An eye that all but touches it sees nothing else.
+    const Polygon *polygon = &items->polygons[items->polygon[k]];
+    const Vec3 *v = items->vertices + polygon->first_vertex;
+    return fabs(height) < EDGE_ON_ANGLE * distance_outside(v, polygon->vertex_count, items->normal[k], eye);
+}
+
 // The planes and the vertices as this eye sees them.
 static void look(GlItems *items, const Camera *camera) {
     for (int k = 0; k < items->count; k++) {
@@ -270,7 +291,7 @@ static void look(GlItems *items, const Camera *camera) {
         // The back of a surface lies in the wall. Seen edge-on it has no depth by its plane, yet it fills the seam
         // between its neighbours: there it is taken to lie where a ray along it leaves the box around it.
         bool surface = items->one_sided && items->one_sided[k];
-        bool edge_on = fabs(height) < (surface ? EDGE_ON : HIDDEN_EDGE_ON);
+        bool edge_on = is_edge_on(items, k, height, camera->eye);
         bool seen = farthest > 0 && (surface ? edge_on || height < 0 : !edge_on);
         float *plane = items->planes[k].plane, *reach = items->planes[k].reach;
         plane[0] = edge_on ? (top > EDGE_ON ? (float)(1 / top) : 0) : (float)(n.x / height);

@@ -1,4 +1,4 @@
-# Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, draws a tour), `make test`.
+# Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
 #   make test | soak | asan | fuzz | bench | pictures | lint | install PREFIX= DESTDIR= | clean
 config ?= release
@@ -7,6 +7,9 @@ fuzz_seconds ?= 20
 bench ?= walk
 ifeq ($(origin CC),default)
 CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
 endif
 # All cores, unless the caller said how many. Known in recipes only: make hides it from itself while it reads.
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
@@ -23,20 +26,23 @@ flags_debug := -O0
 flags_asan := $(sanitize) -fsanitize=address,undefined
 flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
-libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lOSMesa -lm
+# The font of the overlay becomes part of the program.
+fonts := /usr/share/fonts/truetype/dejavu
+libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_%,$(wildcard tests/*.c)))
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_%,$(wildcard tests/*.c))) \
+         $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan
 
 to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
-            libxxhash-dev libosmesa6-dev libcglm-dev libstb-dev
-to_walk := ffmpeg
-to_test := libcriterion-dev libembree-dev libglm-dev g++ zip ffmpeg
+            libxxhash-dev libosmesa6-dev libcglm-dev libstb-dev libglfw3-dev fonts-dejavu-core
+to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
+to_test := $(to_walk) libcriterion-dev libembree-dev libglm-dev g++ zip xvfb xauth xdotool python3
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core
 to_fuzz := clang libclang-rt-14-dev libomp-dev
@@ -61,12 +67,17 @@ check-packages:
 $(dir)/enfilade: $(objects)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 -lstdc++ $(libs)
 $(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
+# Private: the flags file, on which everything depends, must not see it.
+$(dir)/engine/walk/font.o: private CFLAGS_ALL += -Wa,-I$(fonts)
+$(dir)/%.o: %.cpp $(dir)/flags | check-packages
+	@mkdir -p $(@D) && echo "$(CXX) $<"
+	@$(CXX) $(CFLAGS_ALL:-std=c17=-std=c++17) $(strict) -c -o $@ $<
 $(dir)/glad/gl.o: build/glad/include/glad/gl.h $(dir)/flags
 	@mkdir -p $(@D)
 	@$(CC) $(CFLAGS_ALL) -w -c -o $@ build/glad/src/gl.c
@@ -94,8 +105,13 @@ house:
 walk:
 	$(call install,$(to_build) $(to_walk))
 	$(submake) config=release program maps
-	build/release/enfilade walk build/maps/house.plan --offscreen build/walk --tour auto \
-	    --video build/walk/house.mp4 --stats build/walk/house.csv
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then \
+	    echo "H shows the keys"; build/release/enfilade walk build/maps/house.plan --pictures build/walk; \
+	else \
+	    echo "no display: a tour is drawn off-screen"; \
+	    build/release/enfilade walk build/maps/house.plan --offscreen build/walk --tour auto \
+	        --video build/walk/house.mp4 --stats build/walk/house.csv; \
+	fi
 test soak:
 	$(call install,$(to_build) $(to_test))
 	$(submake) program maps $(dir)/tests/all
@@ -124,7 +140,7 @@ pictures:
 	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
 lint:
 	$(call install,$(to_lint))
-	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch])
+	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
 install: all

@@ -25,7 +25,9 @@ static Vec2 centroid(const Vec2 *p, int count) {
     return area > 0 ? vec2_scale(sum, 1 / area) : p[0];
 }
 
-static bool cell_at(const Cell *cell, double z) { return cell->z0 <= z && z <= cell->z1; }
+bool figure_cuts(const CellGraph *graph, int cell, double z) {
+    return graph->cells[cell].z0 <= z && z <= graph->cells[cell].z1;
+}
 
 static Vec2 cell_middle(const CellGraph *graph, int c) {
     return centroid(graph->plan + graph->cells[c].first_edge, graph->cells[c].edge_count);
@@ -35,18 +37,13 @@ static const Region *region_of(const CellGraph *graph, int c) {
     return &graph->building->regions[graph->cells[c].region];
 }
 
-static void fill_cells(const CellGraph *graph, double z, const Draw *draw) {
-    static const unsigned fills[REGION_KINDS] = {0xf6f1e6, 0xeaf3e4, 0xf3e6d8, 0xe0e0f0};
-    for (int c = 0; c < graph->cell_count; c++) {
-        const Cell *cell = &graph->cells[c];
-        if (!cell_at(cell, z)) continue;
-        DrawStyle style = {.fill = fills[region_of(graph, c)->kind], .fill_opacity = 1};
-        draw->polygon(draw->context, graph->plan + cell->first_edge, cell->edge_count, &style);
-    }
+void figure_fill(const CellGraph *graph, int cell, const DrawStyle *style, const Draw *draw) {
+    const Cell *c = &graph->cells[cell];
+    draw->polygon(draw->context, graph->plan + c->first_edge, c->edge_count, style);
 }
 
-static void draw_walls(const CellGraph *graph, double z, const Draw *draw) {
-    for (int i = graph->surface_first[0]; i < graph->surface_first[graph->cell_count]; i++) {
+void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw) {
+    for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
         const Polygon *p = &graph->polygons[graph->objects[i].first_polygon];
         const Vec3 *v = graph->vertices + p->first_vertex;
         Box box = box_empty();
@@ -56,16 +53,19 @@ static void draw_walls(const CellGraph *graph, double z, const Draw *draw) {
         for (int k = 1; k < p->vertex_count; k++) {
             if (hypot(v[k].x - v[0].x, v[k].y - v[0].y) > hypot(far.x - v[0].x, far.y - v[0].y)) far = v[k];
         }
-        draw->line(draw->context, vec2(v[0].x, v[0].y), vec2(far.x, far.y), &WALL);
+        // What is shorter than lines are wide lies under its neighbours.
+        if (hypot(far.x - v[0].x, far.y - v[0].y) < style->width) continue;
+        draw->line(draw->context, vec2(v[0].x, v[0].y), vec2(far.x, far.y), style);
     }
 }
 
-static void draw_portals(const CellGraph *graph, double z, const Draw *draw) {
-    for (int i = 0; i < graph->portal_count; i++) {
-        const Portal *portal = &graph->portals[i];
+void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw) {
+    const Cell *c = &graph->cells[cell];
+    for (int i = c->first_contact; i < c->first_contact + c->contact_count; i++) {
+        const Portal *portal = &graph->portals[graph->contacts[i].portal];
         const Vec3 *v = graph->portal_vertices + portal->first_vertex;
-        if (!portal->horizontal && v[0].z <= z && z <= v[1].z) {
-            draw->line(draw->context, portal->left, portal->right, &PORTAL);
+        if (portal->cell[0] == cell && !portal->horizontal && v[0].z <= z && z <= v[1].z) {
+            draw->line(draw->context, portal->left, portal->right, style);
         }
     }
 }
@@ -95,6 +95,67 @@ static void draw_openings(const CellGraph *graph, double z, const Draw *draw) {
     }
 }
 
+// The stretch of the region that holds x along the line at height y of the plan; false where (x, y) is not in it.
+static bool free_stretch(const Building *b, int region, double x, double y, double *from, double *to) {
+    const Region *r = &b->regions[region];
+    bool inside = false;
+    *from = -INFINITY;
+    *to = INFINITY;
+    for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
+        const Vec2 *p = b->points + b->rings[k].first_point;
+        for (int i = 0, n = b->rings[k].point_count; i < n; i++) {
+            Vec2 a = p[i], c = p[(i + 1) % n];
+            if ((a.y > y) == (c.y > y)) continue;
+            double at = a.x + (c.x - a.x) * (y - a.y) / (c.y - a.y);
+            if (at > x) *to = fmin(*to, at);
+            if (at > x) continue;
+            *from = fmax(*from, at);
+            inside = !inside;
+        }
+    }
+    return inside;
+}
+
+// Is there room around (x, y), moved along x as need be?
+static bool has_room(const Building *b, int region, Box area, double width, double height, Vec2 *middle) {
+    double from = area.min.x, to = area.max.x;
+    if (middle->y - height / 2 < area.min.y || middle->y + height / 2 > area.max.y) return false;
+    for (int i = -1; i <= 1; i++) {
+        double left, right;
+        if (!free_stretch(b, region, middle->x, middle->y + i * height / 2, &left, &right)) return false;
+        from = fmax(from, left);
+        to = fmin(to, right);
+    }
+    if (to - from < width) return false;
+    middle->x = fmin(fmax(middle->x, from + width / 2), to - width / 2);
+    return true;
+}
+
+bool figure_name_place(const Building *b, int region, Box area, double width, double height, Vec2 *middle) {
+    enum { STEPS = 4 };  // places tried each way
+    const Ring *ring = &b->rings[b->regions[region].first_ring];
+    const Vec2 *points = b->points + ring->first_point;
+    Box box = box_empty();
+    for (int i = 0; i < ring->point_count; i++) box = box_add(box, vec3(points[i].x, points[i].y, 0));
+    box.min = vec3(fmax(box.min.x, area.min.x), fmax(box.min.y, area.min.y), 0);
+    box.max = vec3(fmin(box.max.x, area.max.x), fmin(box.max.y, area.max.y), 0);
+    if (box.max.x - box.min.x < width || box.max.y - box.min.y < height) return false;
+    Vec2 wish = centroid(points, ring->point_count);
+    *middle = wish;
+    if (has_room(b, region, box, width, height, middle)) return true;
+    double nearest = INFINITY;
+    for (int k = 0; k < STEPS * STEPS; k++) {
+        Vec2 p = {box.min.x + (k % STEPS + 0.5) / STEPS * (box.max.x - box.min.x),
+                  box.min.y + (k / STEPS + 0.5) / STEPS * (box.max.y - box.min.y)};
+        if (!has_room(b, region, box, width, height, &p)) continue;
+        double distance = vec2_length(vec2_sub(p, wish));
+        if (distance >= nearest) continue;
+        nearest = distance;
+        *middle = p;
+    }
+    return nearest < INFINITY;
+}
+
 static void draw_names(const CellGraph *graph, double z, const Draw *draw) {
     const Building *b = graph->building;
     for (int r = 0; r < b->region_count; r++) {
@@ -107,12 +168,16 @@ static void draw_names(const CellGraph *graph, double z, const Draw *draw) {
 }
 
 void figure_ground(const CellGraph *graph, double z, const Draw *draw) {
-    fill_cells(graph, z, draw);
-    draw_portals(graph, z, draw);
+    static const unsigned fills[REGION_KINDS] = {0xf6f1e6, 0xeaf3e4, 0xf3e6d8, 0xe0e0f0};
+    for (int c = 0; c < graph->cell_count; c++) {
+        DrawStyle style = {.fill = fills[region_of(graph, c)->kind], .fill_opacity = 1};
+        if (figure_cuts(graph, c, z)) figure_fill(graph, c, &style, draw);
+    }
+    for (int c = 0; c < graph->cell_count; c++) figure_portals(graph, c, z, &PORTAL, draw);
 }
 
 void figure_lines(const CellGraph *graph, double z, const Draw *draw) {
-    draw_walls(graph, z, draw);
+    for (int c = 0; c < graph->cell_count; c++) figure_walls(graph, c, z, &WALL, draw);
     draw_openings(graph, z, draw);
     draw_names(graph, z, draw);
 }
@@ -208,16 +273,15 @@ void figure_seen(const CellGraph *graph, const StabForest *forest, int root, dou
         }
     }
     for (int c = 0; c < graph->cell_count; c++) {
-        if (!cell_at(&graph->cells[c], z) || !vis_sees(forest, root, c)) continue;
+        if (!figure_cuts(graph, c, z) || !vis_sees(forest, root, c)) continue;
         DrawStyle style = {.fill = c == root ? 0xe0a030 : 0x70a8e0,
                            .fill_opacity = c == root ? 0.7 : 0.75 / (1 + 0.25 * fmax(0, shallowest[c]))};
-        draw->polygon(draw->context, graph->plan + graph->cells[c].first_edge, graph->cells[c].edge_count,
-                      &style);
+        figure_fill(graph, c, &style, draw);
     }
     for (int c = 0; c < graph->cell_count; c++) {
         Vec2 ends[2];
         bool room = region_of(graph, c)->kind == REGION_ROOM || region_of(graph, c)->kind == REGION_OUTDOORS;
-        if (shallowest[c] <= 0 || !room || !cell_at(&graph->cells[c], z)) continue;
+        if (shallowest[c] <= 0 || !room || !figure_cuts(graph, c, z)) continue;
         if (!figure_sightline(graph, forest, witness[c], &scratch, ends)) continue;
         draw->line(draw->context, ends[0], ends[1], &SIGHTLINE);
         DrawStyle dot = {.fill = 0xcc2222, .fill_opacity = 1};

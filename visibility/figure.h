@@ -17,6 +17,17 @@ void figure_seen(const CellGraph *graph, const StabForest *forest, int root, dou
 void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box area, int max_depth,
                  const Draw *draw);
 
+// What figures are made of: of one cell or region, in a style of the caller's.
+bool figure_cuts(const CellGraph *graph, int cell, double z);  // is the cell there at height z?
+void figure_fill(const CellGraph *graph, int cell, const DrawStyle *style, const Draw *draw);
+void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw);
+// Each portal belongs to the first of its cells.
+void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw);
+// Where in the region and in the area a rectangle of that size has room, metres: as near to the region's middle as there
+// is a place.
+bool figure_name_place(const Building *building, int region, Box area, double width, double height,
+                       Vec2 *middle);
+
 // A line through all portals on the way to `node`, from inside the root cell to inside the node's, in plan.
 // Returns false for the root itself.
 bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,

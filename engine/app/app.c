@@ -1,6 +1,7 @@
 // app.c - loading with a cache, progress on a terminal, JSON and messages for the subcommands.
 #include "engine/app/app.h"
 
+#include <getopt.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -137,6 +138,12 @@ int app_misuse(const char *command, const char *format, ...) {
     va_end(args);
     fprintf(stderr, "Try `enfilade %s --help`.\n", command);
     return APP_BAD_USE;
+}
+
+int app_misuse_option(const char *command, int answer, char **argv) {
+    const char *option = argv[optind - 1];
+    if (answer == ':') return app_misuse(command, "%s: option `%s` needs a value", command, option);
+    return app_misuse(command, "%s: there is no option `%s`", command, option);
 }
 
 bool app_parse_number(const char *text, double low, double high, double *out) {

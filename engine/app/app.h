@@ -54,6 +54,9 @@ int app_fail(int code, const char *format, ...) __attribute__((format(printf, 2,
 // Wrong use: the sentence and how to get help.
 int app_misuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+// What getopt_long, whose options begin with a colon, answers to an option without its value (`:`) or without a meaning.
+int app_misuse_option(const char *command, int answer, char **argv);
+
 // Numbers on the command line: the whole text must be one. `low` and `high` included.
 bool app_parse_number(const char *text, double low, double high, double *out);
 bool app_parse_int(const char *text, int low, int high, int *out);

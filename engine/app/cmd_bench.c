@@ -11,18 +11,20 @@
 #include "visibility/hidden/gl_context.h"
 
 static const char HELP[] =
-    "usage: enfilade bench walk [FILE ...] [--size WxH] [--frames N]\n\n"
+    "usage: enfilade bench walk [FILE ...] [--size WxH] [--frames N] [--look NAME]\n\n"
     "Measures, and writes CSV with a header on standard output.\n\n"
     "  walk           each culling method along the auto tour of each building: polygons drawn, cells seen, "
     "time of\n"
     "                 the query and of the whole frame (default FILE: build/maps/office.plan)\n\n"
     "  --size WxH     of the frames, pixels, 16 to 8192 each (default 640x360)\n"
+    "  --look NAME    fast (default) or fine\n"
     "  --frames N     of the tour, evenly taken, 1 to 1000000 (default 200)\n";
 
 typedef struct Arguments {
     const char *name;
     char **files;
     int file_count, width, height, frames;
+    WalkLook look;
     bool help;
 } Arguments;
 
@@ -44,7 +46,8 @@ static bool measure(const AppScene *scene, const TourPath *path, const Arguments
         double start = clock_seconds();
         VisResult v = vis_query(query, &eye, cell, NULL, method);
         double asked = clock_seconds();
-        if (!walk_renderer_draw(renderer, &camera, v.objects, v.object_count, error)) return false;
+        if (!walk_renderer_draw(renderer, &camera, v.objects, v.object_count, a->look, error) ||
+            !walk_renderer_finish_scene(renderer, error)) return false;
         walk_renderer_finish();
         if (i < 0) continue;
         out->frame += clock_seconds() - start;
@@ -117,6 +120,7 @@ static int parse(int argc, char **argv, Arguments *a) {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, 's'},
                                             {"frames", required_argument, NULL, 'f'},
+                                            {"look", required_argument, NULL, 'l'},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
@@ -130,10 +134,13 @@ static int parse(int argc, char **argv, Arguments *a) {
         case 'f':
             if (app_parse_int(optarg, 1, 1000000, &a->frames)) break;
             return app_misuse("bench", "bench: --frames is `%s` (allowed 1 to 1000000)", optarg);
-        case ':':
-            return app_misuse("bench", "bench: option `%s` needs a value", argv[optind - 1]);
+        case 'l':
+            a->look = WALK_FAST;
+            while (a->look < WALK_LOOKS && strcmp(WALK_LOOK_NAMES[a->look], optarg) != 0) a->look++;
+            if (a->look < WALK_LOOKS) break;
+            return app_misuse("bench", "bench: --look is `%s` (allowed fast, fine)", optarg);
         default:
-            return app_misuse("bench", "bench: there is no option `%s`", argv[optind - 1]);
+            return app_misuse_option("bench", c, argv);
         }
     }
     if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: walk)");

@@ -42,7 +42,7 @@ int cmd_info(int argc, char **argv) {
             fputs(HELP, stdout);
             return APP_GOOD;
         default:
-            return app_misuse("info", "info: there is no option `%s`", argv[optind - 1]);
+            return app_misuse_option("info", c, argv);
         }
     }
     if (argc - optind != 1)

@@ -55,10 +55,8 @@ static int parse(int argc, char **argv, Arguments *a) {
         case 'w':
             if (app_parse_int(optarg, 100, 10000, &a->width)) break;
             return app_misuse("plan", "plan: --width is `%s` (allowed 100 to 10000)", optarg);
-        case ':':
-            return app_misuse("plan", "plan: option `%s` needs a value", argv[optind - 1]);
         default:
-            return app_misuse("plan", "plan: there is no option `%s`", argv[optind - 1]);
+            return app_misuse_option("plan", c, argv);
         }
     }
     if (argc - optind != 1)

@@ -50,10 +50,8 @@ static int parse(int argc, char **argv, Arguments *a) {
         case 'n':
             if (app_parse_int(optarg, 1, 10000000, &a->load.vis.max_nodes)) break;
             return app_misuse("vis", "vis: --max-nodes is `%s` (allowed 1 to 10000000)", optarg);
-        case ':':
-            return app_misuse("vis", "vis: option `%s` needs a value", argv[optind - 1]);
         default:
-            return app_misuse("vis", "vis: there is no option `%s`", argv[optind - 1]);
+            return app_misuse_option("vis", c, argv);
         }
     }
     if (argc - optind != 1)

@@ -1,38 +1,55 @@
-// cmd_walk.c - `enfilade walk FILE`: a walk through a building; for now off-screen, along a tour.
+// cmd_walk.c - `enfilade walk FILE`: a walk through a building, in a window or off-screen.
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "engine/app/app.h"
 #include "engine/walk/walk_offscreen.h"
+#include "engine/walk/walk_window.h"
 
 static const char HELP[] =
-    "usage: enfilade walk FILE --offscreen DIR [--tour auto|NAME] [OPTIONS]\n\n"
-    "Walks through a building and draws what is seen, without a window. `auto` visits every cell that a "
+    "usage: enfilade walk FILE [OPTIONS]\n"
+    "       enfilade walk FILE --offscreen DIR [--tour auto|NAME | --replay PATH] [OPTIONS]\n\n"
+    "Walks through a building, in a window or, off-screen, along a tour. `auto` visits every cell that a "
     "person\n"
-    "reaches through doors; NAME is a tour or viewpoint stored in the file.\n\n"
+    "reaches through doors; NAME is a tour or viewpoint stored in the file; PATH was recorded in the "
+    "window.\n\n"
+    "In both:\n"
+    "  --size WxH         pixels, 16 to 8192 each (window 1280x720; off-screen 960x540, with --verify "
+    "640x360)\n"
+    "  --look NAME        fast or fine (default: off-screen fine; in the window fast where OpenGL is "
+    "software)\n"
+    "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
+    "  --doors STATE      open (off-screen), closed, drawn (window) or random\n"
+    "  --replay PATH      follow a recorded path\n\n"
+    "In the window:\n"
+    "  --view NAME        begin at a stored viewpoint\n"
+    "  --pictures DIR     where screenshots and recorded paths go (default: the current folder)\n"
+    "  --scale S          of text, pixels to a point, 0.5 to 8 (default: what the screen says)\n"
+    "  --full-screen      fill the screen\n"
+    "  --no-vsync         do not wait for the screen\n"
+    "  --trace OUT        a JSON line ten times a second: place, doors, figures\n\n"
+    "Off-screen:\n"
     "  --offscreen DIR    write the frames to DIR/frame-00000.png ...\n"
     "  --tour NAME        auto (default), or the name of a stored tour or viewpoint\n"
-    "  --size WxH         pixels, 16 to 8192 each (default 960x540; with --verify 640x360)\n"
     "  --video OUT.mp4    also as a video, made by ffmpeg\n"
-    "  --fps N            frames of the video in a second, 1 to 240 (default 12)\n"
+    "  --fps N            frames of the video in a second, 1 to 240 (default 12; of a replay 60)\n"
     "  --every N          write each Nth frame only (default 1)\n"
     "  --step M           greatest way between two frames, metres, 0.01 to 10 (default 0.5)\n"
     "  --turn DEG         greatest turn between two frames, degrees, 1 to 60 (default 15)\n"
     "  --stats OUT.csv    a line a frame: place, cells, objects, polygons, times\n"
-    "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
-    "  --doors STATE      open (default), closed or random\n"
     "  --verify           draw each frame also with nothing culled and compare, in flat colours\n"
     "  --random N         then verify N random views as well (with --verify)\n"
     "  --raycast N        check N of these frames and views against rays, too (with --verify)\n"
     "  --seed N           of what is random (default 1)\n"
     "  --json             one JSON object on standard output\n\n"
-    "Exit status 1 also when --verify finds a difference.\n";
+    "Exit status 1 also when --verify finds a difference. Keys in the window:\n";
 
 typedef struct Arguments {
-    WalkOptions walk;
+    WalkOptions walk;      // off-screen
+    WindowOptions window;  // what both share is in `walk` until all is read
     const char *file;
-    bool json, help, sized;
+    bool json, help, sized, off_screen, toured;
 } Arguments;
 
 enum {
@@ -50,7 +67,15 @@ enum {
     VERIFY,
     RANDOM,
     RAYCAST,
-    SEED
+    SEED,
+    LOOK,
+    REPLAY,
+    VIEW,
+    PICTURES,
+    SCALE,
+    FULL_SCREEN,
+    NO_VSYNC,
+    TRACE
 };
 
 static int find_name(const char *const *names, int count, const char *name) {
@@ -85,6 +110,9 @@ static int take_number(Arguments *a, int c, const char *value) {
         if (!app_parse_number(value, 1, 60, &degrees)) return misuse_number("turn", value, "1 to 60 degrees");
         a->walk.path.turn = degrees * (M_PI / 180);
         return APP_GOOD;
+    case SCALE:
+        if (app_parse_number(value, 0.5, 8, &a->window.scale)) return APP_GOOD;
+        return misuse_number("scale", value, "0.5 to 8");
     case RANDOM:
         if (app_parse_int(value, 1, 10000000, &a->walk.random)) return APP_GOOD;
         return misuse_number("random", value, "1 to 10000000");
@@ -99,17 +127,64 @@ static int take_number(Arguments *a, int c, const char *value) {
     }
 }
 
-static int take(Arguments *a, int c, char **argv) {
+static int take_window(Arguments *a, int c, const char *value) {
+    switch (c) {
+    case VIEW:
+        a->window.session.view = value;
+        return APP_GOOD;
+    case PICTURES:
+        a->window.session.pictures = value;
+        return APP_GOOD;
+    case TRACE:
+        a->window.session.trace = value;
+        return APP_GOOD;
+    case FULL_SCREEN:
+        a->window.display.full_screen = true;
+        return APP_GOOD;
+    case NO_VSYNC:
+        a->window.display.vsync = false;
+        return APP_GOOD;
+    default:
+        return take_number(a, c, value);
+    }
+}
+
+static int take_name(Arguments *a, int c, const char *value) {
     int index;
+    switch (c) {
+    case METHOD:
+        index = find_name(VIS_METHOD_NAMES, VIS_METHODS, value);
+        if (index < 0) return misuse_number("method", value, "none, frustum, portals, plan, stab");
+        a->walk.method = (VisMethod)index;
+        return APP_GOOD;
+    case LOOK:
+        index = find_name(WALK_LOOK_NAMES, WALK_LOOKS, value);
+        if (index < 0) return misuse_number("look", value, "fast, fine");
+        a->walk.look = (WalkLook)index;
+        return APP_GOOD;
+    default:
+        index = find_name(WALK_DOORS_NAMES, WALK_DOORS, value);
+        if (index < 0) return misuse_number("doors", value, "open, closed, drawn, random");
+        a->walk.doors = (WalkDoors)index;
+        return APP_GOOD;
+    }
+}
+
+static int take(Arguments *a, int c, char **argv) {
     switch (c) {
     case 'j':
         a->json = true;
         return APP_GOOD;
     case OFFSCREEN:
         a->walk.folder = optarg;
+        a->off_screen = true;
         return APP_GOOD;
     case TOUR:
         a->walk.tour = optarg;
+        a->toured = true;
+        return APP_GOOD;
+    case REPLAY:
+        a->walk.replay = optarg;
         return APP_GOOD;
     case VIDEO:
         a->walk.video = optarg;
@@ -121,22 +196,33 @@ static int take(Arguments *a, int c, char **argv) {
         a->walk.verify = true;
         return APP_GOOD;
     case METHOD:
-        index = find_name(VIS_METHOD_NAMES, VIS_METHODS, optarg);
-        if (index < 0) return misuse_number("method", optarg, "none, frustum, portals, plan, stab");
-        a->walk.method = (VisMethod)index;
-        return APP_GOOD;
+    case LOOK:
     case DOORS:
-        index = find_name(WALK_DOORS_NAMES, WALK_DOORS, optarg);
-        if (index < 0) return misuse_number("doors", optarg, "open, closed, random");
-        a->walk.doors = (WalkDoors)index;
-        return APP_GOOD;
+        return take_name(a, c, optarg);
     case ':':
-        return app_misuse("walk", "walk: option `%s` needs a value", argv[optind - 1]);
     case '?':
-        return app_misuse("walk", "walk: there is no option `%s`", argv[optind - 1]);
+        return app_misuse_option("walk", c, argv);
     default:
-        return take_number(a, c, optarg);
+        return take_window(a, c, optarg);
     }
+}
+
+// What was asked for must go together.
+static int check(const Arguments *a) {
+    if (a->walk.random > 0 && !a->walk.verify) return app_misuse("walk", "walk: --random needs --verify");
+    if (a->walk.raycast > 0 && !a->walk.verify) return app_misuse("walk", "walk: --raycast needs --verify");
+    bool for_tours = a->toured || a->walk.video || a->walk.stats || a->walk.verify || a->json;
+    if (!a->off_screen && for_tours) {
+        return app_misuse("walk", "walk: --tour, --video, --stats, --verify and --json need --offscreen DIR: "
+                                  "they are not for the window");
+    }
+    bool for_window = a->window.session.view || a->window.session.trace || a->window.display.full_screen;
+    if (a->off_screen && for_window)
+        return app_misuse("walk",
+                          "walk: --view, --trace and --full-screen are for the window, not --offscreen");
+    if (a->toured && a->walk.replay)
+        return app_misuse("walk", "walk: --tour or --replay (one of them is allowed)");
+    return APP_GOOD;
 }
 
 static int parse(int argc, char **argv, Arguments *a) {
@@ -157,6 +243,14 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"random", required_argument, NULL, RANDOM},
                                             {"raycast", required_argument, NULL, RAYCAST},
                                             {"seed", required_argument, NULL, SEED},
+                                            {"look", required_argument, NULL, LOOK},
+                                            {"replay", required_argument, NULL, REPLAY},
+                                            {"view", required_argument, NULL, VIEW},
+                                            {"pictures", required_argument, NULL, PICTURES},
+                                            {"scale", required_argument, NULL, SCALE},
+                                            {"full-screen", no_argument, NULL, FULL_SCREEN},
+                                            {"no-vsync", no_argument, NULL, NO_VSYNC},
+                                            {"trace", required_argument, NULL, TRACE},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
@@ -170,13 +264,7 @@ static int parse(int argc, char **argv, Arguments *a) {
     if (argc - optind != 1)
         return app_misuse("walk", "walk: one building file is needed, %d were given", argc - optind);
     a->file = argv[optind];
-    if (!a->walk.folder) {
-        return app_misuse("walk",
-                          "walk: there is no window yet; draw a tour off-screen with --offscreen DIR");
-    }
-    if (a->walk.random > 0 && !a->walk.verify) return app_misuse("walk", "walk: --random needs --verify");
-    if (a->walk.raycast > 0 && !a->walk.verify) return app_misuse("walk", "walk: --raycast needs --verify");
-    return APP_GOOD;
+    return check(a);
 }
 
 static void print_json(const AppScene *scene, const WalkTotals *t) {
@@ -200,9 +288,10 @@ static void print_json(const AppScene *scene, const WalkTotals *t) {
 }
 
 static void print_result(const Arguments *a, const WalkTotals *t) {
-    printf("%d frames of tour `%s`; %.1f of %d polygons drawn in the mean (%.1f %%), query %.1f us, frame "
+    printf("%d frames of %s `%s`; %.1f of %d polygons drawn in the mean (%.1f %%), query %.1f us, frame "
            "%.1f ms\n",
-           t->frames, a->walk.tour, t->polygons_drawn_mean, t->polygons_total,
+           t->frames, a->walk.replay ? "path" : "tour", a->walk.replay ? a->walk.replay : a->walk.tour,
+           t->polygons_drawn_mean, t->polygons_total,
            t->polygons_total > 0 ? 100 * t->polygons_drawn_mean / t->polygons_total : 0, t->query_us_mean,
            t->frame_ms_mean);
     if (t->images > 0)
@@ -219,7 +308,7 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
     }
 }
 
-static bool run(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
+static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppOptions load = app_default_options();
     AppScene scene;
     if (!app_load(a->file, &load, arena, &scene, error)) return false;
@@ -235,22 +324,60 @@ static bool run(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     return true;
 }
 
+static bool load_scene(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
+    (void)context;
+    AppOptions load = app_default_options();
+    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
+    if (!app_load(path, &load, arena, scene, error)) return false;
+    *out = (WalkScene){&scene->graph, &scene->forest};
+    return true;
+}
+
+static bool open_window(Arguments *a, Arena *arena, Error *error) {
+    SessionLoader loader = {load_scene, NULL};
+    SessionOptions *session = &a->window.session;
+    session->file = a->file;
+    session->replay = a->walk.replay;
+    session->method = a->walk.method;
+    session->full_screen = a->window.display.full_screen;
+    if (a->walk.look != WALK_LOOKS) session->look = a->walk.look;
+    if (a->walk.doors != WALK_DOORS) session->doors = a->walk.doors;
+    a->window.display.title = arena_format(arena, "%s - Enfilade", a->file);
+    if (a->sized) {
+        a->window.display.width = a->walk.width;
+        a->window.display.height = a->walk.height;
+    }
+    return walk_window(&a->window, &loader, arena, error);
+}
+
+static void print_help(void) {
+    fputs(HELP, stdout);
+    for (int i = 0; i < SESSION_KEY_COUNT; i++)
+        printf("  %-18s %s\n", SESSION_KEYS[i].keys, SESSION_KEYS[i].action);
+}
+
 int cmd_walk(int argc, char **argv) {
-    Arguments a = {.walk = walk_default_options()};
+    Arguments a = {.walk = walk_default_options(), .window = window_default_options()};
+    a.walk.look = WALK_LOOKS;
+    a.walk.doors = WALK_DOORS;
     int code = parse(argc, argv, &a);
     if (code != APP_GOOD) return code;
     if (a.help) {
-        fputs(HELP, stdout);
+        print_help();
         return APP_GOOD;
     }
-    if (a.walk.verify && !a.sized) {
-        a.walk.width = 640;
-        a.walk.height = 360;
-    }
     Arena arena = {0};
-    WalkTotals totals;
+    WalkTotals totals = {0};
     Error error;
-    bool good = run(&a, &arena, &totals, &error);
+    bool good;
+    if (a.off_screen) {
+        if (a.walk.verify && !a.sized) a.walk.width = 640, a.walk.height = 360;
+        if (a.walk.look == WALK_LOOKS) a.walk.look = WALK_FINE;
+        if (a.walk.doors == WALK_DOORS) a.walk.doors = WALK_DOORS_OPEN;
+        good = draw_tour(&a, &arena, &totals, &error);
+    } else {
+        good = open_window(&a, &arena, &error);
+    }
     if (!good) app_fail(APP_BAD_INPUT, "%s", error.text);
     if (good && totals.bad_frames > 0) {
         app_fail(APP_BAD_INPUT, "%d frames differ from the unculled ones; %s", totals.bad_frames,

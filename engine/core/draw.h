@@ -20,6 +20,7 @@ typedef struct Draw {
     // Centred at `at`, `size` metres high.
     void (*text)(void *context, Vec2 at, double size, unsigned colour, const char *text);
     void *context;
+    double (*text_width)(void *context, double size, const char *text);  // metres; NULL: not known
 } Draw;
 
 typedef struct SvgDrawing SvgDrawing;

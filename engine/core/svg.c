@@ -88,7 +88,7 @@ static void draw_text(void *context, Vec2 at, double size, unsigned colour, cons
     text_append(&svg->text, "</text>\n");
 }
 
-Draw svg_draw(SvgDrawing *svg) { return (Draw){draw_polygon, draw_line, draw_circle, draw_text, svg}; }
+Draw svg_draw(SvgDrawing *svg) { return (Draw){draw_polygon, draw_line, draw_circle, draw_text, svg, NULL}; }
 
 const char *svg_end(SvgDrawing *svg) {
     text_append(&svg->text, "</svg>\n");

@@ -46,8 +46,6 @@ typedef struct RandomView {
     float *door_open;  // [opening_count]
 } RandomView;
 // `out->door_open` must have room. False when the graph has no place of the kind drawn: draw again.
-// How far a door is open: closed, wide open, or anything between, hardly open too.
-float walk_random_share(Random *random);
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out);
 
 #endif

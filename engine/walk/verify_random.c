@@ -2,6 +2,7 @@
 // tenth of a millimetre: an eye in a wall's own plane sees into the wall, and there is nothing to be right about.
 #include <string.h>
 
+#include "engine/walk/door_states.h"
 #include "engine/walk/verify.h"
 
 // How near corners the eyes come, metres.
@@ -154,13 +155,6 @@ static const struct {
              {"door leaf", door_leaf},
              {"outdoors", outdoors}};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
-
-float walk_random_share(Random *random) {
-    int state = random_index(random, 4);
-    // Half of the doors at any angle, some of them hardly open.
-    float share = (float)random_unit(random), ajar = share * share * share * share;
-    return state == 0 ? 0 : state == 1 ? 1 : state == 2 ? share : fmaxf(ajar, 1e-6f);
-}
 
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out) {
     int kind = random_index(random, KIND_COUNT), mood = random_index(random, 3);

@@ -2,10 +2,27 @@
 // size pleasantly bright, so that a plan can be looked at before its light is computed.
 #include "engine/walk/walk_lights.h"
 
+#include "engine/core/polygon.h"
+
 // A lamp let into a ceiling is found in the room below: how far down to look, metres.
 #define LAMP_DROP 0.4
-// More lamps than this in one room are not told apart; the shader's loop stays short.
-#define LAMPS_IN_ROOM 8
+// A polygon that emits is a lamp this far in front of it, metres: the ceiling around a panel is lit a little too.
+#define LAMP_FRONT 0.15
+// Lamps nearer than this are one, metres: the arms of a chandelier, the parts of a panel that spans cells.
+#define LAMP_JOIN 0.7
+// So many lamps in one room are told apart, so that the shader's loop stays short; others join the nearest.
+enum { LAMPS_IN_ROOM = 8 };
+
+typedef struct Lamp {
+    Vec3 position;
+    Rgb flux;
+    double weight;  // of what joined so far
+} Lamp;
+
+typedef struct RoomLamps {
+    Lamp lamps[LAMPS_IN_ROOM];
+    int count;
+} RoomLamps;
 
 static int region_at(const CellGraph *graph, Vec3 p) {
     int cell = vis_locate(graph, p, -1);
@@ -40,37 +57,101 @@ static int lamp_region(const CellGraph *graph, Vec3 p) {
     return -1;
 }
 
-WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena) {
+static float brightest(Rgb c) { return fmaxf(c.r, fmaxf(c.g, c.b)); }
+
+static void add_lamp(RoomLamps *room, Vec3 position, Rgb flux) {
+    Lamp *nearest = NULL;
+    double distance = INFINITY, weight = fmax((double)brightest(flux), 1e-6);
+    for (int i = 0; i < room->count; i++) {
+        double d = vec3_length(vec3_sub(room->lamps[i].position, position));
+        if (d >= distance) continue;
+        distance = d;
+        nearest = &room->lamps[i];
+    }
+    if (distance > LAMP_JOIN && room->count < LAMPS_IN_ROOM) {
+        room->lamps[room->count++] = (Lamp){position, flux, weight};
+        return;
+    }
+    nearest->weight += weight;
+    nearest->position = vec3_lerp(nearest->position, position, weight / nearest->weight);
+    nearest->flux = (Rgb){nearest->flux.r + flux.r, nearest->flux.g + flux.g, nearest->flux.b + flux.b};
+}
+
+// Lamps of the building's own list are drawn with a glowing shade, which is no second lamp.
+static bool has_light(const Building *b, int object) {
+    for (int i = 0; i < b->light_count; i++) {
+        if (b->lights[i].object == object) return true;
+    }
+    return false;
+}
+
+static void add_emitters(const CellGraph *graph, int object, const int *region, RoomLamps *rooms) {
     const Building *b = graph->building;
-    WalkLights lights = {.lamps = ARENA_ARRAY(arena, WalkLamp, b->light_count + 1),
-                         .first = ARENA_ARRAY(arena, int, graph->object_count + 1),
-                         .count = ARENA_ARRAY(arena, int, graph->object_count + 1),
-                         .outdoors = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1)};
-    int *region = ARENA_ARRAY(arena, int, graph->object_count + 1),
-        *home = ARENA_ARRAY(arena, int, b->light_count + 1);
-    int *first = ARENA_ARRAY(arena, int, b->region_count + 1),
-        *count = ARENA_ARRAY(arena, int, b->region_count + 1);
-    find_regions(graph, region);
-    for (int i = 0; i < b->light_count; i++) home[i] = lamp_region(graph, b->lights[i].position);
-    for (int r = 0; r < b->region_count; r++) {
-        first[r] = lights.lamp_count;
-        for (int i = 0; i < b->light_count && lights.lamp_count - first[r] < LAMPS_IN_ROOM; i++) {
-            if (home[i] != r) continue;
-            Vec3 p = vec3_sub(b->lights[i].position, origin);
-            Rgb flux = b->lights[i].flux;
-            float most = fmaxf(fmaxf(flux.r, flux.g), fmaxf(flux.b, 1e-6f));
-            lights.lamps[lights.lamp_count++] = (WalkLamp){
-                {(float)p.x, (float)p.y, (float)p.z}, 1, {flux.r / most, flux.g / most, flux.b / most}, 0};
-        }
-        count[r] = lights.lamp_count - first[r];
-        for (int k = first[r]; k < lights.lamp_count; k++)
-            lights.lamps[k].strength = 1 / sqrtf((float)count[r]);
+    const Object *o = &graph->objects[object];
+    for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        Rgb e = b->materials[p->material].emission;
+        if (brightest(e) <= 0) continue;
+        const Vec3 *v = graph->vertices + p->first_vertex;
+        Vec3 middle = vec3(0, 0, 0);
+        for (int k = 0; k < p->vertex_count; k++) middle = vec3_add(middle, v[k]);
+        Vec3 front = vec3_scale(plane_of_polygon(v, p->vertex_count).n, LAMP_FRONT);
+        middle = vec3_add(vec3_scale(middle, 1.0 / p->vertex_count), front);
+        int in = o->kind == OBJECT_SURFACE ? region[object] : region_at(graph, middle);
+        if (in < 0 || b->regions[in].kind != REGION_ROOM) continue;
+        float area = (float)polygon_area(v, p->vertex_count);
+        add_lamp(&rooms[in], middle, (Rgb){e.r * area, e.g * area, e.b * area});
+    }
+}
+
+static RoomLamps *find_lamps(const CellGraph *graph, const int *region, Arena *scratch) {
+    const Building *b = graph->building;
+    RoomLamps *rooms = ARENA_ARRAY(scratch, RoomLamps, b->region_count + 1);
+    for (int i = 0; i < b->light_count; i++) {
+        int in = lamp_region(graph, b->lights[i].position);
+        if (in >= 0) add_lamp(&rooms[in], b->lights[i].position, b->lights[i].flux);
     }
     for (int o = 0; o < graph->object_count; o++) {
-        if (region[o] < 0) continue;
-        lights.first[o] = first[region[o]];
-        lights.count[o] = count[region[o]];
-        lights.outdoors[o] = b->regions[region[o]].kind == REGION_OUTDOORS;
+        if (!has_light(b, o)) add_emitters(graph, o, region, rooms);
     }
+    return rooms;
+}
+
+// The lamps of a room share what makes it bright by their flux; more of them make it a little brighter.
+static void write_lamps(const RoomLamps *room, Vec3 origin, WalkLamp *out) {
+    double sum = 0;
+    for (int i = 0; i < room->count; i++) sum += room->lamps[i].weight;
+    for (int i = 0; i < room->count; i++) {
+        const Lamp *lamp = &room->lamps[i];
+        Vec3 p = vec3_sub(lamp->position, origin);
+        float most = fmaxf(brightest(lamp->flux), 1e-6f);
+        out[i] = (WalkLamp){{(float)p.x, (float)p.y, (float)p.z},
+                            (float)(sqrt(room->count) * lamp->weight / sum),
+                            {lamp->flux.r / most, lamp->flux.g / most, lamp->flux.b / most},
+                            0};
+    }
+}
+
+WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena) {
+    int objects = graph->object_count, regions = graph->building->region_count;
+    Arena scratch = {0};
+    WalkLights lights = {.region = ARENA_ARRAY(arena, int, objects + 1),
+                         .first = ARENA_ARRAY(arena, int, objects + 1),
+                         .count = ARENA_ARRAY(arena, int, objects + 1)};
+    find_regions(graph, lights.region);
+    const RoomLamps *rooms = find_lamps(graph, lights.region, &scratch);
+    int *first = ARENA_ARRAY(&scratch, int, regions + 1);
+    for (int r = 0; r < regions; r++) {
+        first[r] = lights.lamp_count;
+        lights.lamp_count += rooms[r].count;
+    }
+    lights.lamps = ARENA_ARRAY(arena, WalkLamp, lights.lamp_count + 1);
+    for (int r = 0; r < regions; r++) write_lamps(&rooms[r], origin, lights.lamps + first[r]);
+    for (int o = 0; o < objects; o++) {
+        if (lights.region[o] < 0) continue;
+        lights.first[o] = first[lights.region[o]];
+        lights.count[o] = rooms[lights.region[o]].count;
+    }
+    arena_free(&scratch);
     return lights;
 }

@@ -12,12 +12,13 @@ typedef struct WalkLamp {
 } WalkLamp;
 
 typedef struct WalkLights {
-    WalkLamp *lamps;          // [lamp_count] by region
-    int *first, *count;       // [object_count] a run of lamps
-    unsigned char *outdoors;  // [object_count] under the sky
+    WalkLamp *lamps;     // [lamp_count] by region
+    int *region;         // [object_count] where it is, -1: in none
+    int *first, *count;  // [object_count] a run of lamps
     int lamp_count;
 } WalkLights;
 
+// The lamps are the building's lights, and polygons that emit (panels let into a ceiling), where they face a room.
 WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena);
 
 #endif

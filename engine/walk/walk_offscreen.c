@@ -6,22 +6,24 @@
 #include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "engine/walk/image.h"
+#include "engine/walk/recording.h"
 #include "engine/walk/verify.h"
 #include "engine/walk/video.h"
 #include "engine/walk/walk_renderer.h"
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/raycast.h"
 
-const char *const WALK_DOORS_NAMES[WALK_DOORS] = {"open", "closed", "random"};
+// Frames of a tour in a second of video.
+enum { USUAL_RATE = 12 };
 
 WalkOptions walk_default_options(void) {
     return (WalkOptions){.tour = "auto",
                          .width = 960,
                          .height = 540,
                          .every = 1,
-                         .frames_per_second = 12,
                          .seed = 1,
                          .method = VIS_STAB,
+                         .look = WALK_FINE,
                          .path = tour_default_options()};
 }
 
@@ -44,6 +46,7 @@ typedef struct Walk {
     Video *video;
     uint8_t *rgb;
     float *door_open;
+    Recording *replay;  // or NULL
     Text stats;
     int cell, planned;  // planned: frames and random views to be verified
     Arena rays;
@@ -125,8 +128,12 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
     *out = (Frame){.visible = vis_query(w->query, &eye, w->cell, w->door_open, w->options->method),
                    .missing = -1};
     double asked = clock_seconds();
-    if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count, error))
+    walk_renderer_pose(w->renderer, w->door_open);
+    if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count,
+                            w->options->look, error) ||
+        !walk_renderer_finish_scene(w->renderer, error)) {
         return false;
+    }
     walk_renderer_finish();
     out->query_seconds = asked - start;
     out->draw_seconds = clock_seconds() - asked;
@@ -161,6 +168,7 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         const TourFrame *at = &path->frames[i];
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
         w->cell = vis_locate(w->graph, at->eye, w->cell);
+        if (w->replay) recording_doors(w->replay, i, w->door_open);
         Frame frame;
         bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
                               : draw_frame(w, &camera, &frame, error);
@@ -196,13 +204,19 @@ static bool run_random(Walk *w, const Progress *progress, Error *error) {
 
 // ---- set-up
 
+static bool read_replay(const CellGraph *graph, const char *file, Arena *arena, Recording **out,
+                        TourPath *path, Error *error) {
+    *out = recording_load(file, graph->building, arena, error);
+    if (!*out) return false;
+    *path = (TourPath){.frames = (*out)->frames, .frame_count = (*out)->frame_count};
+    return true;
+}
+
 static void set_doors(Walk *w) {
     Random random = {w->options->seed};
-    for (int i = 0; i < w->graph->building->opening_count; i++) {
-        float random_share = walk_random_share(&random);
-        const float share[WALK_DOORS] = {[WALK_DOORS_OPEN] = 1, [WALK_DOORS_RANDOM] = random_share};
-        w->door_open[i] = share[w->options->doors];
-    }
+    const Building *b = w->graph->building;
+    for (int i = 0; i < b->opening_count; i++)
+        w->door_open[i] = walk_door_share(b, i, w->options->doors, &random);
 }
 
 static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
@@ -219,7 +233,9 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->renderer) return false;
     }
     if (!o->video) return true;
-    w->video = video_begin(o->video, o->width, o->height, o->frames_per_second, w->arena, error);
+    int usual = w->replay ? RECORDING_TICKS : USUAL_RATE;
+    int rate = o->frames_per_second > 0 ? o->frames_per_second : usual;
+    w->video = video_begin(o->video, o->width, o->height, rate, w->arena, error);
     return w->video != NULL;
 }
 
@@ -236,7 +252,11 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
     CORE_ASSERT(options->every >= 1 && options->width >= 1 && options->height >= 1);
     *out = (WalkTotals){.polygons_total = graph->polygon_count};
     TourPath path;
-    if (!tour_make(graph, options->tour, &options->path, arena, &path, error)) return false;
+    Recording *replay = NULL;
+    if (options->replay ? !read_replay(graph, options->replay, arena, &replay, &path, error)
+                        : !tour_make(graph, options->tour, &options->path, arena, &path, error)) {
+        return false;
+    }
     out->reachable_cells = path.reachable_count;
     out->visited_cells = path.visited_count;
     Walk w = {.graph = graph,
@@ -244,10 +264,11 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
               .arena = arena,
               .totals = out,
               .stats = {.arena = arena},
+              .replay = replay,
               .cell = -1};
     w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
     w.door_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
-    set_doors(&w);
+    if (!replay) set_doors(&w);  // a recorded path begins with all closed and says what is not
     w.planned = path.frame_count + options->random;
     bool good = open_drawing(&w, forest, error) && run_tour(&w, &path, progress, error) &&
                 run_random(&w, progress, error);

@@ -2,25 +2,26 @@
 #ifndef WALK_OFFSCREEN_H
 #define WALK_OFFSCREEN_H
 
+#include "engine/walk/door_states.h"
 #include "engine/walk/tour.h"
-
-typedef enum WalkDoors { WALK_DOORS_OPEN, WALK_DOORS_CLOSED, WALK_DOORS_RANDOM, WALK_DOORS } WalkDoors;
-extern const char *const WALK_DOORS_NAMES[WALK_DOORS];
+#include "engine/walk/walk_renderer.h"
 
 typedef struct WalkOptions {
     const char *tour;       // see tour_make
+    const char *replay;     // a recorded path to draw instead, or NULL
     const char *folder;     // frames go to frame-00000.png ... here; made if missing; NULL: none are written
     const char *video;      // an MP4 file, or NULL
     const char *stats;      // a CSV file, a line a frame, or NULL
     int width, height;      // pixels, 16 .. 8192
     int every;              // write and film each nth frame only, 1 ..
-    int frames_per_second;  // of the video, 1 .. 240
+    int frames_per_second;  // of the video, 1 .. 240; 0: 12, of a recorded path as many as it has
     bool verify;            // each frame also without culling, flat colours, compared
     int random;             // then so many random views, verified only
     int raycast;            // so many of the verified frames, spread evenly, also against rays
     uint64_t seed;          // of random views and random doors
     WalkDoors doors;
     VisMethod method;
+    WalkLook look;
     TourOptions path;
 } WalkOptions;
 WalkOptions walk_default_options(void);

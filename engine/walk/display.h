@@ -1,0 +1,117 @@
+// display.h - where frames go and events come from: a window (GLFW) or memory (OSMesa), behind one small interface.
+// One renderer and one session stand above both and know neither.
+#ifndef WALK_DISPLAY_H
+#define WALK_DISPLAY_H
+
+#include "engine/core/arena.h"
+#include "engine/core/error.h"
+
+// Keys are places on the keyboard, named after what an American one prints there: so W A S D lie under the hand on
+// every layout, and digits need no shift. Capitals, digits, blank and -=[];',./\` are their ASCII codes (those of the
+// keypad too), other keys have names.
+typedef enum DisplayKey {
+    DISPLAY_KEY_ESCAPE = 128,
+    DISPLAY_KEY_ENTER,
+    DISPLAY_KEY_TAB,
+    DISPLAY_KEY_BACKSPACE,
+    DISPLAY_KEY_INSERT,
+    DISPLAY_KEY_DELETE,
+    DISPLAY_KEY_RIGHT,
+    DISPLAY_KEY_LEFT,
+    DISPLAY_KEY_DOWN,
+    DISPLAY_KEY_UP,
+    DISPLAY_KEY_PAGE_UP,
+    DISPLAY_KEY_PAGE_DOWN,
+    DISPLAY_KEY_HOME,
+    DISPLAY_KEY_END,
+    DISPLAY_KEY_LEFT_SHIFT,
+    DISPLAY_KEY_RIGHT_SHIFT,
+    DISPLAY_KEY_LEFT_CONTROL,
+    DISPLAY_KEY_RIGHT_CONTROL,
+    DISPLAY_KEY_LEFT_ALT,
+    DISPLAY_KEY_RIGHT_ALT,
+    DISPLAY_KEY_F1,
+    DISPLAY_KEY_F2,
+    DISPLAY_KEY_F3,
+    DISPLAY_KEY_F4,
+    DISPLAY_KEY_F5,
+    DISPLAY_KEY_F6,
+    DISPLAY_KEY_F7,
+    DISPLAY_KEY_F8,
+    DISPLAY_KEY_F9,
+    DISPLAY_KEY_F10,
+    DISPLAY_KEY_F11,
+    DISPLAY_KEY_F12,
+    DISPLAY_BUTTON_LEFT,
+    DISPLAY_BUTTON_RIGHT,
+    DISPLAY_BUTTON_MIDDLE,
+    DISPLAY_KEYS
+} DisplayKey;
+
+typedef enum DisplayEventKind {
+    DISPLAY_KEY_PRESSED,   // `key`, once for a press however long it is held
+    DISPLAY_KEY_RELEASED,  // `key`, once for each press: when the focus is lost with the key down, too
+    DISPLAY_BUTTON_PRESSED,
+    DISPLAY_BUTTON_RELEASED,
+    DISPLAY_LOOK,      // the mouse went `x` points to the right and `y` down; only while it is held
+    DISPLAY_SCROLLED,  // `x`, `y` notches of the wheel; y > 0 away from the hand
+    DISPLAY_RESIZED,   // now `x` by `y` pixels
+    DISPLAY_FOCUS_LOST,
+    DISPLAY_FOCUS_GAINED,
+    DISPLAY_CLOSED  // somebody wants it closed
+} DisplayEventKind;
+
+typedef struct DisplayEvent {
+    DisplayEventKind kind;
+    int key;  // DisplayKey
+    double x, y;
+} DisplayEvent;
+
+// An event that an off-screen display delivers once its clock has come to `at`.
+typedef struct DisplayCue {
+    double at;  // seconds
+    DisplayEvent event;
+} DisplayCue;
+
+typedef struct DisplayOptions {
+    const char *title;
+    int width, height;  // points, 1 .. 8192
+    bool full_screen;
+    bool vsync;              // present waits for the screen: frames neither tear nor come in vain
+    double scale;            // off-screen: pixels to a point; a window asks its screen
+    const DisplayCue *cues;  // off-screen: [cue_count] in order of time
+    int cue_count;
+} DisplayOptions;
+DisplayOptions display_default_options(void);
+
+typedef struct DisplaySize {
+    int width, height;  // pixels; 0 by 0 while it is minimised
+    double scale;       // pixels to a point
+} DisplaySize;
+
+typedef struct Display Display;
+typedef struct DisplayBackEnd DisplayBackEnd;  // see display_back_end.h
+
+extern const DisplayBackEnd DISPLAY_GLFW, DISPLAY_OFFSCREEN;
+extern const DisplayBackEnd *const DISPLAY_BACK_ENDS[];  // ends with NULL
+const DisplayBackEnd *display_find(const char *name);    // NULL: no such back end
+
+// In the thread where the program began: windows want that. Its OpenGL 3.3 core context is current, with functions
+// loaded, until another is made so. NULL with the reason.
+Display *display_open(const DisplayBackEnd *back_end, const DisplayOptions *options, Arena *arena,
+                      Error *error);
+void display_close(Display *display);  // with all that was made in its context; NULL is allowed
+
+DisplaySize display_size(const Display *display);
+unsigned display_framebuffer(const Display *display);  // what is drawn into this one, upright, is shown
+// False: no more for now. Ask until then, once a frame.
+bool display_next_event(Display *display, DisplayEvent *out);
+void display_present(Display *display);
+// Seconds since it was opened. Off-screen each present takes a sixtieth of a second, so that a walk driven by cues
+// comes out the same every time.
+double display_seconds(const Display *display);
+void display_hold_mouse(Display *display, bool held);  // out of sight, and its motion without bounds
+void display_fill_screen(Display *display, bool full);
+void display_title(Display *display, const char *title);
+
+#endif

@@ -1,0 +1,30 @@
+// plan_view.h - the plan of a storey as a map: where the eye is, which way it looks, what it sees, how doors stand.
+#ifndef WALK_PLAN_VIEW_H
+#define WALK_PLAN_VIEW_H
+
+#include "engine/core/draw.h"
+#include "visibility/vis.h"
+
+typedef struct PlanView {
+    const CellGraph *graph;
+    const StabForest *forest;  // the stab tree of the eye's cell is drawn; NULL: no tree
+    const VisResult *visible;  // its cells are drawn; NULL: none
+    const float *door_open;    // as for vis_query
+    Vec3 eye;
+    double yaw, fov;  // radians, see Viewpoint
+    int cell;         // the eye's, or -1
+    int storey;       // the one to show
+} PlanView;
+
+// The storey of a place: that of its cell, or under the sky the highest whose floor is not above the eye; -1 in a
+// building without storeys, of which there is no plan.
+int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye);
+
+// The rooms of the storey and the eye, with a margin; of what is larger than `most` metres a window around the eye.
+// Heights do not matter.
+Box plan_view_area(const PlanView *view, double most);
+
+// `area` is what shows of the plan; a `point`, metres of plan, is the unit of the lines and letters.
+void plan_view_draw(const PlanView *view, Box area, double point, Arena *scratch, const Draw *draw);
+
+#endif

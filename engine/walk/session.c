@@ -1,0 +1,111 @@
+// session.c - time, and what is said.
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <glad/gl.h>
+
+#include "engine/walk/session_state.h"
+
+// A window that stood still for longer than this has not been walked in meanwhile, seconds.
+static const double LONGEST_STALL = 0.25;
+// Of keys that turn the head, radians a second.
+static const double TURN = 1.8;
+static const double USUAL_FOV = 75 * M_PI / 180;
+
+SessionOptions session_default_options(void) {
+    return (SessionOptions){
+        .pictures = ".", .doors = WALK_DOORS_DRAWN, .method = VIS_STAB, .look = WALK_LOOKS};
+}
+
+void session_say(Session *s, bool error, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(s->message, sizeof s->message, format, args);
+    va_end(args);
+    s->message_is_error = error;
+    s->message_since = s->now;
+}
+
+// By software the fine look takes a tenth of a second.
+static WalkLook usual_look(void) {
+    const char *name = (const char *)glGetString(GL_RENDERER);
+    bool software = !name || strstr(name, "llvmpipe") || strstr(name, "softpipe") || strstr(name, "SWR");
+    return software ? WALK_FAST : WALK_FINE;
+}
+
+static bool open_session(Session *s, Error *error) {
+    s->shown = shown_load(s, error);
+    if (!s->shown) return false;
+    s->overlay = overlay_new(s->arena, error);
+    if (!s->overlay) return false;
+    if (s->options.trace && !(s->trace = fopen(s->options.trace, "w")))
+        return error_set(error, "%s: cannot be written", s->options.trace);
+    session_start(s);
+    if (s->options.view && !session_jump_to(s, s->options.view, error)) return false;
+    return !s->options.replay || session_follow(s, s->options.replay, error);
+}
+
+Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error) {
+    Session *s = ARENA_ARRAY(arena, Session, 1);
+    *s = (Session){.options = *options,
+                   .loader = *loader,
+                   .arena = arena,
+                   .person = {.cell = -1},
+                   .fov = USUAL_FOV,
+                   .method = options->method,
+                   .look = options->look == WALK_LOOKS ? usual_look() : options->look,
+                   .plan = true,
+                   .statistics = true,
+                   .full_screen = options->full_screen,
+                   .now = -1,
+                   .watch = file_watch_begin(options->file)};
+    if (open_session(s, error)) return s;
+    session_free(s);
+    return NULL;
+}
+
+void session_free(Session *s) {
+    if (!s) return;
+    if (s->recording) session_record(s);
+    if (s->trace) fclose(s->trace);
+    overlay_free(s->overlay);
+    shown_free(s->shown);
+    arena_free(&s->recording_arena);
+    arena_free(&s->replay_arena);
+    arena_free(&s->frame_arena);
+}
+
+// ---- time
+
+static double held(const Session *s, Held more, Held less) {
+    return (s->held[more] > 0) - (s->held[less] > 0);
+}
+
+static void tick(Session *s) {
+    const double seconds = 1.0 / SESSION_TICKS;
+    Shown *shown = s->shown;
+    s->tick++;
+    if (session_replay_tick(s)) return;
+    PersonWish wish = {.forward = held(s, HELD_FORWARD, HELD_BACK),
+                       .right = held(s, HELD_RIGHT, HELD_LEFT),
+                       .up = held(s, HELD_UP, HELD_DOWN),
+                       .hurry = s->held[HELD_HURRY] > 0};
+    person_look(&s->person, TURN * seconds * held(s, HELD_TURN_LEFT, HELD_TURN_RIGHT), 0);
+    person_tick(&s->person, &shown->world, &wish, seconds);
+    doors_advance(&shown->doors, seconds, s->person.flying ? NULL : &s->person.body);
+    session_record_tick(s);
+}
+
+void session_advance(Session *s, double now) {
+    if (s->now < 0) s->now = s->message_since = now;
+    double passed = now - s->now;
+    s->now = now;
+    s->behind += fmin(fmax(passed, 0), LONGEST_STALL);
+    for (; s->behind >= 1.0 / SESSION_TICKS; s->behind -= 1.0 / SESSION_TICKS) tick(s);
+    session_watch(s);
+    session_trace(s);
+}
+
+bool session_wants_mouse(const Session *s) { return s->mouse; }
+bool session_wants_full_screen(const Session *s) { return s->full_screen; }
+bool session_ended(const Session *s) { return s->ended; }

@@ -1,0 +1,60 @@
+// session.h - a walk under way: a building, who walks in it, its doors, and what is shown of all that. It knows no
+// window: events go in, frames come out, so that a test drives it as a person does.
+#ifndef WALK_SESSION_H
+#define WALK_SESSION_H
+
+#include "engine/walk/display.h"
+#include "engine/walk/hud.h"
+#include "engine/walk/walk_offscreen.h"
+#include "engine/walk/walk_renderer.h"
+
+// What is walked through. All live as long as the arena they were loaded into.
+typedef struct WalkScene {
+    const CellGraph *graph;
+    const StabForest *forest;
+} WalkScene;
+
+typedef struct SessionLoader {
+    bool (*load)(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
+    void *context;
+} SessionLoader;
+
+typedef struct SessionOptions {
+    const char *file;      // shown, and watched for changes
+    const char *view;      // the stored viewpoint to begin at, or NULL: where the building says
+    const char *replay;    // a recorded path to follow from the start, or NULL
+    const char *pictures;  // folder for screenshots and recorded paths; made when the first is written
+    const char *trace;     // a file that gets a JSON line ten times a second, or NULL
+    WalkDoors doors;
+    VisMethod method;
+    WalkLook look;     // WALK_LOOKS: what the OpenGL at hand can do
+    bool full_screen;  // to begin with
+} SessionOptions;
+SessionOptions session_default_options(void);
+
+typedef struct Session Session;
+
+// In the current OpenGL context, in which it is freed too. Fails when the building cannot be read.
+Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error);
+void session_free(Session *session);  // NULL is allowed; a recording under way is kept
+
+void session_event(Session *session, const DisplayEvent *event);
+// Time goes on, in ticks of a hundredth of a second or so; a long stall counts as a short one. `now` is of a clock that
+// only goes forward, seconds.
+void session_advance(Session *session, double now);
+// Draws a frame of so many pixels, `scale` of them to a point. Allocates only when something was loaded or resized.
+bool session_draw(Session *session, int width, int height, double scale, Error *error);
+// What was drawn: to a framebuffer of the window, or as [height * width * 3] sRGB, rows from the top.
+void session_show(Session *session, unsigned framebuffer, int width, int height);
+bool session_read(Session *session, uint8_t *rgb, Error *error);
+
+// What the window is to do: hold the mouse, fill the screen, close.
+bool session_wants_mouse(const Session *session);
+bool session_wants_full_screen(const Session *session);
+bool session_ended(const Session *session);
+
+// What the keys do: for the help on the screen and in the terminal.
+extern const HudKey SESSION_KEYS[];
+extern const int SESSION_KEY_COUNT;
+
+#endif

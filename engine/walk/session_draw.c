@@ -1,0 +1,126 @@
+// session_draw.c - a frame: what is visible, the building, and over it what the keys asked for.
+#include "engine/core/clock.h"
+#include "engine/walk/session_state.h"
+#include "engine/walk/view.h"
+
+// Weight of the newest frame in the figures shown.
+static const double FRESH = 0.1;
+static const float HIDDEN_COLOUR[4] = {1.0f, 0.35f, 0.2f, 0.5f};
+
+static void smooth(double *figure, double now) { *figure += (*figure == 0 ? 1 : FRESH) * (now - *figure); }
+
+int session_flags(const Session *s, const char **out) {
+    int count = 0;
+    if (s->frozen) out[count++] = "frozen";
+    if (s->method != VIS_STAB) out[count++] = VIS_METHOD_NAMES[s->method];
+    if (s->person.flying) out[count++] = "flight";
+    if (s->wireframe) out[count++] = "wireframe";
+    if (s->stab_tree) out[count++] = "stab tree";
+    if (s->replay) out[count++] = "replay";
+    return count;
+}
+
+static void ask(Session *s, const Camera *camera) {
+    if (s->frozen && s->visible.objects) return;
+    Eye eye = walk_eye(camera);
+    double start = clock_seconds();
+    s->visible = vis_query(s->shown->query, &eye, s->person.cell, s->shown->doors.open, s->method);
+    smooth(&s->query_us, 1e6 * (clock_seconds() - start));
+}
+
+// The surfaces of cells that are not in the visible set.
+static bool draw_hidden(Session *s, const Camera *camera, Error *error) {
+    const CellGraph *graph = s->shown->scene.graph;
+    int count = 0;
+    for (int c = 0; c < graph->cell_count; c++) {
+        bool visible = s->visible.eye_cell < 0;
+        for (int i = 0; i < s->visible.cell_count && !visible; i++) visible = s->visible.cells[i].cell == c;
+        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1] && !visible; o++)
+            s->shown->hidden[count++] = o;
+    }
+    return walk_renderer_wireframe(s->shown->renderer, camera, s->shown->hidden, count, HIDDEN_COLOUR, error);
+}
+
+static void draw_hud(Session *s, int width, int height, double scale) {
+    const CellGraph *graph = s->shown->scene.graph;
+    const Building *b = graph->building;
+    const Person *p = &s->person;
+    int storey = session_storey(s), door = session_door(s);
+    arena_reset(&s->frame_arena);
+    HudFigures figures = {.method = VIS_METHOD_NAMES[s->method],
+                          .cells_visible = s->visible.cell_count,
+                          .cell_count = graph->cell_count,
+                          .polygons_drawn = s->visible.polygon_count,
+                          .polygon_count = graph->polygon_count,
+                          .query_us = s->query_us,
+                          .frame_ms = s->frame_ms,
+                          .frames_per_second = s->frames_per_second,
+                          .eye = p->eye,
+                          .room = p->cell < 0 ? "" : b->regions[graph->cells[p->cell].region].name,
+                          .storey = storey < 0 ? NULL : b->storeys[storey].name};
+    PlanView plan = {.graph = graph,
+                     .forest = s->stab_tree ? s->shown->scene.forest : NULL,
+                     .visible = &s->visible,
+                     .door_open = s->shown->doors.open,
+                     .eye = p->eye,
+                     .yaw = p->yaw,
+                     .fov = s->fov,
+                     .cell = p->cell,
+                     .storey = storey};
+    const char *flags[SESSION_FLAGS];
+    HudState state = {.figures = s->statistics ? &figures : NULL,
+                      .help = s->help ? SESSION_KEYS : NULL,
+                      .help_count = SESSION_KEY_COUNT,
+                      .flags = flags,
+                      .flag_count = s->statistics ? session_flags(s, flags) : 0,
+                      .recording = s->recording != NULL,
+                      .message = s->picture_wanted || !*s->message ? NULL : s->message,
+                      .message_age = s->now - s->message_since,
+                      .message_is_error = s->message_is_error,
+                      .plan = s->plan ? &plan : NULL,
+                      .crosshair = s->mouse && !s->picture_wanted,
+                      .scratch = &s->frame_arena};
+    if (door >= 0 && !s->picture_wanted) {
+        state.prompt_key = "E";
+        state.prompt =
+            arena_format(&s->frame_arena, "%s %s", s->shown->doors.wanted[door] > 0 ? "close" : "open",
+                         *b->openings[door].name ? b->openings[door].name : "the door");
+    }
+    overlay_begin(s->overlay, width, height, scale);
+    hud_draw(s->overlay, &state);
+}
+
+static void measure_frame(Session *s, double start) {
+    double end = clock_seconds();
+    smooth(&s->frame_ms, 1e3 * (end - start));
+    if (s->last_frame > 0) smooth(&s->frame_period, end - s->last_frame);
+    s->frames_per_second = s->frame_period > 0 ? 1 / s->frame_period : 0;
+    s->last_frame = end;
+}
+
+bool session_draw(Session *s, int width, int height, double scale, Error *error) {
+    const Person *p = &s->person;
+    double start = clock_seconds();
+    Camera camera = camera_look(p->eye, p->yaw, p->pitch, s->fov, width, height);
+    ask(s, &camera);
+    WalkRenderer *renderer = s->shown->renderer;
+    walk_renderer_pose(renderer, s->shown->doors.open);
+    if (!walk_renderer_draw(renderer, &camera, s->visible.objects, s->visible.object_count, s->look, error))
+        return false;
+    if (s->wireframe && !draw_hidden(s, &camera, error)) return false;
+    if (!walk_renderer_finish_scene(renderer, error)) return false;
+    draw_hud(s, width, height, scale);
+    if (!overlay_end(s->overlay, error)) return false;
+    if (s->picture_wanted) session_write_picture(s, width, height);
+    walk_renderer_finish();
+    measure_frame(s, start);
+    return true;
+}
+
+void session_show(Session *s, unsigned framebuffer, int width, int height) {
+    walk_renderer_show(s->shown->renderer, framebuffer, width, height);
+}
+
+bool session_read(Session *s, uint8_t *rgb, Error *error) {
+    return walk_renderer_read(s->shown->renderer, rgb, error);
+}

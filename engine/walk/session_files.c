@@ -1,0 +1,148 @@
+// session_files.c - what a walk leaves behind: pictures, recorded paths, a trace.
+#include <jansson.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "engine/core/clock.h"
+#include "engine/walk/image.h"
+#include "engine/walk/session_state.h"
+
+// Between two lines of a trace, seconds.
+static const double TRACE_PERIOD = 0.1;
+
+// The next name of the kind that no file has yet.
+static const char *free_name(Session *s, const char *format, int *written) {
+    char *path;
+    do {
+        arena_reset(&s->frame_arena);
+        char *name = arena_format(&s->frame_arena, format, ++*written);
+        path = arena_format(&s->frame_arena, "%s/%s", s->options.pictures, name);
+    } while (access(path, F_OK) == 0);
+    return path;
+}
+
+// ---- pictures
+
+void session_take_picture(Session *s) { s->picture_wanted = true; }
+
+void session_write_picture(Session *s, int width, int height) {
+    Error error;
+    s->picture_wanted = false;
+    const char *path = free_name(s, "enfilade-%04d.png", &s->pictures);
+    uint8_t *rgb = arena_alloc(&s->frame_arena, (size_t)width * (size_t)height, 3);
+    bool good = file_make_folder(s->options.pictures, &error) && session_read(s, rgb, &error) &&
+                image_write_png(path, rgb, width, height, &error);
+    session_say(s, !good, "%s", good ? path : error.text);
+}
+
+// ---- recorded paths
+
+void session_record(Session *s) {
+    const CellGraph *graph = s->shown->scene.graph;
+    if (!s->recording) {
+        arena_reset(&s->recording_arena);
+        s->recording = recording_new(graph->building, &s->recording_arena);
+        session_say(s, false, "recording; R ends it");
+        return;
+    }
+    Error error;
+    const char *path = free_name(s, "enfilade-%04d.path", &s->paths);
+    bool good = file_make_folder(s->options.pictures, &error) && recording_save(s->recording, path, &error);
+    s->recording = NULL;
+    session_say(s, !good, "%s", good ? path : error.text);
+    if (!good) return;
+    snprintf(s->last_path, sizeof s->last_path, "%s", path);
+}
+
+void session_record_tick(Session *s) {
+    if (!s->recording || s->tick % SESSION_TICKS_KEPT != 0) return;
+    const Person *p = &s->person;
+    TourFrame now = {p->eye, p->yaw, p->pitch, s->fov};
+    if (recording_add(s->recording, &now, s->shown->doors.open)) return;
+    session_record(s);
+    session_say(s, true, "a path can be no longer: it ends here, as %s", s->last_path);
+}
+
+bool session_follow(Session *s, const char *path, Error *error) {
+    arena_reset(&s->replay_arena);
+    s->replay = recording_load(path, s->shown->scene.graph->building, &s->replay_arena, error);
+    s->replay_next = 0;
+    return s->replay != NULL;
+}
+
+void session_replay(Session *s) {
+    Error error;
+    if (s->replay) {
+        session_stop_replay(s);
+        session_say(s, false, "replay ended");
+    } else if (!*s->last_path) {
+        session_say(s, false, "nothing was recorded yet: R records");
+    } else if (session_follow(s, s->last_path, &error)) {
+        session_say(s, false, "replaying %s", s->last_path);
+    } else {
+        session_say(s, true, "%s", error.text);
+    }
+}
+
+// From here on one walks again, from where the path led.
+void session_stop_replay(Session *s) {
+    if (!s->replay) return;
+    s->replay = NULL;
+    Person *p = &s->person;
+    person_put(p, &s->shown->world, p->eye, p->yaw, p->pitch);
+}
+
+bool session_replay_tick(Session *s) {
+    if (!s->replay) return false;
+    if (s->tick % SESSION_TICKS_KEPT != 0) return true;
+    if (s->replay_next == s->replay->frame_count) {
+        session_stop_replay(s);
+        session_say(s, false, "the path ends here");
+        return false;
+    }
+    const TourFrame *at = &s->replay->frames[s->replay_next];
+    recording_doors(s->replay, s->replay_next++, s->shown->doors.open);
+    s->person.eye = at->eye;
+    s->person.yaw = at->yaw;
+    s->person.pitch = at->pitch;
+    s->fov = at->fov;
+    s->person.cell = vis_locate(s->shown->scene.graph, at->eye, s->person.cell);
+    return true;
+}
+
+// ---- the trace
+
+static json_t *trace_doors(const Session *s) {
+    const Building *b = s->shown->scene.graph->building;
+    json_t *doors = json_object();
+    for (int i = 0; i < b->opening_count; i++) {
+        if (b->openings[i].leaf_count == 0) continue;
+        json_object_set_new(doors, b->openings[i].name, json_real((double)s->shown->doors.open[i]));
+    }
+    return doors;
+}
+
+void session_trace(Session *s) {
+    if (!s->trace || s->now < s->trace_due) return;
+    s->trace_due = s->now + TRACE_PERIOD;
+    const CellGraph *graph = s->shown->scene.graph;
+    const Building *b = graph->building;
+    const Person *p = &s->person;
+    int storey = session_storey(s), door = session_door(s);
+    json_t *flags = json_array();
+    const char *names[SESSION_FLAGS];
+    int count = session_flags(s, names);
+    for (int i = 0; i < count; i++) json_array_append_new(flags, json_string(names[i]));
+    json_t *line =
+        json_pack("{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s}", "t",
+                  s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell",
+                  p->cell, "room", p->cell < 0 ? "" : b->regions[graph->cells[p->cell].region].name, "storey",
+                  storey < 0 ? "" : b->storeys[storey].name, "fps", s->frames_per_second, "frame_ms",
+                  s->frame_ms, "cells_visible", s->visible.cell_count, "polygons_drawn",
+                  s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors",
+                  trace_doors(s), "flags", flags, "message", s->message);
+    json_dumpf(line, s->trace, JSON_COMPACT);
+    fputc('\n', s->trace);
+    fflush(s->trace);
+    json_decref(line);
+}

@@ -1,0 +1,249 @@
+// session_keys.c - what each key does: one table, which the help on the screen shows as well.
+#include "engine/walk/session_state.h"
+
+// Radians a point of the mouse's way: a hand's breadth turns half around.
+static const double LOOK = 0.0024;
+// Each notch of the wheel widens or narrows the view by this factor, within these limits, radians.
+static const double ZOOM = 1.08, NARROWEST = 20 * M_PI / 180, WIDEST = 110 * M_PI / 180;
+
+static void on_off(Session *s, bool *what, const char *name) {
+    *what = !*what;
+    session_say(s, false, "%s %s", name, *what ? "on" : "off");
+}
+
+static void use_door(Session *s, int key) {
+    (void)key;
+    int door = session_door(s);
+    if (door < 0) {
+        session_say(s, false, "no door within reach");
+        return;
+    }
+    doors_toggle(&s->shown->doors, door);
+}
+
+// All open, or all closed if all are.
+static void use_all_doors(Session *s, int key) {
+    (void)key;
+    const Building *b = s->shown->scene.graph->building;
+    bool all_open = true;
+    for (int i = 0; i < b->opening_count; i++)
+        all_open = all_open && (b->openings[i].leaf_count == 0 || s->shown->doors.wanted[i] > 0.5f);
+    for (int i = 0; i < b->opening_count; i++) s->shown->doors.wanted[i] = all_open ? 0 : 1;
+    session_say(s, false, all_open ? "all doors close" : "all doors open");
+}
+
+static void fly(Session *s, int key) {
+    (void)key;
+    person_fly(&s->person, &s->shown->world, !s->person.flying);
+    session_say(s, false, s->person.flying ? "flight: Space rises, C sinks" : "on foot");
+}
+
+static void show_plan(Session *s, int key) {
+    (void)key;
+    s->plan = !s->plan;
+}
+
+static void show_statistics(Session *s, int key) {
+    (void)key;
+    s->statistics = !s->statistics;
+}
+
+static void show_help(Session *s, int key) {
+    (void)key;
+    s->help = !s->help;
+}
+
+static void freeze(Session *s, int key) {
+    (void)key;
+    on_off(s, &s->frozen, "frozen: what was visible from here stays; freezing");
+}
+
+static void change_method(Session *s, int key) {
+    (void)key;
+    s->method = (VisMethod)((s->method + 1) % VIS_METHODS);
+    session_say(s, false, "culling: %s", VIS_METHOD_NAMES[s->method]);
+}
+
+static void stop_culling(Session *s, int key) {
+    (void)key;
+    s->method = s->method == VIS_NONE ? VIS_STAB : VIS_NONE;
+    session_say(s, false, "culling: %s", VIS_METHOD_NAMES[s->method]);
+}
+
+static void show_wireframe(Session *s, int key) {
+    (void)key;
+    on_off(s, &s->wireframe, "hidden cells in wireframe");
+}
+
+static void show_stab_tree(Session *s, int key) {
+    (void)key;
+    on_off(s, &s->stab_tree, "stab tree of the current cell");
+    s->plan = s->plan || s->stab_tree;
+}
+
+static void change_look(Session *s, int key) {
+    (void)key;
+    s->look = (WalkLook)((s->look + 1) % WALK_LOOKS);
+    session_say(s, false, "look: %s", WALK_LOOK_NAMES[s->look]);
+}
+
+static void take_picture(Session *s, int key) {
+    (void)key;
+    session_take_picture(s);
+}
+
+static void record(Session *s, int key) {
+    (void)key;
+    session_record(s);
+}
+
+static void replay(Session *s, int key) {
+    (void)key;
+    session_replay(s);
+}
+
+static void change_storey(Session *s, int key) {
+    session_change_storey(s, key == DISPLAY_KEY_PAGE_UP ? 1 : -1);
+}
+
+static void jump(Session *s, int key) {
+    if (!session_jump(s, key - '1')) session_say(s, false, "there is no viewpoint %c", key);
+}
+
+static void start(Session *s, int key) {
+    (void)key;
+    session_start(s);
+}
+
+static void reload(Session *s, int key) {
+    (void)key;
+    session_reload(s);
+}
+
+static void full_screen(Session *s, int key) {
+    (void)key;
+    s->full_screen = !s->full_screen;
+}
+
+// First it lets go of what is held, then it ends.
+static void leave(Session *s, int key) {
+    (void)key;
+    if (s->help) {
+        s->help = false;
+    } else if (s->mouse) {
+        s->mouse = false;
+    } else {
+        s->ended = true;
+    }
+}
+
+// ---- the tables
+
+static const struct {
+    int key;
+    Held held;
+} HELD[] = {{'W', HELD_FORWARD},
+            {'S', HELD_BACK},
+            {'A', HELD_LEFT},
+            {'D', HELD_RIGHT},
+            {DISPLAY_KEY_UP, HELD_FORWARD},
+            {DISPLAY_KEY_DOWN, HELD_BACK},
+            {DISPLAY_KEY_LEFT, HELD_TURN_LEFT},
+            {DISPLAY_KEY_RIGHT, HELD_TURN_RIGHT},
+            {DISPLAY_KEY_LEFT_SHIFT, HELD_HURRY},
+            {DISPLAY_KEY_RIGHT_SHIFT, HELD_HURRY},
+            {' ', HELD_UP},
+            {'C', HELD_DOWN}};
+
+static const struct {
+    int first, last;  // keys
+    void (*act)(Session *s, int key);
+} STRUCK[] = {{'E', 'E', use_door},
+              {'O', 'O', use_all_doors},
+              {'F', 'F', fly},
+              {'M', 'M', show_plan},
+              {'I', 'I', show_statistics},
+              {'H', 'H', show_help},
+              {DISPLAY_KEY_F1, DISPLAY_KEY_F1, show_help},
+              {'V', 'V', freeze},
+              {'N', 'N', change_method},
+              {'B', 'B', stop_culling},
+              {'X', 'X', show_wireframe},
+              {'T', 'T', show_stab_tree},
+              {'G', 'G', change_look},
+              {'P', 'P', take_picture},
+              {DISPLAY_KEY_F12, DISPLAY_KEY_F12, take_picture},
+              {'R', 'R', record},
+              {'L', 'L', replay},
+              {DISPLAY_KEY_PAGE_UP, DISPLAY_KEY_PAGE_UP, change_storey},
+              {DISPLAY_KEY_PAGE_DOWN, DISPLAY_KEY_PAGE_DOWN, change_storey},
+              {'1', '9', jump},
+              {'0', '0', start},
+              {DISPLAY_KEY_F5, DISPLAY_KEY_F5, reload},
+              {DISPLAY_KEY_F11, DISPLAY_KEY_F11, full_screen},
+              {DISPLAY_KEY_ESCAPE, DISPLAY_KEY_ESCAPE, leave}};
+
+const HudKey SESSION_KEYS[] = {
+    {"mouse, left right", "look around; a click takes the mouse, Esc gives it back"},
+    {"W A S D, up down", "walk; with Shift run"},
+    {"E", "open or close the door looked at; O all doors"},
+    {"F", "flight through everything, and back; Space rises, C sinks"},
+    {"1 ... 9, 0", "to a stored viewpoint; to the start"},
+    {"Page up, down", "to the storey above or below"},
+    {"wheel", "narrow or widen the view"},
+    {"M", "plan"},
+    {"I", "statistics"},
+    {"V", "freeze what is visible, and look at it from elsewhere"},
+    {"B, N", "culling off and on; the next way of culling"},
+    {"X", "hidden cells in wireframe"},
+    {"T", "stab tree of the current cell on the plan"},
+    {"G", "fast or fine look"},
+    {"P, F12", "screenshot"},
+    {"R, L", "record a path, and end it; replay it"},
+    {"F5, F11", "read the file again; full screen"},
+    {"H, F1, Esc", "this help; Esc leaves"}};
+const int SESSION_KEY_COUNT = sizeof SESSION_KEYS / sizeof *SESSION_KEYS;
+
+static void hold(Session *s, int key, int by) {
+    for (size_t i = 0; i < sizeof HELD / sizeof *HELD; i++) {
+        if (HELD[i].key != key) continue;
+        s->held[HELD[i].held] += by;
+        if (by > 0) session_stop_replay(s);
+    }
+}
+
+static void strike(Session *s, int key) {
+    for (size_t i = 0; i < sizeof STRUCK / sizeof *STRUCK; i++) {
+        if (STRUCK[i].first <= key && key <= STRUCK[i].last) STRUCK[i].act(s, key);
+    }
+}
+
+void session_event(Session *s, const DisplayEvent *event) {
+    switch (event->kind) {
+    case DISPLAY_KEY_PRESSED:
+        hold(s, event->key, 1);
+        strike(s, event->key);
+        break;
+    case DISPLAY_KEY_RELEASED:
+        hold(s, event->key, -1);
+        break;
+    case DISPLAY_LOOK:
+        if (!s->mouse) break;
+        person_look(&s->person, -LOOK * event->x, -LOOK * event->y);
+        break;
+    case DISPLAY_BUTTON_PRESSED:
+        s->mouse = true;
+        break;
+    case DISPLAY_SCROLLED:
+        s->fov = fmin(fmax(s->fov * pow(ZOOM, -event->y), NARROWEST), WIDEST);
+        break;
+    case DISPLAY_FOCUS_LOST:
+        s->mouse = false;
+        break;
+    case DISPLAY_CLOSED:
+        s->ended = true;
+        break;
+    default:
+        break;
+    }
+}

@@ -1,0 +1,156 @@
+// session_scene.c - the building shown: read, read again, and where in it one stands.
+#include <stdio.h>
+
+#include "engine/walk/session_state.h"
+
+// An eye that a body cannot come this near to is looked from in flight, metres.
+static const double NEAR_ENOUGH = 0.3;
+
+static void set_doors(Doors *doors, const Building *b, WalkDoors state) {
+    Random random = {1};
+    for (int i = 0; i < b->opening_count; i++) doors_set(doors, i, walk_door_share(b, i, state, &random));
+}
+
+Shown *shown_load(const Session *s, Error *error) {
+    Arena arena = {0};
+    Shown *shown = ARENA_ARRAY(&arena, Shown, 1);
+    *shown = (Shown){.arena = {0}};
+    if (!s->loader.load(s->loader.context, s->options.file, &arena, &shown->scene, error)) {
+        arena_free(&arena);
+        return NULL;
+    }
+    const CellGraph *graph = shown->scene.graph;
+    shown->query = vis_query_new(graph, shown->scene.forest, &arena);
+    shown->doors = doors_new(graph, &arena);
+    shown->world = body_world(graph, shown->doors.open, &arena);
+    shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
+    set_doors(&shown->doors, graph->building, s->options.doors);
+    shown->renderer = walk_renderer_new(graph, &arena, error);
+    // From here on the arena lives in what it holds.
+    shown->arena = arena;
+    if (shown->renderer) return shown;
+    shown_free(shown);
+    return NULL;
+}
+
+void shown_free(Shown *shown) {
+    if (!shown) return;
+    walk_renderer_free(shown->renderer);
+    Arena arena = shown->arena;
+    arena_free(&arena);
+}
+
+// ---- reading again
+
+static void keep_doors(Doors *to, const Doors *from, const Building *now, const Building *before) {
+    for (int i = 0; i < now->opening_count; i++) {
+        for (int k = 0; k < before->opening_count; k++) {
+            if (strcmp(now->openings[i].name, before->openings[k].name) == 0) doors_set(to, i, from->open[k]);
+        }
+    }
+}
+
+void session_reload(Session *s) {
+    Error error;
+    Shown *next = shown_load(s, &error);
+    if (!next) {
+        session_say(s, true, "%s", error.text);
+        return;
+    }
+    keep_doors(&next->doors, &s->shown->doors, next->scene.graph->building, s->shown->scene.graph->building);
+    shown_free(s->shown);
+    s->shown = next;
+    s->visible = (VisResult){.eye_cell = -1};
+    s->frozen = false;
+    // What was recorded names the doors of the file as it was.
+    s->replay = NULL;
+    if (s->recording) session_record(s);
+    s->person.cell = -1;
+    person_put(&s->person, &next->world, s->person.eye, s->person.yaw, s->person.pitch);
+    session_say(s, false, "%s was read again", s->options.file);
+}
+
+void session_watch(Session *s) {
+    switch (file_watch_look(&s->watch, s->now)) {
+    case FILE_CHANGED:
+        session_reload(s);
+        break;
+    case FILE_GONE:
+        session_say(s, true, "%s is gone; what was read of it is still shown", s->options.file);
+        break;
+    default:
+        break;
+    }
+}
+
+// ---- where one stands
+
+static void go(Session *s, Vec3 eye, double yaw, double pitch) {
+    s->replay = NULL;
+    s->person.cell = -1;
+    s->person.flying = false;
+    person_put(&s->person, &s->shown->world, eye, yaw, pitch);
+    if (vec3_length(vec3_sub(s->person.eye, eye)) <= NEAR_ENOUGH) return;
+    s->person.flying = true;
+    person_put(&s->person, &s->shown->world, eye, yaw, pitch);
+}
+
+void session_start(Session *s) {
+    const Building *b = s->shown->scene.graph->building;
+    go(s, b->start, b->start_yaw, 0);
+}
+
+static void look_from(Session *s, const Viewpoint *v) {
+    go(s, v->eye, v->yaw, v->pitch);
+    session_say(s, false, "%s", v->name);
+}
+
+bool session_jump(Session *s, int viewpoint) {
+    const Building *b = s->shown->scene.graph->building;
+    if (viewpoint >= b->viewpoint_count) return false;
+    look_from(s, &b->viewpoints[viewpoint]);
+    return true;
+}
+
+bool session_jump_to(Session *s, const char *name, Error *error) {
+    const Building *b = s->shown->scene.graph->building;
+    for (int i = 0; i < b->viewpoint_count; i++) {
+        if (strcmp(b->viewpoints[i].name, name) == 0) return session_jump(s, i);
+    }
+    return error_set(error, "%s: there is no viewpoint `%s` (%d are stored)", s->options.file, name,
+                     b->viewpoint_count);
+}
+
+int session_storey(const Session *s) {
+    return plan_view_storey(s->shown->scene.graph, s->person.cell, s->person.eye);
+}
+
+// Over or under where one is; where nothing is free there, in the middle of the storey's first room.
+void session_change_storey(Session *s, int by) {
+    const CellGraph *graph = s->shown->scene.graph;
+    const Building *b = graph->building;
+    int storey = session_storey(s) + by;
+    if (storey < 0 || storey >= b->storey_count) {
+        session_say(s, false, "there is no storey %s", by > 0 ? "above" : "below");
+        return;
+    }
+    Vec3 eye = vec3(s->person.eye.x, s->person.eye.y, b->storeys[storey].floor + BODY_EYE);
+    int cell = vis_locate(graph, eye, -1);
+    if (cell < 0 || b->regions[graph->cells[cell].region].storey != storey) {
+        for (cell = 0; cell < graph->cell_count; cell++) {
+            const Region *r = &b->regions[graph->cells[cell].region];
+            if (r->storey == storey && r->kind == REGION_ROOM) break;
+        }
+        if (cell == graph->cell_count) return;
+        Box box = graph->cells[cell].box;
+        eye = vec3((box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2, box.min.z + BODY_EYE);
+    }
+    go(s, eye, s->person.yaw, s->person.pitch);
+    session_say(s, false, "%s", b->storeys[storey].name);
+}
+
+int session_door(const Session *s) {
+    const Person *p = &s->person;
+    Vec3 ahead = vec3(cos(p->pitch) * cos(p->yaw), cos(p->pitch) * sin(p->yaw), sin(p->pitch));
+    return doors_looked_at(&s->shown->doors, p->eye, p->cell, ahead, DOORS_REACH);
+}

@@ -1,0 +1,110 @@
+// session_state.h - what the files session*.c share.
+#ifndef WALK_SESSION_STATE_H
+#define WALK_SESSION_STATE_H
+
+#include <stdio.h>
+
+#include "engine/walk/doors.h"
+#include "engine/walk/file_watch.h"
+#include "engine/walk/hud.h"
+#include "engine/walk/person.h"
+#include "engine/walk/recording.h"
+#include "engine/walk/session.h"
+
+// Ticks of a walk in a second. Recorded paths keep every second one.
+#define SESSION_TICKS 120
+#define SESSION_TICKS_KEPT (SESSION_TICKS / RECORDING_TICKS)
+
+// Keys that are held, not struck.
+typedef enum Held {
+    HELD_FORWARD,
+    HELD_BACK,
+    HELD_LEFT,
+    HELD_RIGHT,
+    HELD_UP,
+    HELD_DOWN,
+    HELD_TURN_LEFT,
+    HELD_TURN_RIGHT,
+    HELD_HURRY,
+    HELD_KEYS
+} Held;
+
+// What a file holds and what was made of it: swapped as a whole when the file is read again.
+typedef struct Shown {
+    Arena arena;
+    WalkScene scene;
+    VisQuery *query;
+    WalkRenderer *renderer;
+    Doors doors;
+    BodyWorld world;
+    int *hidden;  // [object_count] the surfaces of cells that are not visible
+} Shown;
+
+struct Session {
+    SessionOptions options;
+    SessionLoader loader;
+    Arena *arena;
+    Shown *shown;
+    Overlay *overlay;
+    Person person;
+    double fov;           // horizontal, radians
+    int held[HELD_KEYS];  // how many keys for it are down
+    VisMethod method;
+    WalkLook look;
+    bool frozen, wireframe, stab_tree, plan, statistics, help, full_screen, mouse, ended;
+    VisResult visible;
+    // Time.
+    double now, behind;  // seconds; `behind`: not yet walked
+    long tick;
+    double frame_ms, query_us, frame_period, frames_per_second;  // smoothed
+    double last_frame;
+    // What is said.
+    char message[512];
+    bool message_is_error;
+    double message_since;
+    // Files.
+    FileWatch watch;
+    Recording *recording;  // under way, or NULL
+    Recording *replay;     // being followed, or NULL
+    int replay_next;
+    Arena recording_arena, replay_arena, frame_arena;
+    int pictures, paths;  // the numbers of the last ones written
+    char last_path[1024];
+    bool picture_wanted;  // of the next frame
+    FILE *trace;
+    double trace_due;
+};
+
+// ---- session_scene.c
+Shown *shown_load(const Session *s, Error *error);
+void shown_free(Shown *shown);
+// Reads the file again if it changed; the walk goes on where it was. What is wrong is said and the old stays.
+void session_watch(Session *s);
+void session_reload(Session *s);
+// To a stored viewpoint; false if there are fewer.
+bool session_jump(Session *s, int viewpoint);
+bool session_jump_to(Session *s, const char *name, Error *error);
+void session_start(Session *s);
+void session_change_storey(Session *s, int by);
+int session_storey(const Session *s);  // -1: outdoors or nowhere
+int session_door(const Session *s);    // looked at and within reach, or -1
+
+// ---- session_files.c
+void session_take_picture(Session *s);
+void session_write_picture(Session *s, int width, int height);  // of the frame just drawn
+void session_record(Session *s);                                // begins, or ends and writes
+void session_replay(Session *s);                                // follows the last path written, or stops
+void session_stop_replay(Session *s);
+bool session_follow(Session *s, const char *path, Error *error);
+void session_record_tick(Session *s);
+bool session_replay_tick(Session *s);  // false: nothing is being replayed
+void session_trace(Session *s);
+
+// ---- session_draw.c
+enum { SESSION_FLAGS = 8 };
+int session_flags(const Session *s, const char **out);  // words for what is not as usual; returns how many
+
+// ---- session.c
+void session_say(Session *s, bool error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+#endif

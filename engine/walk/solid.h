@@ -1,0 +1,35 @@
+// solid.h - convex solids against an upright disc: how far the disc moves before it touches one, how near it is, and
+// which heights of a solid lie over the disc. Pure geometry: knows no building.
+#ifndef WALK_SOLID_H
+#define WALK_SOLID_H
+
+#include "engine/core/vec.h"
+
+// A convex plane polygon, or an upright prism over a convex plan.
+typedef struct Solid {
+    const Vec3 *vertices;  // [count] building space; of a prism its plan, counter-clockwise from above
+    int count;
+    bool prism;
+    Box box;
+} Solid;
+
+// Heights, metres. Open at both ends: what only touches it is outside.
+typedef struct Band {
+    double z0, z1;
+} Band;
+
+// How near the part of a solid within the band comes to `at` in plan; 0 inside its outline, INFINITY without such a part.
+double solid_distance(const Solid *solid, Band band, Vec2 at);
+
+// The share of `way` that a disc goes before its middle is `radius` from the part within the band, 1 if it never is;
+// then `normal` points from the solid to the disc. One that is nearer already stops only what would come nearer still.
+// `from` lies outside the part's outline.
+double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double radius, Vec2 *normal);
+
+// From where to where the part of a solid over or under the disc reaches; false where there is none.
+bool solid_levels(const Solid *solid, Vec2 at, double radius, Band *out);
+
+// How far apart two convex plans are by the best of their edges' directions, metres; below 0 how deep they overlap.
+double solid_gap(const Vec2 *a, int a_count, const Vec2 *b, int b_count);
+
+#endif

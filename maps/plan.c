@@ -1,78 +1,34 @@
 // plan.c - reads .plan, the line-based text format of maps/README.md, into a sketch and a building.
 //
-// Each statement is one row of STATEMENTS and one function; its optional words are a table inside it. Openings are
-// fitted to the wall they stand in once all rooms and walls are known.
-#include "maps/plan_model.h"
-#include "maps/sketch.h"
-
-#include "maps/maps.h"
-
+// Each statement is one row of STATEMENTS and one function, here or in plan_walls.c; its optional words are a table
+// inside it.
 #include "engine/core/predicates.h"
+#include "maps/maps.h"
+#include "maps/plan_file.h"
 
-// Limits of the format, metres unless said.
-static const double MAX_HEIGHT = 1000;   // of storeys, walls, openings
-static const double MAX_THICKNESS = 10;  // of walls and slabs
-static const double MAX_OPENING = 100;   // width
-static const double MIN_SIZE = 0.01;     // of all that must have a size
 static const double MAX_EMISSION = 1e6;  // W/m^2
-static const double PARALLEL = 0.02;     // sine up to which an opening lies along a wall (about 1 degree)
-static const double FIT = 0.002;         // how far outside a wall an opening's centre may lie
 static const double EYE_HEIGHT = 1.6;    // above the floor
 static const double DEFAULT_FOV = 70 * (M_PI / 180);
 static const char MARK[] = "\xEF\xBB\xBF";  // of UTF-8, with which some editors begin a file
 static const char PLAIN[] = "plain";        // the material of what names none
 static const unsigned PLAIN_COLOUR = 0xC8C8C8;
 
-typedef enum Block { BLOCK_NONE, BLOCK_MODEL, BLOCK_TOUR } Block;
+// ---- what all share
 
-// A stretch of explicit wall, to fit openings into.
-typedef struct Stretch {
-    int storey;
-    Vec2 a, b;
-    double thickness;
-} Stretch;
-
-// What the file said of an opening beside the sketch: `line` for messages; `fit` when no depth was given.
-typedef struct Pending {
-    int line;
-    bool fit;
-} Pending;
-
-typedef struct Plan {
-    PlanLine line;
-    Arena *arena;
-    Building *b;
-    Sketch sketch;
-    PlanNames materials, storeys;
-    PlanModels models;
-    Stretch *stretches;
-    Pending *pending;  // [sketch.opening_count]
-    int stretch_count, stretch_capacity, pending_count, pending_capacity;
-    int storey;  // under which statements stand now
-    Block block;
-    int block_line;  // where it began
-    bool begun, ground;
-    Vec3 start;
-    double start_yaw;
-    int start_line;  // 0: the file names no start
-} Plan;
-
-// ---- helpers
-
-static const char *place_text(Plan *plan, const char *what, const char *name) {
+const char *plan_place_text(Plan *plan, const char *what, const char *name) {
     return arena_format(plan->arena, "%s:%d: %s %s", plan->line.path, plan->line.number, what, name);
 }
 
-static double storey_floor(const Plan *plan) { return plan->b->storeys[plan->storey].floor; }
+double plan_storey_floor(const Plan *plan) { return plan->b->storeys[plan->storey].floor; }
 
-static void push_sketch_point(Plan *plan, Vec2 point, int material) {
+void plan_push_point(Plan *plan, Vec2 point, int material) {
     Sketch *s = &plan->sketch;
     int edges = s->point_count;
     *ARENA_PUSH(plan->arena, s->edge_material, edges, s->edge_capacity) = material;
     *ARENA_PUSH(plan->arena, s->points, s->point_count, s->point_capacity) = point;
 }
 
-static double signed_area(const Vec2 *points, int count) {
+double plan_signed_area(const Vec2 *points, int count) {
     double sum = 0;
     for (int i = 1; i + 1 < count; i++)
         sum += vec2_cross(vec2_sub(points[i], points[0]), vec2_sub(points[i + 1], points[0]));
@@ -101,9 +57,9 @@ static bool read_storey(Plan *plan) {
          .kind = PLAN_LENGTH,
          .out = &storey.height,
          .min = 0.1,
-         .max = MAX_HEIGHT,
+         .max = PLAN_MAX_HEIGHT,
          .required = true},
-        {.word = "slab", .kind = PLAN_LENGTH, .out = &storey.slab, .min = 0, .max = MAX_THICKNESS}};
+        {.word = "slab", .kind = PLAN_LENGTH, .out = &storey.slab, .min = 0, .max = PLAN_MAX_THICKNESS}};
     PlanLine *line = &plan->line;
     if (!plan_name(line, "the storey's name", &storey.name) || !plan_options(line, options, 3)) return false;
     storey.floor = maps_snap(storey.floor);
@@ -181,192 +137,6 @@ static bool read_slabs(Plan *plan) {
     return plan_material(&plan->line, &plan->sketch.slab_material) && plan_end(&plan->line);
 }
 
-static bool read_room(Plan *plan) {
-    PlanLine *line = &plan->line;
-    PlanShape shape;
-    double foot = NAN, height = NAN;
-    SketchRoom room = {.storey = plan->storey};
-    PlanOption options[] = {
-        {.word = "floor", .kind = PLAN_MATERIAL, .out = &room.floor_material},
-        {.word = "ceiling", .kind = PLAN_MATERIAL, .out = &room.ceiling_material},
-        {.word = "walls", .kind = PLAN_MATERIAL, .out = &room.wall_material},
-        {.word = "wall", .kind = PLAN_LENGTH, .out = &room.wall, .min = MIN_SIZE, .max = MAX_THICKNESS},
-        {.word = "foot", .kind = PLAN_LENGTH, .out = &foot, .min = -MAX_HEIGHT, .max = MAX_HEIGHT},
-        {.word = "height", .kind = PLAN_LENGTH, .out = &height, .min = 0.1, .max = MAX_HEIGHT}};
-    if (!plan_name(line, "the room's name", &room.name) || !plan_points(line, "corners", 3, &shape) ||
-        !plan_options(line, options, 6))
-        return false;
-    double area = fabs(signed_area(shape.points, shape.count));
-    if (!(area >= MIN_SIZE))
-        return plan_fail(line, "room %s has an area of %.4g m^2 (allowed: at least %g)", room.name, area,
-                         MIN_SIZE);
-    const Storey *storey = &plan->b->storeys[plan->storey];
-    if (isfinite(foot) || isfinite(height)) {
-        room.z0 = maps_snap(storey->floor + (isfinite(foot) ? foot : 0));
-        room.z1 = isfinite(height) ? maps_snap(room.z0 + height) : storey->floor + storey->height;
-        if (!(room.z1 > room.z0))
-            return plan_fail(line,
-                             "room %s has its floor at %g m and its ceiling at %g m (allowed: floor below)",
-                             room.name, room.z0, room.z1);
-    } else {
-        room.z0 = room.z1 = NAN;
-    }
-    room.first_point = plan->sketch.point_count;
-    room.point_count = shape.count;
-    for (int i = 0; i < shape.count; i++) push_sketch_point(plan, shape.points[i], room.wall_material);
-    room.place = place_text(plan, "room", room.name);
-    Sketch *s = &plan->sketch;
-    *ARENA_PUSH(plan->arena, s->rooms, s->room_count, s->room_capacity) = room;
-    return true;
-}
-
-// Where the side `offset` to the left of a wall's axis turns at p between the directions u and v (unit), one of
-// which is the stretch's `own`.
-static Vec2 mitre(Vec2 p, Vec2 u, Vec2 v, Vec2 own, double offset) {
-    Vec2 n = vec2(-u.y, u.x), m = vec2(-v.y, v.x), sum = vec2_add(n, m);
-    double scale = vec2_dot(sum, sum) / 2;
-    // A hairpin's mitre would run away: from 150 degrees on the ends stay square.
-    if (scale < 0.15) return vec2_add(p, vec2_scale(vec2(-own.y, own.x), offset));
-    return vec2_add(p, vec2_scale(sum, offset / scale));
-}
-
-typedef struct WallForm {
-    double thickness, z0, z1;
-    int material;
-} WallForm;
-
-// One stretch of a wall along points i, i + 1 of the axis, mitred with its neighbours.
-static void add_stretch(Plan *plan, const PlanShape *axis, int i, bool closed, WallForm form) {
-    Vec2 a = axis->points[i], b = axis->points[i + 1];
-    int last = axis->count - 1,
-        before = i > 0    ? i - 1
-                 : closed ? last - 1
-                          : -1,
-        after = i + 2 <= last ? i + 2
-                : closed      ? 1
-                              : -1;
-    Vec2 u = vec2_scale(vec2_sub(b, a), 1 / vec2_length(vec2_sub(b, a))), in = u, out = u;
-    if (before >= 0) in = vec2_sub(a, axis->points[before]);
-    if (after >= 0) out = vec2_sub(axis->points[after], b);
-    in = vec2_scale(in, 1 / vec2_length(in));
-    out = vec2_scale(out, 1 / vec2_length(out));
-    double h = form.thickness / 2;
-    Vec2 corner[4] = {mitre(a, in, u, u, -h), mitre(b, u, out, u, -h), mitre(b, u, out, u, h),
-                      mitre(a, in, u, u, h)};
-    Sketch *s = &plan->sketch;
-    SketchWall wall = {.storey = plan->storey,
-                       .first_point = s->point_count,
-                       .point_count = 4,
-                       .z0 = form.z0,
-                       .z1 = form.z1,
-                       .angle = atan2(u.y, u.x)};
-    wall.place = arena_format(plan->arena, "%s:%d: wall at (%.2f, %.2f)", plan->line.path, plan->line.number,
-                              a.x, a.y);
-    for (int k = 0; k < 4; k++) push_sketch_point(plan, corner[k], form.material);
-    *ARENA_PUSH(plan->arena, s->walls, s->wall_count, s->wall_capacity) = wall;
-    *ARENA_PUSH(plan->arena, plan->stretches, plan->stretch_count, plan->stretch_capacity) =
-        (Stretch){plan->storey, a, b, form.thickness};
-}
-
-static bool read_wall(Plan *plan) {
-    PlanLine *line = &plan->line;
-    const Storey *storey = &plan->b->storeys[plan->storey];
-    PlanShape axis;
-    WallForm form = {.material = plan->sketch.outer_material};
-    double height = storey->height, foot = 0;
-    PlanOption options[] = {
-        {.word = "thickness",
-         .kind = PLAN_LENGTH,
-         .out = &form.thickness,
-         .min = 0.001,
-         .max = MAX_THICKNESS,
-         .required = true},
-        {.word = "height", .kind = PLAN_LENGTH, .out = &height, .min = MIN_SIZE, .max = MAX_HEIGHT},
-        {.word = "foot", .kind = PLAN_LENGTH, .out = &foot, .min = -MAX_HEIGHT, .max = MAX_HEIGHT},
-        {.word = "material", .kind = PLAN_MATERIAL, .out = &form.material}};
-    if (!plan_points(line, "points", 2, &axis) || !plan_options(line, options, 4)) return false;
-    form.z0 = maps_snap(storey->floor + foot);
-    form.z1 = maps_snap(form.z0 + height);
-    for (int i = 0; i + 1 < axis.count; i++) {
-        double length = vec2_length(vec2_sub(axis.points[i + 1], axis.points[i]));
-        if (!(length >= MAPS_GRID))
-            return plan_fail(line, "the wall from (%g, %g) is %g m long (allowed: at least %g)",
-                             axis.points[i].x, axis.points[i].y, length, MAPS_GRID);
-    }
-    bool closed = axis.count > 3 && vec2_equal(axis.points[0], axis.points[axis.count - 1]);
-    for (int i = 0; i + 1 < axis.count; i++) add_stretch(plan, &axis, i, closed, form);
-    return true;
-}
-
-// What doors, passages and windows have in common, behind their name, centre and options.
-static bool add_opening(Plan *plan, SketchOpening *opening, double sill, double height, double depth,
-                        const PlanShape *shape) {
-    Sketch *s = &plan->sketch;
-    opening->sill = maps_snap(storey_floor(plan) + sill);
-    opening->head = maps_snap(opening->sill + height);
-    opening->depth = depth;
-    opening->storey = plan->storey;
-    opening->first_cutout = s->point_count;
-    opening->cutout_count = shape->count;
-    for (int i = 0; i < shape->count; i++) {
-        Vec2 p = shape->points[i];
-        if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1)
-            return plan_fail(&plan->line, "corner %d of the shape is %g,%g (allowed: 0 to 1)", i + 1, p.x,
-                             p.y);
-        push_sketch_point(plan, p, 0);
-    }
-    opening->place = place_text(plan, opening_kind_name(opening->kind), opening->name);
-    *ARENA_PUSH(plan->arena, s->openings, s->opening_count, s->opening_capacity) = *opening;
-    *ARENA_PUSH(plan->arena, plan->pending, plan->pending_count, plan->pending_capacity) =
-        (Pending){plan->line.number, depth == 0};
-    return true;
-}
-
-static bool read_opening(Plan *plan, OpeningKind kind) {
-    PlanLine *line = &plan->line;
-    SketchOpening o = {.kind = kind, .swing = M_PI / 2, .glazed = kind == OPENING_WINDOW};
-    double sill = 0, height = 0, depth = 0;
-    PlanShape shape = {0};
-    PlanOption options[] = {
-        {.word = "angle", .kind = PLAN_ANGLE, .out = &o.angle, .min = -360, .max = 360},
-        {.word = "width",
-         .kind = PLAN_LENGTH,
-         .out = &o.width,
-         .min = MIN_SIZE,
-         .max = MAX_OPENING,
-         .required = true},
-        {.word = "height",
-         .kind = PLAN_LENGTH,
-         .out = &height,
-         .min = MIN_SIZE,
-         .max = MAX_HEIGHT,
-         .required = true},
-        {.word = "sill",
-         .kind = PLAN_LENGTH,
-         .out = &sill,
-         .min = -MAX_HEIGHT,
-         .max = MAX_HEIGHT,
-         .required = kind == OPENING_WINDOW},
-        {.word = "depth", .kind = PLAN_LENGTH, .out = &depth, .min = MIN_SIZE, .max = MAX_THICKNESS},
-        {.word = "shape", .kind = PLAN_SHAPE, .out = &shape},
-        {.word = "material", .kind = PLAN_MATERIAL, .out = &o.material},
-        {.word = "hinge", .kind = PLAN_CHOICE, .out = &o.hinge, .words = "left right both"},
-        {.word = "swing", .kind = PLAN_ANGLE, .out = &o.swing, .min = -180, .max = 180},
-        {.word = "slide", .kind = PLAN_LENGTH, .out = &o.slide, .min = -MAX_OPENING, .max = MAX_OPENING},
-        {.word = "open", .kind = PLAN_PURE, .out = &o.open, .min = 0, .max = 1},
-        {.word = "glazed", .kind = PLAN_FLAG, .out = &o.glazed}};
-    // Only doors have a leaf: the last five words are theirs.
-    int count = kind == OPENING_DOOR ? 12 : 7;
-    if (!plan_name(line, "the opening's name", &o.name) || !plan_point(line, "its centre", &o.centre) ||
-        !plan_options(line, options, count))
-        return false;
-    return add_opening(plan, &o, sill, height, depth, &shape);
-}
-
-static bool read_door(Plan *plan) { return read_opening(plan, OPENING_DOOR); }
-static bool read_passage(Plan *plan) { return read_opening(plan, OPENING_PASSAGE); }
-static bool read_window(Plan *plan) { return read_opening(plan, OPENING_WINDOW); }
-
 static bool read_stairwell(Plan *plan) {
     PlanShape shape;
     const char *name;
@@ -374,8 +144,9 @@ static bool read_stairwell(Plan *plan) {
         !plan_points(&plan->line, "corners", 3, &shape) || !plan_end(&plan->line))
         return false;
     Sketch *s = &plan->sketch;
-    SketchCutout cutout = {plan->storey, s->point_count, shape.count, place_text(plan, "stairwell", name)};
-    for (int i = 0; i < shape.count; i++) push_sketch_point(plan, shape.points[i], 0);
+    SketchCutout cutout = {plan->storey, s->point_count, shape.count,
+                           plan_place_text(plan, "stairwell", name)};
+    for (int i = 0; i < shape.count; i++) plan_push_point(plan, shape.points[i], 0);
     *ARENA_PUSH(plan->arena, s->cutouts, s->cutout_count, s->cutout_capacity) = cutout;
     return true;
 }
@@ -391,19 +162,19 @@ static bool read_stair(Plan *plan) {
                              .kind = PLAN_LENGTH,
                              .out = &size.x,
                              .min = 0.1,
-                             .max = MAX_OPENING,
+                             .max = PLAN_MAX_OPENING,
                              .required = true},
                             {.word = "depth",
                              .kind = PLAN_LENGTH,
                              .out = &size.y,
                              .min = 0.1,
-                             .max = MAX_OPENING,
+                             .max = PLAN_MAX_OPENING,
                              .required = true},
                             {.word = "height",
                              .kind = PLAN_LENGTH,
                              .out = &size.z,
                              .min = 0.1,
-                             .max = MAX_HEIGHT,
+                             .max = PLAN_MAX_HEIGHT,
                              .required = true},
                             {.word = "steps", .kind = PLAN_WHOLE, .out = &steps, .min = 1, .max = 200},
                             {.word = "material", .kind = PLAN_MATERIAL, .out = &material}};
@@ -413,7 +184,7 @@ static bool read_stair(Plan *plan) {
     PlanModels one = {0};
     building_add_object(plan->arena, &one.shapes, OBJECT_STAIR, name);
     plan_add_stair(plan->arena, &one, size, steps, material);
-    PlanStand stand = {vec3(at.x, at.y, storey_floor(plan) + at.z), angle, false};
+    PlanStand stand = {vec3(at.x, at.y, plan_storey_floor(plan) + at.z), angle, false};
     return plan_stand_model(line, plan->arena, &one, 0, name, stand, plan->b);
 }
 
@@ -422,7 +193,7 @@ static bool read_light(Plan *plan) {
     Light light;
     if (!plan_name(&plan->line, "the light's name", &name) || !plan_light(&plan->line, name, &light))
         return false;
-    light.position.z += storey_floor(plan);
+    light.position.z += plan_storey_floor(plan);
     *ARENA_PUSH(plan->arena, plan->b->lights, plan->b->light_count, plan->b->light_capacity) = light;
     return true;
 }
@@ -430,7 +201,7 @@ static bool read_light(Plan *plan) {
 static void push_inlay(Plan *plan, const PlanShape *shape, double z, int material) {
     Building *b = plan->b;
     Inlay inlay = {b->point_count, shape->count, z, material};
-    bool flip = signed_area(shape->points, shape->count) < 0;
+    bool flip = plan_signed_area(shape->points, shape->count) < 0;
     for (int i = 0; i < shape->count; i++) {
         int edges = b->point_count;
         *ARENA_PUSH(plan->arena, b->edge_material, edges, b->edge_capacity) = material;
@@ -450,14 +221,14 @@ static bool read_inlay(Plan *plan) {
     if (plan_is(line, "floor") || plan_is(line, "ceiling")) {
         z = plan_is(line, "ceiling") ? storey->height : 0;
         line->next++;
-    } else if (!plan_number(line, "the inlay's height (or 'floor', 'ceiling')", -MAX_HEIGHT, MAX_HEIGHT,
-                            "metres", &z)) {
+    } else if (!plan_number(line, "the inlay's height (or 'floor', 'ceiling')", -PLAN_MAX_HEIGHT,
+                            PLAN_MAX_HEIGHT, "metres", &z)) {
         return false;
     }
     if (!plan_points(line, "corners", 3, &shape) || !plan_end(line)) return false;
     for (int i = 0; i < shape.count; i++)
         shape.points[i] = vec2(maps_snap(shape.points[i].x), maps_snap(shape.points[i].y));
-    double area = signed_area(shape.points, shape.count);
+    double area = plan_signed_area(shape.points, shape.count);
     int turn = area > 0 ? 1 : -1;
     for (int i = 0; i < shape.count; i++) {
         Vec2 p = shape.points[i], q = shape.points[(i + 1) % shape.count],
@@ -484,7 +255,7 @@ static bool read_place(Plan *plan) {
         return plan_fail(line, "no model '%.60s' (allowed: one of the %d defined above)", model_name,
                          plan->models.names.count);
     if (!plan_place(line, "its place", false, &stand.at) || !plan_options(line, options, 3)) return false;
-    stand.at.z += storey_floor(plan);
+    stand.at.z += plan_storey_floor(plan);
     return plan_stand_model(line, plan->arena, &plan->models, model, name ? name : model_name, stand,
                             plan->b);
 }
@@ -497,7 +268,7 @@ static bool read_eye(Plan *plan, Viewpoint *v) {
         {.word = "pitch", .kind = PLAN_ANGLE, .out = &v->pitch, .min = -90, .max = 90},
         {.word = "fov", .kind = PLAN_ANGLE, .out = &v->fov, .min = 1, .max = 170}};
     if (!plan_place(line, "the eye", true, &v->eye) || !plan_options(line, options, 3)) return false;
-    v->eye.z += storey_floor(plan);
+    v->eye.z += plan_storey_floor(plan);
     return true;
 }
 
@@ -517,7 +288,7 @@ static bool read_start(Plan *plan) {
     if (plan->start_line) return plan_fail(line, "a second 'start' (allowed: once)");
     if (!plan_point(line, "the start", &at) || !plan_options(line, options, 1)) return false;
     plan->start_line = line->number;
-    plan->start = vec3(at.x, at.y, storey_floor(plan) + EYE_HEIGHT);
+    plan->start = vec3(at.x, at.y, plan_storey_floor(plan) + EYE_HEIGHT);
     plan->start_yaw = yaw;
     return true;
 }
@@ -588,9 +359,9 @@ static const Statement STATEMENTS[] = {
     {"plan", BLOCK_NONE, false, read_header},        {"storey", BLOCK_NONE, false, read_storey},
     {"material", BLOCK_NONE, false, read_material},  {"ground", BLOCK_NONE, false, read_ground},
     {"facade", BLOCK_NONE, false, read_facade},      {"slabs", BLOCK_NONE, false, read_slabs},
-    {"room", BLOCK_NONE, true, read_room},           {"wall", BLOCK_NONE, true, read_wall},
-    {"door", BLOCK_NONE, true, read_door},           {"passage", BLOCK_NONE, true, read_passage},
-    {"window", BLOCK_NONE, true, read_window},       {"stairwell", BLOCK_NONE, true, read_stairwell},
+    {"room", BLOCK_NONE, true, plan_read_room},      {"wall", BLOCK_NONE, true, plan_read_wall},
+    {"door", BLOCK_NONE, true, plan_read_door},      {"passage", BLOCK_NONE, true, plan_read_passage},
+    {"window", BLOCK_NONE, true, plan_read_window},  {"stairwell", BLOCK_NONE, true, read_stairwell},
     {"stair", BLOCK_NONE, true, read_stair},         {"light", BLOCK_NONE, true, read_light},
     {"inlay", BLOCK_NONE, true, read_inlay},         {"model", BLOCK_NONE, false, read_model},
     {"place", BLOCK_NONE, true, read_place},         {"view", BLOCK_NONE, true, read_view},
@@ -656,72 +427,6 @@ static bool read_lines(Plan *plan, Bytes content) {
     return true;
 }
 
-// ---- fitting openings to their walls
-
-// How far from the centre, along `way`, the face of a room's wall lies; INFINITY when none lies within the wall.
-// `wall` receives its thickness.
-static double room_face(const Plan *plan, const SketchOpening *o, Vec2 way, double *wall) {
-    const Sketch *s = &plan->sketch;
-    double nearest = INFINITY;
-    for (int r = 0; r < s->room_count; r++) {
-        const SketchRoom *room = &s->rooms[r];
-        const Vec2 *p = &s->points[room->first_point];
-        if (room->storey != o->storey || !(room->wall > 0)) continue;
-        double turn = signed_area(p, room->point_count) > 0 ? 1 : -1;
-        for (int i = 0; i < room->point_count; i++) {
-            Vec2 a = p[i], edge = vec2_sub(p[(i + 1) % room->point_count], a);
-            double length = vec2_length(edge), facing = turn * vec2_cross(edge, way);
-            // The room must lie beyond its edge, and the edge across the way.
-            if (!(length > 0) || facing < length * (1 - PARALLEL * PARALLEL)) continue;
-            Vec2 to = vec2_sub(a, o->centre);
-            double along = -vec2_dot(to, edge) / length, distance = vec2_dot(to, way);
-            if (along < -FIT || along > length + FIT) continue;
-            if (distance < -FIT || distance > room->wall + FIT || distance >= nearest) continue;
-            nearest = distance;
-            *wall = room->wall;
-        }
-    }
-    return nearest;
-}
-
-// A stretch of explicit wall around the centre, along the opening: its depth is the wall's.
-static bool fit_to_stretch(const Plan *plan, SketchOpening *o, Vec2 axis) {
-    for (int i = 0; i < plan->stretch_count; i++) {
-        const Stretch *w = &plan->stretches[i];
-        Vec2 edge = vec2_sub(w->b, w->a), to = vec2_sub(o->centre, w->a);
-        double length = vec2_length(edge);
-        if (w->storey != o->storey || fabs(vec2_cross(edge, axis)) > PARALLEL * length) continue;
-        double along = vec2_dot(to, edge) / length, off = vec2_cross(edge, to) / length;
-        if (along < 0 || along > length || fabs(off) > w->thickness / 2 + FIT) continue;
-        o->centre = vec2_add(w->a, vec2_scale(edge, along / length));
-        o->depth = w->thickness;
-        return true;
-    }
-    return false;
-}
-
-static bool fit_opening(Plan *plan, int index) {
-    SketchOpening *o = &plan->sketch.openings[index];
-    Vec2 axis = vec2(cos(o->angle), sin(o->angle)), normal = vec2(-axis.y, axis.x);
-    if (!plan->pending[index].fit || fit_to_stretch(plan, o, axis)) return true;
-    double wall[2] = {0}, face[2];
-    for (int s = 0; s < 2; s++) face[s] = room_face(plan, o, s ? vec2_scale(normal, -1) : normal, &wall[s]);
-    // Rooms on both sides: from face to face. On one side: as deep as that room's wall.
-    if (isfinite(face[0]) && !isfinite(face[1])) face[1] = wall[0] - face[0];
-    if (isfinite(face[1]) && !isfinite(face[0])) face[0] = wall[1] - face[1];
-    double depth = face[0] + face[1];
-    if (!(isfinite(depth) && depth >= MIN_SIZE)) {
-        plan->line.number = plan->pending[index].line;
-        return plan_fail(
-            &plan->line,
-            "%s %s at %g,%g stands in no wall along its angle (allowed: a centre inside a wall, or a depth)",
-            opening_kind_name(o->kind), o->name, o->centre.x, o->centre.y);
-    }
-    o->centre = vec2_add(o->centre, vec2_scale(normal, (face[0] - face[1]) / 2));
-    o->depth = depth;
-    return true;
-}
-
 // ---- where a walk begins
 
 // Whether q lies in the region's plan: inside an odd number of its rings.
@@ -767,7 +472,7 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     if (!plan_declare(&plan->line, &plan->materials, "material", PLAIN, index)) return false;
     if (!read_lines(plan, content)) return false;
     for (int i = 0; i < plan->sketch.opening_count; i++)
-        if (!fit_opening(plan, i)) return false;
+        if (!plan_fit_opening(plan, i)) return false;
     Error why = {""};
     if (!maps_enclose(&plan->sketch, out, arena, &why)) return error_set(error, "%s: %.900s", path, why.text);
     return set_start(plan);

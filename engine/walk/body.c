@@ -14,6 +14,9 @@ static const double SKIN = 1e-4;
 static const double PIECE = BODY_RADIUS / 2;
 // Pieces of a way shorter than this lead nowhere, metres.
 static const double NOWHERE = 1e-9;
+// It climbs on what it cannot stand on no higher than this over what it can, metres: thresholds, rounded edges. Else it
+// would climb cushions and leaves a hair's breadth at a time.
+static const double ROUGH = 0.05;
 enum { MOST_CONTACTS = 4, MOST_ATTEMPTS = 5 };
 static const double GRAVITY = 9.81;    // m/s^2
 static const double TERMINAL = 50.0;   // m/s: of a person in air
@@ -36,12 +39,14 @@ static Gathered gather(BodyWorld *w, int cell, Vec2 at, double radius, double z0
 
 // What a foot at some height finds over and under its disc.
 typedef struct Ground {
-    bool blocked;             // by something too high to step over and too low to duck under
-    double support, ceiling;  // the highest below, the lowest above; infinite without
+    bool blocked;    // by something too high to step over and too low to duck under
+    double support;  // the highest below, -INFINITY without
+    double footing;  // the highest that is no slope too steep to stand on
+    double ceiling;  // the lowest above, INFINITY without
 } Ground;
 
 static Ground ground_at(const Gathered *g, Vec2 at, double foot, double step) {
-    Ground ground = {.support = -INFINITY, .ceiling = INFINITY};
+    Ground ground = {.support = -INFINITY, .footing = -INFINITY, .ceiling = INFINITY};
     for (int i = 0; i < g->solid_count && !ground.blocked; i++) {
         const Solid *s = &g->solids[i];
         Band z;
@@ -50,6 +55,7 @@ static Ground ground_at(const Gathered *g, Vec2 at, double foot, double step) {
         if (!solid_levels(s, at, BODY_RADIUS, &z)) continue;
         if (z.z1 <= foot + step) {
             ground.support = fmax(ground.support, z.z1);
+            if (!s->steep) ground.footing = fmax(ground.footing, z.z1);
         } else if (z.z0 >= foot + BODY_LOWEST) {
             ground.ceiling = fmin(ground.ceiling, z.z0);
         } else {
@@ -57,6 +63,11 @@ static Ground ground_at(const Gathered *g, Vec2 at, double foot, double step) {
         }
     }
     return ground;
+}
+
+// Would it climb on something that it cannot stand on?
+static bool is_rough(const Ground *ground, double foot) {
+    return ground->support > foot && ground->support > ground->footing + ROUGH;
 }
 
 static void note_place(BodyWorld *w, Vec3 foot) {
@@ -134,25 +145,31 @@ static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int c
     note_place(w, b->foot);
 }
 
-// Whatever keeps it from the end of the slide: it is tried again with what hangs low counted as a wall, then shorter.
+// What of an end that will not do may do when more is taken for a wall: what hangs low over a step up, or what cannot
+// be stood on. False when all of it is already.
+static bool widen(Band *band, const Ground *ground, double old_foot, double foot) {
+    Band was = *band;
+    if (ground->blocked) return false;
+    if (ground->ceiling - foot < BODY_LOWEST) band->z1 = fmax(band->z1, foot + BODY_LOWEST);
+    if (is_rough(ground, old_foot)) band->z0 = old_foot;
+    return band->z0 < was.z0 || band->z1 > was.z1;
+}
+
+// Where the end of a slide will not do it is tried again with more taken for a wall, then shorter.
 static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
-    double step = b->standing ? BODY_STEP : 0, length = vec2_length(way);
+    double step = b->standing ? BODY_STEP : 0, start = b->foot.z;
     Vec2 from = plan_of(b->foot);
-    Gathered g =
-        gather(w, b->cell, from, BODY_RADIUS + length, b->foot.z - BODY_STEP, b->foot.z + step + BODY_HEIGHT);
-    Band band = {b->foot.z + step, b->foot.z + BODY_LOWEST};
+    Gathered g = gather(w, b->cell, from, BODY_RADIUS + vec2_length(way), start - BODY_STEP,
+                        start + step + BODY_HEIGHT);
+    Band band = {start + step, start + BODY_LOWEST};
     w->pieces++;
     for (int attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
         Slide s = slide(&g, band, from, way);
         if (s.count == 1) return false;
-        Ground ground = ground_at(&g, s.at[s.count - 1], b->foot.z, step);
-        bool carried = b->standing && ground.support >= b->foot.z - BODY_STEP;
-        double foot = carried ? ground.support : b->foot.z;
-        if (!ground.blocked && ground.ceiling - foot < BODY_LOWEST && band.z1 < foot + BODY_LOWEST) {
-            band.z1 = foot + BODY_LOWEST;
-            continue;
-        }
-        if (!ground.blocked && ground.ceiling - foot >= BODY_LOWEST) {
+        Ground ground = ground_at(&g, s.at[s.count - 1], start, step);
+        bool carried = b->standing && ground.support >= start - BODY_STEP;
+        double foot = carried ? ground.support : start;
+        if (!ground.blocked && ground.ceiling - foot >= BODY_LOWEST && !is_rough(&ground, start)) {
             int cell = follow(w, b, &s, foot);
             if (cell >= 0) {
                 take_place(b, w, &s, foot, cell, ground.ceiling);
@@ -160,7 +177,7 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
                 return true;
             }
         }
-        way = vec2_scale(way, 0.5);
+        if (!widen(&band, &ground, start, foot)) way = vec2_scale(way, 0.5);
     }
     w->refused++;
     return false;

@@ -14,6 +14,8 @@
 static const double SQUARE = 0.25;
 // The squares are made larger until there are no more entries than this for each polygon.
 enum { ENTRIES_PER_POLYGON = 32, LEAST_ENTRIES = 1 << 16, MOST_SQUARES = 1024 };  // along a side
+// The upright share of a normal below which nobody stands on a polygon: slopes of more than 45 degrees, and walls.
+static const double STEEP = 0.7;
 // A way that comes this near a portal touches it, metres: far above rounding at the edge of the allowed world (1e-8),
 // far below the grid of the plan.
 static const double TOUCH = 1e-6;
@@ -31,6 +33,7 @@ struct Obstacles {
     const CellGraph *graph;
     PlanGrid grid;
     Box *item_box;         // [polygon_count + leaf_count]
+    bool *steep;           // [polygon_count]
     Box *portal_box;       // [portal_count]
     unsigned char *shut;   // [cell_count] inside a window: nobody enters
     int *bare_door;        // [portal_count] the door without leaves that closes it, or -1
@@ -145,9 +148,11 @@ static void build_boxes(Obstacles *o, Arena *arena) {
     const CellGraph *graph = o->graph;
     const Building *b = graph->building;
     o->item_box = ARENA_ARRAY(arena, Box, graph->polygon_count + b->leaf_count + 1);
+    o->steep = ARENA_ARRAY(arena, bool, graph->polygon_count + 1);
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
         o->item_box[i] = box_of(graph->vertices + p->first_vertex, p->vertex_count);
+        o->steep[i] = fabs(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n.z) < STEEP;
     }
     for (int i = 0; i < b->leaf_count; i++)
         o->item_box[graph->polygon_count + i] = door_leaf_reach(&b->leaves[i]);
@@ -271,14 +276,18 @@ static void begin(Obstacles *o, int cell) {
 
 // ---- what stands there
 
-static void add_solid(Obstacles *o, const Vec3 *vertices, int count, Box box) {
-    o->solids[o->solid_count++] = (Solid){vertices, count, false, box};
+// Upright: a portal that nobody passes, the border of the world.
+static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {
+    o->solids[o->solid_count++] = (Solid){.vertices = vertices, .count = count, .steep = true, .box = box};
 }
 
 static void add_polygon(Obstacles *o, int polygon, const Box *near) {
     if (!box_overlap(o->item_box[polygon], *near)) return;
     const Polygon *p = &o->graph->polygons[polygon];
-    add_solid(o, o->graph->vertices + p->first_vertex, p->vertex_count, o->item_box[polygon]);
+    o->solids[o->solid_count++] = (Solid){.vertices = o->graph->vertices + p->first_vertex,
+                                          .count = p->vertex_count,
+                                          .steep = o->steep[polygon],
+                                          .box = o->item_box[polygon]};
 }
 
 static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *near) {
@@ -293,7 +302,9 @@ static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *
     }
     box.min.z = l->z0;
     box.max.z = l->z1;
-    if (box_overlap(box, *near)) o->solids[o->solid_count++] = (Solid){o->leaf_plan[leaf], 4, true, box};
+    if (!box_overlap(box, *near)) return;
+    o->solids[o->solid_count++] =
+        (Solid){.vertices = o->leaf_plan[leaf], .count = 4, .prism = true, .box = box};
 }
 
 // Its surfaces, and its portals that nobody passes; the others lead on.
@@ -312,8 +323,8 @@ static void add_cell(Obstacles *o, int cell, const float *door_open, const Way *
         bool closed = door >= 0 && door_open && door_open[door] == 0;
         // A closed door is met from either side: once is enough.
         if (o->shut[contact.cell] || (closed && o->cell_seen[contact.cell] != o->serial)) {
-            add_solid(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
-                      o->portal_box[contact.portal]);
+            add_barrier(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
+                        o->portal_box[contact.portal]);
         }
         if (!o->shut[contact.cell]) reach_cell(o, contact.cell);
     }
@@ -348,7 +359,7 @@ Gathered obstacles_gather(Obstacles *o, const float *door_open, int cell, Vec2 a
     add_items(o, door_open, &way.box);
     for (int i = 0; i < 4; i++) {
         Box box = box_of(o->border[i], 4);
-        if (box_overlap(box, way.box)) add_solid(o, o->border[i], 4, box);
+        if (box_overlap(box, way.box)) add_barrier(o, o->border[i], 4, box);
     }
     return (Gathered){o->solids, o->solid_count, o->wall_tests, o->object_tests};
 }

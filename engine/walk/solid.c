@@ -11,6 +11,10 @@ static const double ALONG = 1e-12;
 // Below this upright share of the normal a polygon's plan has no width to speak of.
 static const double UPRIGHT = 1e-9;
 
+// Edges shorter than a grid's step by far may be left by cuts; a triangle over one has less area than this, m^2, and says
+// nothing about sides.
+static const double NO_AREA = 1e-9;
+
 static Vec2 plan_of(Vec3 v) { return vec2(v.x, v.y); }
 
 // ---- the outline of the part of a solid within a band, an edge at a time
@@ -76,8 +80,8 @@ static bool holds(const Solid *s, Vec2 at) {
     for (int i = 0; i < s->count; i++) {
         Vec2 a = plan_of(s->vertices[i]), b = plan_of(s->vertices[i + 1 < s->count ? i + 1 : 0]);
         double side = vec2_cross(vec2_sub(b, a), vec2_sub(at, a));
-        left += side > 0;
-        right += side < 0;
+        left += side > NO_AREA;
+        right += side < -NO_AREA;
     }
     return (left == 0) != (right == 0);
 }
@@ -153,8 +157,16 @@ static double enter_stadium(Vec2 from, Vec2 way, Vec2 a, Vec2 b, double radius, 
     return t;
 }
 
+// Most of what is near is not in the way: plain comparisons first.
+static bool box_is_off(const Box *box, Vec2 from, Vec2 way, double radius) {
+    double x0 = from.x - radius + (way.x < 0 ? way.x : 0), x1 = from.x + radius + (way.x > 0 ? way.x : 0);
+    double y0 = from.y - radius + (way.y < 0 ? way.y : 0), y1 = from.y + radius + (way.y > 0 ? way.y : 0);
+    return box->min.x > x1 || box->max.x < x0 || box->min.y > y1 || box->max.y < y0;
+}
+
 double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double radius, Vec2 *normal) {
     double first = 1;
+    if (box_is_off(&solid->box, from, way, radius)) return 1;
     Vec2 a, b;
     for (Outline o = outline_begin(solid, band); outline_next(&o, &a, &b);) {
         Vec2 n;

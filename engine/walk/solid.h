@@ -10,6 +10,7 @@ typedef struct Solid {
     const Vec3 *vertices;  // [count] building space; of a prism its plan, counter-clockwise from above
     int count;
     bool prism;
+    bool steep;  // nobody stands on its slope; a matter for the caller
     Box box;
 } Solid;
 

@@ -1,5 +1,8 @@
 // walk_bake.c - light computed beforehand, by the formulas of walk_shade.h, with ambient occlusion by distances.
 //
+// A texel is how bright a surface is on the screen by its brightness in usual light, in which its colour is given: one
+// channel of eleven bits shows no steps on a wall near by, where three of eight would, and is filtered in less time.
+//
 // The texels of all surfaces in one plane lie on one grid through the origin, and reach past the surface's edge: two
 // surfaces that meet there have the same texels on both sides, so that no seam shows between them.
 #include "engine/walk/walk_bake.h"
@@ -15,10 +18,14 @@
 // A surface has at most so many texels each way, so that rows hold a few.
 #define TEXELS_MOST 512
 #define ATLAS_WIDTH 2048
-// All texels together: 4 MiB of colours, computed in a fifth of a second.
+// All texels together: 2 MiB as halves, computed in a fifth of a second.
 #define TEXELS_BUDGET (1 << 20)
 // Even so, texels grow no larger than this many times: then each surface has its fewest, four.
 #define COARSENESS_MOST 100.0
+// What of a lamp's strength falls on a surface, usually; and no surface counts as darker than this on the screen, so that
+// black ones can be divided by.
+#define USUAL_LAMP 0.4f
+#define DARKEST (1.0f / 255)
 // Rounding may not reach for a texel that is not there: so far from the outermost middles, in texels.
 #define TEXEL_MARGIN (1.0 / 16)
 
@@ -43,6 +50,8 @@ struct WalkBake {
 
 // ---- light at a point
 
+static const Rgb BLACK = {0, 0, 0};
+
 static Rgb rgb_mix(Rgb a, Rgb b, float t) {
     return (Rgb){a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
 }
@@ -59,7 +68,7 @@ static Rgb ambient_light(Vec3 n, bool outdoors) {
     light = rgb_add(light, (Rgb){WALK_SIDE}, facing(n, vec3(WALK_SIDE_WAY)));
     light = rgb_add(light, (Rgb){WALK_BACK}, facing(n, vec3(WALK_BACK_WAY)));
     if (!outdoors) return light;
-    light = rgb_mix((Rgb){0, 0, 0}, light, WALK_OUTDOORS_DIMMING);
+    light = rgb_mix(BLACK, light, WALK_OUTDOORS_DIMMING);
     return rgb_add(light, (Rgb){WALK_SUN_OUTDOORS}, facing(n, vec3(WALK_SUN_WAY)));
 }
 
@@ -78,33 +87,66 @@ static Rgb lamp_light(const WalkLights *lights, int object, Vec3 place, Vec3 n) 
     return sum;
 }
 
-static uint8_t screen(float light) {
+static float screen(float light) {
     float x = light * WALK_EXPOSURE;
     x = x * (1 + x * WALK_SHOULDER_TOP) / (1 + x * WALK_SHOULDER_BOTTOM);
-    x = x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f;
-    return (uint8_t)lrintf(255 * fminf(x, 1));
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f;
 }
+
+static Rgb rgb_screen(Rgb light) { return (Rgb){screen(light.r), screen(light.g), screen(light.b)}; }
+
+static uint8_t byte(float x) { return (uint8_t)lrintf(255 * fminf(fmaxf(x, 0), 1)); }
+
+static Rgba8 to_bytes(Rgb c, float alpha) { return (Rgba8){byte(c.r), byte(c.g), byte(c.b), byte(alpha)}; }
 
 Rgb walk_glow(const Material *m) {
     Rgb e = m->emission;
     float most = fmaxf(fmaxf(e.r, e.g), e.b);
-    return most > 1 ? rgb_mix((Rgb){0, 0, 0}, e, 1 / most) : e;
+    return most > 1 ? rgb_mix(BLACK, e, 1 / most) : e;
 }
 
-Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point, Vec3 n) {
-    const Building *b = bake->graph->building;
-    const Material *m = &b->materials[material];
+static bool outdoors(const WalkBake *bake, int object) {
     int region = bake->lights->region[object];
-    bool outdoors = region >= 0 && b->regions[region].kind == REGION_OUTDOORS;
-    float open = (float)walk_occlusion_open(bake->occlusion, point, n, region, object);
+    return region >= 0 && bake->graph->building->regions[region].kind == REGION_OUTDOORS;
+}
+
+// What leaves a surface that faces n at a point, on the screen.
+static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 point, Vec3 n) {
+    float open = (float)walk_occlusion_open(bake->occlusion, point, n, bake->lights->region[object], object);
     Rgb warm = rgb_mix((Rgb){1, 1, 1}, (Rgb){WALK_OCCLUSION_WARMTH}, 1 - open);
-    Rgb shade = rgb_mix((Rgb){1, 1, 1}, rgb_mix((Rgb){0, 0, 0}, warm, open), WALK_OCCLUSION_STRENGTH);
-    Rgb light = rgb_multiply(ambient_light(n, outdoors), shade);
+    Rgb shade = rgb_mix((Rgb){1, 1, 1}, rgb_mix(BLACK, warm, open), WALK_OCCLUSION_STRENGTH);
+    Rgb light = rgb_multiply(ambient_light(n, outdoors(bake, object)), shade);
     light = rgb_add(light, lamp_light(bake->lights, object, vec3_sub(point, bake->origin), n),
                     1 - WALK_LAMP_OPENNESS * (1 - open));
     light = rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1);
-    if (m->alpha < 1) light = rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE);
-    return (Rgba8){screen(light.r), screen(light.g), screen(light.b), (uint8_t)lrintf(255 * m->alpha)};
+    return rgb_screen(m->alpha < 1 ? rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE) : light);
+}
+
+// The same in the usual light of the room: alike for all surfaces of a material that face one way.
+static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 n) {
+    const WalkLights *lights = bake->lights;
+    Rgb light = ambient_light(n, outdoors(bake, object));
+    for (int i = lights->first[object]; i < lights->first[object] + lights->count[object]; i++) {
+        const WalkLamp *lamp = &lights->lamps[i];
+        Rgb colour = {lamp->colour[0], lamp->colour[1], lamp->colour[2]};
+        light =
+            rgb_add(light, rgb_mix(colour, (Rgb){1, 1, 1}, WALK_LAMP_WHITENESS), USUAL_LAMP * lamp->strength);
+    }
+    return rgb_screen(rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1));
+}
+
+// Of a colour on the screen (the luma of ITU-R BT.709).
+static float brightness(Rgb c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
+Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point, Vec3 n) {
+    const Material *m = &bake->graph->building->materials[material];
+    return to_bytes(look_at(bake, object, m, point, n), m->alpha);
+}
+
+Rgba8 walk_bake_surface(const WalkBake *bake, int polygon) {
+    const Material *m = &bake->graph->building->materials[bake->graph->polygons[polygon].material];
+    int index = polygon - bake->first_polygon;
+    return to_bytes(usual_look(bake, bake->object[index], m, bake->patches[index].plane.n), 1);
 }
 
 // ---- layout
@@ -143,10 +185,9 @@ static int texels_to(double first, double y, double side) {
 static Patch make_patch(const WalkBake *bake, int polygon, double coarseness) {
     const Polygon *p = &bake->graph->polygons[polygon];
     Patch patch = {.plane = plane_of_polygon(bake->graph->vertices + p->first_vertex, p->vertex_count)};
-    int region = bake->lights->region[bake->object[polygon - bake->first_polygon]];
-    bool outdoors = bake->graph->building->regions[region].kind == REGION_OUTDOORS;
     Extent e = extent_of(bake, polygon, axes_of(patch.plane));
-    patch.side = coarseness * (outdoors ? TEXEL_OUTDOORS : TEXEL_INDOORS);
+    patch.side = coarseness * (outdoors(bake, bake->object[polygon - bake->first_polygon]) ? TEXEL_OUTDOORS
+                                                                                           : TEXEL_INDOORS);
     while (fmax(e.u1 - e.u0, e.v1 - e.v0) > patch.side * TEXELS_MOST) patch.side *= 2;
     patch.first_u = first_texel(e.u0, patch.side);
     patch.first_v = first_texel(e.v0, patch.side);
@@ -194,13 +235,15 @@ static void fill_patch(const WalkBake *bake, int index, const WalkAtlas *atlas) 
     Vec3 n = patch->plane.n;
     // The origin's foot on the plane, from where u and v lead to any point of it.
     Vec3 foot = vec3_sub(bake->origin, vec3_scale(n, plane_distance(patch->plane, bake->origin)));
-    int material = bake->graph->polygons[bake->first_polygon + index].material;
+    const Material *m =
+        &bake->graph->building->materials[bake->graph->polygons[bake->first_polygon + index].material];
+    float usual = fmaxf(brightness(usual_look(bake, bake->object[index], m, n)), DARKEST);
     for (int j = 0; j < patch->height; j++) {
         Vec3 start = vec3_add(foot, vec3_scale(axes.v, (patch->first_v + j + 0.5) * patch->side));
-        Rgba8 *row = atlas->texels + (size_t)(patch->row + j) * (size_t)atlas->width + patch->column;
+        float *row = atlas->texels + (size_t)(patch->row + j) * (size_t)atlas->width + patch->column;
         for (int i = 0; i < patch->width; i++) {
             Vec3 at = vec3_add(start, vec3_scale(axes.u, (patch->first_u + i + 0.5) * patch->side));
-            row[i] = walk_bake_point(bake, bake->object[index], material, at, n);
+            row[i] = brightness(look_at(bake, bake->object[index], m, at, n)) / usual;
         }
     }
 }
@@ -232,7 +275,7 @@ bool walk_bake_surfaces(WalkBake *bake, int max_side, Arena *arena, WalkAtlas *o
     *out = (WalkAtlas){.width = ATLAS_WIDTH, .height = place_patches(bake, order) + 1};
     bool good = out->height <= max_side && out->width <= max_side;
     if (good) {
-        out->texels = ARENA_ARRAY(arena, Rgba8, (size_t)out->width * (size_t)out->height);
+        out->texels = ARENA_ARRAY(arena, float, (size_t)out->width *(size_t)out->height);
 #pragma omp parallel for schedule(dynamic, 16)
         for (int i = 0; i < bake->patch_count; i++) fill_patch(bake, i, out);
     } else {

@@ -1,5 +1,5 @@
-// walk_bake.h - light computed beforehand: what walls, floors and ceilings look like as texels of one texture, and
-// other polygons at their corners. Ready for the screen: sRGB, with the surface's own colour.
+// walk_bake.h - light computed beforehand: on walls, floors and ceilings as texels of one texture, on other polygons at
+// their corners. Ready for the screen: sRGB, with the surface's own colour.
 #ifndef WALK_BAKE_H
 #define WALK_BAKE_H
 
@@ -22,13 +22,15 @@ Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point
 
 // Texels of the surfaces of cells.
 typedef struct WalkAtlas {
-    Rgba8 *texels;  // [height * width]
+    float *texels;  // [height * width] 1: as bright as in usual light
     int width, height;
 } WalkAtlas;
 
 // Lays out and computes the texels on all cores, coarser than usual for a large building. False where a texture of
 // `max_side` each way is too small.
 bool walk_bake_surfaces(WalkBake *bake, int max_side, Arena *arena, WalkAtlas *out, Error *error);
+// The colour of a surface in usual light, once they are laid out. What is seen is this times the texel.
+Rgba8 walk_bake_surface(const WalkBake *bake, int polygon);
 // Where a corner of a surface is in the atlas: 0 .. 1 each.
 Vec2 walk_bake_place(const WalkBake *bake, const WalkAtlas *atlas, int polygon, Vec3 corner);
 

@@ -12,7 +12,7 @@ typedef struct WalkVertex {
     float position[3], normal[3];
     uint8_t colour[4], emission[4];  // the fine look's; colour: square root of the reflectance, alpha
     int16_t lamps[2];
-    Rgba8 front, back;  // the fast look's, as seen from either side
+    Rgba8 front, back;  // the fast look's, as seen from either side; of a surface in usual light
     float place[2];     // of a surface, in the atlas
 } WalkVertex;
 
@@ -75,7 +75,9 @@ static void fill_polygon(const WalkMesh *mesh, int polygon, int object, const Ve
             out[i].place[0] = (float)place.x;
             out[i].place[1] = (float)place.y;
         }
-        if (!surface || m->alpha < 1) {
+        if (surface && m->alpha == 1) {
+            out[i].front = walk_bake_surface(mesh->bake, polygon);
+        } else {
             out[i].front = walk_bake_point(mesh->bake, object, p->material, v[i], n);
             out[i].back = walk_bake_point(mesh->bake, object, p->material, v[i], vec3_scale(n, -1));
         }
@@ -221,8 +223,8 @@ static bool upload_atlas(WalkMesh *mesh, Error *error) {
         glGenTextures(1, &mesh->atlas_texture);
         glActiveTexture(GL_TEXTURE0 + WALK_UNIT_ATLAS);
         glBindTexture(GL_TEXTURE_2D, mesh->atlas_texture);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, mesh->atlas.width, mesh->atlas.height, 0, GL_RGBA,
-                     GL_UNSIGNED_BYTE, mesh->atlas.texels);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_R16F, mesh->atlas.width, mesh->atlas.height, 0, GL_RED, GL_FLOAT,
+                     mesh->atlas.texels);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

@@ -6,7 +6,7 @@
 
 typedef struct WalkOcclusion WalkOcclusion;
 
-// Walls, low walls, stairs and the boxes of furniture occlude; doors move and do not.
+// Walls, low walls and the boxes of furniture occlude; doors move and do not.
 WalkOcclusion *walk_occlusion_new(const CellGraph *graph, Arena *arena);
 
 // The open share, 0 .. 1, at a point with normal n (unit), in `region` (-1: in none). `self`: the object it is part of,

@@ -115,18 +115,24 @@ const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS
 
 const char WALK_DEPTH_FRAGMENT[] = VERSION "void main() {}\n";
 
-const char WALK_BAKED_VERTEX[] =
-    VERSION "layout(location = 0) in vec3 position;\n"
-            "layout(location = 7) in vec2 place;\n"
-            "uniform mat4 clip;\n"
-            "uniform vec3 eye;\n"
-            "out vec2 vPlace;\n"
-            "void main() { gl_Position = clip * vec4(position - eye, 1.0); vPlace = place; }\n";
+const char WALK_BAKED_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
+                                         "layout(location = 5) in vec4 front;\n"
+                                         "layout(location = 7) in vec2 place;\n"
+                                         "uniform mat4 clip;\n"
+                                         "uniform vec3 eye;\n"
+                                         "flat out vec3 vColour;\n"
+                                         "out vec2 vPlace;\n"
+                                         "void main() {\n"
+                                         "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                                         "    vColour = front.rgb; vPlace = place;\n"
+                                         "}\n";
 
-const char WALK_BAKED_FRAGMENT[] = VERSION "in vec2 vPlace;\n"
-                                           "uniform sampler2D atlas;\n"
-                                           "out vec4 result;\n"
-                                           "void main() { result = texture(atlas, vPlace); }\n";
+const char WALK_BAKED_FRAGMENT[] =
+    VERSION "flat in vec3 vColour;\n"
+            "in vec2 vPlace;\n"
+            "uniform sampler2D atlas;\n"
+            "out vec4 result;\n"
+            "void main() { result = vec4(vColour * texture(atlas, vPlace).r, 1.0); }\n";
 
 // Lit from both sides; a polygon is flat, so that all its corners choose alike.
 const char WALK_THING_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"

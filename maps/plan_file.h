@@ -1,0 +1,64 @@
+// plan_file.h - a .plan file while it is read: what the statements of plan.c and plan_walls.c share.
+#ifndef MAPS_PLAN_FILE_H
+#define MAPS_PLAN_FILE_H
+
+#include "maps/plan_model.h"
+#include "maps/sketch.h"
+
+// Limits of the format, metres.
+#define PLAN_MAX_HEIGHT 1000.0   // of storeys, walls, openings
+#define PLAN_MAX_THICKNESS 10.0  // of walls and slabs
+#define PLAN_MAX_OPENING 100.0   // width
+#define PLAN_MIN_SIZE 0.01       // of all that must have a size
+
+typedef enum Block { BLOCK_NONE, BLOCK_MODEL, BLOCK_TOUR } Block;
+
+// A stretch of explicit wall, to fit openings into.
+typedef struct Stretch {
+    int storey;
+    Vec2 a, b;
+    double thickness;
+} Stretch;
+
+// What the file said of an opening beside the sketch: `line` for messages; `fit` when no depth was given.
+typedef struct Pending {
+    int line;
+    bool fit;
+} Pending;
+
+typedef struct Plan {
+    PlanLine line;
+    Arena *arena;
+    Building *b;
+    Sketch sketch;
+    PlanNames materials, storeys;
+    PlanModels models;
+    Stretch *stretches;
+    Pending *pending;  // [sketch.opening_count]
+    int stretch_count, stretch_capacity, pending_count, pending_capacity;
+    int storey;  // under which statements stand now
+    Block block;
+    int block_line;  // where it began
+    bool begun, ground;
+    Vec3 start;
+    double start_yaw;
+    int start_line;  // 0: the file names no start
+} Plan;
+
+// `house.plan:12: door pantry`
+const char *plan_place_text(Plan *plan, const char *what, const char *name);
+double plan_storey_floor(const Plan *plan);
+void plan_push_point(Plan *plan, Vec2 point, int material);  // into the sketch
+
+double plan_signed_area(const Vec2 *points, int count);  // counter-clockwise positive
+
+// ---- plan_walls.c
+bool plan_read_room(Plan *plan);
+bool plan_read_wall(Plan *plan);
+bool plan_read_door(Plan *plan);
+bool plan_read_passage(Plan *plan);
+bool plan_read_window(Plan *plan);
+// Once all rooms and walls are known: an opening without a depth takes that of the wall it stands in.
+bool plan_fit_opening(Plan *plan, int index);
+
+#endif

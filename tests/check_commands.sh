@@ -37,11 +37,16 @@ expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 
 expect 2 "$program" vis --square 1e9 $maps/two-rooms.plan && says err 'allowed 0.25 to 100'
 expect 2 "$program" plan --from 1,2 $maps/two-rooms.plan && says err 'X,Y,Z'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --size 0x0
+expect 2 "$program" walk $maps/two-rooms.plan --verify && says err 'need --offscreen'
+expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --view corner && says err 'for the window'
+expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --look pretty && says err 'allowed fast, fine'
 expect 2 "$program" bench nonsense
 # Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
 echo 'nonsense 1' >"$work/bad.plan"
 expect 1 "$program" info "$work/bad.plan" && says err 'bad.plan:1'
+# Without a display no window, but what to do instead.
+expect 1 env -u DISPLAY -u WAYLAND_DISPLAY "$program" walk $maps/two-rooms.plan && says err '--offscreen'
 expect 1 "$program" plan $maps/two-rooms.plan --from 1000,0,0 && says err 'no cell at'
 [ "$(wc -l <"$work/err")" -eq 1 ] || fail "more than one sentence: $(cat "$work/err")"
 

@@ -55,7 +55,8 @@ static void show_help(Session *s, int key) {
 
 static void freeze(Session *s, int key) {
     (void)key;
-    on_off(s, &s->frozen, "frozen: what was visible from here stays; freezing");
+    s->frozen = !s->frozen;
+    session_say(s, false, s->frozen ? "what is visible from here stays" : "what is visible is asked anew");
 }
 
 static void change_method(Session *s, int key) {

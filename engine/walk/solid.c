@@ -157,16 +157,18 @@ static double enter_stadium(Vec2 from, Vec2 way, Vec2 a, Vec2 b, double radius, 
     return t;
 }
 
-// Most of what is near is not in the way: plain comparisons first.
-static bool box_is_off(const Box *box, Vec2 from, Vec2 way, double radius) {
-    double x0 = from.x - radius + (way.x < 0 ? way.x : 0), x1 = from.x + radius + (way.x > 0 ? way.x : 0);
-    double y0 = from.y - radius + (way.y < 0 ? way.y : 0), y1 = from.y + radius + (way.y > 0 ? way.y : 0);
-    return box->min.x > x1 || box->max.x < x0 || box->min.y > y1 || box->max.y < y0;
+// Most of what is near is not in the way: its circle about its box first.
+static bool is_off(const Box *box, Vec2 from, Vec2 way, double radius) {
+    Vec2 middle = vec2((box->min.x + box->max.x) / 2, (box->min.y + box->max.y) / 2);
+    Vec2 half = vec2(middle.x - box->min.x, middle.y - box->min.y);
+    Vec2 off = vec2_sub(middle, nearest_on(from, vec2_add(from, way), middle));
+    return vec2_length(off) > radius + vec2_length(half);
 }
 
 double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double radius, Vec2 *normal) {
     double first = 1;
-    if (box_is_off(&solid->box, from, way, radius)) return 1;
+    if (solid->box.max.z <= band.z0 || solid->box.min.z >= band.z1) return 1;
+    if (is_off(&solid->box, from, way, radius)) return 1;
     Vec2 a, b;
     for (Outline o = outline_begin(solid, band); outline_next(&o, &a, &b);) {
         Vec2 n;

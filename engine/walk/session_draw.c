@@ -56,7 +56,7 @@ static void draw_hud(Session *s, int width, int height, double scale) {
                           .frame_ms = s->frame_ms,
                           .frames_per_second = s->frames_per_second,
                           .eye = p->eye,
-                          .room = p->cell < 0 ? "" : b->regions[graph->cells[p->cell].region].name,
+                          .room = session_room(s),
                           .storey = storey < 0 ? NULL : b->storeys[storey].name};
     PlanView plan = {.graph = graph,
                      .forest = s->stab_tree ? s->shown->scene.forest : NULL,

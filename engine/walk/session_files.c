@@ -125,22 +125,20 @@ static json_t *trace_doors(const Session *s) {
 void session_trace(Session *s) {
     if (!s->trace || s->now < s->trace_due) return;
     s->trace_due = s->now + TRACE_PERIOD;
-    const CellGraph *graph = s->shown->scene.graph;
-    const Building *b = graph->building;
+    const Building *b = s->shown->scene.graph->building;
     const Person *p = &s->person;
     int storey = session_storey(s), door = session_door(s);
     json_t *flags = json_array();
     const char *names[SESSION_FLAGS];
     int count = session_flags(s, names);
     for (int i = 0; i < count; i++) json_array_append_new(flags, json_string(names[i]));
-    json_t *line =
-        json_pack("{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s}", "t",
-                  s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell",
-                  p->cell, "room", p->cell < 0 ? "" : b->regions[graph->cells[p->cell].region].name, "storey",
-                  storey < 0 ? "" : b->storeys[storey].name, "fps", s->frames_per_second, "frame_ms",
-                  s->frame_ms, "cells_visible", s->visible.cell_count, "polygons_drawn",
-                  s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors",
-                  trace_doors(s), "flags", flags, "message", s->message);
+    json_t *line = json_pack(
+        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s}", "t", s->now,
+        "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell, "room",
+        session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name, "fps", s->frames_per_second,
+        "frame_ms", s->frame_ms, "cells_visible", s->visible.cell_count, "polygons_drawn",
+        s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s),
+        "flags", flags, "message", s->message);
     json_dumpf(line, s->trace, JSON_COMPACT);
     fputc('\n', s->trace);
     fflush(s->trace);

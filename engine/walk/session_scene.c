@@ -95,9 +95,13 @@ static void go(Session *s, Vec3 eye, double yaw, double pitch) {
     person_put(&s->person, &s->shown->world, eye, yaw, pitch);
 }
 
+// On foot, however far the nearest place for a body is.
 void session_start(Session *s) {
     const Building *b = s->shown->scene.graph->building;
-    go(s, b->start, b->start_yaw, 0);
+    s->replay = NULL;
+    s->person.cell = -1;
+    s->person.flying = false;
+    person_put(&s->person, &s->shown->world, b->start, b->start_yaw, 0);
 }
 
 static void look_from(Session *s, const Viewpoint *v) {
@@ -119,6 +123,24 @@ bool session_jump_to(Session *s, const char *name, Error *error) {
     }
     return error_set(error, "%s: there is no viewpoint `%s` (%d are stored)", s->options.file, name,
                      b->viewpoint_count);
+}
+
+const char *session_room(const Session *s) {
+    const CellGraph *graph = s->shown->scene.graph;
+    const Building *b = graph->building;
+    if (s->person.cell < 0) return "in no room";
+    const Region *r = &b->regions[graph->cells[s->person.cell].region];
+    if (*r->name) return r->name;
+    switch (r->kind) {
+    case REGION_OUTDOORS:
+        return "outdoors";
+    case REGION_SHAFT:
+        return "stairwell";
+    case REGION_OPENING:
+        return *b->openings[r->opening].name ? b->openings[r->opening].name : "doorway";
+    default:
+        return "room";
+    }
 }
 
 int session_storey(const Session *s) {

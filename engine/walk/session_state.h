@@ -87,7 +87,8 @@ bool session_jump_to(Session *s, const char *name, Error *error);
 void session_start(Session *s);
 void session_change_storey(Session *s, int by);
 int session_storey(const Session *s);  // -1: outdoors or nowhere
-int session_door(const Session *s);    // looked at and within reach, or -1
+const char *session_room(const Session *s);
+int session_door(const Session *s);  // looked at and within reach, or -1
 
 // ---- session_files.c
 void session_take_picture(Session *s);

@@ -6,7 +6,9 @@
 
 #include "engine/core/file.h"
 #include "engine/core/predicates.h"
+#include "maps/maps.h"
 #include "tests/fixture.h"
+#include "tests/support.h"
 #include "visibility/sightline.h"
 
 typedef struct Made {
@@ -110,40 +112,72 @@ Test(sightline, agrees_with_brute_force) {
     cr_assert(found > 10000 && lost > 10000, "the chains are too easy: %d crossed, %d not", found, lost);
 }
 
-// Proves the structure: cells convex, each contact on both its cells, portals on the boundary of both, and every
-// cell face covered: portals and surfaces together have the area of the cell's boundary.
+// Cells convex, each contact on both its cells; portals and surfaces together have the area of the cell's boundary.
+static void expect_closed(const CellGraph *g, int c, const char *name, double tolerance) {
+    const Cell *cell = &g->cells[c];
+    double boundary = 0, covered = 0, plan = 0;
+    for (int i = 0; i < cell->edge_count; i++) {
+        const Vec2 *p = g->plan + cell->first_edge;
+        Vec2 a = p[i], b = p[(i + 1) % cell->edge_count], next = p[(i + 2) % cell->edge_count];
+        cr_assert_geq(orient2d(a, b, next), 0, "%s: cell %d is not convex", name, c);
+        boundary += vec2_length(vec2_sub(b, a)) * (cell->z1 - cell->z0);
+        plan += vec2_cross(vec2_sub(a, p[0]), vec2_sub(b, p[0])) / 2;
+    }
+    boundary += 2 * plan;
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+        const Portal *portal = &g->portals[g->contacts[i].portal];
+        cr_assert(portal->cell[0] == c || portal->cell[1] == c);
+        covered += polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
+    }
+    for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
+        const Polygon *p = &g->polygons[g->objects[i].first_polygon];
+        covered += polygon_area(g->vertices + p->first_vertex, p->vertex_count);
+    }
+    cr_assert_float_eq(covered, boundary, tolerance, "%s: cell %d: %.9f of %.9f m2 are covered", name, c,
+                       covered, boundary);
+}
+
+// Proves the structure of made-up buildings. Tolerance: rounding only, areas of a few square metres.
 Test(cells, are_closed) {
     for (uint64_t seed = 1; seed <= 30; seed++) {
         Made m;
+        char name[32];
         make(&m, seed, 3, 3, 2, 1, 0);
-        const CellGraph *g = &m.graph;
-        for (int c = 0; c < g->cell_count; c++) {
-            const Cell *cell = &g->cells[c];
-            double boundary = 0, covered = 0, plan = 0;
-            for (int i = 0; i < cell->edge_count; i++) {
-                const Vec2 *p = g->plan + cell->first_edge;
-                Vec2 a = p[i], b = p[(i + 1) % cell->edge_count], next = p[(i + 2) % cell->edge_count];
-                cr_assert_geq(orient2d(a, b, next), 0, "seed %llu: cell %d is not convex",
-                              (unsigned long long)seed, c);
-                boundary += vec2_length(vec2_sub(b, a)) * (cell->z1 - cell->z0);
-                plan += vec2_cross(vec2_sub(a, p[0]), vec2_sub(b, p[0])) / 2;
-            }
-            boundary += 2 * plan;
-            for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-                const Portal *portal = &g->portals[g->contacts[i].portal];
-                cr_assert(portal->cell[0] == c || portal->cell[1] == c);
-                covered += polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
-            }
-            for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
-                const Polygon *p = &g->polygons[g->objects[i].first_polygon];
-                covered += polygon_area(g->vertices + p->first_vertex, p->vertex_count);
-            }
-            // Rounding only: areas of a few square metres.
-            cr_assert_float_eq(covered, boundary, 1e-9, "seed %llu: cell %d: %.12f of %.12f m2 are covered",
-                               (unsigned long long)seed, c, covered, boundary);
-        }
+        snprintf(name, sizeof name, "seed %llu", (unsigned long long)seed);
+        for (int c = 0; c < m.graph.cell_count; c++) expect_closed(&m.graph, c, name, 1e-9);
         arena_free(&m.arena);
     }
+}
+
+// Indoors: outdoors the sky and the world's border are open. Tolerance: slivers of at most VIS_SLIVER are left out, some
+// hundred at most.
+static void expect_building_closed(const char *path) {
+    Arena arena = {0};
+    Building b;
+    CellGraph g;
+    Error error;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read(path, &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+    for (int c = 0; c < g.cell_count; c++) {
+        if (b.regions[g.cells[c].region].kind != REGION_OUTDOORS) expect_closed(&g, c, path, 1e-6);
+    }
+    arena_free(&arena);
+}
+
+// Proves it of the samples and of real homes, with their stairwells, inlays and slanting walls.
+Test(cells, of_samples_are_closed) {
+    expect_building_closed("build/maps/two-rooms.plan");
+    expect_building_closed("build/maps/house.plan");
+    expect_building_closed("build/maps/house.sh3d");
+    expect_building_closed("build/maps/office.plan");
+    expect_building_closed("build/maps/office-plain.plan");
+}
+Test(cells, of_homes_are_closed) {
+    expect_building_closed(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"));
+    expect_building_closed(support_shared("sh3d/3BedroomApartment.Home.xml"));
+    expect_building_closed(support_shared("sh3d/4-BedroomHouse.sh3d"));
+    expect_building_closed(support_shared("sh3d/edoardo90_myHomeHas2Stairs.Home.xml"));
 }
 
 // Proves that no vertex of a surface lies inside an edge of another: nothing shows through the seams.

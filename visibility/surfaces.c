@@ -138,6 +138,8 @@ static void subtract(Arena *scratch, const Vec3 *polygon, int count, const Vec3 
     memcpy(rest, polygon, (size_t)count * sizeof *rest);
     for (int i = 0; i < hole_count && count > 0; i++) {
         Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
+        // Two cuts that meet in a corner may leave an edge of rounding, which has no direction.
+        if (vec3_length(vec3_sub(b, a)) < T_VERTEX) continue;
         Vec3 n = vec3_normalize(vec3(b.y - a.y, a.x - b.x, 0));  // out of the hole
         Plane outside = {n, vec3_dot(n, a)}, inside = {vec3_scale(n, -1), -vec3_dot(n, a)};
         int kept = polygon_clip(rest, count, outside, 0, part);

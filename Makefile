@@ -44,7 +44,7 @@ to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libp
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
 to_test := $(to_walk) libcriterion-dev libembree-dev libglm-dev g++ zip xvfb xauth xdotool python3
 to_lint := clang-format cppcheck
-to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core
+to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_fuzz := clang libclang-rt-14-dev libomp-dev
 # $(call missing,PACKAGES): shell that sets $$missing; empty where dpkg does not say.
 missing = missing=$$(command -v dpkg-query >/dev/null && for p in $(1); do dpkg-query -W -f '$${Status}' $$p \
@@ -137,6 +137,15 @@ pictures:
 	    -depth 8 -colors 200 tests/pictures/house.png
 	$(dir)/enfilade plan build/maps/two-rooms.plan --from 1,1,1.5 --width 800 -o build/pictures/plan.svg
 	rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
+	# The film replays a recorded path, which holds for house.plan as it is: after a change record another in the window.
+	rm -rf build/pictures/film
+	$(dir)/enfilade walk build/maps/house.plan --replay tests/pictures/walk.path --offscreen build/pictures/film \
+	    --size 480x270 --every 6
+	ffmpeg -loglevel error -y -framerate 10 -i build/pictures/film/frame-%05d.png -vf "scale=360:-1:flags=lanczos,\
+	split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]paletteuse=dither=none:diff_mode=rectangle" \
+	    tests/pictures/walk.gif
+	montage tests/references/hall-plan.png tests/references/hall-wireframe.png tests/references/lookout-frozen.png \
+	    -tile 3x1 -geometry +3+3 tests/pictures/debug.png
 	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
 lint:
 	$(call install,$(to_lint))

@@ -12,6 +12,8 @@
 static const double SKIN = 1e-4;
 // A piece of a way is no longer than this, metres: half the radius, so that no stair's tread is passed over.
 static const double PIECE = BODY_RADIUS / 2;
+// What carries its middle counts for the height of a step, a disc of this radius, metres.
+static const double MIDDLE = BODY_RADIUS / 2;
 // Pieces of a way shorter than this lead nowhere, metres.
 static const double NOWHERE = 1e-9;
 // It climbs on what it cannot stand on no higher than this over what it can, metres: thresholds, rounded edges. Else it
@@ -45,14 +47,14 @@ typedef struct Ground {
     double ceiling;  // the lowest above, INFINITY without
 } Ground;
 
-static Ground ground_at(const Gathered *g, Vec2 at, double foot, double step) {
+static Ground ground_at(const Gathered *g, Vec2 at, double radius, double foot, double step) {
     Ground ground = {.support = -INFINITY, .footing = -INFINITY, .ceiling = INFINITY};
     for (int i = 0; i < g->solid_count && !ground.blocked; i++) {
         const Solid *s = &g->solids[i];
         Band z;
-        if (s->box.min.x - at.x >= BODY_RADIUS || at.x - s->box.max.x >= BODY_RADIUS) continue;
-        if (s->box.min.y - at.y >= BODY_RADIUS || at.y - s->box.max.y >= BODY_RADIUS) continue;
-        if (!solid_levels(s, at, BODY_RADIUS, &z)) continue;
+        if (s->box.min.x - at.x >= radius || at.x - s->box.max.x >= radius) continue;
+        if (s->box.min.y - at.y >= radius || at.y - s->box.max.y >= radius) continue;
+        if (!solid_levels(s, at, radius, &z)) continue;
         if (z.z1 <= foot + step) {
             ground.support = fmax(ground.support, z.z1);
             if (!s->steep) ground.footing = fmax(ground.footing, z.z1);
@@ -68,6 +70,14 @@ static Ground ground_at(const Gathered *g, Vec2 at, double foot, double step) {
 // Would it climb on something that it cannot stand on?
 static bool is_rough(const Ground *ground, double foot) {
     return ground->support > foot && ground->support > ground->footing + ROUGH;
+}
+
+// How much higher it may step: no more than a step over what is under its middle, so that nobody climbs a bed by its
+// rim. Treads are deeper than the middle is wide.
+static double step_left(const Body *b, const Gathered *g) {
+    if (!b->standing) return 0;
+    Ground under = ground_at(g, plan_of(b->foot), MIDDLE, b->foot.z, 0);
+    return fmax(0, fmax(under.support, b->foot.z - BODY_STEP) + BODY_STEP - b->foot.z);
 }
 
 static void note_place(BodyWorld *w, Vec3 foot) {
@@ -157,16 +167,17 @@ static bool widen(Band *band, const Ground *ground, double old_foot, double foot
 
 // Where the end of a slide will not do it is tried again with more taken for a wall, then shorter.
 static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
-    double step = b->standing ? BODY_STEP : 0, start = b->foot.z;
+    double start = b->foot.z;
     Vec2 from = plan_of(b->foot);
     Gathered g = gather(w, b->cell, from, BODY_RADIUS + vec2_length(way), start - BODY_STEP,
-                        start + step + BODY_HEIGHT);
+                        start + BODY_STEP + BODY_HEIGHT);
+    double step = step_left(b, &g);
     Band band = {start + step, start + BODY_LOWEST};
     w->pieces++;
     for (int attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
         Slide s = slide(&g, band, from, way);
         if (s.count == 1) return false;
-        Ground ground = ground_at(&g, s.at[s.count - 1], start, step);
+        Ground ground = ground_at(&g, s.at[s.count - 1], BODY_RADIUS, start, step);
         bool carried = b->standing && ground.support >= start - BODY_STEP;
         double foot = carried ? ground.support : start;
         if (!ground.blocked && ground.ceiling - foot >= BODY_LOWEST && !is_rough(&ground, start)) {
@@ -189,7 +200,7 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
 static void sink(Body *b, BodyWorld *w, double drop) {
     Vec2 at = plan_of(b->foot);
     Gathered g = gather(w, b->cell, at, BODY_RADIUS, b->foot.z - drop, b->foot.z + BODY_HEIGHT);
-    Ground ground = ground_at(&g, at, b->foot.z, 0);
+    Ground ground = ground_at(&g, at, BODY_RADIUS, b->foot.z, 0);
     double foot = fmax(ground.support, b->foot.z - drop);
     Slide still = {.at = {at}, .count = 1};
     int cell = ground.blocked ? -1 : follow(w, b, &still, foot);
@@ -216,7 +227,7 @@ static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     if (obstacles_is_shut(w->obstacles, cell)) return false;
     Gathered g =
         gather(w, cell, plan_of(foot), BODY_RADIUS, foot.z - DEEPEST, foot.z + BODY_STEP + BODY_HEIGHT);
-    Ground ground = ground_at(&g, plan_of(foot), foot.z, BODY_STEP);
+    Ground ground = ground_at(&g, plan_of(foot), BODY_RADIUS, foot.z, BODY_STEP);
     if (ground.blocked || !isfinite(ground.support) || ground.ceiling - ground.support < BODY_LOWEST)
         return false;
     Body placed = {.foot = foot, .cell = cell, .standing = true};
@@ -272,7 +283,7 @@ bool body_place_near(Body *b, BodyWorld *w, Vec3 foot) {
 static bool is_free(const Body *b, BodyWorld *w) {
     if (b->cell < 0) return false;
     Gathered g = gather(w, b->cell, plan_of(b->foot), BODY_RADIUS, b->foot.z, b->foot.z + BODY_LOWEST);
-    return !ground_at(&g, plan_of(b->foot), b->foot.z, 0).blocked;
+    return !ground_at(&g, plan_of(b->foot), BODY_RADIUS, b->foot.z, 0).blocked;
 }
 
 void body_step(Body *b, BodyWorld *w, Vec2 way, double seconds) {

@@ -95,9 +95,9 @@ static float screen(float light) {
 
 static Rgb rgb_screen(Rgb light) { return (Rgb){screen(light.r), screen(light.g), screen(light.b)}; }
 
-static uint8_t byte(float x) { return (uint8_t)lrintf(255 * fminf(fmaxf(x, 0), 1)); }
-
-static Rgba8 to_bytes(Rgb c, float alpha) { return (Rgba8){byte(c.r), byte(c.g), byte(c.b), byte(alpha)}; }
+static Rgba8 to_bytes(Rgb c, float alpha) {
+    return (Rgba8){walk_byte(c.r), walk_byte(c.g), walk_byte(c.b), walk_byte(alpha)};
+}
 
 Rgb walk_glow(const Material *m) {
     Rgb e = m->emission;
@@ -105,17 +105,12 @@ Rgb walk_glow(const Material *m) {
     return most > 1 ? rgb_mix(BLACK, e, 1 / most) : e;
 }
 
-static bool outdoors(const WalkBake *bake, int object) {
-    int region = bake->lights->region[object];
-    return region >= 0 && bake->graph->building->regions[region].kind == REGION_OUTDOORS;
-}
-
 // What leaves a surface that faces n at a point, on the screen.
 static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 point, Vec3 n) {
     float open = (float)walk_occlusion_open(bake->occlusion, point, n, bake->lights->region[object], object);
     Rgb warm = rgb_mix((Rgb){1, 1, 1}, (Rgb){WALK_OCCLUSION_WARMTH}, 1 - open);
     Rgb shade = rgb_mix((Rgb){1, 1, 1}, rgb_mix(BLACK, warm, open), WALK_OCCLUSION_STRENGTH);
-    Rgb light = rgb_multiply(ambient_light(n, outdoors(bake, object)), shade);
+    Rgb light = rgb_multiply(ambient_light(n, walk_outdoors(bake->graph, bake->lights, object)), shade);
     light = rgb_add(light, lamp_light(bake->lights, object, vec3_sub(point, bake->origin), n),
                     1 - WALK_LAMP_OPENNESS * (1 - open));
     light = rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1);
@@ -125,7 +120,7 @@ static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 poi
 // The same in the usual light of the room: alike for all surfaces of a material that face one way.
 static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 n) {
     const WalkLights *lights = bake->lights;
-    Rgb light = ambient_light(n, outdoors(bake, object));
+    Rgb light = ambient_light(n, walk_outdoors(bake->graph, bake->lights, object));
     for (int i = lights->first[object]; i < lights->first[object] + lights->count[object]; i++) {
         const WalkLamp *lamp = &lights->lamps[i];
         Rgb colour = {lamp->colour[0], lamp->colour[1], lamp->colour[2]};
@@ -186,8 +181,8 @@ static Patch make_patch(const WalkBake *bake, int polygon, double coarseness) {
     const Polygon *p = &bake->graph->polygons[polygon];
     Patch patch = {.plane = plane_of_polygon(bake->graph->vertices + p->first_vertex, p->vertex_count)};
     Extent e = extent_of(bake, polygon, axes_of(patch.plane));
-    patch.side = coarseness * (outdoors(bake, bake->object[polygon - bake->first_polygon]) ? TEXEL_OUTDOORS
-                                                                                           : TEXEL_INDOORS);
+    bool outdoors = walk_outdoors(bake->graph, bake->lights, bake->object[polygon - bake->first_polygon]);
+    patch.side = coarseness * (outdoors ? TEXEL_OUTDOORS : TEXEL_INDOORS);
     while (fmax(e.u1 - e.u0, e.v1 - e.v0) > patch.side * TEXELS_MOST) patch.side *= 2;
     patch.first_u = first_texel(e.u0, patch.side);
     patch.first_v = first_texel(e.v0, patch.side);

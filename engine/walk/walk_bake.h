@@ -9,6 +9,8 @@ typedef struct Rgba8 {
     uint8_t r, g, b, a;
 } Rgba8;
 
+static inline uint8_t walk_byte(float x) { return (uint8_t)lrintf(255 * fminf(fmaxf(x, 0), 1)); }
+
 typedef struct WalkBake WalkBake;
 
 // Radiant exitance is out of a screen's range: any lamp is bright, of its own colour. At most 1.

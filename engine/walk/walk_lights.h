@@ -21,4 +21,10 @@ typedef struct WalkLights {
 // The lamps are the building's lights, and polygons that emit (panels let into a ceiling), where they face a room.
 WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena);
 
+// Under the sky.
+static inline bool walk_outdoors(const CellGraph *graph, const WalkLights *lights, int object) {
+    int region = lights->region[object];
+    return region >= 0 && graph->building->regions[region].kind == REGION_OUTDOORS;
+}
+
 #endif

@@ -45,13 +45,6 @@ Vec3 walk_mesh_origin(const WalkMesh *mesh) { return mesh->origin; }
 
 // ---- vertices
 
-static uint8_t byte(double x) { return (uint8_t)lround(255 * fmin(fmax(x, 0), 1)); }
-
-static bool outdoors(const WalkMesh *mesh, int object) {
-    int region = mesh->lights.region[object];
-    return region >= 0 && mesh->graph->building->regions[region].kind == REGION_OUTDOORS;
-}
-
 // A polygon whose corners are `v` at the moment.
 static void fill_polygon(const WalkMesh *mesh, int polygon, int object, const Vec3 *v, WalkVertex *out) {
     const Polygon *p = &mesh->graph->polygons[polygon];
@@ -61,8 +54,9 @@ static void fill_polygon(const WalkMesh *mesh, int polygon, int object, const Ve
     Rgb c = m->reflectance, glow = walk_glow(m);
     WalkVertex vertex = {
         .normal = {(float)n.x, (float)n.y, (float)n.z},
-        .colour = {byte(sqrt(c.r)), byte(sqrt(c.g)), byte(sqrt(c.b)), byte(m->alpha)},
-        .emission = {byte(glow.r), byte(glow.g), byte(glow.b), outdoors(mesh, object) ? 255 : 0},
+        .colour = {walk_byte(sqrtf(c.r)), walk_byte(sqrtf(c.g)), walk_byte(sqrtf(c.b)), walk_byte(m->alpha)},
+        .emission = {walk_byte(glow.r), walk_byte(glow.g), walk_byte(glow.b),
+                     walk_outdoors(mesh->graph, &mesh->lights, object) ? 255 : 0},
         .lamps = {(int16_t)mesh->lights.first[object], (int16_t)mesh->lights.count[object]}};
     for (int i = 0; i < p->vertex_count; i++) {
         Vec3 at = vec3_sub(v[i], mesh->origin);

@@ -178,16 +178,18 @@ const char WALK_SCREEN_VERTEX[] =
             "    gl_Position = vec4(at, 1.0, 1.0);\n"
             "}\n";
 
+// Mixed on the screen, of colours that a compiler makes once: a power a pixel took longer than all the rest.
 const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
     "in vec2 at;\n"
     "uniform vec3 forward, right, up;\n"
     "out vec4 result;\n"
     "void main() {\n"
-    "    float rise = normalize(forward + at.x * right + at.y * up).z;\n"
-    "    float high = pow(clamp(rise, 0.0, 1.0), 0.55);\n"
-    "    vec3 above = mix(vec3(0.82, 0.88, 0.93), vec3(0.30, 0.52, 0.82), high);\n"
-    "    vec3 sky = mix(vec3(0.50, 0.56, 0.44), above, smoothstep(-0.03, 0.01, rise));\n"
-    "    result = vec4(display(sky), 1.0);\n"
+    "    vec3 zenith = display(vec3(0.30, 0.52, 0.82)), horizon = display(vec3(0.82, 0.88, 0.93));\n"
+    "    vec3 ground = display(vec3(0.50, 0.56, 0.44));\n"
+    "    vec3 ray = forward + at.x * right + at.y * up;\n"
+    "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
+    "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
+    "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
     "}\n";
 
 // Depth d is 1 - near / z. Around each pixel, directions on a spiral disc whose radius is half a metre there; a sample

@@ -77,7 +77,7 @@ $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 $(dir)/engine/walk/font.o: private CFLAGS_ALL += -Wa,-I$(fonts)
 $(dir)/%.o: %.cpp $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CXX) $<"
-	@$(CXX) $(CFLAGS_ALL:-std=c17=-std=c++17) $(strict) -c -o $@ $<
+	@$(CXX) $(patsubst -std=c17,-std=c++17,$(CFLAGS_ALL)) $(strict) -c -o $@ $<
 $(dir)/glad/gl.o: build/glad/include/glad/gl.h $(dir)/flags
 	@mkdir -p $(@D)
 	@$(CC) $(CFLAGS_ALL) -w -c -o $@ build/glad/src/gl.c

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""compare_pictures.py A.png B.png - are two pictures the same to the eye? Prints how much they differ; exit status 1 if they
-are not alike. Reads the PNGs that the program writes: 8 bits a channel, RGB or RGBA, not interlaced."""
+"""compare_pictures.py A.png B.png - are two pictures the same to the eye? Prints how much they differ; exit status 1 if
+they are not alike. Reads the PNGs that the program writes: 8 bits a channel, RGB or RGBA, not interlaced."""
 import struct
 import sys
 import zlib
 
-# A channel that differs by no more than this is the same, levels of 256: other versions of a software OpenGL round colours
-# otherwise by a level or two, and what is interpolated along an edge by some more.
+# A channel that differs by no more than this is the same, levels of 256: other versions of a software OpenGL round
+# colours otherwise by a level or two, and what is interpolated along an edge by some more.
 LEVELS = 24
-# Pixels on the edges of surfaces may fall to either side: a view of a furnished room at 480x270 has some 10,000 of them,
-# of which few do. A chair that is missing is more than this share of the picture.
+# Pixels on the edges of surfaces may fall to either side: a view of a furnished room at 480x270 has some 10,000 of
+# them, of which few do. A chair that is missing is more than this share of the picture.
 SHARE = 0.004
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""drive_window.py PROGRAM HOUSE.plan WORK SCREEN REFERENCES [--keep] - a walk through the house in the real window, by keys
-and mouse: doors, stairs, windows, every debug view, screenshots that are held against references.
+"""drive_window.py PROGRAM HOUSE.plan WORK SCREEN REFERENCES [--keep] - a walk through the house in the real window, by
+keys and mouse: doors, stairs, windows, every debug view, screenshots that are held against references.
 
-WORK is a folder for what is written, SCREEN the file in which Xvfb keeps its screen (-fbdir). With --keep the screenshots
-become the references. Prints a line for each part of the walk; exit status 1 when anything is not as it should be."""
+WORK is a folder for what is written, SCREEN the file in which Xvfb keeps its screen (-fbdir). With --keep the
+screenshots become the references. Prints a line for each part of the walk; exit status 1 when anything is wrong."""
 import math
 import os
 import shutil
@@ -13,7 +13,7 @@ import sys
 import time
 
 from compare_pictures import Picture, compare, difference, read_png
-from window_driver import Lost, Trace, Walker, Xdotool
+from window_driver import Lost, Trace, Walker, Xdotool, wrapped
 
 SIZE = (1280, 720)
 PICTURE_SIZE = (480, 270)       # of the references: small files, and every surface still shows
@@ -142,7 +142,7 @@ def closed_door(v):
     w.key("e")
     w.until(lambda now: now["doors"]["pantry"] == 0, "the pantry's door should close")
     closed_cells = w.look()["cells_visible"]
-    v.expect(closed_cells < open_cells, f"{closed_cells} cells are seen with the door closed, {open_cells} with it open")
+    v.expect(closed_cells < open_cells, f"{closed_cells} cells are seen with the door closed, {open_cells} before")
     w.hold("w")
     w.wait(1.5)
     w.let_go("w")
@@ -230,26 +230,34 @@ def storeys(v):
 
 
 def recording(v):
-    """A recorded path leads along the same way again, to the same place."""
+    """A recorded path leads the same way again, to the same place, with the same view and the doors as they were."""
     w = v.walker
-    w.key("0")
-    w.wait(0.5)
+    jump(v, "bedroom")
     w.key("r")
     begin = w.now["eye"]
     w.hold("w")
     w.wait(0.8)
     w.let_go("w")
-    w.wait(0.5)
+    w.move_mouse(150, 40)
+    w.key("o")
+    w.wait(1.2)
     w.key("r")
-    end = w.now["eye"]
-    v.expect(w.now["message"].endswith(".path") and os.path.exists(w.now["message"]), f"message `{w.now['message']}`")
+    end = w.now
+    path = end["message"]
+    v.expect(path.endswith(".path") and os.path.exists(path), f"after recording the message is `{path}`")
     w.key("1")
+    w.key("o")
+    w.wait(1.2)
     w.key("l")
     v.expect("replay" in w.now["flags"], f"flags while replaying: {w.now['flags']}")
-    nearer = math.dist(w.now["eye"], begin) < math.dist(w.now["eye"], end)
+    nearer = math.dist(w.now["eye"], begin) < math.dist(w.now["eye"], end["eye"])
     v.expect(nearer, f"the replay starts at {w.place()}, recorded was {begin}")
     w.until(lambda now: "replay" not in now["flags"], "the end of the replay")
-    v.expect(math.dist(w.now["eye"], end) < 0.02, f"the replay ends at {w.place()}, recorded was {end}")
+    v.expect(math.dist(w.now["eye"], end["eye"]) < 0.02, f"the replay ends at {w.place()}, recorded was {end['eye']}")
+    turned = abs(wrapped(w.now["yaw"] - end["yaw"])) + abs(w.now["pitch"] - end["pitch"])
+    v.expect(turned < 1e-9, f"the replay ends with a view turned by {turned:g}")
+    wrong = [name for name, share in end["doors"].items() if abs(share - w.now["doors"][name]) > 1e-6]
+    v.expect(not wrong, f"after the replay these doors stand otherwise: {wrong}")
 
 
 def focus(v):

@@ -1,5 +1,5 @@
-"""window_driver.py - hands and eyes for a walk in the real window: keys and mouse go in through xdotool, and where one is
-comes back through the program's trace. All waiting is by the trace's time, so a slow machine only makes it longer."""
+"""window_driver.py - hands and eyes for a walk in the real window: keys and mouse go in through xdotool, where one is
+comes back through the program's trace. All waiting is by the trace's time: a slow machine only makes it longer."""
 import json
 import math
 import os

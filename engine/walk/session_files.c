@@ -84,12 +84,12 @@ void session_replay(Session *s) {
     }
 }
 
-// From here on one walks again, from where the path led.
+// From here on one walks again, from where the path led. Doors stay as they are: where they went before is forgotten.
 void session_stop_replay(Session *s) {
     if (!s->replay) return;
-    s->replay = NULL;
-    Person *p = &s->person;
-    person_put(p, &s->shown->world, p->eye, p->yaw, p->pitch);
+    Doors *doors = &s->shown->doors;
+    for (int i = 0; i < doors->graph->building->opening_count; i++) doors_set(doors, i, doors->open[i]);
+    session_stand(s, s->person.eye, s->person.yaw, s->person.pitch);
 }
 
 bool session_replay_tick(Session *s) {

@@ -85,7 +85,7 @@ void session_watch(Session *s) {
 
 // ---- where one stands
 
-static void go(Session *s, Vec3 eye, double yaw, double pitch) {
+void session_stand(Session *s, Vec3 eye, double yaw, double pitch) {
     s->replay = NULL;
     s->person.cell = -1;
     s->person.flying = false;
@@ -105,7 +105,7 @@ void session_start(Session *s) {
 }
 
 static void look_from(Session *s, const Viewpoint *v) {
-    go(s, v->eye, v->yaw, v->pitch);
+    session_stand(s, v->eye, v->yaw, v->pitch);
     session_say(s, false, "%s", v->name);
 }
 
@@ -167,7 +167,7 @@ void session_change_storey(Session *s, int by) {
         Box box = graph->cells[cell].box;
         eye = vec3((box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2, box.min.z + BODY_EYE);
     }
-    go(s, eye, s->person.yaw, s->person.pitch);
+    session_stand(s, eye, s->person.yaw, s->person.pitch);
     session_say(s, false, "%s", b->storeys[storey].name);
 }
 

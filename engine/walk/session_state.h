@@ -81,6 +81,8 @@ void shown_free(Shown *shown);
 // Reads the file again if it changed; the walk goes on where it was. What is wrong is said and the old stays.
 void session_watch(Session *s);
 void session_reload(Session *s);
+// On foot where this eye looks from, in flight where no body comes near enough to it. Ends a replay.
+void session_stand(Session *s, Vec3 eye, double yaw, double pitch);
 // To a stored viewpoint; false if there are fewer.
 bool session_jump(Session *s, int viewpoint);
 bool session_jump_to(Session *s, const char *name, Error *error);

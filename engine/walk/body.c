@@ -295,9 +295,12 @@ void body_step(Body *b, BodyWorld *w, Vec2 way, double seconds) {
     double length = vec2_length(way);
     CORE_ASSERT(isfinite(length));
     int pieces = (int)ceil(length / PIECE);
+    double share = seconds / fmax(1, pieces);
     for (int i = 0; i < pieces; i++) {
         // What stopped it once stops it again.
         if (!walk_piece(b, w, vec2_scale(way, 1.0 / pieces))) break;
+        seconds -= share;
+        if (!b->standing) fall(b, w, share);
     }
-    fall(b, w, seconds);
+    fall(b, w, fmax(seconds, 0));
 }

@@ -6,6 +6,8 @@
 // whose plan has no width or no height, need no case of their own.
 #include "engine/walk/solid.h"
 
+#include "engine/core/polygon.h"
+
 // A way this much against a normal, as a share of its length, counts as along it: the rounding of a slide.
 static const double ALONG = 1e-12;
 // Below this upright share of the normal a polygon's plan has no width to speak of.
@@ -196,15 +198,20 @@ static Band add_edge(Band band, Vec3 p, Vec3 q, Vec2 at, double radius) {
     return band_add(band_add(band, p.z + t0 * (q.z - p.z)), p.z + t1 * (q.z - p.z));
 }
 
-// Where the disc lies within a sloping polygon, its highest and lowest points are on the rim, up and down the slope.
+// Where the disc lies within a sloping polygon, its highest and lowest points are on the rim, up and down the slope; a
+// bent one may be somewhat higher or lower there than its plane.
 static Band add_rim(Band band, const Solid *s, Vec2 at, double radius) {
     Plane plane = plane_of(s);
     double slope = hypot(plane.n.x, plane.n.y);
     if (fabs(plane.n.z) < UPRIGHT || slope == 0) return band;
+    double bend = 2 * polygon_bend(s->vertices, s->count, plane) / fabs(plane.n.z);
     for (int side = -1; side <= 1; side += 2) {
         double out = side * radius / slope;
         Vec2 rim = vec2(at.x + out * plane.n.x, at.y + out * plane.n.y);
-        if (holds(s, rim)) band = band_add(band, height_at(plane, rim));
+        if (!holds(s, rim)) continue;
+        double z = height_at(plane, rim);
+        band = band_add(band, fmin(z + bend, s->box.max.z));
+        band = band_add(band, fmax(z - bend, s->box.min.z));
     }
     return band;
 }

@@ -1,0 +1,460 @@
+// test_body.c - the walking body: it is never in anything solid, and loses no place that can be reached by foot; and the
+// places where such bodies usually fail, each by its name.
+#include <criterion/criterion.h>
+
+#include "engine/walk/collision_flood.h"
+#include "engine/walk/collision_walk.h"
+#include "engine/walk/doors.h"
+#include "maps/maps.h"
+#include "tests/fixture.h"
+#include "tests/support.h"
+
+typedef struct Walker {
+    Arena arena;
+    Building building;
+    CellGraph graph;
+    Doors doors;
+    BodyWorld world;
+    CollisionCheck *check;
+    Body body;
+} Walker;
+
+static void open_building(Walker *w, const char *path) {
+    Error error;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read(path, &w->arena, &w->building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&w->building, &options, &w->arena, &w->graph, &error), "%s", error.text);
+    w->doors = doors_new(&w->graph, &w->arena);
+    w->world = body_world(&w->graph, w->doors.open, &w->arena);
+    w->check = collision_check_new(&w->graph, &w->arena);
+    w->body = (Body){.cell = -1};
+}
+
+static void open_file(Walker *w, const char *path) {
+    *w = (Walker){.arena = {0}};
+    open_building(w, path);
+}
+
+// A building in words.
+static void open_plan(Walker *w, const char *plan) {
+    Error error;
+    *w = (Walker){.arena = {0}};
+    char *path = arena_format(&w->arena, "%s/test.plan", support_folder(&w->arena));
+    cr_assert(file_write(path, plan, strlen(plan), &error), "%s", error.text);
+    open_building(w, path);
+}
+
+static void stand(Walker *w, double x, double y, double z) {
+    cr_assert(body_place_near(&w->body, &w->world, vec3(x, y, z)), "no place at %g, %g, %g", x, y, z);
+    cr_assert(fabs(w->body.foot.x - x) < 1e-9 && fabs(w->body.foot.y - y) < 1e-9,
+              "%g, %g, %g is taken: it stands at %g, %g", x, y, z, w->body.foot.x, w->body.foot.y);
+}
+
+static void expect_free(Walker *w, const char *where) {
+    int what;
+    CollisionFault f = collision_check_place(w->check, w->doors.open, w->body.foot, w->body.height, &what);
+    cr_assert_eq(f, COLLISION_NONE, "%s: %s (%d) at %.9g, %.9g, %.9g", where, COLLISION_FAULT_NAMES[f], what,
+                 w->body.foot.x, w->body.foot.y, w->body.foot.z);
+    cr_assert_eq(w->body.cell,
+                 vis_locate(&w->graph, vec3(w->body.foot.x, w->body.foot.y, w->body.foot.z + BODY_MIDDLE),
+                            w->body.cell),
+                 "%s: cell %d does not hold it", where, w->body.cell);
+    cr_assert_eq(w->world.relocations, 0, "%s: put elsewhere", where);
+}
+
+// Walks so far, and expects to arrive within a millimetre.
+static void go(Walker *w, double x, double y, const char *where) {
+    Vec3 start = w->body.foot;
+    body_step(&w->body, &w->world, vec2(x, y), 0.05);
+    expect_free(w, where);
+    cr_assert(hypot(w->body.foot.x - start.x - x, w->body.foot.y - start.y - y) < 1e-3,
+              "%s: from %g, %g by %g, %g it came to %g, %g", where, start.x, start.y, x, y, w->body.foot.x,
+              w->body.foot.y);
+}
+
+// Expects to be stopped within this much of the way, in the direction of the way.
+static void expect_stop(Walker *w, double x, double y, double after, const char *where) {
+    Vec3 start = w->body.foot;
+    body_step(&w->body, &w->world, vec2(x, y), 0.05);
+    expect_free(w, where);
+    double gone = ((w->body.foot.x - start.x) * x + (w->body.foot.y - start.y) * y) / hypot(x, y);
+    // Tolerance: the skin, 0.1 mm, and what is left of the last piece.
+    cr_assert(fabs(gone - after) < 1e-3, "%s: stopped after %g m, not %g", where, gone, after);
+}
+
+// ---- geometry
+
+// Convex, of 3 to 7 corners, flat, upright or sloping.
+static Solid random_solid(Random *r, Vec3 *vertices) {
+    int count = 3 + random_index(r, 5);
+    Vec3 n = fixture_direction(r);
+    if (random_unit(r) < 0.3) n = vec3(0, 0, 1);
+    if (random_unit(r) < 0.3) n = vec3_normalize(vec3(n.x, n.y, 0));
+    Vec3 u = vec3_normalize(vec3_cross(n, fabs(n.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0))),
+         v = vec3_cross(n, u);
+    Vec3 middle = vec3(random_between(r, -1, 1), random_between(r, -1, 1), random_between(r, 0, 2));
+    double size = random_between(r, 0.05, 1.2);
+    Solid s = {.vertices = vertices, .count = count, .box = box_empty()};
+    for (int i = 0; i < count; i++) {
+        double a = 2 * M_PI * (i + 0.6 * random_unit(r)) / count;
+        vertices[i] = vec3_add(middle, vec3_add(vec3_scale(u, size * cos(a)), vec3_scale(v, size * sin(a))));
+        s.box = box_add(s.box, vertices[i]);
+    }
+    return s;
+}
+
+// Proves that a sweep stops where the distance becomes the radius, and not before: by small steps along the way.
+Test(solid, sweep_stops_where_the_distance_says) {
+    enum { STEPS = 400 };
+    Random r = {11};
+    int hits = 0;
+    for (int i = 0; i < support_count(20000, 400000); i++) {
+        Vec3 vertices[8];
+        Solid s = random_solid(&r, vertices);
+        Band band = {random_between(&r, 0, 1), random_between(&r, 1, 2)};
+        double radius = random_between(&r, 0.05, 0.5);
+        Vec2 from = vec2(random_between(&r, -3, 3), random_between(&r, -3, 3)), normal;
+        Vec2 way = vec2(random_between(&r, -3, 3), random_between(&r, -3, 3));
+        if (solid_distance(&s, band, from) < radius) continue;
+        double t = solid_sweep(&s, band, from, way, radius, &normal);
+        for (int k = 0; k < STEPS; k++) {
+            Vec2 at = vec2_add(from, vec2_scale(way, t * k / STEPS));
+            // Tolerance: rounding of a quadratic's root, far below BODY_TOLERANCE.
+            cr_assert_geq(solid_distance(&s, band, at), radius - 1e-9, "case %d: too near at %d of %d", i, k,
+                          STEPS);
+        }
+        if (t >= 1) continue;
+        hits++;
+        Vec2 at = vec2_add(from, vec2_scale(way, t)), beyond = vec2_add(from, vec2_scale(way, t + 1e-6));
+        cr_assert_float_eq(solid_distance(&s, band, at), radius, 1e-9, "case %d stops early", i);
+        cr_assert_lt(solid_distance(&s, band, beyond), radius, "case %d stops where nothing is", i);
+        cr_assert_float_eq(vec2_length(normal), 1, 1e-9);
+        cr_assert_lt(vec2_dot(normal, way), 0);
+    }
+    cr_assert_gt(hits, 1000);
+}
+
+// Proves that the heights over a disc are those of points of the polygon over it, and that no such point is beyond.
+Test(solid, levels_hold_every_point_over_the_disc) {
+    Random r = {12};
+    int seen = 0;
+    for (int i = 0; i < support_count(20000, 400000); i++) {
+        Vec3 vertices[8];
+        Solid s = random_solid(&r, vertices);
+        Vec2 at = vec2(random_between(&r, -1, 1), random_between(&r, -1, 1));
+        double radius = random_between(&r, 0.05, 0.5), low = INFINITY, high = -INFINITY;
+        Band levels;
+        for (int k = 0; k < 200; k++) {
+            Vec3 p = vertices[0];
+            for (int c = 1; c < s.count; c++) p = vec3_lerp(p, vertices[c], pow(random_unit(&r), 1.5));
+            if (hypot(p.x - at.x, p.y - at.y) >= radius) continue;
+            low = fmin(low, p.z);
+            high = fmax(high, p.z);
+        }
+        bool over = solid_levels(&s, at, radius, &levels);
+        if (low > high) continue;
+        seen++;
+        cr_assert(over && levels.z0 <= low + 1e-9 && levels.z1 >= high - 1e-9,
+                  "case %d: points from %g to %g, levels from %g to %g", i, low, high, levels.z0, levels.z1);
+        // Just above and below there is nothing within the radius.
+        cr_assert_geq(solid_distance(&s, (Band){levels.z1 + 1e-7, INFINITY}, at), radius - 1e-5, "case %d",
+                      i);
+        cr_assert_geq(solid_distance(&s, (Band){-INFINITY, levels.z0 - 1e-7}, at), radius - 1e-5, "case %d",
+                      i);
+    }
+    cr_assert_gt(seen, 1000);
+}
+
+// ---- whole buildings
+
+// A random walk with doors moving, every place and every way checked against all polygons; and the ways of a flood of
+// the floor, walked. `steps` at `make test`.
+static void expect_no_fault(const char *path, long steps, int flood_every) {
+    enum { SEEDS = 4 };
+    Walker w = {.arena = {0}};
+    Error error;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read(path, &w.arena, &w.building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&w.building, &options, &w.arena, &w.graph, &error), "%s", error.text);
+    int seeds = support_soak() ? SEEDS : 1;
+    for (int seed = 1; seed <= seeds; seed++) {
+        CollisionWalkOptions o = {support_soak() ? 1000000 / SEEDS : steps, (uint64_t)seed,
+                                  support_soak() ? 1 : flood_every};
+        CollisionReport r;
+        cr_assert(collision_walk(&w.graph, &o, &r, &error), "%s", error.text);
+        cr_assert_eq(collision_violations(&r), 0, "%s: %ld violations, the first: %s", path,
+                     collision_violations(&r), r.first_fault);
+        cr_assert_eq(r.flood_lost, 0, "%s: %ld of %ld ways of the flood lost, the first: %s", path,
+                     r.flood_lost, r.flood_ways, r.first_lost);
+        cr_assert_eq(r.relocations, 0, "%s: put elsewhere %ld times", path, r.relocations);
+        // A door may shut it in a corner until it opens.
+        cr_assert_leq(r.stuck, r.steps / 1000, "%s: stuck %ld times", path, r.stuck);
+        cr_assert_gt(r.flood_places, 1000);
+    }
+    arena_free(&w.arena);
+}
+
+Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.plan", 20000, 7); }
+Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 20000, 13); }
+Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 20000, 29); }
+Test(body, home_with_basement, .timeout = 1800) {
+    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 15000, 13);
+}
+Test(body, apartment, .timeout = 1800) {
+    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 15000, 13);
+}
+Test(body, four_bedrooms, .timeout = 3600) {
+    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 10000, 29);
+}
+
+// Proves that the check above can fail: a body that is moved into a wall, through a wall and into a leaf is noticed.
+Test(body, check_notices) {
+    Walker w;
+    int what;
+    open_file(&w, "build/maps/two-rooms.plan");
+    stand(&w, 0.8, 0.8, 0);
+    Vec3 foot = w.body.foot, outside = {-0.5, foot.y, foot.z}, wall = {0.1, foot.y, foot.z};
+    cr_assert_eq(collision_check_place(w.check, NULL, foot, 1.7, &what), COLLISION_NONE);
+    cr_assert_eq(collision_check_place(w.check, NULL, wall, 1.7, &what), COLLISION_IN_SOLID);
+    cr_assert_eq(collision_check_way(w.check, NULL, foot, outside, &what), COLLISION_THROUGH_SOLID);
+    const Opening *door = &w.building.openings[0];
+    cr_assert_eq(door->kind, OPENING_DOOR);
+    Vec2 middle = vec2_scale(vec2_add(door->line[0], door->line[1]), 0.5);
+    Vec2 half = vec2_scale(vec2_sub(door->line[1], door->line[0]), 0.5);
+    Vec3 in = {middle.x, middle.y, door->sill}, before = {in.x + half.y, in.y - half.x, in.z},
+         behind = {in.x - half.y, in.y + half.x, in.z};
+    cr_assert_eq(collision_check_place(w.check, NULL, in, 1.7, &what), COLLISION_NONE);
+    doors_set(&w.doors, 0, 0);
+    cr_assert_eq(collision_check_place(w.check, w.doors.open, in, 1.7, &what), COLLISION_IN_LEAF);
+    cr_assert_eq(collision_check_way(w.check, w.doors.open, before, behind, &what), COLLISION_THROUGH_LEAF);
+    arena_free(&w.arena);
+}
+
+// Proves that the same seed walks the same way to the last bit, and another one another way.
+Test(body, walks_the_same_way_again) {
+    Walker w;
+    uint64_t hash[3];
+    open_file(&w, "build/maps/house.plan");
+    for (int i = 0; i < 3; i++) {
+        CollisionWalkOptions o = {2000, i == 2 ? 6 : 5, 1000};
+        CollisionReport r;
+        Error error;
+        cr_assert(collision_walk(&w.graph, &o, &r, &error), "%s", error.text);
+        hash[i] = r.hash;
+    }
+    cr_assert(hash[0] == hash[1] && hash[0] != hash[2]);
+    arena_free(&w.arena);
+}
+
+// ---- where such bodies fail
+
+#define HEAD "plan 1\nmaterial m #808080\n"
+// Two rooms with a wall of 0.2 m between, and a passage.
+#define ROOMS                                                                                                \
+    HEAD "storey s floor 0 height 2.6\nroom a 0,0 4,0 4,4 0,4 wall 0.2\nroom b 4.2,0 8.2,0 8.2,4 4.2,4 "     \
+         "wall 0.2\n"
+
+// Proves that the axis may be exactly on a portal's plane: placed there, walking along it, across it and back.
+Test(body, on_the_plane_of_a_portal) {
+    Walker w;
+    open_plan(&w, ROOMS "passage p 4.1,2 angle 90 width 1.2 height 2.1\n");
+    stand(&w, 4, 2, 0);
+    go(&w, 0, 0.2, "along the plane");
+    go(&w, 0, -0.4, "back along it");
+    go(&w, 1, 0, "across it");
+    stand(&w, 4.2, 2, 0);
+    go(&w, 0, 0.3, "along the other plane");
+    go(&w, -1, 0, "across both");
+    arena_free(&w.arena);
+}
+
+// Proves that a corner where four cells meet is passed in every direction. A column in the middle of a room makes the
+// cells; the corner is where their portals end, found as a vertex of four cells that no wall touches.
+static int cells_at(const CellGraph *g, Vec2 p) {
+    int count = 0;
+    for (int c = 0; c < g->cell_count; c++) {
+        for (int i = 0; i < g->cells[c].edge_count; i++)
+            count += vec2_equal(g->plan[g->cells[c].first_edge + i], p);
+    }
+    return count;
+}
+
+// Four low kerbs of a raised floor meet: their rooms' outlines share the corner.
+Test(body, in_a_corner_where_four_cells_meet) {
+    Walker w;
+    open_plan(&w, HEAD "storey s floor 0 height 2.6\nroom a 0,0 4,0 4,4 0,4\nroom b 4,0 8,0 8,4 4,4\n"
+                       "room c 0,4 4,4 4,8 0,8\nroom d 4,4 8,4 8,8 4,8\n"
+                       "wall 0,0 8,0 8,8 0,8 0,0 thickness 0.2\n");
+    cr_assert_geq(cells_at(&w.graph, vec2(4, 4)), 4, "the corner is not shared");
+    for (int i = 0; i < 64; i++) {
+        double x = cos(2 * M_PI * i / 64), y = sin(2 * M_PI * i / 64);
+        stand(&w, 4, 4, 0);
+        go(&w, x, y, "away from the corner");
+        go(&w, -x, -y, "on to it");
+        go(&w, -x, -y, "over it");
+        go(&w, 2 * x, 2 * y, "over it at once");
+    }
+    arena_free(&w.arena);
+}
+
+// Proves that a way exactly through the end of a portal, the jamb, is stopped a radius before it; and that a way that
+// only just clears the jamb passes.
+Test(body, through_the_end_of_a_portal) {
+    Walker w;
+    open_plan(&w, ROOMS "passage p 4.1,2 angle 90 width 1.2 height 2.1\n");
+    stand(&w, 3, 1.4, 0);
+    expect_stop(&w, 0.9, 0, 0.8 - 1e-4, "straight at the jamb");
+    stand(&w, 3, 1.4 + BODY_RADIUS + 2e-4, 0);
+    go(&w, 2, 0, "just past the jamb");
+    stand(&w, 3, 0.4, 0);
+    body_step(&w.body, &w.world, vec2(1.0, 1.0), 0);
+    expect_free(&w, "aslant at the jamb");
+    arena_free(&w.arena);
+}
+
+// Proves that one step through five cells ends in the right one, and that the same step is stopped by a closed door.
+Test(body, a_step_through_several_cells) {
+    Walker w;
+    open_plan(&w, ROOMS "door d 4.1,2 angle 90 width 1.2 height 2.1\n");
+    doors_set(&w.doors, 0, 1);
+    stand(&w, 1, 2, 0);
+    go(&w, 4.5, 0, "through the open door");
+    go(&w, -4.5, 0, "and back");
+    doors_set(&w.doors, 0, 0);
+    Vec3 start = w.body.foot;
+    body_step(&w.body, &w.world, vec2(4.5, 0), 0);
+    expect_free(&w, "at the closed door");
+    cr_assert(w.body.foot.x > start.x + 2 && w.body.foot.x < 4.1 - BODY_RADIUS, "it stands at %g",
+              w.body.foot.x);
+    arena_free(&w.arena);
+}
+
+// Proves that no step of 5 m, nor one of 5 s, leads through a wall: from everywhere in a room without doors.
+Test(body, long_steps_do_not_tunnel) {
+    Walker w;
+    Random r = {31};
+    open_plan(&w, ROOMS);
+    for (int i = 0; i < support_count(3000, 100000); i++) {
+        stand(&w, random_between(&r, 0.3, 3.7), random_between(&r, 0.3, 3.7), 0);
+        double angle = random_between(&r, 0, 2 * M_PI);
+        body_step(&w.body, &w.world, vec2(5 * cos(angle), 5 * sin(angle)), 5);
+        expect_free(&w, "after 5 m");
+        cr_assert(w.body.foot.x < 4 && w.body.foot.z == 0, "it got to %g at %g", w.body.foot.x,
+                  w.body.foot.z);
+    }
+    arena_free(&w.arena);
+}
+
+// Proves that it climbs the stairs of the house to the upper floor and comes down again, without leaving the treads:
+// going down it is on something after every step.
+Test(body, climbs_stairs_and_comes_down) {
+    Walker w;
+    open_file(&w, "build/maps/house.plan");
+    stand(&w, 7.7, 1.1, 0);
+    for (int i = 0; i < 250; i++) {
+        body_step(&w.body, &w.world, vec2(0, 0.02), 1.0 / 60);
+        expect_free(&w, "going up");
+    }
+    cr_assert_float_eq(w.body.foot.z, 2.9, 1e-9, "it came to %g m at y %g", w.body.foot.z, w.body.foot.y);
+    for (int i = 0; i < 250; i++) {
+        body_step(&w.body, &w.world, vec2(0, -0.02), 1.0 / 60);
+        expect_free(&w, "going down");
+        cr_assert(w.body.standing, "in the air at y %g, z %g", w.body.foot.y, w.body.foot.z);
+    }
+    cr_assert_float_eq(w.body.foot.z, 0, 1e-9, "it came to %g m", w.body.foot.z);
+    // In one step too.
+    body_step(&w.body, &w.world, vec2(0, 5), 0);
+    cr_assert_float_eq(w.body.foot.z, 2.9, 1e-9, "in one step to %g m", w.body.foot.z);
+    arena_free(&w.arena);
+}
+
+// Proves how high it steps, and that a rim does not help it higher: over a box of 0.35, not on one of 0.45, and not
+// on a bed of 0.55 with a rim 4 cm wide 0.3 m high.
+Test(body, steps_so_high_and_no_higher) {
+    Walker w;
+    open_plan(&w, ROOMS "model low\n box 0,0,0 1,4,0.35 m\nend\nmodel high\n box 0,0,0 1,4,0.45 m\nend\n"
+                        "model bed\n box 0,0,0 1,4,0.3 m\n box 0.04,0,0.3 1,4,0.55 m\nend\n"
+                        "place low 1.5,0\nplace high 5.8,0\nplace bed 7,0\n");
+    stand(&w, 0.5, 2, 0);
+    go(&w, 1.5, 0, "on to the low box");
+    cr_assert_float_eq(w.body.foot.z, 0.35, 1e-9);
+    go(&w, 1.5, 0, "down again");
+    cr_assert_eq(w.body.foot.z, 0);
+    stand(&w, 4.9, 2, 0);
+    expect_stop(&w, 1.5, 0, 0.7 - 1e-4, "the high box");
+    arena_free(&w.arena);
+    open_plan(&w, ROOMS "model bed\n box 0,0,0 1,4,0.3 m\n box 0.04,0,0.3 1,4,0.55 m\nend\nplace bed 2,0\n");
+    stand(&w, 1, 2, 0);
+    body_step(&w.body, &w.world, vec2(2, 0), 0);
+    cr_assert(w.body.foot.x < 2 && w.body.foot.z < 0.31, "it is on the bed, at %g m", w.body.foot.z);
+    arena_free(&w.arena);
+}
+
+// Proves that it ducks under what leaves 1.2 m, stands up behind it, and is stopped by what hangs lower.
+Test(body, ducks) {
+    Walker w;
+    open_plan(&w,
+              ROOMS "model beam\n box 0,0,0 0.3,4,0.3 m\nend\nplace beam 1.5,0,1.25\nplace beam 6,0,1.15\n");
+    stand(&w, 1, 2, 0);
+    go(&w, 0.6, 0, "under the beam");
+    cr_assert_float_eq(w.body.height, 1.25, 1e-9);
+    cr_assert_float_eq(body_eye(&w.body), 1.25 - BODY_CROWN, 1e-9);
+    go(&w, 1, 0, "behind it");
+    cr_assert_float_eq(w.body.height, BODY_HEIGHT, 1e-9);
+    cr_assert_float_eq(body_eye(&w.body), BODY_EYE, 1e-9);
+    stand(&w, 5, 2, 0);
+    expect_stop(&w, 2, 0, 1 - BODY_RADIUS - 1e-4, "the lower beam");
+    arena_free(&w.arena);
+}
+
+// Proves that what it is put into does not hold it: it stands free, in the same room.
+Test(body, inside_furniture) {
+    Walker w;
+    Random r = {41};
+    open_plan(&w, ROOMS "model block\n box -0.8,-0.8,0 0.8,0.8,1 m\nend\nplace block 3,2\n");
+    for (int i = 0; i < 200; i++) {
+        Vec3 at =
+            vec3(3 + random_between(&r, -1, 1), 2 + random_between(&r, -1, 1), random_between(&r, -0.2, 1.2));
+        cr_assert(body_place_near(&w.body, &w.world, at));
+        expect_free(&w, "put in a block");
+        cr_assert(w.body.foot.x < 4 && w.body.foot.z < 1.01, "it got to %g, %g", w.body.foot.x,
+                  w.body.foot.z);
+    }
+    w.body.foot = vec3(3, 2, 0);
+    body_step(&w.body, &w.world, vec2(0.01, 0), 0);
+    cr_assert_eq(w.world.relocations, 1);
+    w.world.relocations = 0;
+    expect_free(&w, "reloaded in a block");
+    arena_free(&w.arena);
+}
+
+// Proves that it falls off an edge, faster and faster, and lands; also when the machine stalls for 5 s in the air.
+Test(body, falls) {
+    static const double TICKS[2] = {1.0 / 60, 5};
+    Walker w;
+    open_plan(&w, ROOMS "model block\n box 0,0,0 1,4,1.2 m\nend\nplace block 1,0\n");
+    for (int k = 0; k < 2; k++) {
+        stand(&w, 1.5, 2, 1.3);
+        cr_assert_float_eq(w.body.foot.z, 1.2, 1e-9);
+        body_step(&w.body, &w.world, vec2(0.9, 0), TICKS[0]);
+        cr_assert(!w.body.standing && w.body.foot.z > 1.19 && w.body.foot.z < 1.2);
+        int ticks = 0;
+        for (; !w.body.standing && ticks < 100; ticks++) {
+            body_step(&w.body, &w.world, vec2(0, 0), TICKS[k]);
+            expect_free(&w, "falling");
+        }
+        cr_assert(w.body.foot.z == 0 && w.body.fall == 0);
+        // A fall of 1.2 m takes sqrt(2 * 1.2 / 9.81) = 0.495 s, less the tick that began it.
+        if (k == 0) cr_assert(ticks >= 28 && ticks <= 30, "it fell for %d ticks", ticks);
+    }
+    arena_free(&w.arena);
+}
+
+// Proves that a window is no way out, though nothing is drawn in it.
+Test(body, does_not_climb_out_of_windows) {
+    Walker w;
+    open_plan(&w, ROOMS "ground m\nwindow w 2,-0.1 width 2 sill 0.3 height 2\n");
+    stand(&w, 2, 1, 0);
+    expect_stop(&w, 0, -2, 1 - BODY_RADIUS - 1e-4, "the window");
+    arena_free(&w.arena);
+}

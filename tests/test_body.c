@@ -194,17 +194,17 @@ static void expect_no_fault(const char *path, long steps, int flood_every) {
     arena_free(&w.arena);
 }
 
-Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.plan", 20000, 7); }
-Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 20000, 13); }
-Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 20000, 29); }
+Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.plan", 100000, 7); }
+Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 100000, 13); }
+Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 100000, 29); }
 Test(body, home_with_basement, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 15000, 13);
+    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 100000, 13);
 }
 Test(body, apartment, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 15000, 13);
+    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 100000, 13);
 }
 Test(body, four_bedrooms, .timeout = 3600) {
-    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 10000, 29);
+    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 100000, 29);
 }
 
 // Proves that the check above can fail: a body that is moved into a wall, through a wall and into a leaf is noticed.

@@ -20,7 +20,7 @@ Doors doors_new(const CellGraph *graph, Arena *arena);
 
 // A door that leads somewhere.
 bool doors_usable(const Doors *doors, int opening);
-// Opens one that is or goes towards closed, closes the others. False where there is nothing to open.
+// Opens one that is, or goes to, less than half open; closes the others. False where there is nothing to open.
 bool doors_toggle(Doors *doors, int opening);
 // Puts it there at once, whatever is in the way.
 void doors_set(Doors *doors, int opening, float share);

@@ -83,7 +83,7 @@ static void draw_hud(Session *s, int width, int height, double scale) {
     if (door >= 0 && !s->picture_wanted) {
         state.prompt_key = "E";
         state.prompt =
-            arena_format(&s->frame_arena, "%s %s", s->shown->doors.wanted[door] > 0 ? "close" : "open",
+            arena_format(&s->frame_arena, "%s %s", s->shown->doors.wanted[door] >= 0.5f ? "close" : "open",
                          *b->openings[door].name ? b->openings[door].name : "the door");
     }
     overlay_begin(s->overlay, width, height, scale);

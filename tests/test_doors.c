@@ -1,0 +1,208 @@
+// Doors over time: they arrive, they wait for whoever is in the way and for one another, and go on when it is free.
+#include <criterion/criterion.h>
+
+#include "engine/walk/doors.h"
+#include "maps/maps.h"
+#include "tests/support.h"
+
+static const char ROOMS[] = "plan 1\nstorey s floor 0 height 2.6\n"
+                            "room west 0,0 4,0 4,4 0,4 wall 0.15\n"
+                            "room east 4.15,0 8.15,0 8.15,4 4.15,4 wall 0.15\n";
+
+typedef struct Made {
+    Arena arena;
+    Building building;
+    CellGraph graph;
+    Doors doors;
+    BodyWorld world;
+    Body body;
+} Made;
+
+// The rooms with these doors, closed; the body in the middle of the western one.
+static void make(Made *m, const char *doors) {
+    Error error;
+    VisOptions options = vis_default_options();
+    *m = (Made){.body = {.cell = -1}};
+    char *path = arena_format(&m->arena, "%s/doors.plan", support_folder(&m->arena));
+    char *text = arena_format(&m->arena, "%s%s", ROOMS, doors);
+    cr_assert(file_write(path, text, strlen(text), &error), "%s", error.text);
+    cr_assert(maps_read(path, &m->arena, &m->building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&m->building, &options, &m->arena, &m->graph, &error), "%s", error.text);
+    m->doors = doors_new(&m->graph, &m->arena);
+    m->world = body_world(&m->graph, m->doors.open, &m->arena);
+    cr_assert(body_place_near(&m->body, &m->world, vec3(2, 3, 0)));
+}
+
+// ---- an oracle for leaves: corners and edges, no more
+
+static bool apart_along_edges(const Vec2 a[4], const Vec2 b[4]) {
+    for (int i = 0; i < 4; i++) {
+        Vec2 edge = vec2_sub(a[(i + 1) % 4], a[i]);
+        bool all_right = true;
+        for (int k = 0; k < 4; k++) all_right = all_right && vec2_cross(edge, vec2_sub(b[k], a[i])) <= 0;
+        if (all_right) return true;
+    }
+    return false;
+}
+
+static double distance_to_leaf(const Leaf *leaf, double open, Vec2 p) {
+    Vec2 box[4];
+    double nearest = INFINITY;
+    bool inside = true;
+    leaf_box(leaf, open, box);
+    for (int i = 0; i < 4; i++) {
+        Vec2 edge = vec2_sub(box[(i + 1) % 4], box[i]), to = vec2_sub(p, box[i]);
+        double t = fmin(fmax(vec2_dot(to, edge) / vec2_dot(edge, edge), 0), 1);
+        nearest = fmin(nearest, vec2_length(vec2_sub(to, vec2_scale(edge, t))));
+        inside = inside && vec2_cross(edge, to) >= 0;
+    }
+    return inside ? 0 : nearest;
+}
+
+// No leaf in another, none in the body.
+static void expect_clear(const Made *m) {
+    const Building *b = &m->building;
+    Vec2 at = vec2(m->body.foot.x, m->body.foot.y);
+    for (int i = 0; i < b->leaf_count; i++) {
+        double open = (double)m->doors.open[b->leaves[i].opening];
+        Vec2 box[4];
+        leaf_box(&b->leaves[i], open, box);
+        cr_assert_geq(distance_to_leaf(&b->leaves[i], open, at), BODY_RADIUS, "leaf %d touches the body", i);
+        for (int k = 0; k < i; k++) {
+            Vec2 other[4];
+            leaf_box(&b->leaves[k], (double)m->doors.open[b->leaves[k].opening], other);
+            cr_assert(apart_along_edges(box, other) || apart_along_edges(other, box),
+                      "leaves %d and %d lie in one another", i, k);
+        }
+    }
+}
+
+static void pass(Made *m, double seconds) {
+    for (double t = 0; t < seconds; t += 1.0 / 120) {
+        doors_advance(&m->doors, 1.0 / 120, &m->body);
+        expect_clear(m);
+    }
+}
+
+// Proves that every kind of door opens all the way, over time and not at once, and closes to exactly nothing: single,
+// double, sliding, glazed, and one drawn ajar.
+Test(doors, open_and_close) {
+    static const char *const DOORS[] = {
+        "door d 4.075,1.5 angle 90 width 0.9 height 2\n",
+        "door d 4.075,1.5 angle 90 width 1.6 height 2 hinge both swing -85\n",
+        "door d 4.075,1.5 angle 90 width 0.9 height 2 slide 0.85\n",
+        "door d 4.075,1.5 angle 90 width 1.6 height 2 hinge both slide 0.7\n",
+        "door d 4.075,1.5 angle 90 width 1.4 height 2 hinge both swing 88 glazed\n",
+        "door d 4.075,1.5 angle 90 width 0.9 height 2 hinge right swing 100 open 0.3\n"};
+    for (size_t i = 0; i < sizeof DOORS / sizeof *DOORS; i++) {
+        Made m;
+        make(&m, DOORS[i]);
+        bool ajar = m.doors.open[0] > 0;
+        cr_assert(ajar == (i == 5) && (!ajar || m.doors.open[0] == 0.3f), "door %zu begins as drawn", i);
+        cr_assert(doors_toggle(&m.doors, 0));
+        pass(&m, 0.2);
+        cr_expect(m.doors.open[0] > 0 && m.doors.open[0] < 1, "door %zu is on its way, at %g", i,
+                  (double)m.doors.open[0]);
+        pass(&m, 3);
+        cr_expect_eq(m.doors.open[0], 1.0f, "door %zu", i);
+        cr_assert(doors_toggle(&m.doors, 0));
+        pass(&m, 3);
+        cr_expect_eq(m.doors.open[0], 0.0f, "door %zu", i);
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that a door halts before whoever stands in its doorway, wherever in it, and closes when they have gone.
+Test(doors, wait_for_the_body) {
+    for (int i = 0; i <= 10; i++) {
+        Made m;
+        make(&m, "door d 4.075,1.5 angle 90 width 0.9 height 2 hinge left swing -88\n");
+        doors_set(&m.doors, 0, 1);
+        double x = 4.075 + 0.1 * (i - 5);
+        cr_assert(body_place_near(&m.body, &m.world, vec3(x, 1.55, 0)));
+        doors_toggle(&m.doors, 0);
+        pass(&m, 5);
+        bool in_the_way =
+            distance_to_leaf(&m.building.leaves[0], 0, vec2(m.body.foot.x, m.body.foot.y)) < BODY_RADIUS;
+        if (in_the_way) {
+            cr_expect_gt(m.doors.open[0], 0.0f, "at x = %g the door closes onto the body", x);
+            cr_expect_eq(m.doors.halt[0], DOOR_MEETS_BODY);
+        }
+        for (int k = 0; k < 300; k++) body_step(&m.body, &m.world, vec2(-0.01, 0), 0.01);
+        pass(&m, 5);
+        cr_expect_eq(m.doors.open[0], 0.0f, "from x = %g: it closes when the way is free", x);
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that nobody passes a closed door, of glass or not, nor a leaf that stands half open in the way.
+Test(doors, hold_the_body) {
+    for (int glazed = 0; glazed < 2; glazed++) {
+        for (int half = 0; half < 2; half++) {
+            Made m;
+            make(&m, glazed ? "door d 4.075,1.5 angle 90 width 0.9 height 2 glazed\n"
+                            : "door d 4.075,1.5 angle 90 width 0.9 height 2\n");
+            doors_set(&m.doors, 0, half ? 0.25f : 0);
+            cr_assert(body_place_near(&m.body, &m.world, vec3(3, 1.5, 0)));
+            for (int k = 0; k < 400; k++) body_step(&m.body, &m.world, vec2(0.01, 0), 0.01);
+            cr_expect_lt(m.body.foot.x, 4.075, "glazed %d, half %d", glazed, half);
+            doors_set(&m.doors, 0, 1);
+            for (int k = 0; k < 400; k++) body_step(&m.body, &m.world, vec2(0.01, 0), 0.01);
+            cr_expect_gt(m.body.foot.x, 5, "glazed %d: open, it lets pass", glazed);
+            arena_free(&m.arena);
+        }
+    }
+}
+
+// Proves that two doors hung on one jamb both open, at once or one after the other, and never through one another.
+Test(doors, share_a_jamb) {
+    for (int delay = 0; delay < 4; delay++) {
+        Made m;
+        make(&m, "door a 4.075,1.0 angle 90 width 0.9 height 2 hinge right swing 88\n"
+                 "door b 4.075,2.0 angle 90 width 0.9 height 2 hinge left swing -88\n"
+                 "door c 4.075,3.0 angle 90 width 0.9 height 2 hinge left swing -88\n");
+        doors_toggle(&m.doors, 0);
+        pass(&m, 0.2 * delay);
+        doors_toggle(&m.doors, 1);
+        doors_toggle(&m.doors, 2);
+        pass(&m, 4);
+        for (int i = 0; i < 3; i++) cr_expect_eq(m.doors.open[i], 1.0f, "door %d, delay %d", i, delay);
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that a door which would swing into another waits for it, and goes on when that one has closed.
+Test(doors, wait_for_one_another) {
+    Made m;
+    make(&m, "door a 4.075,1.0 angle 90 width 0.9 height 2 hinge left swing -88\n"
+             "door b 4.8,-0.075 width 0.9 height 2 hinge left swing 88\n");
+    doors_toggle(&m.doors, 0);
+    pass(&m, 3);
+    cr_assert_eq(m.doors.open[0], 1.0f);
+    doors_toggle(&m.doors, 1);
+    pass(&m, 5);
+    cr_expect(m.doors.open[1] > 0 && m.doors.open[1] < 1, "it stands at %g", (double)m.doors.open[1]);
+    cr_expect_eq(m.doors.halt[1], DOOR_MEETS_DOOR);
+    doors_toggle(&m.doors, 0);
+    pass(&m, 5);
+    cr_expect_eq(m.doors.open[0], 0.0f);
+    cr_expect_eq(m.doors.open[1], 1.0f, "the way is free");
+    arena_free(&m.arena);
+}
+
+// Proves which door is meant: the one looked at within reach, not the one behind a wall or behind one's back.
+Test(doors, looked_at) {
+    Made m;
+    make(&m, "door a 4.075,1.5 angle 90 width 0.9 height 2\n"
+             "door b 8.225,1.5 angle 90 width 0.9 height 2\n");
+    Vec3 eye = vec3(2.5, 1.5, 1.6), east = vec3(1, 0, 0);
+    int cell = vis_locate(&m.graph, eye, -1);
+    cr_expect_eq(doors_looked_at(&m.doors, eye, cell, east, DOORS_REACH), 0);
+    cr_expect_eq(doors_looked_at(&m.doors, eye, cell, vec3(-1, 0, 0), DOORS_REACH), -1);
+    cr_expect_eq(doors_looked_at(&m.doors, vec3(0.5, 1.5, 1.6), cell, east, DOORS_REACH), -1, "out of reach");
+    cr_expect_eq(doors_looked_at(&m.doors, vec3(2.5, 3.5, 1.6), cell, east, 10), -1, "a wall");
+    Vec3 slant = vec3_normalize(vec3(8.225 - 6.5, 0, -0.3));
+    eye = vec3(6.5, 1.5, 1.6);
+    cr_expect_eq(doors_looked_at(&m.doors, eye, vis_locate(&m.graph, eye, -1), slant, DOORS_REACH), 1);
+    arena_free(&m.arena);
+}

@@ -45,10 +45,11 @@ typedef struct Ground {
     double support;  // the highest below, -INFINITY without
     double footing;  // the highest that is no slope too steep to stand on
     double ceiling;  // the lowest above, INFINITY without
+    double head;     // the lowest above its middle, where the head is
 } Ground;
 
 static Ground ground_at(const Gathered *g, Vec2 at, double radius, double foot, double step) {
-    Ground ground = {.support = -INFINITY, .footing = -INFINITY, .ceiling = INFINITY};
+    Ground ground = {.support = -INFINITY, .footing = -INFINITY, .ceiling = INFINITY, .head = INFINITY};
     for (int i = 0; i < g->solid_count && !ground.blocked; i++) {
         const Solid *s = &g->solids[i];
         Band z;
@@ -60,6 +61,7 @@ static Ground ground_at(const Gathered *g, Vec2 at, double radius, double foot, 
             if (!s->steep) ground.footing = fmax(ground.footing, z.z1);
         } else if (z.z0 >= foot + BODY_LOWEST) {
             ground.ceiling = fmin(ground.ceiling, z.z0);
+            if (solid_levels(s, at, BODY_HEAD, &z)) ground.head = fmin(ground.head, z.z0);
         } else {
             ground.blocked = true;
         }
@@ -146,12 +148,13 @@ static int follow(BodyWorld *w, const Body *b, const Slide *s, double foot) {
     return cell;
 }
 
-static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int cell, double ceiling) {
+static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int cell, const Ground *ground) {
     double level = fmax(b->foot.z, foot);
     for (int i = 0; i < s->count; i++) note_place(w, vec3(s->at[i].x, s->at[i].y, level));
     b->foot = vec3(s->at[s->count - 1].x, s->at[s->count - 1].y, foot);
     b->cell = cell;
-    b->height = fmin(BODY_HEIGHT, ceiling - foot);
+    b->height = fmin(BODY_HEIGHT, ground->ceiling - foot);
+    b->head = fmin(BODY_HEIGHT, ground->head - foot);
     note_place(w, b->foot);
 }
 
@@ -183,7 +186,7 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
         if (!ground.blocked && ground.ceiling - foot >= BODY_LOWEST && !is_rough(&ground, start)) {
             int cell = follow(w, b, &s, foot);
             if (cell >= 0) {
-                take_place(b, w, &s, foot, cell, ground.ceiling);
+                take_place(b, w, &s, foot, cell, &ground);
                 b->standing = carried;
                 return true;
             }
@@ -208,7 +211,7 @@ static void sink(Body *b, BodyWorld *w, double drop) {
     if (cell < 0) foot = b->foot.z;
     b->standing = cell < 0 || foot == ground.support;
     if (b->standing) b->fall = 0;
-    if (cell >= 0) take_place(b, w, &still, foot, cell, ground.ceiling);
+    if (cell >= 0) take_place(b, w, &still, foot, cell, &ground);
 }
 
 static void fall(Body *b, BodyWorld *w, double seconds) {
@@ -234,7 +237,7 @@ static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     Slide still = {.at = {plan_of(foot)}, .count = 1};
     cell = follow(w, &placed, &still, ground.support);
     if (cell < 0) return false;
-    take_place(&placed, w, &still, ground.support, cell, ground.ceiling);
+    take_place(&placed, w, &still, ground.support, cell, &ground);
     *b = placed;
     return true;
 }

@@ -17,6 +17,8 @@
 // The eye is so high when standing, and never nearer than this to what is overhead.
 #define BODY_EYE 1.6
 #define BODY_CROWN 0.1
+// What is over the middle of the body, within this radius, is over its head; metres.
+#define BODY_HEAD 0.1
 // Its cell is where the axis is at this height over the foot: the middle of what it may neither step over nor duck
 // under, so no sill and no lintel that it passes is ever between.
 #define BODY_MIDDLE ((BODY_STEP + BODY_LOWEST) / 2)
@@ -26,6 +28,7 @@
 typedef struct Body {
     Vec3 foot;      // where the axis meets what it stands on
     double height;  // from there up, as low as it ducks here
+    double head;    // from there up to what hangs over its middle: a picture on the wall lowers no head
     double fall;    // speed downwards, m/s
     bool standing;
     int cell;  // see BODY_MIDDLE; -1 before it is placed
@@ -61,6 +64,6 @@ bool body_place_near(Body *body, BodyWorld *world, Vec3 foot);
 void body_step(Body *body, BodyWorld *world, Vec2 way, double seconds);
 
 // Over the foot, metres: follows what is overhead at once.
-static inline double body_eye(const Body *body) { return fmin(BODY_EYE, body->height - BODY_CROWN); }
+static inline double body_eye(const Body *body) { return fmin(BODY_EYE, body->head - BODY_CROWN); }
 
 #endif

@@ -67,6 +67,28 @@ static void watch_way(Watch *w) {
     }
 }
 
+// A ledge of some centimetres carries the rim of a body, and one walks along it; the flood, whose disc is small, does not.
+static bool stands_on_its_rim(Watch *w) {
+    const double within = BODY_RADIUS / 2, level = 0.01;
+    Vec3 foot = w->body.foot;
+    Box box = {{foot.x - within, foot.y - within, foot.z - level},
+               {foot.x + within, foot.y + within, foot.z + level}};
+    const int *near;
+    int count = collision_check_near(w->check, box, &near);
+    for (int i = 0; i < count; i++) {
+        const Polygon *p = &w->graph->polygons[near[i]];
+        const Vec3 *v = w->graph->vertices + p->first_vertex;
+        double low = INFINITY, high = -INFINITY;
+        for (int k = 0; k < p->vertex_count; k++) {
+            low = fmin(low, v[k].z);
+            high = fmax(high, v[k].z);
+        }
+        if (high < foot.z - level || low > foot.z + level) continue;
+        if (collision_plan_distance(v, p->vertex_count, vec2(foot.x, foot.y)) < within) return false;
+    }
+    return true;
+}
+
 static void watch_place(Watch *w) {
     int what;
     CollisionFault f = collision_check_place(w->check, w->doors.open, w->body.foot, w->body.height, &what);
@@ -78,7 +100,7 @@ static void watch_place(Watch *w) {
     if (!w->body.standing) w->fell = true;
     if (collision_flood_near(&w->loose, w->body.foot, STRAY, 2 * BODY_STEP)) {
         w->fell = !w->body.standing;
-    } else if (!w->fell) {
+    } else if (!w->fell && !stands_on_its_rim(w)) {
         w->out->strays++;
         report(w, w->out->first_fault, "where no foot gets", w->body.foot, -1);
     }

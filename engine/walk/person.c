@@ -55,7 +55,8 @@ static void fly(Person *p, const PersonWish *wish, double seconds) {
 static void follow(Person *p, double before, double seconds) {
     Vec3 over = eye_over(p);
     double lag = (before - over.z) * exp(-EYE_QUICKNESS * seconds);
-    double lowest = p->body.foot.z + body_eye(&p->body) / 2, highest = p->body.foot.z + p->body.height - BODY_CROWN;
+    double lowest = p->body.foot.z + body_eye(&p->body) / 2,
+           highest = p->body.foot.z + p->body.head - BODY_CROWN;
     p->eye = vec3(over.x, over.y, fmin(fmax(over.z + lag, lowest), highest));
 }
 

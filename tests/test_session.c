@@ -61,7 +61,9 @@ static void end(Driven *d) {
 static void down(Driven *d, int key) {
     session_event(d->session, &(DisplayEvent){DISPLAY_KEY_PRESSED, key, 0, 0});
 }
-static void up(Driven *d, int key) { session_event(d->session, &(DisplayEvent){DISPLAY_KEY_RELEASED, key, 0, 0}); }
+static void up(Driven *d, int key) {
+    session_event(d->session, &(DisplayEvent){DISPLAY_KEY_RELEASED, key, 0, 0});
+}
 static void strike(Driven *d, int key) {
     down(d, key);
     up(d, key);

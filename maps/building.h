@@ -6,6 +6,10 @@
 // polygons: the cell stage makes them from the regions, watertight by construction. Furniture and details are
 // polygons of their own, grouped in objects.
 //
+// That is a building of regions, which plans, homes and Doom maps are. Two more forms know no regions: a soup is
+// polygons alone, among which the cell stage finds the cells; cells alone are convex cells and their portals, as
+// visibility compilers exchange them, with nothing to draw or to walk on.
+//
 // All plan coordinates and heights of regions are multiples of 1 mm (maps_snap), and regions that touch share
 // their plan vertices exactly: if the boundaries of two regions overlap along a line, they have the same vertices
 // there. Faults against this are named by building_check.
@@ -166,9 +170,24 @@ typedef struct Note {
     int first_point, point_count;  // a leak's path from the room to the hole and out, in Building.points
 } Note;
 
+typedef enum BuildingForm {
+    FORM_REGIONS,  // prisms of free space, furniture in them
+    FORM_SOUP,     // polygons in objects; no regions, no storeys, openings made by the cell stage
+    FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
+    BUILDING_FORMS
+} BuildingForm;
+
+// A convex planar polygon in Building.vertices through which two given cells touch; counter-clockwise seen from cell[0].
+typedef struct GivenPortal {
+    int cell[2];
+    int first_vertex, vertex_count;
+} GivenPortal;
+
 typedef struct Building {
+    BuildingForm form;
     const char *source;  // the path it was read from
-    uint64_t hash;       // of the file's content
+    const char *map;     // of a file that holds several: the name of the one read, else NULL. Set before reading: wanted
+    uint64_t hash;       // of the file's content, and of `map`
     Material *materials;
     Storey *storeys;
     Region *regions;
@@ -185,6 +204,8 @@ typedef struct Building {
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;
+    GivenPortal *given_portals;
+    int given_cell_count, given_portal_count;
     int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
         polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
         tour_point_count, tour_count, note_count;

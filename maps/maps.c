@@ -6,8 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D;
-const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN, &MAPS_READER_SH3D, NULL};
+extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT;
+const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN, &MAPS_READER_SH3D, &MAPS_READER_PRT, NULL};
 
 static const size_t MAX_FILE = (size_t)1 << 30;  // bytes: a home with all its models has some 100 MB at most
 
@@ -44,14 +44,25 @@ static bool refuse_unknown(const char *path, Error *error) {
 }
 
 bool maps_read(const char *path, Arena *arena, Building *out, Error *error) {
+    return maps_read_map(path, NULL, arena, out, error);
+}
+
+bool maps_read_map(const char *path, const char *map, Arena *arena, Building *out, Error *error) {
     Bytes content;
     memset(out, 0, sizeof *out);
     if (!file_read(path, MAX_FILE, arena, &content, error)) return false;
     const MapsReader *reader = choose(path, content);
     if (!reader) return refuse_unknown(path, error);
+    if (map && !reader->has_maps) {
+        return error_set(error,
+                         "%s: holds one building only (a map, `%s`, is named for formats that hold several)",
+                         path, map);
+    }
+    out->map = map;
     if (!reader->read(path, content, arena, out, error)) return false;
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, 0);
+    if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);
     if (faults > 0)

@@ -489,5 +489,10 @@ static bool recognise_plan(Bytes content) {
     return strncmp(c, "plan ", 5) == 0;
 }
 
-const MapsReader MAPS_READER_PLAN = {"plan", ".plan", "Enfilade's own text format (maps/README.md)",
-                                     recognise_plan, read_plan};
+const MapsReader MAPS_READER_PLAN = {
+    .name = "plan",
+    .suffixes = ".plan",
+    .summary = "Enfilade's own text format (maps/README.md)",
+    .recognise = recognise_plan,
+    .read = read_plan,
+};

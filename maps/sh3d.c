@@ -423,5 +423,10 @@ static bool read(const char *path, Bytes content, Arena *arena, Building *b, Err
     return good && enclose(&sketch, arena, b, error);
 }
 
-const MapsReader MAPS_READER_SH3D = {"sh3d", ".sh3d .xml", "Sweet Home 3D homes, or their Home.xml alone",
-                                     recognise, read};
+const MapsReader MAPS_READER_SH3D = {
+    .name = "sh3d",
+    .suffixes = ".sh3d .xml",
+    .summary = "Sweet Home 3D homes, or their Home.xml alone",
+    .recognise = recognise,
+    .read = read,
+};

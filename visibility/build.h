@@ -19,8 +19,11 @@ typedef struct CellBuilder {
 
 // cells.c: convex cells of all regions.
 bool build_cells(CellBuilder *builder, Error *error);
+// given.c: cells and portals as they are given, and what a graph without walls needs of the other steps.
+bool build_given(CellBuilder *builder, Error *error);
 // portals.c: where cells touch, vertically and horizontally.
 void build_portals(CellBuilder *builder);
+void list_contacts(CellBuilder *builder);  // of all portals, once they are there
 // surfaces.c: what closes cells where no portal is, and the closed leaves of doors.
 void build_surfaces(CellBuilder *builder);
 // squares.c: which cells lie where in plan, and which objects touch which squares of which cells.

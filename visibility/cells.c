@@ -116,10 +116,24 @@ bool vis_build_cells(const Building *building, const VisOptions *options, Arena 
     *out = (CellGraph){.building = building};
     CellBuilder builder = {
         .building = building, .options = options, .arena = arena, .scratch = &scratch, .graph = out};
-    bool good = build_cells(&builder, error);
-    if (good) {
+    bool good = false;
+    switch (building->form) {
+    case FORM_REGIONS:
+        good = build_cells(&builder, error);
+        if (!good) break;
         build_portals(&builder);
         build_surfaces(&builder);
+        break;
+    case FORM_SOUP:
+        good = error_set(error, "%s: polygons without regions", building->source);
+        break;
+    case FORM_CELLS:
+        good = build_given(&builder, error);
+        break;
+    default:
+        CORE_ASSERT(!"a building's form");
+    }
+    if (good) {
         build_locator(&builder);
         build_squares(&builder);
     }

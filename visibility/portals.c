@@ -162,7 +162,7 @@ static void add_horizontals(CellBuilder *builder) {
     }
 }
 
-static void list_contacts(CellBuilder *builder) {
+void list_contacts(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     for (int p = 0; p < graph->portal_count; p++) {
         for (int side = 0; side < 2; side++) graph->cells[graph->portals[p].cell[side]].contact_count++;

@@ -10,11 +10,13 @@
 #include "engine/core/progress.h"
 #include "maps/building.h"
 
-// A convex prism of free space: part of one region.
+// A convex polyhedron of free space. Of a building of regions it is an upright prism, part of one region: its plan
+// polygon from z0 to z1. Otherwise its faces bound it, and plan, z0 and z1 are its shadow and its extent.
 typedef struct Cell {
-    int region;
+    int region;  // -1 where the building has none
     int first_edge,
         edge_count;  // plan polygon in CellGraph.plan, counter-clockwise; vertices may be collinear
+    int first_face, face_count;        // in CellGraph.faces; none of a prism
     int first_contact, contact_count;  // in CellGraph.contacts
     double z0, z1;
     Box box;
@@ -25,8 +27,8 @@ typedef struct Portal {
     int cell[2];
     int first_vertex, vertex_count;  // in CellGraph.portal_vertices; counter-clockwise seen from cell[0]
     Plane plane;                     // n points from cell[1] to cell[0]
-    bool horizontal;                 // in a floor or ceiling
-    Vec2 left, right;  // of a vertical portal: its plan ends, seen when crossing from cell[0] to cell[1]
+    bool horizontal;   // not upright: it has an area in plan (in a floor or ceiling; of a soup, any slope)
+    Vec2 left, right;  // of an upright portal: its plan ends, seen when crossing from cell[0] to cell[1]
     int door;          // opening whose closed leaf fills it, else -1
 } Portal;
 
@@ -48,10 +50,11 @@ typedef struct CellGraph {
     const Building *building;
     Cell *cells;
     Vec2 *plan;
+    Plane *faces;  // pointing into their cells
     Contact *contacts;
     Portal *portals;
     Vec3 *portal_vertices;
-    int cell_count, plan_count, contact_count, portal_count, portal_vertex_count;
+    int cell_count, plan_count, face_count, contact_count, portal_count, portal_vertex_count;
     // Objects: first the building's own (same indices), then the surfaces of each cell and the closed leaves.
     Object *objects;
     Polygon *polygons;
@@ -87,7 +90,7 @@ typedef struct VisOptions {
 } VisOptions;
 VisOptions vis_default_options(void);
 
-// Cells, portals and surfaces from regions. Fails on a building without free space.
+// Cells, portals and surfaces of a building of any form. Fails on one without free space.
 bool vis_build_cells(const Building *building, const VisOptions *options, Arena *arena, CellGraph *out,
                      Error *error);
 

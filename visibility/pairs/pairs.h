@@ -1,0 +1,60 @@
+// pairs.h - cell-to-cell visibility: which cells may see which, by several methods. One file a method, one row in the
+// table; the command line, the tests and the benchmark iterate the table.
+//
+// Two cells see each other when a straight line leads from the inside of one through portals into the inside of the
+// other, all doors open. Every method errs towards visible only: a pair it leaves out is proven invisible.
+#ifndef VISIBILITY_PAIRS_PAIRS_H
+#define VISIBILITY_PAIRS_PAIRS_H
+
+#include "visibility/vis.h"
+
+typedef struct PairOptions {
+    int threads;     // 0: all cores; the result is the same on any number
+    bool witnesses;  // keep the sightlines that prove pairs visible, where the method finds them
+} PairOptions;
+
+// A sightline from inside cell a to inside cell b (or to a point of its boundary), a < b, metres.
+typedef struct PairWitness {
+    int a, b;
+    Vec3 from, to;
+} PairWitness;
+
+// What a method did, for tables: the same on any number of threads.
+typedef struct PairWork {
+    long long chains;      // sequences of portals followed
+    long long clips;       // portals clipped by planes
+    long long separators;  // separating planes made
+} PairWork;
+
+typedef struct PairSet {
+    int cell_count, words;
+    uint64_t *seen;  // [cell_count * words] bit j of row i: j may be seen from i. Symmetric, diagonal set
+    uint64_t
+        *proven;  // as `seen`, of which it is part: pairs with a sightline; all 0 where the method finds none
+    PairWitness *witnesses;  // [witness_count] by a, then b; none unless asked for
+    int witness_count;
+    bool stopped;  // progress asked to stop: `seen` is what was not excluded until then
+    PairWork work;
+} PairSet;
+
+static inline bool pair_bit(const uint64_t *rows, int words, int from, int to) {
+    return rows[(size_t)from * (size_t)words + (size_t)to / 64] >> (to % 64) & 1;
+}
+
+typedef struct PairMethod {
+    const char *name, *summary;
+    void (*find)(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                 PairSet *out);
+} PairMethod;
+
+extern const PairMethod *const PAIR_METHODS[];    // from the coarsest to the finest, ends with NULL
+const PairMethod *pair_method(const char *name);  // NULL: there is none of that name
+
+// For methods: an empty set, and its completion by symmetry (seen and its transpose, proven or its transpose).
+PairSet pair_set_new(const CellGraph *graph, Arena *arena);
+void pair_set_make_symmetric(PairSet *set);
+
+long long pair_count(const uint64_t *rows, int cell_count,
+                     int words);  // of all bits, the diagonal among them
+
+#endif

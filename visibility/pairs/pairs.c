@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-extern const PairMethod PAIR_METHOD_FLOOD;
-const PairMethod *const PAIR_METHODS[] = {&PAIR_METHOD_FLOOD, NULL};
+extern const PairMethod PAIR_METHOD_FLOOD, PAIR_METHOD_FLOW, PAIR_METHOD_PROOF;
+const PairMethod *const PAIR_METHODS[] = {&PAIR_METHOD_FLOOD, &PAIR_METHOD_FLOW, &PAIR_METHOD_PROOF, NULL};
 
 const PairMethod *pair_method(const char *name) {
     for (int i = 0; PAIR_METHODS[i]; i++) {

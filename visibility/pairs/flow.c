@@ -1,0 +1,20 @@
+// flow.c - the method `flow`: three-dimensional separating planes alone. What they leave is called visible; nothing is
+// proven.
+#include "visibility/pairs/rounds.h"
+
+static void arrive(Flow *flow, int depth) {
+    int cell = flow_cell(flow, depth);
+    row_add(((Finding *)flow->context)->kept, cell);
+    row_drop(flow->unknown, cell);
+}
+
+static void find(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                 PairSet *out) {
+    Rounds rounds;
+    rounds_start(&rounds, graph, options, progress, arena, out);
+    rounds_search(&rounds, arrive);
+    rounds_end(&rounds);
+}
+
+const PairMethod PAIR_METHOD_FLOW = {
+    .name = "flow", .summary = "separating planes in three dimensions", .find = find};

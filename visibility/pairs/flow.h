@@ -1,0 +1,45 @@
+// flow.h - depth-first through portals, within separating planes, towards the cells that are still in doubt.
+//
+// A chain is a sequence of ways, each leading out of the cell where the one before leads in. All lines that come through
+// a chain lie, behind its last portal, in the beam: the separators of what is left of its first portal (the source) and
+// of its last (the pass). Each further portal is clipped by the beam, and the source by the separators of the new
+// portal and the pass. A chain ends when nothing is left, or when no cell in doubt lies in the beam.
+#ifndef VISIBILITY_PAIRS_FLOW_H
+#define VISIBILITY_PAIRS_FLOW_H
+
+#include "visibility/pairs/ways.h"
+
+typedef struct FlowStep {
+    int way;               // crossed last
+    Winding source, pass;  // what is left of the chain's first portal, and of this way's
+    Separator beam[2 * WINDING_MAX];
+    int beam_count;
+    uint64_t *wanted;  // [words] cells in doubt that the beam may reach
+} FlowStep;
+
+// One thread's search. Give it back with flow_free.
+typedef struct Flow {
+    const WayGraph *ways;
+    const uint64_t *might;   // [way_count * words] cells that may be seen through a way
+    uint64_t *unknown;       // [words] cells in doubt: `arrive` drops those it decides
+    FlowStep **steps;        // [cell_count + 1] the chain so far; steps[0] is the first way
+    unsigned char *on_path;  // [cell_count] a line enters a convex cell once
+    // Called when the chain steps[0 .. depth] leads into a cell in doubt.
+    void (*arrive)(struct Flow *flow, int depth);
+    void *context;
+    PairWork work;
+    Arena arena;
+} Flow;
+
+void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might);
+void flow_end(Flow *flow);
+
+// Follows all chains that begin with `way`, as long as `unknown` is not empty.
+void flow_search(Flow *flow, int way);
+
+// The cell that chain steps[0 .. depth] leads into.
+static inline int flow_cell(const Flow *flow, int depth) {
+    return flow->ways->ways[flow->steps[depth]->way].to;
+}
+
+#endif

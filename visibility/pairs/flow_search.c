@@ -1,0 +1,140 @@
+// flow_search.c - see flow.h.
+//
+// Source: the chains, separators and the clipping of source and pass are those of Quake's vis (J. Carmack, 1996);
+// separating planes bound what a chain lets through from outside (Teller 1992). It departs from that program in three
+// ways: cells already decided are not looked for, a chain is given up as soon as no cell in doubt touches its beam, and
+// separators are tangents found in one pass.
+#include "visibility/pairs/flow.h"
+
+void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
+    *flow = (Flow){.ways = ways, .might = might};
+    flow->unknown = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
+    flow->steps = ARENA_ARRAY(&flow->arena, FlowStep *, ways->cell_count + 1);
+    flow->on_path = ARENA_ARRAY(&flow->arena, unsigned char, ways->cell_count);
+}
+
+void flow_end(Flow *flow) { arena_free(&flow->arena); }
+
+static FlowStep *step_at(Flow *flow, int depth) {
+    if (!flow->steps[depth]) {
+        flow->steps[depth] = ARENA_ARRAY(&flow->arena, FlowStep, 1);
+        flow->steps[depth]->wanted = ARENA_ARRAY(&flow->arena, uint64_t, flow->ways->words);
+    }
+    return flow->steps[depth];
+}
+
+static bool box_in_beam(Box box, const FlowStep *step) {
+    for (int i = 0; i < step->beam_count; i++) {
+        const Separator *s = &step->beam[i];
+        double x = s->n.x > 0 ? box.max.x : box.min.x, y = s->n.y > 0 ? box.max.y : box.min.y,
+               z = s->n.z > 0 ? box.max.z : box.min.z;
+        if (s->n.x * x + s->n.y * y + s->n.z * z - s->d <= s->slack) return false;
+    }
+    return true;
+}
+
+// Makes the beam and drops the cells outside it; false when none is left.
+static bool aim(Flow *flow, FlowStep *step, bool first) {
+    const WayGraph *ways = flow->ways;
+    step->beam_count = 0;
+    if (!first) {
+        step->beam_count = winding_separators(&step->source, &step->pass, 1, ways->epsilon, step->beam);
+        flow->work.separators += step->beam_count;
+    }
+    uint64_t any = 0;
+    for (int i = 0; i < ways->words; i++) {
+        uint64_t left = step->wanted[i] & flow->unknown[i];
+        for (uint64_t bits = left; bits; bits &= bits - 1) {
+            int cell = i * 64 + __builtin_ctzll(bits);
+            if (!box_in_beam(ways->boxes[cell], step)) left &= ~(bits & -bits);
+        }
+        step->wanted[i] = left;
+        any |= left;
+    }
+    return any;
+}
+
+// Of what is wanted beyond `from`, what may be seen through `way`; false when that is nothing.
+static bool want(const Flow *flow, const FlowStep *from, int way, FlowStep *to) {
+    int words = flow->ways->words;
+    const uint64_t *might = flow->might + (size_t)way * (size_t)words;
+    uint64_t any = 0;
+    for (int i = 0; i < words; i++) {
+        uint64_t left = from->wanted[i] & flow->unknown[i] & might[i];
+        to->wanted[i] = left;
+        any |= left;
+    }
+    return any;
+}
+
+static Separator in_front_of(Plane plane, double bend, int side, double epsilon) {
+    return (Separator){vec3_scale(plane.n, side), side * plane.d - bend, epsilon};
+}
+
+// A quick answer by the ball around the portal: -1 outside one of the half-spaces, +1 inside all of them, else 0.
+static int ball_against(const Way *way, const Separator *planes, int count, uint64_t *cutting) {
+    *cutting = 0;
+    for (int i = 0; i < count; i++) {
+        // The slack's measure bounds the normal's length from above (separator_of).
+        double at = vec3_dot(planes[i].n, way->middle) - planes[i].d;
+        double length = fabs(planes[i].n.x) + fabs(planes[i].n.y) + fabs(planes[i].n.z);
+        double reach = way->radius * length;
+        if (at < -reach) return -1;
+        if (at <= reach + planes[i].slack) *cutting |= (uint64_t)1 << i;
+    }
+    return *cutting == 0;
+}
+
+// Clips the portal of `step` and the source through which it is seen. False when nothing is left.
+static bool narrow(Flow *flow, const FlowStep *from, int depth, FlowStep *step) {
+    const WayGraph *ways = flow->ways;
+    const Way *way = &ways->ways[step->way], *first = &ways->ways[flow->steps[0]->way];
+    uint64_t cutting;
+    if (ball_against(way, from->beam, from->beam_count, &cutting) < 0) return false;
+    way_winding(way, &step->pass);
+    flow->work.clips++;
+    if (!winding_clip(&step->pass, in_front_of(first->plane, first->bend, 1, ways->epsilon))) return false;
+    for (; cutting; cutting &= cutting - 1) {
+        if (!winding_clip(&step->pass, from->beam[__builtin_ctzll(cutting)])) return false;
+    }
+    winding_copy(&step->source, &from->source);
+    if (!winding_clip(&step->source, in_front_of(way->plane, way->bend, -1, ways->epsilon))) return false;
+    if (depth == 1) return true;
+    Separator back[2 * WINDING_MAX];
+    int count = winding_separators(&step->pass, &from->pass, -1, ways->epsilon, back);
+    flow->work.separators += count;
+    for (int i = 0; i < count; i++) {
+        if (!winding_clip(&step->source, back[i])) return false;
+    }
+    return true;
+}
+
+static void follow(Flow *flow, int depth) {
+    const WayGraph *ways = flow->ways;
+    FlowStep *step = flow->steps[depth];
+    int cell = flow_cell(flow, depth);
+    if (row_has(flow->unknown, cell)) flow->arrive(flow, depth);
+    if (!aim(flow, step, depth == 0)) return;
+    FlowStep *next = step_at(flow, depth + 1);
+    flow->on_path[cell] = 1;
+    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+        next->way = ways->list[i];
+        if (flow->on_path[ways->ways[next->way].to]) continue;
+        if (!want(flow, step, next->way, next)) continue;
+        flow->work.chains++;
+        if (narrow(flow, step, depth + 1, next)) follow(flow, depth + 1);
+    }
+    flow->on_path[cell] = 0;
+}
+
+void flow_search(Flow *flow, int way) {
+    const Way *first = &flow->ways->ways[way];
+    FlowStep *step = step_at(flow, 0);
+    step->way = way;
+    way_winding(first, &step->source);
+    way_winding(first, &step->pass);
+    memcpy(step->wanted, flow->unknown, (size_t)flow->ways->words * sizeof *flow->unknown);
+    flow->on_path[first->from] = 1;
+    follow(flow, 0);
+    flow->on_path[first->from] = 0;
+}

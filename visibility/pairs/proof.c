@@ -1,0 +1,43 @@
+// proof.c - the method `proof`: every pair is excluded by separating planes or proven by a sightline, but for the few
+// that rounding or the patience of settle.c leave open.
+//
+// The searches of `flow` try a real line wherever they come upon a cell in doubt. A line proves all pairs of the cells on
+// its way at once, and what is proven is not looked for again: most of the work that is left goes into cells that are
+// truly hidden.
+#include "visibility/pairs/settle.h"
+#include "visibility/pairs/sight.h"
+
+static void arrive(Flow *flow, int depth) {
+    Sight sight;
+    if (sight_through(flow, depth, &flow->steps[depth]->source, &sight)) {
+        sight_record(flow, depth, sight);
+        return;
+    }
+    int cell = flow_cell(flow, depth);
+    row_add(((Finding *)flow->context)->kept, cell);
+    row_drop(flow->unknown, cell);
+}
+
+// Neighbours see each other through the middle of their portal.
+static void prove_neighbours(Rounds *r) {
+    for (int i = 0; i < r->ways.way_count; i += 2) {
+        const Way *way = &r->ways.ways[i];
+        Vec3 step = vec3_scale(way->plane.n, r->ways.epsilon);
+        PairWitness pair = {way->from, way->to, vec3_sub(way->middle, step), vec3_add(way->middle, step)};
+        if (way->from > way->to) pair = (PairWitness){pair.b, pair.a, pair.to, pair.from};
+        rounds_prove(r, &pair, 1);
+    }
+}
+
+static void find(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
+                 PairSet *out) {
+    Rounds rounds;
+    rounds_start(&rounds, graph, options, progress, arena, out);
+    prove_neighbours(&rounds);
+    rounds_search(&rounds, arrive);
+    if (!rounds.stopped) settle_pairs(&rounds);
+    rounds_end(&rounds);
+}
+
+const PairMethod PAIR_METHOD_PROOF = {
+    .name = "proof", .summary = "separating planes against sightlines, until one of them wins", .find = find};

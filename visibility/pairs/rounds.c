@@ -1,0 +1,218 @@
+// rounds.c - see rounds.h. Searches go from the way that may see least to the one that may see most, since a decided way
+// bounds what is seen through it; and as sight is symmetric, a cell found not to see another is taken from what the
+// other may see at once. Both happen between rounds of a fixed number of searches only.
+#include "visibility/pairs/rounds.h"
+
+#include <omp.h>
+#include <stdlib.h>
+
+#include "engine/core/error.h"
+
+enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 64 };
+
+int rounds_threads(const Rounds *rounds) {
+    return rounds->options->threads > 0 ? rounds->options->threads : omp_get_num_procs();
+}
+
+static void push(PairWitness **list, int *count, int *capacity, PairWitness pair) {
+    if (*count == *capacity) {
+        *capacity = *capacity ? *capacity * 2 : 64;
+        *list = realloc(*list, (size_t)*capacity * sizeof **list);
+        CORE_ASSERT(*list);
+    }
+    (*list)[(*count)++] = pair;
+}
+
+void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to) {
+    const PairSet *set = finding->rounds->set;
+    if (a == b || pair_bit(set->proven, set->words, a, b)) return;
+    PairWitness pair = a < b ? (PairWitness){a, b, from, to} : (PairWitness){b, a, to, from};
+    push(&finding->pairs, &finding->pair_count, &finding->pair_capacity, pair);
+}
+
+static uint64_t *might_row(const Rounds *r, int way) {
+    return r->might + (size_t)way * (size_t)r->ways.words;
+}
+static uint64_t *set_row(const Rounds *r, uint64_t *rows, int cell) {
+    return rows + (size_t)cell * (size_t)r->ways.words;
+}
+
+static void add_work(PairWork *to, PairWork from) {
+    to->chains += from.chains;
+    to->clips += from.clips;
+    to->separators += from.separators;
+}
+
+// From `cell` nothing is seen but what may be seen through one of its ways: all else does not see it either.
+static void lend(Rounds *r, int cell) {
+    const WayGraph *ways = &r->ways;
+    uint64_t *row = set_row(r, r->set->seen, cell), *proven = set_row(r, r->set->proven, cell);
+    for (int k = 0; k < ways->words; k++) {
+        uint64_t may = proven[k];
+        for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) may |= might_row(r, ways->list[i])[k];
+        uint64_t gone = row[k] & ~may;
+        row[k] &= may;
+        for (; gone; gone &= gone - 1) {
+            int other = k * 64 + __builtin_ctzll(gone);
+            row_drop(set_row(r, r->set->seen, other), cell);
+            for (int i = ways->first[other]; i < ways->first[other + 1]; i++)
+                row_drop(might_row(r, ways->list[i]), cell);
+        }
+    }
+}
+
+void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                  Arena *arena, PairSet *set) {
+    *r = (Rounds){.options = options, .progress = progress, .set = set, .arena = arena};
+    *set = pair_set_new(graph, arena);
+    ways_build(graph, &r->scratch, &r->ways);
+    const WayGraph *ways = &r->ways;
+    r->might = ARENA_ARRAY(&r->scratch, uint64_t, (size_t)ways->way_count * (size_t)ways->words);
+#pragma omp parallel num_threads(rounds_threads(r))
+    {
+        Arena own = {0};
+        int *stack = ARENA_ARRAY(&own, int, ways->cell_count);
+#pragma omp for schedule(dynamic, 16)
+        for (int i = 0; i < ways->way_count; i++) ways_flood(ways, i, might_row(r, i), stack);
+        arena_free(&own);
+    }
+    for (int c = 0; c < ways->cell_count; c++) {
+        row_add(set_row(r, set->proven, c), c);
+        for (int other = 0; other < ways->cell_count; other++) row_add(set_row(r, set->seen, c), other);
+    }
+    for (int c = 0; c < ways->cell_count; c++) lend(r, c);
+}
+
+typedef struct Turn {
+    long might;
+    int way;
+} Turn;
+
+static int by_might(const void *p, const void *q) {
+    const Turn *a = p, *b = q;
+    if (a->might != b->might) return a->might < b->might ? -1 : 1;
+    return (a->way > b->way) - (a->way < b->way);
+}
+
+static void count_might(const Rounds *r, Turn *turns, int count) {
+    for (int i = 0; i < count; i++) {
+        const uint64_t *row = might_row(r, turns[i].way);
+        turns[i].might = 0;
+        for (int k = 0; k < r->ways.words; k++) turns[i].might += __builtin_popcountll(row[k]);
+    }
+    qsort(turns, (size_t)count, sizeof *turns, by_might);
+}
+
+// Searches from one way; reads what was known before the round only.
+static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
+    const WayGraph *ways = &r->ways;
+    const Way *way = &ways->ways[index];
+    const uint64_t *might = might_row(r, index), *proven = set_row(r, r->set->proven, way->from);
+    // What comes through the way is seen from both its cells.
+    const uint64_t *here = set_row(r, r->set->seen, way->from), *there = set_row(r, r->set->seen, way->to);
+    uint64_t any = 0;
+    for (int k = 0; k < ways->words; k++) {
+        uint64_t may = might[k] & here[k] & there[k];
+        finding->kept[k] = may & proven[k];
+        flow->unknown[k] = may & ~proven[k];
+        any |= flow->unknown[k];
+    }
+    if (!any) return;
+    flow->work = (PairWork){0};
+    flow->context = finding;
+    flow_search(flow, index);
+    finding->work = flow->work;
+}
+
+static void take(Rounds *r, int way, Finding *finding) {
+    int words = r->ways.words;
+    rounds_prove(r, finding->pairs, finding->pair_count);
+    free(finding->pairs);
+    uint64_t *might = might_row(r, way);
+    for (int k = 0; k < words; k++) might[k] &= finding->kept[k];
+    lend(r, r->ways.ways[way].from);
+    add_work(&r->set->work, finding->work);
+}
+
+void rounds_prove(Rounds *r, const PairWitness *pairs, int count) {
+    for (int i = 0; i < count; i++) {
+        int a = pairs[i].a, b = pairs[i].b;
+        uint64_t *proven = r->set->proven;
+        if (row_has(set_row(r, proven, a), b)) continue;
+        row_add(set_row(r, proven, a), b);
+        row_add(set_row(r, proven, b), a);
+        // Proof goes before what rounding may have excluded elsewhere.
+        row_add(set_row(r, r->set->seen, a), b);
+        row_add(set_row(r, r->set->seen, b), a);
+        if (r->options->witnesses) push(&r->witnesses, &r->witness_count, &r->witness_capacity, pairs[i]);
+    }
+}
+
+static int round_size(const WayGraph *ways) {
+    int size = ways->way_count / ROUNDS;
+    return size < SMALLEST_ROUND ? SMALLEST_ROUND : size > LARGEST_ROUND ? LARGEST_ROUND : size;
+}
+
+void rounds_search(Rounds *r, void (*arrive)(Flow *flow, int depth)) {
+    const WayGraph *ways = &r->ways;
+    Arena scratch = {0};
+    int count = ways->way_count, size = round_size(ways), threads = rounds_threads(r), done = 0;
+    Turn *turns = ARENA_ARRAY(&scratch, Turn, count + 1);
+    Flow *flows = ARENA_ARRAY(&scratch, Flow, threads);
+    Finding *findings = ARENA_ARRAY(&scratch, Finding, size);
+    uint64_t *kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words);
+    for (int i = 0; i < count; i++) turns[i].way = i;
+    for (int i = 0; i < threads; i++) {
+        flow_start(&flows[i], ways, r->might);
+        flows[i].arrive = arrive;
+    }
+    for (int first = 0; first < count && !r->stopped; first += size) {
+        int in_round = count - first < size ? count - first : size;
+        memset(findings, 0, (size_t)size * sizeof *findings);
+        if (first / size % ROUNDS == 0 || first < size * ROUNDS) count_might(r, turns + first, count - first);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+        for (int i = 0; i < in_round; i++) {
+            bool stop;
+#pragma omp atomic read
+            stop = r->stopped;
+            if (stop) continue;
+            findings[i] = (Finding){.rounds = r,
+                                    .source = ways->ways[turns[first + i].way].from,
+                                    .kept = kept + (size_t)i * (size_t)ways->words};
+            search(&flows[omp_get_thread_num()], r, turns[first + i].way, &findings[i]);
+            findings[i].done = true;
+#pragma omp critical
+            if (!progress_report(r->progress, "sightlines", (double)++done / count)) {
+#pragma omp atomic write
+                r->stopped = true;
+            }
+        }
+        for (int i = 0; i < in_round; i++) {
+            if (findings[i].done) take(r, turns[first + i].way, &findings[i]);
+        }
+    }
+    for (int i = 0; i < threads; i++) flow_end(&flows[i]);
+    arena_free(&scratch);
+}
+
+static int by_pair(const void *p, const void *q) {
+    const PairWitness *a = p, *b = q;
+    return a->a != b->a ? (a->a > b->a) - (a->a < b->a) : (a->b > b->b) - (a->b < b->b);
+}
+
+void rounds_end(Rounds *r) {
+    PairSet *set = r->set;
+    set->stopped = r->stopped;
+    set->witness_count = r->witness_count;
+    if (r->witness_count > 0) {
+        qsort(r->witnesses, (size_t)r->witness_count, sizeof *r->witnesses, by_pair);
+        set->witnesses = ARENA_ARRAY(r->arena, PairWitness, r->witness_count);
+        memcpy(set->witnesses, r->witnesses, (size_t)r->witness_count * sizeof *r->witnesses);
+        for (int i = 0; i < set->witness_count; i++) {
+            set->witnesses[i].from = vec3_add(set->witnesses[i].from, r->ways.origin);
+            set->witnesses[i].to = vec3_add(set->witnesses[i].to, r->ways.origin);
+        }
+    }
+    free(r->witnesses);
+    arena_free(&r->scratch);
+}

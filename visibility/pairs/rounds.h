@@ -1,0 +1,47 @@
+// rounds.h - deciding all pairs of cells by searches from each way, in rounds, so that what a search finds helps later
+// ones and yet no thread's pace shows in the result.
+#ifndef VISIBILITY_PAIRS_ROUNDS_H
+#define VISIBILITY_PAIRS_ROUNDS_H
+
+#include "visibility/pairs/flow.h"
+
+// What is known so far of a building; it only ever grows tighter.
+typedef struct Rounds {
+    const PairOptions *options;
+    const Progress *progress;
+    WayGraph ways;
+    uint64_t *might;         // [way_count * words] cells that may be seen through a way
+    PairSet *set;            // seen: not excluded; proven: with a sightline. Both symmetric at all times
+    PairWitness *witnesses;  // malloc'd
+    int witness_count, witness_capacity;
+    bool stopped;
+    Arena *arena;  // of the caller, for the result
+    Arena scratch;
+} Rounds;
+
+// What one search found.
+typedef struct Finding {
+    const Rounds *rounds;
+    int source;          // cell the lines start from
+    uint64_t *kept;      // [words] cells reached, or left undecided
+    PairWitness *pairs;  // malloc'd: proven now, not before the round
+    int pair_count, pair_capacity;
+    PairWork work;
+    bool done;
+} Finding;
+
+void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
+
+// Begins with the flood.
+void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
+                  const Progress *progress, Arena *arena, PairSet *set);
+// One search from every way. `arrive` is that of Flow, whose context is a Finding.
+void rounds_search(Rounds *rounds, void (*arrive)(Flow *flow, int depth));
+// Takes pairs as proven.
+void rounds_prove(Rounds *rounds, const PairWitness *pairs, int count);
+// Completes the set.
+void rounds_end(Rounds *rounds);
+
+int rounds_threads(const Rounds *rounds);
+
+#endif

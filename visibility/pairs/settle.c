@@ -1,0 +1,203 @@
+// settle.c - see settle.h. For each chain between the two cells the source portal is cut in halves, and each half in
+// halves, until separating planes exclude a piece or a sightline from it proves the pair. As a piece shrinks to a point
+// the separators become the cone from that point: what they let through beyond the truth goes to nothing with its size.
+#include "visibility/pairs/settle.h"
+
+#include <omp.h>
+#include <stdlib.h>
+
+#include "engine/core/error.h"
+#include "visibility/pairs/sight.h"
+
+// Of one chain; beyond it the pair stays undecided. Doubling it settles few pairs more (a tenth of what is left).
+enum { MOST_PIECES = 64 };
+// A piece shorter than this many epsilons lies within what rounding leaves open.
+static const double SHORTEST_PIECE = 1e4;
+
+typedef enum Verdict { EXCLUDED, PROVEN, OPEN } Verdict;
+
+// One pair while it is tried.
+typedef struct Case {
+    Finding finding;
+    Verdict verdict;
+    int goal;
+} Case;
+
+typedef struct Cutter {
+    const Flow *flow;
+    int depth, pieces;
+    Sight sight;
+} Cutter;
+
+// Shrinks `source` to what may see through the whole chain, from the steps' portals as the search left them; false when
+// nothing can.
+static bool shrink(const Flow *flow, int depth, Winding *source) {
+    double epsilon = flow->ways->epsilon;
+    Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
+    Winding pass, next;
+    int planes = 0;
+    for (int i = 1; i <= depth; i++) {
+        const Way *way = &flow->ways->ways[flow->steps[i]->way];
+        winding_copy(&next, &flow->steps[i]->pass);
+        for (int k = 0; k < planes; k++) {
+            if (!winding_clip(&next, beam[k])) return false;
+        }
+        Separator behind = {vec3_scale(way->plane.n, -1), -way->plane.d - way->bend, epsilon};
+        if (!winding_clip(source, behind)) return false;
+        int count = i > 1 ? winding_separators(&next, &pass, -1, epsilon, back) : 0;
+        for (int k = 0; k < count; k++) {
+            if (!winding_clip(source, back[k])) return false;
+        }
+        planes = winding_separators(source, &next, 1, epsilon, beam);
+        winding_copy(&pass, &next);
+    }
+    return true;
+}
+
+// The two corners farthest from each other.
+static double longest(const Winding *w, Vec3 *a, Vec3 *b) {
+    double best = 0;
+    for (int i = 0; i < w->count; i++) {
+        for (int k = i + 1; k < w->count; k++) {
+            double length = vec3_length(vec3_sub(w->p[k], w->p[i]));
+            if (length <= best) continue;
+            best = length;
+            *a = w->p[i];
+            *b = w->p[k];
+        }
+    }
+    return best;
+}
+
+static Verdict try_piece(Cutter *cutter, Winding *piece);
+
+static Verdict try_halves(Cutter *cutter, const Winding *piece) {
+    Vec3 a = {0, 0, 0}, b = {0, 0, 0};
+    double length = longest(piece, &a, &b);
+    if (length < SHORTEST_PIECE * cutter->flow->ways->epsilon) return OPEN;
+    Vec3 along = vec3_scale(vec3_sub(b, a), 1 / length), middle = vec3_lerp(a, b, 0.5);
+    Verdict worst = EXCLUDED;
+    for (int side = -1; side <= 1; side += 2) {
+        Winding half;
+        winding_copy(&half, piece);
+        if (!winding_clip(&half, separator_of(vec3_scale(along, side), middle, 0))) continue;
+        Verdict verdict = try_piece(cutter, &half);
+        if (verdict == PROVEN) return PROVEN;
+        if (verdict == OPEN) worst = OPEN;
+    }
+    return worst;
+}
+
+static Verdict try_piece(Cutter *cutter, Winding *piece) {
+    if (cutter->pieces++ >= MOST_PIECES) return OPEN;
+    // Twice: what the first pass takes from the source narrows the beams of the second.
+    for (int pass = 0; pass < 2; pass++) {
+        if (!shrink(cutter->flow, cutter->depth, piece)) return EXCLUDED;
+    }
+    if (sight_from_point(cutter->flow, cutter->depth, winding_middle(piece), &cutter->sight)) return PROVEN;
+    return try_halves(cutter, piece);
+}
+
+static void arrive(Flow *flow, int depth) {
+    Finding *finding = flow->context;
+    Case *c = (Case *)((char *)finding - offsetof(Case, finding));
+    Cutter cutter = {.flow = flow, .depth = depth};
+    Winding source;
+    winding_copy(&source, &flow->steps[depth]->source);
+    Verdict verdict = depth == 0 ? PROVEN : try_piece(&cutter, &source);
+    if (verdict == EXCLUDED) return;
+    c->verdict = verdict;
+    if (verdict == PROVEN) {
+        sight_record(flow, depth, cutter.sight);
+    } else {
+        row_drop(flow->unknown, c->goal);
+    }
+}
+
+static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
+    const WayGraph *ways = &r->ways;
+    flow->context = &c->finding;
+    for (int i = ways->first[from]; i < ways->first[from + 1]; i++) {
+        int way = ways->list[i];
+        if (!row_has(r->might + (size_t)way * (size_t)ways->words, c->goal)) continue;
+        memset(flow->unknown, 0, (size_t)ways->words * sizeof *flow->unknown);
+        row_add(flow->unknown, c->goal);
+        flow_search(flow, way);
+        if (c->verdict != EXCLUDED) return;
+    }
+}
+
+typedef struct Doubt {
+    int a, b;
+} Doubt;
+
+// All pairs seen but not proven.
+static Doubt *list_doubts(const PairSet *set, Arena *arena, int *count) {
+    Doubt *doubts = NULL;
+    int capacity = 0;
+    *count = 0;
+    for (int a = 0; a < set->cell_count; a++) {
+        for (int b = a + 1; b < set->cell_count; b++) {
+            if (!pair_bit(set->seen, set->words, a, b) || pair_bit(set->proven, set->words, a, b)) continue;
+            *ARENA_PUSH(arena, doubts, *count, capacity) = (Doubt){a, b};
+        }
+    }
+    return doubts;
+}
+
+static void exclude(PairSet *set, int a, int b) {
+    row_drop(set->seen + (size_t)a * (size_t)set->words, b);
+    row_drop(set->seen + (size_t)b * (size_t)set->words, a);
+}
+
+static void take(Rounds *r, const Doubt *doubt, Case *c, Flow *flow) {
+    (void)flow;
+    rounds_prove(r, c->finding.pairs, c->finding.pair_count);
+    free(c->finding.pairs);
+    if (c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
+}
+
+void settle_pairs(Rounds *r) {
+    Arena scratch = {0};
+    int count, done = 0, threads = rounds_threads(r);
+    Doubt *doubts = list_doubts(r->set, &scratch, &count);
+    Case *cases = ARENA_ARRAY(&scratch, Case, count + 1);
+    PairWork work = {0};
+#pragma omp parallel num_threads(threads)
+    {
+        Flow flow;
+        flow_start(&flow, &r->ways, r->might);
+        flow.arrive = arrive;
+        uint64_t *kept = ARENA_ARRAY(&flow.arena, uint64_t, r->ways.words);
+#pragma omp for schedule(dynamic, 1)
+        for (int i = 0; i < count; i++) {
+            bool stop;
+#pragma omp atomic read
+            stop = r->stopped;
+            if (stop) continue;
+            cases[i] =
+                (Case){.finding = {.rounds = r, .source = doubts[i].a, .kept = kept}, .goal = doubts[i].b};
+            settle(&flow, r, doubts[i].a, &cases[i]);
+            cases[i].finding.done = true;
+#pragma omp critical
+            if (!progress_report(r->progress, "last doubts", (double)++done / count)) {
+#pragma omp atomic write
+                r->stopped = true;
+            }
+        }
+#pragma omp critical
+        {
+            work.chains += flow.work.chains;
+            work.clips += flow.work.clips;
+            work.separators += flow.work.separators;
+        }
+        flow_end(&flow);
+    }
+    for (int i = 0; i < count; i++) {
+        if (cases[i].finding.done) take(r, &doubts[i], &cases[i], NULL);
+    }
+    r->set->work.chains += work.chains;
+    r->set->work.clips += work.clips;
+    r->set->work.separators += work.separators;
+    arena_free(&scratch);
+}

@@ -1,0 +1,91 @@
+// sight.c - see sight.h. The view from a point is a cone; each portal is clipped by it, and what is left makes the next
+// cone.
+#include "visibility/pairs/sight.h"
+
+// Planes through the eye and the edges of `w`, which lies ahead; they keep its inside.
+static int cone_through(Vec3 eye, const Winding *w, double epsilon, Separator *out) {
+    for (int i = 0; i < w->count; i++) {
+        Vec3 a = vec3_sub(w->p[i], eye), b = vec3_sub(w->p[i + 1 == w->count ? 0 : i + 1], eye);
+        // The winding is counter-clockwise about the direction of sight: its inside is to the left of each edge.
+        out[i] = separator_of(vec3_cross(a, b), eye, epsilon);
+    }
+    return w->count;
+}
+
+// How far inside the portal the line passes, metres; negative outside.
+static double margin(const Way *way, Sight sight) {
+    double a = plane_distance(way->plane, sight.from), b = plane_distance(way->plane, sight.to);
+    Vec3 p = a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
+    double least = INFINITY;
+    for (int i = 0; i < way->corner_count; i++) {
+        Vec3 corner = way->corners[i],
+             edge = vec3_sub(way->corners[i + 1 == way->corner_count ? 0 : i + 1], corner);
+        double length = vec3_length(edge);
+        if (length == 0) continue;
+        least = fmin(least, vec3_dot(vec3_cross(way->plane.n, edge), vec3_sub(p, corner)) / length);
+    }
+    return least;
+}
+
+static bool passes(const Flow *flow, int depth, Sight sight) {
+    double least = SIGHT_MARGIN * flow->ways->epsilon;
+    for (int i = 0; i <= depth; i++) {
+        if (margin(&flow->ways->ways[flow->steps[i]->way], sight) < least) return false;
+    }
+    return true;
+}
+
+bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
+    Separator cone[WINDING_MAX];
+    Winding left = {.count = 0};
+    double epsilon = flow->ways->epsilon;
+    int planes = 0;
+    if (flow->ways->ways[flow->steps[0]->way].coarse) return false;
+    for (int i = 1; i <= depth; i++) {
+        const Way *way = &flow->ways->ways[flow->steps[i]->way];
+        // Flat against a portal there is no telling.
+        if (way->coarse || plane_distance(way->plane, from) > -SIGHT_MARGIN * (epsilon + way->bend))
+            return false;
+        way_winding(way, &left);
+        for (int k = 0; k < planes; k++) {
+            if (!winding_clip(&left, cone[k])) return false;
+        }
+        planes = cone_through(from, &left, epsilon, cone);
+    }
+    *out = (Sight){from, winding_middle(&left)};
+    return passes(flow, depth, *out);
+}
+
+bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out) {
+    static const double INWARDS =
+        0.02;  // corners and sides are tried from so far inside: on them no line passes
+    Vec3 middle = winding_middle(source);
+    if (sight_from_point(flow, depth, middle, out)) return true;
+    for (int i = 0; i < 2 * source->count; i++) {
+        Vec3 p = source->p[i / 2];
+        if (i % 2) p = vec3_lerp(p, source->p[i / 2 + 1 == source->count ? 0 : i / 2 + 1], 0.5);
+        if (sight_from_point(flow, depth, vec3_lerp(p, middle, INWARDS), out)) return true;
+    }
+    return false;
+}
+
+// Where the line crosses a portal.
+static Vec3 crossing(const Way *way, Sight sight) {
+    double a = plane_distance(way->plane, sight.from), b = plane_distance(way->plane, sight.to);
+    return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
+}
+
+void sight_record(Flow *flow, int depth, Sight sight) {
+    const Way *ways = flow->ways->ways;
+    Finding *finding = flow->context;
+    for (int j = 0; j <= depth; j++) {
+        const Way *last = &ways[flow->steps[j]->way];
+        row_add(finding->kept, last->to);
+        row_drop(flow->unknown, last->to);
+        Vec3 to = crossing(last, sight);
+        for (int i = 0; i < j; i++) {
+            const Way *first = &ways[flow->steps[i]->way];
+            finding_add(finding, first->from, last->to, crossing(first, sight), to);
+        }
+    }
+}

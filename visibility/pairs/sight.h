@@ -1,0 +1,25 @@
+// sight.h - a real line through a chain of portals: the proof that two cells see each other.
+#ifndef VISIBILITY_PAIRS_SIGHT_H
+#define VISIBILITY_PAIRS_SIGHT_H
+
+#include "visibility/pairs/rounds.h"
+
+// A line from `from`, on the chain's first portal, to `to`, on its last.
+typedef struct Sight {
+    Vec3 from, to;
+} Sight;
+
+// Looks from a point of the first portal of the chain steps[0 .. depth] through all its portals; exact but for rounding,
+// which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.
+bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out);
+
+// The same from several points of `source`, a part of the first portal.
+bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out);
+
+#define SIGHT_MARGIN 4
+
+// Records that all cells along the chain see each other along `sight`, and takes them from the cells in doubt; the
+// flow's context is a Finding.
+void sight_record(Flow *flow, int depth, Sight sight);
+
+#endif

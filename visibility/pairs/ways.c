@@ -1,0 +1,106 @@
+// ways.c - directed portals, and the flood through one of them.
+//
+// The flood is the base pass of Quake's vis (J. Carmack, 1996).
+#include "visibility/pairs/ways.h"
+
+// A portal of more corners is replaced by a rectangle around it, so that a winding has room to be clipped.
+enum { MOST_CORNERS = WINDING_MAX / 2 };
+
+// The rectangle in the plane around `corners`, counter-clockwise about its normal.
+static void surround(Plane plane, const Vec3 *corners, int count, Vec3 out[4]) {
+    Vec3 x = vec3_normalize(vec3_sub(corners[1], corners[0])), y = vec3_cross(plane.n, x);
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (int i = 0; i < count; i++) {
+        double at[2] = {vec3_dot(x, corners[i]), vec3_dot(y, corners[i])};
+        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+    }
+    Vec3 base = vec3_scale(plane.n, plane.d);
+    for (int i = 0; i < 4; i++) {
+        double u = i == 0 || i == 3 ? low[0] : high[0], v = i < 2 ? low[1] : high[1];
+        out[i] = vec3_add(base, vec3_add(vec3_scale(x, u), vec3_scale(y, v)));
+    }
+}
+
+static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena, Way *way) {
+    const Portal *portal = &graph->portals[index / 2];
+    bool back = index % 2;
+    const Vec3 *given = graph->portal_vertices + portal->first_vertex;
+    int count = portal->vertex_count;
+    *way = (Way){.from = portal->cell[back], .to = portal->cell[!back], .coarse = count > MOST_CORNERS};
+    // The portal is counter-clockwise seen from cell[0]: its normal points against way 2 p.
+    Vec3 *corners = ARENA_ARRAY(arena, Vec3, count);
+    for (int i = 0; i < count; i++) corners[i] = vec3_sub(given[back ? i : count - 1 - i], origin);
+    way->plane = plane_of_polygon(corners, count);
+    for (int i = 0; i < count; i++) way->bend = fmax(way->bend, fabs(plane_distance(way->plane, corners[i])));
+    if (way->coarse) {
+        Vec3 around[4];
+        surround(way->plane, corners, count, around);
+        memcpy(corners, around, sizeof around);
+        count = 4;
+    }
+    way->corners = corners;
+    way->corner_count = count;
+    for (int i = 0; i < count; i++) way->middle = vec3_add(way->middle, vec3_scale(corners[i], 1.0 / count));
+    for (int i = 0; i < count; i++)
+        way->radius = fmax(way->radius, vec3_length(vec3_sub(corners[i], way->middle)));
+}
+
+void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
+    int ways = 2 * graph->portal_count, cells = graph->cell_count;
+    Vec3 origin = vec3_scale(vec3_add(graph->box.min, graph->box.max), 0.5);
+    *out = (WayGraph){.origin = origin,
+                      .epsilon = WAY_EPSILON * vec3_length(vec3_sub(graph->box.max, graph->box.min)),
+                      .cell_count = cells,
+                      .way_count = ways,
+                      .words = (cells + 63) / 64,
+                      .ways = ARENA_ARRAY(arena, Way, ways),
+                      .first = ARENA_ARRAY(arena, int, cells + 1),
+                      .list = ARENA_ARRAY(arena, int, ways),
+                      .boxes = ARENA_ARRAY(arena, Box, cells)};
+    for (int c = 0; c < cells; c++) out->boxes[c] = box_empty();
+    for (int i = 0; i < ways; i++) {
+        Way *way = &out->ways[i];
+        set_way(graph, origin, i, arena, way);
+        out->first[way->from + 1]++;
+        for (int k = 0; k < way->corner_count; k++)
+            out->boxes[way->from] = box_add(out->boxes[way->from], way->corners[k]);
+    }
+    for (int c = 0; c < cells; c++) out->first[c + 1] += out->first[c];
+    int *fill = ARENA_ARRAY(arena, int, cells);
+    for (int i = 0; i < ways; i++) {
+        int cell = out->ways[i].from;
+        out->list[out->first[cell] + fill[cell]++] = i;
+    }
+}
+
+// Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`?
+static bool reaches(const Way *way, Plane plane, int side, double slack) {
+    for (int i = 0; i < way->corner_count; i++) {
+        if (side * plane_distance(plane, way->corners[i]) > slack) return true;
+    }
+    return false;
+}
+
+long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
+    const Way *first = &graph->ways[way];
+    long long tried = 0;
+    int depth = 0;
+    stack[depth++] = first->to;
+    row_add(row, first->to);
+    while (depth > 0) {
+        int cell = stack[--depth];
+        for (int i = graph->first[cell]; i < graph->first[cell + 1]; i++) {
+            int index = graph->list[i];
+            const Way *next = &graph->ways[index];
+            if (index == (way ^ 1) || row_has(row, next->to)) continue;
+            tried++;
+            if (plane_distance(first->plane, next->middle) < -next->radius) continue;
+            double slack = graph->epsilon - first->bend - next->bend;
+            if (!reaches(next, first->plane, 1, slack)) continue;
+            if (!reaches(first, next->plane, -1, slack)) continue;
+            row_add(row, next->to);
+            stack[depth++] = next->to;
+        }
+    }
+    return tried;
+}

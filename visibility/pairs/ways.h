@@ -1,0 +1,54 @@
+// ways.h - a cell graph as the methods in three dimensions want it: each portal twice, once for each direction.
+#ifndef VISIBILITY_PAIRS_WAYS_H
+#define VISIBILITY_PAIRS_WAYS_H
+
+#include <string.h>
+
+#include "visibility/pairs/pairs.h"
+#include "visibility/pairs/winding.h"
+
+// Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse, way ^ 1) comes back.
+typedef struct Way {
+    int from, to;
+    Plane plane;          // of the portal, normal into `to`
+    double bend;          // how far its corners lie off the plane, metres
+    const Vec3 *corners;  // [corner_count] counter-clockwise about the normal
+    int corner_count;
+    bool coarse;  // the portal has more corners than a winding should: these are of a rectangle around it
+    Vec3 middle;
+    double radius;  // around the middle
+} Way;
+
+// Coordinates are relative to the middle of the building, so that one far from the origin loses no digits twice.
+typedef struct WayGraph {
+    Way *ways;       // [way_count]
+    int *first;      // [cell_count + 1] the ways out of cell c are list[first[c]] ..
+    int *list;       // [way_count]
+    Box *boxes;      // [cell_count] of a cell's portals: whatever enters or leaves a cell does so within it
+    Vec3 origin;     // what was subtracted
+    double epsilon;  // metres: see WAY_EPSILON
+    int cell_count, way_count, words;
+} WayGraph;
+
+// What lets lines through over less than this share of the building's size lets none through: wide above the rounding
+// of coordinates (1e-16) and of what is computed from them (1e-13), far below any gap that is meant.
+#define WAY_EPSILON 2.5e-10
+
+void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out);
+
+// Marks in `row` [words] the cells that a flood through the way reaches in which each further portal must lie at least
+// partly beyond the first one, and the first one before it. `stack` [cell_count] is scratch. Returns the portals tried.
+long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
+
+static inline void way_winding(const Way *way, Winding *out) {
+    out->plane = way->plane;
+    out->bend = way->bend;
+    out->count = way->corner_count;
+    memcpy(out->p, way->corners, (size_t)way->corner_count * sizeof *out->p);
+}
+
+static inline bool row_has(const uint64_t *row, int cell) { return row[cell / 64] >> (cell % 64) & 1; }
+static inline void row_add(uint64_t *row, int cell) { row[cell / 64] |= (uint64_t)1 << (cell % 64); }
+static inline void row_drop(uint64_t *row, int cell) { row[cell / 64] &= ~((uint64_t)1 << (cell % 64)); }
+
+#endif

@@ -37,6 +37,9 @@ void flow_end(Flow *flow);
 // Follows all chains that begin with `way`, as long as `unknown` is not empty.
 void flow_search(Flow *flow, int way);
 
+// The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`. Returns how many.
+int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out);
+
 // The cell that chain steps[0 .. depth] leads into.
 static inline int flow_cell(const Flow *flow, int depth) {
     return flow->ways->ways[flow->steps[depth]->way].to;

@@ -15,6 +15,11 @@ void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
 
 void flow_end(Flow *flow) { arena_free(&flow->arena); }
 
+int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out) {
+    int count = winding_tangents(source, pass, 1, KEEP_OTHER, epsilon, out);
+    return count + winding_tangents(pass, source, -1, KEEP_EDGES, epsilon, out + count);
+}
+
 static FlowStep *step_at(Flow *flow, int depth) {
     if (!flow->steps[depth]) {
         flow->steps[depth] = ARENA_ARRAY(&flow->arena, FlowStep, 1);
@@ -38,7 +43,7 @@ static bool aim(Flow *flow, FlowStep *step, bool first) {
     const WayGraph *ways = flow->ways;
     step->beam_count = 0;
     if (!first) {
-        step->beam_count = winding_separators(&step->source, &step->pass, 1, ways->epsilon, step->beam);
+        step->beam_count = flow_beam(&step->source, &step->pass, ways->epsilon, step->beam);
         flow->work.separators += step->beam_count;
     }
     uint64_t any = 0;
@@ -101,7 +106,8 @@ static bool narrow(Flow *flow, const FlowStep *from, int depth, FlowStep *step) 
     if (!winding_clip(&step->source, in_front_of(way->plane, way->bend, -1, ways->epsilon))) return false;
     if (depth == 1) return true;
     Separator back[2 * WINDING_MAX];
-    int count = winding_separators(&step->pass, &from->pass, -1, ways->epsilon, back);
+    // Planes through the edges of the new portal would narrow the source hardly more (1 % fewer chains).
+    int count = winding_tangents(&from->pass, &step->pass, 1, KEEP_EDGES, ways->epsilon, back);
     flow->work.separators += count;
     for (int i = 0; i < count; i++) {
         if (!winding_clip(&step->source, back[i])) return false;

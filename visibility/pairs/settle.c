@@ -44,11 +44,15 @@ static bool shrink(const Flow *flow, int depth, Winding *source) {
         }
         Separator behind = {vec3_scale(way->plane.n, -1), -way->plane.d - way->bend, epsilon};
         if (!winding_clip(source, behind)) return false;
-        int count = i > 1 ? winding_separators(&next, &pass, -1, epsilon, back) : 0;
+        int count = 0;
+        if (i > 1) {
+            count = winding_tangents(&next, &pass, -1, KEEP_OTHER, epsilon, back);
+            count += winding_tangents(&pass, &next, 1, KEEP_EDGES, epsilon, back + count);
+        }
         for (int k = 0; k < count; k++) {
             if (!winding_clip(source, back[k])) return false;
         }
-        planes = winding_separators(source, &next, 1, epsilon, beam);
+        planes = flow_beam(source, &next, epsilon, beam);
         winding_copy(&pass, &next);
     }
     return true;

@@ -53,17 +53,38 @@ bool winding_clip(Winding *w, Separator keep) {
     return true;
 }
 
-// Among the corners of `other` ahead of the plane of `edges` the one whose plane with the edge at `a` along `along` has
-// all others in front. Angles about the edge lie within a half turn, so one pass finds it. `n` is its normal.
+// Where a corner is about an edge: the normal of the plane through both.
+static Vec3 normal_at(Vec3 a, Vec3 along, const Winding *other, int corner) {
+    return vec3_cross(along, vec3_sub(other->p[corner], a));
+}
+
+// The corner of `other`, all of which lies ahead of the edge's plane, whose plane with the edge at `a` along `along` has
+// all the others in front. Seen along the edge the corners go up to it and down again, so one climbs, from `start`.
+static int climb(Vec3 a, Vec3 along, const Winding *other, int start, Vec3 *n) {
+    int count = other->count, at = start;
+    *n = normal_at(a, along, other, at);
+    for (int direction = 1; direction >= -1; direction -= 2) {
+        for (int steps = 0; steps < count; steps++) {
+            int next = at + direction;
+            if (next == count) next = 0;
+            if (next < 0) next = count - 1;
+            if (vec3_dot(*n, vec3_sub(other->p[next], a)) >= 0) break;
+            at = next;
+            *n = normal_at(a, along, other, at);
+        }
+    }
+    return at;
+}
+
+// The same among the corners that lie ahead, tried one by one; false when all those lie on the edge's line.
 static bool tangent(Vec3 a, Vec3 along, const Winding *other, const bool *ahead, double shortest, Vec3 *n) {
     bool found = false;
     double least = shortest * vec3_dot(along, along);
     for (int k = 0; k < other->count; k++) {
         if (!ahead[k]) continue;
-        Vec3 q = vec3_sub(other->p[k], a);
-        if (found && vec3_dot(*n, q) >= 0) continue;
-        Vec3 normal = vec3_cross(along, q);
-        if (vec3_dot(normal, normal) <= least) continue;  // the corner lies on the edge's line
+        if (found && vec3_dot(*n, vec3_sub(other->p[k], a)) >= 0) continue;
+        Vec3 normal = normal_at(a, along, other, k);
+        if (vec3_dot(normal, normal) <= least) continue;
         *n = normal;
         found = true;
     }
@@ -79,33 +100,29 @@ static bool keeps_level_corners(Vec3 a, Separator s, const Winding *other, const
     return true;
 }
 
-// Planes through the edges of `edges` that touch `other`, which lies on side `ahead_side` of their plane. `keep` is +1 to
-// keep the side of `other`, -1 to keep the other one.
-static int tangents(const Winding *edges, const Winding *other, int ahead_side, int keep, double epsilon,
-                    Separator *out) {
-    bool ahead[WINDING_MAX], any = false, level = false;
+int winding_tangents(const Winding *edges, const Winding *other, int side, WindingKeep keep, double epsilon,
+                     Separator *out) {
+    bool ahead[WINDING_MAX];
+    int ahead_count = 0, count = 0, corner = 0;
     for (int k = 0; k < other->count; k++) {
-        ahead[k] = ahead_side * plane_distance(edges->plane, other->p[k]) > epsilon + edges->bend;
-        any = any || ahead[k];
-        level = level || !ahead[k];
+        ahead[k] = side * plane_distance(edges->plane, other->p[k]) > epsilon + edges->bend;
+        ahead_count += ahead[k];
     }
-    if (!any) return 0;
-    int count = 0;
+    bool all = ahead_count == other->count;
+    if (ahead_count == 0) return 0;
     double shortest = SHORTEST_EDGE * SHORTEST_EDGE * epsilon * epsilon;
     for (int i = 0; i < edges->count; i++) {
         Vec3 a = edges->p[i], n = {0, 0, 0};
-        Vec3 along = vec3_scale(vec3_sub(edges->p[i + 1 == edges->count ? 0 : i + 1], a), ahead_side);
+        Vec3 along = vec3_scale(vec3_sub(edges->p[i + 1 == edges->count ? 0 : i + 1], a), side);
         if (vec3_dot(along, along) < shortest) continue;
-        if (!tangent(a, along, other, ahead, epsilon * epsilon, &n)) continue;
+        if (all) {
+            corner = climb(a, along, other, corner, &n);
+        } else if (!tangent(a, along, other, ahead, epsilon * epsilon, &n)) {
+            continue;
+        }
         Separator s = separator_of(n, a, epsilon);
-        if (level && !keeps_level_corners(a, s, other, ahead)) continue;
-        out[count++] = keep > 0 ? s : (Separator){vec3_scale(s.n, -1), -s.d, s.slack};
+        if (!all && !keeps_level_corners(a, s, other, ahead)) continue;
+        out[count++] = keep == KEEP_OTHER ? s : (Separator){vec3_scale(s.n, -1), -s.d, s.slack};
     }
     return count;
-}
-
-int winding_separators(const Winding *first, const Winding *second, int forward, double epsilon,
-                       Separator *out) {
-    int count = tangents(first, second, forward, 1, epsilon, out);
-    return count + tangents(second, first, -forward, -1, epsilon, out + count);
 }

@@ -40,6 +40,9 @@ void flow_search(Flow *flow, int way);
 // The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`. Returns how many.
 int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out);
 
+// What lies on the given side of a way's portal (+1 in front), to clip the portal of `other`.
+Separator flow_side(const Way *way, int side, const Way *other, double epsilon);
+
 // The cell that chain steps[0 .. depth] leads into.
 static inline int flow_cell(const Flow *flow, int depth) {
     return flow->ways->ways[flow->steps[depth]->way].to;

@@ -72,8 +72,9 @@ static bool want(const Flow *flow, const FlowStep *from, int way, FlowStep *to) 
     return any;
 }
 
-static Separator in_front_of(Plane plane, double bend, int side, double epsilon) {
-    return (Separator){vec3_scale(plane.n, side), side * plane.d - bend, epsilon};
+Separator flow_side(const Way *way, int side, const Way *other, double epsilon) {
+    Plane plane = way->facet.plane;
+    return (Separator){vec3_scale(plane.n, side), side * plane.d - way_doubt(way, other), epsilon};
 }
 
 // A quick answer by the ball around the portal: -1 outside one of the half-spaces, +1 inside all of them, else 0.
@@ -81,7 +82,7 @@ static int ball_against(const Way *way, const Separator *planes, int count, uint
     *cutting = 0;
     for (int i = 0; i < count; i++) {
         // The slack's measure bounds the normal's length from above (separator_of).
-        double at = vec3_dot(planes[i].n, way->middle) - planes[i].d;
+        double at = vec3_dot(planes[i].n, way->facet.middle) - planes[i].d;
         double length = fabs(planes[i].n.x) + fabs(planes[i].n.y) + fabs(planes[i].n.z);
         double reach = way->radius * length;
         if (at < -reach) return -1;
@@ -98,12 +99,12 @@ static bool narrow(Flow *flow, const FlowStep *from, int depth, FlowStep *step) 
     if (ball_against(way, from->beam, from->beam_count, &cutting) < 0) return false;
     way_winding(way, &step->pass);
     flow->work.clips++;
-    if (!winding_clip(&step->pass, in_front_of(first->plane, first->bend, 1, ways->epsilon))) return false;
+    if (!winding_clip(&step->pass, flow_side(first, 1, way, ways->epsilon))) return false;
     for (; cutting; cutting &= cutting - 1) {
         if (!winding_clip(&step->pass, from->beam[__builtin_ctzll(cutting)])) return false;
     }
     winding_copy(&step->source, &from->source);
-    if (!winding_clip(&step->source, in_front_of(way->plane, way->bend, -1, ways->epsilon))) return false;
+    if (!winding_clip(&step->source, flow_side(way, -1, first, ways->epsilon))) return false;
     if (depth == 1) return true;
     Separator back[2 * WINDING_MAX];
     // Planes through the edges of the new portal would narrow the source hardly more (1 % fewer chains).

@@ -34,6 +34,7 @@ typedef struct Cutter {
 static bool shrink(const Flow *flow, int depth, Winding *source) {
     double epsilon = flow->ways->epsilon;
     Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
+    const Way *first = &flow->ways->ways[flow->steps[0]->way];
     Winding pass, next;
     int planes = 0;
     for (int i = 1; i <= depth; i++) {
@@ -42,8 +43,7 @@ static bool shrink(const Flow *flow, int depth, Winding *source) {
         for (int k = 0; k < planes; k++) {
             if (!winding_clip(&next, beam[k])) return false;
         }
-        Separator behind = {vec3_scale(way->plane.n, -1), -way->plane.d - way->bend, epsilon};
-        if (!winding_clip(source, behind)) return false;
+        if (!winding_clip(source, flow_side(way, -1, first, epsilon))) return false;
         int count = 0;
         if (i > 1) {
             count = winding_tangents(&next, &pass, -1, KEEP_OTHER, epsilon, back);

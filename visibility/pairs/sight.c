@@ -12,19 +12,24 @@ static int cone_through(Vec3 eye, const Winding *w, double epsilon, Separator *o
     return w->count;
 }
 
-// How far inside the portal the line passes, metres; negative outside.
+// Where the line crosses a portal.
+static Vec3 crossing(const Way *way, Sight sight) {
+    double a = plane_distance(way->facet.plane, sight.from), b = plane_distance(way->facet.plane, sight.to);
+    return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
+}
+
+// How far inside the portal the line passes, metres, whatever surface its bent corners span; negative outside.
 static double margin(const Way *way, Sight sight) {
-    double a = plane_distance(way->plane, sight.from), b = plane_distance(way->plane, sight.to);
-    Vec3 p = a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
-    double least = INFINITY;
+    Vec3 p = crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
+    double least = INFINITY, steepness = fabs(vec3_dot(direction, way->facet.plane.n));
     for (int i = 0; i < way->corner_count; i++) {
         Vec3 corner = way->corners[i],
              edge = vec3_sub(way->corners[i + 1 == way->corner_count ? 0 : i + 1], corner);
         double length = vec3_length(edge);
         if (length == 0) continue;
-        least = fmin(least, vec3_dot(vec3_cross(way->plane.n, edge), vec3_sub(p, corner)) / length);
+        least = fmin(least, vec3_dot(vec3_cross(way->facet.plane.n, edge), vec3_sub(p, corner)) / length);
     }
-    return least;
+    return least - way->facet.bend / fmax(steepness, 1e-12);
 }
 
 static bool passes(const Flow *flow, int depth, Sight sight) {
@@ -44,7 +49,8 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
     for (int i = 1; i <= depth; i++) {
         const Way *way = &flow->ways->ways[flow->steps[i]->way];
         // Flat against a portal there is no telling.
-        if (way->coarse || plane_distance(way->plane, from) > -SIGHT_MARGIN * (epsilon + way->bend))
+        if (way->coarse || plane_distance(way->facet.plane, from) >
+                               -SIGHT_MARGIN * (epsilon + facet_doubt(&way->facet, from)))
             return false;
         way_winding(way, &left);
         for (int k = 0; k < planes; k++) {
@@ -67,12 +73,6 @@ bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *ou
         if (sight_from_point(flow, depth, vec3_lerp(p, middle, INWARDS), out)) return true;
     }
     return false;
-}
-
-// Where the line crosses a portal.
-static Vec3 crossing(const Way *way, Sight sight) {
-    double a = plane_distance(way->plane, sight.from), b = plane_distance(way->plane, sight.to);
-    return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
 }
 
 void sight_record(Flow *flow, int depth, Sight sight) {

@@ -30,26 +30,32 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
     // The portal is counter-clockwise seen from cell[0]: its normal points against way 2 p.
     Vec3 *corners = ARENA_ARRAY(arena, Vec3, count);
     for (int i = 0; i < count; i++) corners[i] = vec3_sub(given[back ? i : count - 1 - i], origin);
-    way->plane = plane_of_polygon(corners, count);
-    for (int i = 0; i < count; i++) way->bend = fmax(way->bend, fabs(plane_distance(way->plane, corners[i])));
+    way->facet.plane = plane_of_polygon(corners, count);
+    for (int i = 0; i < count; i++)
+        way->facet.bend = fmax(way->facet.bend, fabs(plane_distance(way->facet.plane, corners[i])));
     if (way->coarse) {
         Vec3 around[4];
-        surround(way->plane, corners, count, around);
+        surround(way->facet.plane, corners, count, around);
         memcpy(corners, around, sizeof around);
         count = 4;
     }
+    double area = polygon_area(corners, count);
     way->corners = corners;
     way->corner_count = count;
-    for (int i = 0; i < count; i++) way->middle = vec3_add(way->middle, vec3_scale(corners[i], 1.0 / count));
     for (int i = 0; i < count; i++)
-        way->radius = fmax(way->radius, vec3_length(vec3_sub(corners[i], way->middle)));
+        way->facet.middle = vec3_add(way->facet.middle, vec3_scale(corners[i], 1.0 / count));
+    for (int i = 0; i < count; i++)
+        way->radius = fmax(way->radius, vec3_length(vec3_sub(corners[i], way->facet.middle)));
+    // Over its width, area / (2 radius), the plane is sure to within the bend; beyond, the error grows with distance.
+    way->facet.tilt = 2 * way->facet.bend * way->radius / fmax(area, 1e-300);
 }
 
 void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
     int ways = 2 * graph->portal_count, cells = graph->cell_count;
+    double size = vec3_length(vec3_sub(graph->box.max, graph->box.min));
     Vec3 origin = vec3_scale(vec3_add(graph->box.min, graph->box.max), 0.5);
     *out = (WayGraph){.origin = origin,
-                      .epsilon = WAY_EPSILON * vec3_length(vec3_sub(graph->box.max, graph->box.min)),
+                      .epsilon = WAY_EPSILON * size,
                       .cell_count = cells,
                       .way_count = ways,
                       .words = (cells + 63) / 64,
@@ -94,10 +100,10 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
             const Way *next = &graph->ways[index];
             if (index == (way ^ 1) || row_has(row, next->to)) continue;
             tried++;
-            if (plane_distance(first->plane, next->middle) < -next->radius) continue;
-            double slack = graph->epsilon - first->bend - next->bend;
-            if (!reaches(next, first->plane, 1, slack)) continue;
-            if (!reaches(first, next->plane, -1, slack)) continue;
+            double doubt = way_doubt(first, next);
+            if (plane_distance(first->facet.plane, next->facet.middle) < -next->radius - doubt) continue;
+            if (!reaches(next, first->facet.plane, 1, graph->epsilon - doubt)) continue;
+            if (!reaches(first, next->facet.plane, -1, graph->epsilon - way_doubt(next, first))) continue;
             row_add(row, next->to);
             stack[depth++] = next->to;
         }

@@ -10,13 +10,11 @@
 // Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse, way ^ 1) comes back.
 typedef struct Way {
     int from, to;
-    Plane plane;          // of the portal, normal into `to`
-    double bend;          // how far its corners lie off the plane, metres
+    Facet facet;          // of the portal, normal into `to`
     const Vec3 *corners;  // [corner_count] counter-clockwise about the normal
     int corner_count;
-    bool coarse;  // the portal has more corners than a winding should: these are of a rectangle around it
-    Vec3 middle;
-    double radius;  // around the middle
+    bool coarse;    // the portal has more corners than a winding should: these are of a rectangle around it
+    double radius;  // around the facet's middle
 } Way;
 
 // Coordinates are relative to the middle of the building, so that one far from the origin loses no digits twice.
@@ -41,10 +39,14 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out);
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
 
 static inline void way_winding(const Way *way, Winding *out) {
-    out->plane = way->plane;
-    out->bend = way->bend;
+    out->facet = way->facet;
     out->count = way->corner_count;
     memcpy(out->p, way->corners, (size_t)way->corner_count * sizeof *out->p);
+}
+
+// How far the plane of `way` may be off where `other` is, metres.
+static inline double way_doubt(const Way *way, const Way *other) {
+    return facet_doubt(&way->facet, other->facet.middle) + way->facet.tilt * other->radius;
 }
 
 static inline bool row_has(const uint64_t *row, int cell) { return row[cell / 64] >> (cell % 64) & 1; }

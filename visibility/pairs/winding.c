@@ -17,8 +17,7 @@ Separator separator_of(Vec3 n, Vec3 through, double epsilon) {
 }
 
 void winding_copy(Winding *to, const Winding *from) {
-    to->plane = from->plane;
-    to->bend = from->bend;
+    to->facet = from->facet;
     to->count = from->count;
     memcpy(to->p, from->p, (size_t)from->count * sizeof *from->p);
 }
@@ -77,9 +76,9 @@ static int climb(Vec3 a, Vec3 along, const Winding *other, int start, Vec3 *n) {
 }
 
 // The same among the corners that lie ahead, tried one by one; false when all those lie on the edge's line.
-static bool tangent(Vec3 a, Vec3 along, const Winding *other, const bool *ahead, double shortest, Vec3 *n) {
+static bool tangent(Vec3 a, Vec3 along, const Winding *other, const bool *ahead, double least, Vec3 *n) {
     bool found = false;
-    double least = shortest * vec3_dot(along, along);
+    least *= vec3_dot(along, along);
     for (int k = 0; k < other->count; k++) {
         if (!ahead[k]) continue;
         if (found && vec3_dot(*n, vec3_sub(other->p[k], a)) >= 0) continue;
@@ -105,19 +104,22 @@ int winding_tangents(const Winding *edges, const Winding *other, int side, Windi
     bool ahead[WINDING_MAX];
     int ahead_count = 0, count = 0, corner = 0;
     for (int k = 0; k < other->count; k++) {
-        ahead[k] = side * plane_distance(edges->plane, other->p[k]) > epsilon + edges->bend;
+        ahead[k] = side * plane_distance(edges->facet.plane, other->p[k]) >
+                   epsilon + facet_doubt(&edges->facet, other->p[k]);
         ahead_count += ahead[k];
     }
     bool all = ahead_count == other->count;
     if (ahead_count == 0) return 0;
-    double shortest = SHORTEST_EDGE * SHORTEST_EDGE * epsilon * epsilon;
+    // Squares: of the shortest edge, and of the distance from an edge's line under which a corner lies on it.
+    double shortest = SHORTEST_EDGE * SHORTEST_EDGE * epsilon * epsilon, least = epsilon * epsilon;
     for (int i = 0; i < edges->count; i++) {
         Vec3 a = edges->p[i], n = {0, 0, 0};
         Vec3 along = vec3_scale(vec3_sub(edges->p[i + 1 == edges->count ? 0 : i + 1], a), side);
         if (vec3_dot(along, along) < shortest) continue;
         if (all) {
             corner = climb(a, along, other, corner, &n);
-        } else if (!tangent(a, along, other, ahead, epsilon * epsilon, &n)) {
+            if (vec3_dot(n, n) <= least * vec3_dot(along, along)) continue;
+        } else if (!tangent(a, along, other, ahead, least, &n)) {
             continue;
         }
         Separator s = separator_of(n, a, epsilon);

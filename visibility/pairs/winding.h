@@ -5,10 +5,23 @@
 #include "engine/core/vec.h"
 
 enum { WINDING_MAX = 32 };
+// A portal's plane, and how sure it is: its corners lie off it by up to `bend` metres, and away from its middle the
+// error grows by `tilt` a metre.
+typedef struct Facet {
+    Plane plane;
+    Vec3 middle;
+    double bend, tilt;
+} Facet;
+
+// How far the plane may be off at p, metres.
+static inline double facet_doubt(const Facet *facet, Vec3 p) {
+    if (facet->bend == 0) return 0;
+    return facet->bend + facet->tilt * vec3_length(vec3_sub(p, facet->middle));
+}
+
 // In the plane of a portal, counter-clockwise about its normal, which points forward: where sightlines go.
 typedef struct Winding {
-    Plane plane;
-    double bend;  // how far the portal's corners lie off its plane, metres
+    Facet facet;
     int count;
     Vec3 p[WINDING_MAX];
 } Winding;

@@ -9,13 +9,24 @@
 
 #include "visibility/pairs/ways.h"
 
+// The words of a row of bits that are not zero: of thousands of cells a chain looks for a few.
+typedef struct CellList {
+    int count;
+    int *word;       // [words]
+    uint64_t *bits;  // [words]
+} CellList;
+
 typedef struct FlowStep {
     int way;               // crossed last
     Winding source, pass;  // what is left of the chain's first portal, and of this way's
     Separator beam[2 * WINDING_MAX];
     int beam_count;
-    uint64_t *wanted;  // [words] cells in doubt that the beam may reach
+    CellList wanted;  // cells in doubt that the beam may reach
 } FlowStep;
+
+// Chains of one search. In closed buildings a search takes thousands; in the open, where there are millions, the rest
+// stays in doubt.
+#define FLOW_PATIENCE 200000
 
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
@@ -27,6 +38,9 @@ typedef struct Flow {
     // Called when the chain steps[0 .. depth] leads into a cell in doubt.
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
+    Vec3 point;          // of flow_look
+    long long patience;  // chains that one search may follow; it leaves what is in doubt then in `unknown`
+    long long left;      // of the patience
     PairWork work;
     Arena arena;
 } Flow;
@@ -34,11 +48,18 @@ typedef struct Flow {
 void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might);
 void flow_end(Flow *flow);
 
-// Follows all chains that begin with `way`, as long as `unknown` is not empty.
-void flow_search(Flow *flow, int way);
+// Follows all chains that begin with `way`, as long as `unknown` is not empty. Returns false when it lost patience.
+bool flow_search(Flow *flow, int way);
+
+// The same for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls
+// `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
+void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 
 // The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`. Returns how many.
 int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out);
+
+// Planes through the eye and the edges of a winding ahead of it, which keep its inside. Returns how many.
+int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out);
 
 // What lies on the given side of a way's portal (+1 in front), to clip the portal of `other`.
 Separator flow_side(const Way *way, int side, const Way *other, double epsilon);

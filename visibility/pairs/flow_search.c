@@ -23,7 +23,9 @@ int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separa
 static FlowStep *step_at(Flow *flow, int depth) {
     if (!flow->steps[depth]) {
         flow->steps[depth] = ARENA_ARRAY(&flow->arena, FlowStep, 1);
-        flow->steps[depth]->wanted = ARENA_ARRAY(&flow->arena, uint64_t, flow->ways->words);
+        CellList *wanted = &flow->steps[depth]->wanted;
+        wanted->word = ARENA_ARRAY(&flow->arena, int, flow->ways->words);
+        wanted->bits = ARENA_ARRAY(&flow->arena, uint64_t, flow->ways->words);
     }
     return flow->steps[depth];
 }
@@ -38,38 +40,45 @@ static bool box_in_beam(Box box, const FlowStep *step) {
     return true;
 }
 
-// Makes the beam and drops the cells outside it; false when none is left.
-static bool aim(Flow *flow, FlowStep *step, bool first) {
-    const WayGraph *ways = flow->ways;
-    step->beam_count = 0;
-    if (!first) {
-        step->beam_count = flow_beam(&step->source, &step->pass, ways->epsilon, step->beam);
-        flow->work.separators += step->beam_count;
-    }
-    uint64_t any = 0;
-    for (int i = 0; i < ways->words; i++) {
-        uint64_t left = step->wanted[i] & flow->unknown[i];
+// Drops the cells that are decided by now or outside the beam; false when none is left.
+static bool keep_in_beam(const Flow *flow, FlowStep *step) {
+    CellList *wanted = &step->wanted;
+    int kept = 0;
+    for (int i = 0; i < wanted->count; i++) {
+        uint64_t left = wanted->bits[i] & flow->unknown[wanted->word[i]];
         for (uint64_t bits = left; bits; bits &= bits - 1) {
-            int cell = i * 64 + __builtin_ctzll(bits);
-            if (!box_in_beam(ways->boxes[cell], step)) left &= ~(bits & -bits);
+            int cell = wanted->word[i] * 64 + __builtin_ctzll(bits);
+            if (!box_in_beam(flow->ways->boxes[cell], step)) left &= ~(bits & -bits);
         }
-        step->wanted[i] = left;
-        any |= left;
+        wanted->word[kept] = wanted->word[i];
+        wanted->bits[kept] = left;
+        kept += left != 0;
     }
-    return any;
+    wanted->count = kept;
+    return kept > 0;
 }
 
 // Of what is wanted beyond `from`, what may be seen through `way`; false when that is nothing.
-static bool want(const Flow *flow, const FlowStep *from, int way, FlowStep *to) {
-    int words = flow->ways->words;
-    const uint64_t *might = flow->might + (size_t)way * (size_t)words;
-    uint64_t any = 0;
-    for (int i = 0; i < words; i++) {
-        uint64_t left = from->wanted[i] & flow->unknown[i] & might[i];
-        to->wanted[i] = left;
-        any |= left;
+static bool want(const Flow *flow, const CellList *from, int way, CellList *to) {
+    const uint64_t *might = flow->might + (size_t)way * (size_t)flow->ways->words;
+    to->count = 0;
+    for (int i = 0; i < from->count; i++) {
+        int word = from->word[i];
+        uint64_t left = from->bits[i] & flow->unknown[word] & might[word];
+        to->word[to->count] = word;
+        to->bits[to->count] = left;
+        to->count += left != 0;
     }
-    return any;
+    return to->count > 0;
+}
+
+static void want_unknown(const Flow *flow, CellList *out) {
+    out->count = 0;
+    for (int i = 0; i < flow->ways->words; i++) {
+        if (!flow->unknown[i]) continue;
+        out->word[out->count] = i;
+        out->bits[out->count++] = flow->unknown[i];
+    }
 }
 
 Separator flow_side(const Way *way, int side, const Way *other, double epsilon) {
@@ -121,27 +130,90 @@ static void follow(Flow *flow, int depth) {
     FlowStep *step = flow->steps[depth];
     int cell = flow_cell(flow, depth);
     if (row_has(flow->unknown, cell)) flow->arrive(flow, depth);
-    if (!aim(flow, step, depth == 0)) return;
+    step->beam_count = depth == 0 ? 0 : flow_beam(&step->source, &step->pass, ways->epsilon, step->beam);
+    flow->work.separators += step->beam_count;
+    if (!keep_in_beam(flow, step)) return;
     FlowStep *next = step_at(flow, depth + 1);
     flow->on_path[cell] = 1;
-    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+    for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0; i++) {
         next->way = ways->list[i];
         if (flow->on_path[ways->ways[next->way].to]) continue;
-        if (!want(flow, step, next->way, next)) continue;
-        flow->work.chains++;
+        if (!want(flow, &step->wanted, next->way, &next->wanted)) continue;
+        flow->left--;
         if (narrow(flow, step, depth + 1, next)) follow(flow, depth + 1);
     }
     flow->on_path[cell] = 0;
 }
 
-void flow_search(Flow *flow, int way) {
-    const Way *first = &flow->ways->ways[way];
+static FlowStep *first_step(Flow *flow, int way) {
     FlowStep *step = step_at(flow, 0);
     step->way = way;
-    way_winding(first, &step->source);
-    way_winding(first, &step->pass);
-    memcpy(step->wanted, flow->unknown, (size_t)flow->ways->words * sizeof *flow->unknown);
-    flow->on_path[first->from] = 1;
+    step->beam_count = 0;
+    way_winding(&flow->ways->ways[way], &step->source);
+    way_winding(&flow->ways->ways[way], &step->pass);
+    want_unknown(flow, &step->wanted);
+    return step;
+}
+
+bool flow_search(Flow *flow, int way) {
+    int from = flow->ways->ways[way].from;
+    first_step(flow, way);
+    flow->left = flow->patience;
+    flow->on_path[from] = 1;
     follow(flow, 0);
-    flow->on_path[first->from] = 0;
+    flow->on_path[from] = 0;
+    flow->work.chains += flow->patience - flow->left;
+    return flow->left > 0;
+}
+
+int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) {
+    for (int i = 0; i < through->count; i++) {
+        Vec3 a = vec3_sub(through->p[i], eye),
+             b = vec3_sub(through->p[i + 1 == through->count ? 0 : i + 1], eye);
+        // The winding is counter-clockwise about the direction of sight: its inside is to the left of each edge.
+        out[i] = separator_of(vec3_cross(a, b), eye, epsilon);
+    }
+    return through->count;
+}
+
+// What of the portal of `step` is seen from the point; false when that is nothing.
+static bool narrow_cone(const Flow *flow, const FlowStep *from, FlowStep *step) {
+    const Way *way = &flow->ways->ways[step->way];
+    double epsilon = flow->ways->epsilon;
+    Vec3 point = flow->point;
+    if (plane_distance(way->facet.plane, point) > -epsilon - facet_doubt(&way->facet, point)) return false;
+    uint64_t cutting;
+    if (ball_against(way, from->beam, from->beam_count, &cutting) < 0) return false;
+    way_winding(way, &step->pass);
+    for (; cutting; cutting &= cutting - 1) {
+        if (!winding_clip(&step->pass, from->beam[__builtin_ctzll(cutting)])) return false;
+    }
+    step->beam_count = flow_cone(point, &step->pass, epsilon, step->beam);
+    return true;
+}
+
+static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
+    const WayGraph *ways = flow->ways;
+    FlowStep *step = flow->steps[depth];
+    int cell = flow_cell(flow, depth);
+    if (row_has(flow->unknown, cell)) arrive(flow, depth);
+    if (!keep_in_beam(flow, step)) return;
+    FlowStep *next = step_at(flow, depth + 1);
+    flow->on_path[cell] = 1;
+    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+        next->way = ways->list[i];
+        if (flow->on_path[ways->ways[next->way].to]) continue;
+        if (!want(flow, &step->wanted, next->way, &next->wanted)) continue;
+        flow->work.chains++;
+        if (narrow_cone(flow, step, next)) look(flow, depth + 1, arrive);
+    }
+    flow->on_path[cell] = 0;
+}
+
+void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth)) {
+    int from = flow->ways->ways[way].from;
+    first_step(flow, way);
+    flow->on_path[from] = 1;
+    look(flow, 0, arrive);
+    flow->on_path[from] = 0;
 }

@@ -47,3 +47,10 @@ long long pair_count(const uint64_t *rows, int cell_count, int words) {
     for (size_t i = 0; i < (size_t)cell_count * (size_t)words; i++) count += __builtin_popcountll(rows[i]);
     return count;
 }
+
+void pair_work_add(PairWork *to, PairWork from) {
+    to->chains += from.chains;
+    to->clips += from.clips;
+    to->separators += from.separators;
+    to->given_up += from.given_up;
+}

@@ -24,6 +24,7 @@ typedef struct PairWork {
     long long chains;      // sequences of portals followed
     long long clips;       // portals clipped by planes
     long long separators;  // separating planes made
+    long long given_up;    // searches that became too long: what was in doubt then counts as seen
 } PairWork;
 
 typedef struct PairSet {
@@ -54,6 +55,7 @@ const PairMethod *pair_method(const char *name);  // NULL: there is none of that
 PairSet pair_set_new(const CellGraph *graph, Arena *arena);
 void pair_set_make_symmetric(PairSet *set);
 
+void pair_work_add(PairWork *to, PairWork from);
 long long pair_count(const uint64_t *rows, int cell_count,
                      int words);  // of all bits, the diagonal among them
 

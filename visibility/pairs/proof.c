@@ -18,6 +18,21 @@ static void arrive(Flow *flow, int depth) {
     row_drop(flow->unknown, cell);
 }
 
+static void seen(Flow *flow, int depth) {
+    Sight sight;
+    if (sight_to_middle(flow, depth, flow->point, &sight)) sight_record(flow, depth, sight);
+}
+
+// Where much is in doubt a look from the middle of the portal decides most of it.
+static void prepare(Flow *flow, int way) {
+    enum { MUCH = 48 };
+    int doubts = 0;
+    for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
+    if (doubts < MUCH) return;
+    flow->point = flow->ways->ways[way].facet.middle;
+    flow_look(flow, way, seen);
+}
+
 // Neighbours see each other through the middle of their portal.
 static void prove_neighbours(Rounds *r) {
     for (int i = 0; i < r->ways.way_count; i += 2) {
@@ -35,7 +50,7 @@ static void find(const CellGraph *graph, const PairOptions *options, const Progr
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
     prove_neighbours(&rounds);
-    rounds_search(&rounds, arrive);
+    rounds_search(&rounds, FLOW_PATIENCE, prepare, arrive);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

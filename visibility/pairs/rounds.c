@@ -3,16 +3,14 @@
 // other may see at once. Both happen between rounds of a fixed number of searches only.
 #include "visibility/pairs/rounds.h"
 
-#include <omp.h>
+#include <pthread.h>
 #include <stdlib.h>
 
 #include "engine/core/error.h"
+#include "engine/core/parallel.h"
 
-enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 64 };
-
-int rounds_threads(const Rounds *rounds) {
-    return rounds->options->threads > 0 ? rounds->options->threads : omp_get_num_procs();
-}
+// Sorting anew costs a pass over all that may be seen; the order hardly changes from one round to the next.
+enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 64, SORT_EVERY = 8 };
 
 static void push(PairWitness **list, int *count, int *capacity, PairWitness pair) {
     if (*count == *capacity) {
@@ -37,12 +35,6 @@ static uint64_t *set_row(const Rounds *r, uint64_t *rows, int cell) {
     return rows + (size_t)cell * (size_t)r->ways.words;
 }
 
-static void add_work(PairWork *to, PairWork from) {
-    to->chains += from.chains;
-    to->clips += from.clips;
-    to->separators += from.separators;
-}
-
 // From `cell` nothing is seen but what may be seen through one of its ways: all else does not see it either.
 static void lend(Rounds *r, int cell) {
     const WayGraph *ways = &r->ways;
@@ -61,21 +53,37 @@ static void lend(Rounds *r, int cell) {
     }
 }
 
+static void flood_cell(void *context, int cell, int thread) {
+    Rounds *r = context;
+    Arena own = {0};
+    int *stack = ARENA_ARRAY(&own, int, r->ways.cell_count);
+    (void)thread;
+    for (int i = r->ways.first[cell]; i < r->ways.first[cell + 1]; i++)
+        ways_flood(&r->ways, r->ways.list[i], might_row(r, r->ways.list[i]), stack);
+    arena_free(&own);
+}
+
+bool rounds_report(Rounds *r, const char *stage, int done, int count) {
+    pthread_mutex_lock(&r->lock);
+    if (!r->stopped && !progress_report(r->progress, stage, (double)done / count)) r->stopped = true;
+    bool stopped = r->stopped;
+    pthread_mutex_unlock(&r->lock);
+    return !stopped;
+}
+
 void rounds_start(Rounds *r, const CellGraph *graph, const PairOptions *options, const Progress *progress,
                   Arena *arena, PairSet *set) {
-    *r = (Rounds){.options = options, .progress = progress, .set = set, .arena = arena};
+    *r = (Rounds){.options = options,
+                  .progress = progress,
+                  .set = set,
+                  .threads = parallel_threads(options->threads),
+                  .lock = PTHREAD_MUTEX_INITIALIZER,
+                  .arena = arena};
     *set = pair_set_new(graph, arena);
     ways_build(graph, &r->scratch, &r->ways);
     const WayGraph *ways = &r->ways;
     r->might = ARENA_ARRAY(&r->scratch, uint64_t, (size_t)ways->way_count * (size_t)ways->words);
-#pragma omp parallel num_threads(rounds_threads(r))
-    {
-        Arena own = {0};
-        int *stack = ARENA_ARRAY(&own, int, ways->cell_count);
-#pragma omp for schedule(dynamic, 16)
-        for (int i = 0; i < ways->way_count; i++) ways_flood(ways, i, might_row(r, i), stack);
-        arena_free(&own);
-    }
+    parallel_for(r->threads, ways->cell_count, flood_cell, r);
     for (int c = 0; c < ways->cell_count; c++) {
         row_add(set_row(r, set->proven, c), c);
         for (int other = 0; other < ways->cell_count; other++) row_add(set_row(r, set->seen, c), other);
@@ -94,7 +102,7 @@ static int by_might(const void *p, const void *q) {
     return (a->way > b->way) - (a->way < b->way);
 }
 
-static void count_might(const Rounds *r, Turn *turns, int count) {
+static void sort_turns(const Rounds *r, Turn *turns, int count) {
     for (int i = 0; i < count; i++) {
         const uint64_t *row = might_row(r, turns[i].way);
         turns[i].might = 0;
@@ -120,7 +128,11 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     if (!any) return;
     flow->work = (PairWork){0};
     flow->context = finding;
-    flow_search(flow, index);
+    if (r->prepare) r->prepare(flow, index);
+    if (!flow_search(flow, index)) {
+        flow->work.given_up++;
+        for (int k = 0; k < ways->words; k++) finding->kept[k] |= flow->unknown[k];
+    }
     finding->work = flow->work;
 }
 
@@ -131,7 +143,7 @@ static void take(Rounds *r, int way, Finding *finding) {
     uint64_t *might = might_row(r, way);
     for (int k = 0; k < words; k++) might[k] &= finding->kept[k];
     lend(r, r->ways.ways[way].from);
-    add_work(&r->set->work, finding->work);
+    pair_work_add(&r->set->work, finding->work);
 }
 
 void rounds_prove(Rounds *r, const PairWitness *pairs, int count) {
@@ -153,45 +165,64 @@ static int round_size(const WayGraph *ways) {
     return size < SMALLEST_ROUND ? SMALLEST_ROUND : size > LARGEST_ROUND ? LARGEST_ROUND : size;
 }
 
-void rounds_search(Rounds *r, void (*arrive)(Flow *flow, int depth)) {
+// One round while it runs.
+typedef struct Round {
+    Rounds *rounds;
+    Flow *flows;        // [threads]
+    Finding *findings;  // [size]
+    const Turn *turns;  // [size] of this round
+    uint64_t *kept;     // [size * words]
+    int before, total;  // searches of earlier rounds, and of all
+    atomic_int done;
+} Round;
+
+static void search_turn(void *context, int index, int thread) {
+    Round *round = context;
+    Rounds *r = round->rounds;
+    int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
+    if (!rounds_report(r, "sightlines", done, round->total)) return;
+    Finding *finding = &round->findings[index];
+    *finding = (Finding){.rounds = r,
+                         .source = r->ways.ways[way].from,
+                         .kept = round->kept + (size_t)index * (size_t)r->ways.words};
+    search(&round->flows[thread], r, way, finding);
+    finding->done = true;
+}
+
+static void search_round(Round *round, int count) {
+    memset(round->findings, 0, (size_t)count * sizeof *round->findings);
+    atomic_store(&round->done, 0);
+    parallel_for(round->rounds->threads, count, search_turn, round);
+    for (int i = 0; i < count; i++) {
+        if (round->findings[i].done) take(round->rounds, round->turns[i].way, &round->findings[i]);
+    }
+}
+
+void rounds_search(Rounds *r, long long patience, void (*prepare)(Flow *flow, int way),
+                   void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
-    int count = ways->way_count, size = round_size(ways), threads = rounds_threads(r), done = 0;
+    int count = ways->way_count, size = round_size(ways);
     Turn *turns = ARENA_ARRAY(&scratch, Turn, count + 1);
-    Flow *flows = ARENA_ARRAY(&scratch, Flow, threads);
-    Finding *findings = ARENA_ARRAY(&scratch, Finding, size);
-    uint64_t *kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words);
+    Round round = {.rounds = r,
+                   .flows = ARENA_ARRAY(&scratch, Flow, r->threads),
+                   .findings = ARENA_ARRAY(&scratch, Finding, size),
+                   .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
+                   .total = count};
     for (int i = 0; i < count; i++) turns[i].way = i;
-    for (int i = 0; i < threads; i++) {
-        flow_start(&flows[i], ways, r->might);
-        flows[i].arrive = arrive;
+    for (int i = 0; i < r->threads; i++) {
+        flow_start(&round.flows[i], ways, r->might);
+        round.flows[i].arrive = arrive;
+        round.flows[i].patience = patience;
     }
+    r->prepare = prepare;
     for (int first = 0; first < count && !r->stopped; first += size) {
-        int in_round = count - first < size ? count - first : size;
-        memset(findings, 0, (size_t)size * sizeof *findings);
-        if (first / size % ROUNDS == 0 || first < size * ROUNDS) count_might(r, turns + first, count - first);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-        for (int i = 0; i < in_round; i++) {
-            bool stop;
-#pragma omp atomic read
-            stop = r->stopped;
-            if (stop) continue;
-            findings[i] = (Finding){.rounds = r,
-                                    .source = ways->ways[turns[first + i].way].from,
-                                    .kept = kept + (size_t)i * (size_t)ways->words};
-            search(&flows[omp_get_thread_num()], r, turns[first + i].way, &findings[i]);
-            findings[i].done = true;
-#pragma omp critical
-            if (!progress_report(r->progress, "sightlines", (double)++done / count)) {
-#pragma omp atomic write
-                r->stopped = true;
-            }
-        }
-        for (int i = 0; i < in_round; i++) {
-            if (findings[i].done) take(r, turns[first + i].way, &findings[i]);
-        }
+        if (first / size % SORT_EVERY == 0) sort_turns(r, turns + first, count - first);
+        round.turns = turns + first;
+        round.before = first;
+        search_round(&round, count - first < size ? count - first : size);
     }
-    for (int i = 0; i < threads; i++) flow_end(&flows[i]);
+    for (int i = 0; i < r->threads; i++) flow_end(&round.flows[i]);
     arena_free(&scratch);
 }
 

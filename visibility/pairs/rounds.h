@@ -3,6 +3,9 @@
 #ifndef VISIBILITY_PAIRS_ROUNDS_H
 #define VISIBILITY_PAIRS_ROUNDS_H
 
+#include <pthread.h>
+#include <stdatomic.h>
+
 #include "visibility/pairs/flow.h"
 
 // What is known so far of a building; it only ever grows tighter.
@@ -15,6 +18,9 @@ typedef struct Rounds {
     PairWitness *witnesses;  // malloc'd
     int witness_count, witness_capacity;
     bool stopped;
+    int threads;
+    pthread_mutex_t lock;  // of `progress` and `stopped`
+    void (*prepare)(Flow *flow, int way);
     Arena *arena;  // of the caller, for the result
     Arena scratch;
 } Rounds;
@@ -35,13 +41,16 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way. `arrive` is that of Flow, whose context is a Finding.
-void rounds_search(Rounds *rounds, void (*arrive)(Flow *flow, int depth));
+// One search from every way, of at most `patience` chains. `arrive` is that of Flow, whose context is a Finding;
+// `prepare` (may be NULL) is called before each search, to decide what is easy.
+void rounds_search(Rounds *rounds, long long patience, void (*prepare)(Flow *flow, int way),
+                   void (*arrive)(Flow *flow, int depth));
 // Takes pairs as proven.
 void rounds_prove(Rounds *rounds, const PairWitness *pairs, int count);
 // Completes the set.
 void rounds_end(Rounds *rounds);
 
-int rounds_threads(const Rounds *rounds);
+// For loops on several threads: false when the caller asked to stop.
+bool rounds_report(Rounds *rounds, const char *stage, int done, int count);
 
 #endif

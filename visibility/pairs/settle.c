@@ -3,14 +3,15 @@
 // the separators become the cone from that point: what they let through beyond the truth goes to nothing with its size.
 #include "visibility/pairs/settle.h"
 
-#include <omp.h>
 #include <stdlib.h>
 
-#include "engine/core/error.h"
+#include "engine/core/parallel.h"
 #include "visibility/pairs/sight.h"
 
 // Of one chain; beyond it the pair stays undecided. Doubling it settles few pairs more (a tenth of what is left).
 enum { MOST_PIECES = 64 };
+// Chains from one way to one cell.
+enum { PATIENCE = 5000 };
 // A piece shorter than this many epsilons lies within what rounding leaves open.
 static const double SHORTEST_PIECE = 1e4;
 
@@ -126,7 +127,10 @@ static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
         if (!row_has(r->might + (size_t)way * (size_t)ways->words, c->goal)) continue;
         memset(flow->unknown, 0, (size_t)ways->words * sizeof *flow->unknown);
         row_add(flow->unknown, c->goal);
-        flow_search(flow, way);
+        if (!flow_search(flow, way)) {
+            flow->work.given_up++;
+            c->verdict = OPEN;
+        }
         if (c->verdict != EXCLUDED) return;
     }
 }
@@ -154,54 +158,53 @@ static void exclude(PairSet *set, int a, int b) {
     row_drop(set->seen + (size_t)b * (size_t)set->words, a);
 }
 
-static void take(Rounds *r, const Doubt *doubt, Case *c, Flow *flow) {
-    (void)flow;
+static void take(Rounds *r, const Doubt *doubt, Case *c) {
     rounds_prove(r, c->finding.pairs, c->finding.pair_count);
     free(c->finding.pairs);
-    if (c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
+    if (c->finding.done && c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
+}
+
+// All cases, and what each thread needs for one.
+typedef struct Cases {
+    Rounds *rounds;
+    Doubt *doubts;   // [count]
+    Case *cases;     // [count]
+    Flow *flows;     // [threads]
+    uint64_t *kept;  // [threads * words]
+    int count;
+    atomic_int done;
+} Cases;
+
+static void settle_case(void *context, int index, int thread) {
+    Cases *all = context;
+    Rounds *r = all->rounds;
+    const Doubt *doubt = &all->doubts[index];
+    if (!rounds_report(r, "last doubts", atomic_fetch_add(&all->done, 1), all->count)) return;
+    Case *c = &all->cases[index];
+    c->goal = doubt->b;
+    c->finding = (Finding){
+        .rounds = r, .source = doubt->a, .kept = all->kept + (size_t)thread * (size_t)r->ways.words};
+    settle(&all->flows[thread], r, doubt->a, c);
+    c->finding.done = true;
 }
 
 void settle_pairs(Rounds *r) {
     Arena scratch = {0};
-    int count, done = 0, threads = rounds_threads(r);
-    Doubt *doubts = list_doubts(r->set, &scratch, &count);
-    Case *cases = ARENA_ARRAY(&scratch, Case, count + 1);
-    PairWork work = {0};
-#pragma omp parallel num_threads(threads)
-    {
-        Flow flow;
-        flow_start(&flow, &r->ways, r->might);
-        flow.arrive = arrive;
-        uint64_t *kept = ARENA_ARRAY(&flow.arena, uint64_t, r->ways.words);
-#pragma omp for schedule(dynamic, 1)
-        for (int i = 0; i < count; i++) {
-            bool stop;
-#pragma omp atomic read
-            stop = r->stopped;
-            if (stop) continue;
-            cases[i] =
-                (Case){.finding = {.rounds = r, .source = doubts[i].a, .kept = kept}, .goal = doubts[i].b};
-            settle(&flow, r, doubts[i].a, &cases[i]);
-            cases[i].finding.done = true;
-#pragma omp critical
-            if (!progress_report(r->progress, "last doubts", (double)++done / count)) {
-#pragma omp atomic write
-                r->stopped = true;
-            }
-        }
-#pragma omp critical
-        {
-            work.chains += flow.work.chains;
-            work.clips += flow.work.clips;
-            work.separators += flow.work.separators;
-        }
-        flow_end(&flow);
+    Cases all = {.rounds = r};
+    all.doubts = list_doubts(r->set, &scratch, &all.count);
+    all.cases = ARENA_ARRAY(&scratch, Case, all.count);
+    all.flows = ARENA_ARRAY(&scratch, Flow, r->threads);
+    all.kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)r->threads * (size_t)r->ways.words);
+    for (int i = 0; i < r->threads; i++) {
+        flow_start(&all.flows[i], &r->ways, r->might);
+        all.flows[i].arrive = arrive;
+        all.flows[i].patience = PATIENCE;
     }
-    for (int i = 0; i < count; i++) {
-        if (cases[i].finding.done) take(r, &doubts[i], &cases[i], NULL);
+    parallel_for(r->threads, all.count, settle_case, &all);
+    for (int i = 0; i < all.count; i++) take(r, &all.doubts[i], &all.cases[i]);
+    for (int i = 0; i < r->threads; i++) {
+        pair_work_add(&r->set->work, all.flows[i].work);
+        flow_end(&all.flows[i]);
     }
-    r->set->work.chains += work.chains;
-    r->set->work.clips += work.clips;
-    r->set->work.separators += work.separators;
     arena_free(&scratch);
 }

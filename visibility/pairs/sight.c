@@ -2,16 +2,6 @@
 // cone.
 #include "visibility/pairs/sight.h"
 
-// Planes through the eye and the edges of `w`, which lies ahead; they keep its inside.
-static int cone_through(Vec3 eye, const Winding *w, double epsilon, Separator *out) {
-    for (int i = 0; i < w->count; i++) {
-        Vec3 a = vec3_sub(w->p[i], eye), b = vec3_sub(w->p[i + 1 == w->count ? 0 : i + 1], eye);
-        // The winding is counter-clockwise about the direction of sight: its inside is to the left of each edge.
-        out[i] = separator_of(vec3_cross(a, b), eye, epsilon);
-    }
-    return w->count;
-}
-
 // Where the line crosses a portal.
 static Vec3 crossing(const Way *way, Sight sight) {
     double a = plane_distance(way->facet.plane, sight.from), b = plane_distance(way->facet.plane, sight.to);
@@ -56,10 +46,18 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
         for (int k = 0; k < planes; k++) {
             if (!winding_clip(&left, cone[k])) return false;
         }
-        planes = cone_through(from, &left, epsilon, cone);
+        planes = flow_cone(from, &left, epsilon, cone);
     }
     *out = (Sight){from, winding_middle(&left)};
     return passes(flow, depth, *out);
+}
+
+bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out) {
+    for (int i = 0; i <= depth; i++) {
+        if (flow->ways->ways[flow->steps[i]->way].coarse) return false;
+    }
+    *out = (Sight){from, winding_middle(&flow->steps[depth]->pass)};
+    return depth > 0 && passes(flow, depth, *out);
 }
 
 bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out) {

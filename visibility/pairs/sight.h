@@ -13,6 +13,9 @@ typedef struct Sight {
 // which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.
 bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out);
 
+// The line from `from` to the middle of what is left of the chain's last portal, if it passes all of them so.
+bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out);
+
 // The same from several points of `source`, a part of the first portal.
 bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out);
 

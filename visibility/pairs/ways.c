@@ -29,7 +29,13 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
     *way = (Way){.from = portal->cell[back], .to = portal->cell[!back], .coarse = count > MOST_CORNERS};
     // The portal is counter-clockwise seen from cell[0]: its normal points against way 2 p.
     Vec3 *corners = ARENA_ARRAY(arena, Vec3, count);
-    for (int i = 0; i < count; i++) corners[i] = vec3_sub(given[back ? i : count - 1 - i], origin);
+    int distinct = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 p = vec3_sub(given[back ? i : count - 1 - i], origin);
+        if (distinct == 0 || !vec3_equal(p, corners[distinct - 1])) corners[distinct++] = p;
+    }
+    while (distinct > 3 && vec3_equal(corners[0], corners[distinct - 1])) distinct--;
+    count = distinct;
     way->facet.plane = plane_of_polygon(corners, count);
     for (int i = 0; i < count; i++)
         way->facet.bend = fmax(way->facet.bend, fabs(plane_distance(way->facet.plane, corners[i])));

@@ -90,11 +90,11 @@ static bool tangent(Vec3 a, Vec3 along, const Winding *other, const bool *ahead,
     return found;
 }
 
-// A corner in the plane of the edges themselves may lie on their side of every plane through an edge and a corner ahead:
-// then the edge separates nothing.
-static bool keeps_level_corners(Vec3 a, Separator s, const Winding *other, const bool *ahead) {
+// All of `other` lies on the right side, but for rounding. A corner in the plane of the edges themselves may lie on the
+// wrong side of every plane through an edge and a corner ahead; and a climb may end early at a doubled corner.
+static bool keeps_all(Vec3 a, Separator s, const Winding *other) {
     for (int k = 0; k < other->count; k++) {
-        if (!ahead[k] && vec3_dot(s.n, vec3_sub(other->p[k], a)) < -s.slack) return false;
+        if (vec3_dot(s.n, vec3_sub(other->p[k], a)) < -s.slack) return false;
     }
     return true;
 }
@@ -116,14 +116,18 @@ int winding_tangents(const Winding *edges, const Winding *other, int side, Windi
         Vec3 a = edges->p[i], n = {0, 0, 0};
         Vec3 along = vec3_scale(vec3_sub(edges->p[i + 1 == edges->count ? 0 : i + 1], a), side);
         if (vec3_dot(along, along) < shortest) continue;
+        Separator s;
+        bool found = false;
         if (all) {
             corner = climb(a, along, other, corner, &n);
-            if (vec3_dot(n, n) <= least * vec3_dot(along, along)) continue;
-        } else if (!tangent(a, along, other, ahead, least, &n)) {
-            continue;
+            s = separator_of(n, a, epsilon);
+            found = vec3_dot(n, n) > least * vec3_dot(along, along) && keeps_all(a, s, other);
         }
-        Separator s = separator_of(n, a, epsilon);
-        if (!all && !keeps_level_corners(a, s, other, ahead)) continue;
+        if (!found) {
+            if (!tangent(a, along, other, ahead, least, &n)) continue;
+            s = separator_of(n, a, epsilon);
+            if (!keeps_all(a, s, other)) continue;
+        }
         out[count++] = keep == KEEP_OTHER ? s : (Separator){vec3_scale(s.n, -1), -s.d, s.slack};
     }
     return count;

@@ -25,7 +25,7 @@ static void seen(Flow *flow, int depth) {
 
 // Where much is in doubt a look from the middle of the portal decides most of it.
 static void prepare(Flow *flow, int way) {
-    enum { MUCH = 48 };
+    enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
     if (doubts < MUCH) return;

@@ -122,7 +122,7 @@ fuzz:
 	$(call install,$(to_build) $(to_fuzz))
 	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
 	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
-	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings || exit 1; done
+	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
 bench: all
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(filter %.plan,$(maps)) | tee build/bench/$(bench).csv

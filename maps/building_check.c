@@ -1,24 +1,12 @@
-// building_check.c - every fault of a building, named with its place. The check of regions computes in whole
-// millimetres held in doubles, in which every orientation is exact.
+// building_check.c - every fault of a building, named with its place.
+#include "maps/building_check.h"
+
 #include <stdarg.h>
-#include <stdlib.h>
 
 #include "engine/core/polygon.h"
 #include "engine/core/predicates.h"
-#include "maps/building.h"
 
-static const double MM_PER_M = 1000.0;
-
-typedef struct Check {
-    const Building *b;
-    Arena *arena;
-    const char **faults;
-    int max, count;
-    Vec2 *mm;  // [point_count] plan points in whole millimetres
-} Check;
-
-static void fault(Check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void fault(Check *c, const char *format, ...) {
+void check_fault(Check *c, const char *format, ...) {
     if (c->count++ >= c->max) return;
     va_list args;
     va_start(args, format);
@@ -26,20 +14,12 @@ static void fault(Check *c, const char *format, ...) {
     va_end(args);
 }
 
-static bool good(double x) { return isfinite(x) && fabs(x) <= MAPS_LIMIT; }
-static bool good3(Vec3 p) { return good(p.x) && good(p.y) && good(p.z); }
-static bool index_good(int i, int count) { return i >= 0 && i < count; }
-static bool run_good(int first, int count, int total) {
-    return first >= 0 && count >= 0 && first <= total - count;
-}
-static const char *text_of(const char *name) { return name && *name ? name : "unnamed"; }
-
 static void check_rgb(Check *c, const char *what, int i, Rgb v, float most) {
     float channel[3] = {v.r, v.g, v.b};
     for (int k = 0; k < 3; k++) {
         if (!(channel[k] >= 0 && channel[k] <= most)) {
-            fault(c, "%s %d: channel %d is %g (allowed 0 to %g)", what, i, k, (double)channel[k],
-                  (double)most);
+            check_fault(c, "%s %d: channel %d is %g (allowed 0 to %g)", what, i, k, (double)channel[k],
+                        (double)most);
         }
     }
 }
@@ -51,16 +31,18 @@ static void check_materials_and_storeys(Check *c) {
         check_rgb(c, "reflectance of material", i, m->reflectance, MAPS_MAX_REFLECTANCE);
         check_rgb(c, "emission of material", i, m->emission, 1e30f);
         if (!(m->alpha >= 0 && m->alpha <= 1)) {
-            fault(c, "material %d (%s): alpha %g (allowed 0 to 1)", i, text_of(m->name), (double)m->alpha);
+            check_fault(c, "material %d (%s): alpha %g (allowed 0 to 1)", i, text_of(m->name),
+                        (double)m->alpha);
         }
     }
     for (int i = 0; i < b->storey_count; i++) {
         const Storey *s = &b->storeys[i];
         if (!good(s->floor) || !good(s->height) || !good(s->slab) || s->height <= 0 || s->slab < 0) {
-            fault(c,
-                  "storey %d (%s): floor %g m, height %g m, slab %g m (floor finite, height above 0, slab at "
-                  "least 0)",
-                  i, text_of(s->name), s->floor, s->height, s->slab);
+            check_fault(
+                c,
+                "storey %d (%s): floor %g m, height %g m, slab %g m (floor finite, height above 0, slab at "
+                "least 0)",
+                i, text_of(s->name), s->floor, s->height, s->slab);
         }
     }
 }
@@ -69,29 +51,29 @@ static void check_polygon(Check *c, int i) {
     const Building *b = c->b;
     const Polygon *p = &b->polygons[i];
     if (p->vertex_count < 3 || !run_good(p->first_vertex, p->vertex_count, b->vertex_count)) {
-        fault(c, "polygon %d: vertices %d to %d of %d (at least 3, all there)", i, p->first_vertex,
-              p->first_vertex + p->vertex_count - 1, b->vertex_count);
+        check_fault(c, "polygon %d: vertices %d to %d of %d (at least 3, all there)", i, p->first_vertex,
+                    p->first_vertex + p->vertex_count - 1, b->vertex_count);
         return;
     }
     const Vec3 *v = &b->vertices[p->first_vertex];
     if (!index_good(p->material, b->material_count)) {
-        fault(c, "polygon %d: material %d (allowed 0 to %d)", i, p->material, b->material_count - 1);
+        check_fault(c, "polygon %d: material %d (allowed 0 to %d)", i, p->material, b->material_count - 1);
     }
     for (int k = 0; k < p->vertex_count; k++) {
         if (good3(v[k])) continue;
-        fault(c, "polygon %d: vertex %d at (%g, %g, %g) (finite, within %g m)", i, k, v[k].x, v[k].y, v[k].z,
-              MAPS_LIMIT);
+        check_fault(c, "polygon %d: vertex %d at (%g, %g, %g) (finite, within %g m)", i, k, v[k].x, v[k].y,
+                    v[k].z, MAPS_LIMIT);
         return;
     }
     Plane plane = plane_of_polygon(v, p->vertex_count);
     double off = polygon_bend(v, p->vertex_count, plane);
     if (polygon_area(v, p->vertex_count) <= MAPS_SMALLEST_AREA / 2) {
-        fault(c, "polygon %d at (%.3f, %.3f, %.3f): no area", i, v[0].x, v[0].y, v[0].z);
+        check_fault(c, "polygon %d at (%.3f, %.3f, %.3f): no area", i, v[0].x, v[0].y, v[0].z);
     } else if (off > MAPS_PLANARITY) {
-        fault(c, "polygon %d at (%.3f, %.3f, %.3f): bends by %.4f m (limit %g)", i, v[0].x, v[0].y, v[0].z,
-              off, MAPS_PLANARITY);
+        check_fault(c, "polygon %d at (%.3f, %.3f, %.3f): bends by %.4f m (limit %g)", i, v[0].x, v[0].y,
+                    v[0].z, off, MAPS_PLANARITY);
     } else if (!polygon_is_convex(v, p->vertex_count, plane.n)) {
-        fault(c, "polygon %d at (%.3f, %.3f, %.3f): not convex", i, v[0].x, v[0].y, v[0].z);
+        check_fault(c, "polygon %d at (%.3f, %.3f, %.3f): not convex", i, v[0].x, v[0].y, v[0].z);
     }
 }
 
@@ -101,22 +83,22 @@ static void check_objects(Check *c) {
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
         if (!run_good(o->first_polygon, o->polygon_count, b->polygon_count)) {
-            fault(c, "object %d (%s): polygons %d to %d of %d", i, text_of(o->name), o->first_polygon,
-                  o->first_polygon + o->polygon_count - 1, b->polygon_count);
+            check_fault(c, "object %d (%s): polygons %d to %d of %d", i, text_of(o->name), o->first_polygon,
+                        o->first_polygon + o->polygon_count - 1, b->polygon_count);
         }
         if ((o->plug || o->opening != -1) && !index_good(o->opening, b->opening_count)) {
-            fault(c, "object %d (%s): opening %d (allowed 0 to %d)", i, text_of(o->name), o->opening,
-                  b->opening_count - 1);
+            check_fault(c, "object %d (%s): opening %d (allowed 0 to %d)", i, text_of(o->name), o->opening,
+                        b->opening_count - 1);
         }
         if (o->leaf != -1 && !index_good(o->leaf, b->leaf_count)) {
-            fault(c, "object %d (%s): leaf %d (allowed 0 to %d)", i, text_of(o->name), o->leaf,
-                  b->leaf_count - 1);
+            check_fault(c, "object %d (%s): leaf %d (allowed 0 to %d)", i, text_of(o->name), o->leaf,
+                        b->leaf_count - 1);
         }
         bool proxy = good(o->proxy_z0) && good(o->proxy_z1) && o->proxy_z0 <= o->proxy_z1;
         for (int k = 0; k < 4; k++) proxy = proxy && good(o->proxy[k].x) && good(o->proxy[k].y);
         if (!proxy) {
-            fault(c, "object %d (%s): its proxy is not finite or reaches from %g up to %g", i,
-                  text_of(o->name), o->proxy_z0, o->proxy_z1);
+            check_fault(c, "object %d (%s): its proxy is not finite or reaches from %g up to %g", i,
+                        text_of(o->name), o->proxy_z0, o->proxy_z1);
         }
     }
 }
@@ -126,18 +108,19 @@ static void check_inlays(Check *c) {
     for (int i = 0; i < b->inlay_count; i++) {
         const Inlay *in = &b->inlays[i];
         if (in->point_count < 3 || !run_good(in->first_point, in->point_count, b->point_count)) {
-            fault(c, "inlay %d: points %d to %d of %d (at least 3, all there)", i, in->first_point,
-                  in->first_point + in->point_count - 1, b->point_count);
+            check_fault(c, "inlay %d: points %d to %d of %d (at least 3, all there)", i, in->first_point,
+                        in->first_point + in->point_count - 1, b->point_count);
             continue;
         }
         if (!index_good(in->material, b->material_count) || !good(in->z)) {
-            fault(c, "inlay %d: material %d of %d, height %g m", i, in->material, b->material_count, in->z);
+            check_fault(c, "inlay %d: material %d of %d, height %g m", i, in->material, b->material_count,
+                        in->z);
         }
         const Vec2 *p = &b->points[in->first_point];
         for (int k = 0; k < in->point_count; k++) {
             Vec2 q = p[(k + 1) % in->point_count], r = p[(k + 2) % in->point_count];
             if (orient2d(p[k], q, r) < 0) {
-                fault(c, "inlay %d at (%.3f, %.3f): not convex or not counter-clockwise", i, q.x, q.y);
+                check_fault(c, "inlay %d at (%.3f, %.3f): not convex or not counter-clockwise", i, q.x, q.y);
                 break;
             }
         }
@@ -149,35 +132,36 @@ static void check_lights_and_views(Check *c) {
     for (int i = 0; i < b->light_count; i++) {
         const Light *l = &b->lights[i];
         if (!good3(l->position) || !(l->radius >= 0) || !good(l->radius)) {
-            fault(c, "light %d (%s): at (%g, %g, %g), radius %g m (finite, at least 0)", i, text_of(l->name),
-                  l->position.x, l->position.y, l->position.z, l->radius);
+            check_fault(c, "light %d (%s): at (%g, %g, %g), radius %g m (finite, at least 0)", i,
+                        text_of(l->name), l->position.x, l->position.y, l->position.z, l->radius);
         }
         check_rgb(c, "flux of light", i, l->flux, 1e30f);
         if (l->object != -1 && !index_good(l->object, b->object_count)) {
-            fault(c, "light %d (%s): object %d of %d", i, text_of(l->name), l->object, b->object_count);
+            check_fault(c, "light %d (%s): object %d of %d", i, text_of(l->name), l->object, b->object_count);
         }
     }
     for (int i = 0; i < b->viewpoint_count + b->tour_point_count; i++) {
         bool stored = i < b->viewpoint_count;
         const Viewpoint *v = stored ? &b->viewpoints[i] : &b->tour_points[i - b->viewpoint_count];
         if (good3(v->eye) && good(v->yaw) && good(v->pitch) && v->fov > 0 && v->fov < M_PI) continue;
-        fault(c,
-              "%s %d (%s): eye (%g, %g, %g), yaw %g, pitch %g, field of view %g (finite; view between 0 and "
-              "pi)",
-              stored ? "viewpoint" : "tour point", stored ? i : i - b->viewpoint_count, text_of(v->name),
-              v->eye.x, v->eye.y, v->eye.z, v->yaw, v->pitch, v->fov);
+        check_fault(
+            c,
+            "%s %d (%s): eye (%g, %g, %g), yaw %g, pitch %g, field of view %g (finite; view between 0 and "
+            "pi)",
+            stored ? "viewpoint" : "tour point", stored ? i : i - b->viewpoint_count, text_of(v->name),
+            v->eye.x, v->eye.y, v->eye.z, v->yaw, v->pitch, v->fov);
     }
     for (int i = 0; i < b->tour_count; i++) {
         const Tour *t = &b->tours[i];
         if (!run_good(t->first_viewpoint, t->viewpoint_count, b->tour_point_count)) {
-            fault(c, "tour %d (%s): viewpoints %d to %d of %d", i, text_of(t->name), t->first_viewpoint,
-                  t->first_viewpoint + t->viewpoint_count - 1, b->tour_point_count);
+            check_fault(c, "tour %d (%s): viewpoints %d to %d of %d", i, text_of(t->name), t->first_viewpoint,
+                        t->first_viewpoint + t->viewpoint_count - 1, b->tour_point_count);
         }
     }
     for (int i = 0; i < b->note_count; i++) {
         const Note *n = &b->notes[i];
         if (!n->text || !run_good(n->first_point, n->point_count, b->point_count)) {
-            fault(c, "note %d: no text, or its path lies outside the points", i);
+            check_fault(c, "note %d: no text, or its path lies outside the points", i);
         }
     }
 }
@@ -188,35 +172,37 @@ static void check_openings(Check *c) {
         const Opening *o = &b->openings[i];
         const char *name = text_of(o->name);
         if (o->kind < 0 || o->kind >= OPENING_KINDS)
-            fault(c, "opening %d (%s): kind %d", i, name, (int)o->kind);
+            check_fault(c, "opening %d (%s): kind %d", i, name, (int)o->kind);
         if (!index_good(o->storey, b->storey_count)) {
-            fault(c, "opening %d (%s): storey %d of %d", i, name, o->storey, b->storey_count);
+            check_fault(c, "opening %d (%s): storey %d of %d", i, name, o->storey, b->storey_count);
         }
         if (!good(o->line[0].x) || !good(o->line[0].y) || !good(o->line[1].x) || !good(o->line[1].y)) {
-            fault(c, "opening %d (%s): its line is not finite", i, name);
+            check_fault(c, "opening %d (%s): its line is not finite", i, name);
         } else if (vec2_equal(o->line[0], o->line[1])) {
-            fault(c, "opening %d (%s) at (%.3f, %.3f): it has no width", i, name, o->line[0].x, o->line[0].y);
+            check_fault(c, "opening %d (%s) at (%.3f, %.3f): it has no width", i, name, o->line[0].x,
+                        o->line[0].y);
         }
         if (!good(o->sill) || !good(o->head) || o->sill >= o->head) {
-            fault(c, "opening %d (%s): sill %g m, head %g m (sill below head)", i, name, o->sill, o->head);
+            check_fault(c, "opening %d (%s): sill %g m, head %g m (sill below head)", i, name, o->sill,
+                        o->head);
         }
         if (!(o->open >= 0 && o->open <= 1))
-            fault(c, "opening %d (%s): open by %g (allowed 0 to 1)", i, name, o->open);
+            check_fault(c, "opening %d (%s): open by %g (allowed 0 to 1)", i, name, o->open);
         if (!run_good(o->first_leaf, o->leaf_count, b->leaf_count)) {
-            fault(c, "opening %d (%s): leaves %d to %d of %d", i, name, o->first_leaf,
-                  o->first_leaf + o->leaf_count - 1, b->leaf_count);
+            check_fault(c, "opening %d (%s): leaves %d to %d of %d", i, name, o->first_leaf,
+                        o->first_leaf + o->leaf_count - 1, b->leaf_count);
         }
         if (!index_good(o->material, b->material_count)) {
-            fault(c, "opening %d (%s): material %d of %d", i, name, o->material, b->material_count);
+            check_fault(c, "opening %d (%s): material %d of %d", i, name, o->material, b->material_count);
         }
         for (int s = 0; s < 2; s++) {
             if (o->region[s] != -1 && !index_good(o->region[s], b->region_count)) {
-                fault(c, "opening %d (%s): region %d of %d", i, name, o->region[s], b->region_count);
+                check_fault(c, "opening %d (%s): region %d of %d", i, name, o->region[s], b->region_count);
             }
         }
         if ((o->region[0] == -1 || o->region[1] == -1) && !o->reason) {
-            fault(c, "opening %d (%s) at (%.3f, %.3f): leads nowhere without a reason", i, name, o->line[0].x,
-                  o->line[0].y);
+            check_fault(c, "opening %d (%s) at (%.3f, %.3f): leads nowhere without a reason", i, name,
+                        o->line[0].x, o->line[0].y);
         }
     }
 }
@@ -230,330 +216,32 @@ static void check_leaves(Check *c) {
         bool finite = true;
         for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) finite = finite && good(numbers[k]);
         if (!finite || l->thickness <= 0 || l->z0 >= l->z1 || vec2_equal(l->axis[0], l->axis[1]))
-            fault(c, "leaf %d at (%.3f, %.3f): it is not finite or has no size", i, l->pivot.x, l->pivot.y);
+            check_fault(c, "leaf %d at (%.3f, %.3f): it is not finite or has no size", i, l->pivot.x,
+                        l->pivot.y);
         if (!index_good(l->opening, b->opening_count))
-            fault(c, "leaf %d: opening %d of %d", i, l->opening, b->opening_count);
-    }
-}
-
-// ---- checking regions
-
-static double ring_area2(const Vec2 *p, int count) {
-    double sum = 0;
-    for (int i = 1; i + 1 < count; i++) sum += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0]));
-    return sum;
-}
-
-// c on the open segment a-b.
-static bool strictly_between(Vec2 a, Vec2 b, Vec2 c) {
-    if (vec2_equal(a, c) || vec2_equal(b, c)) return false;
-    if (c.x < fmin(a.x, b.x) || c.x > fmax(a.x, b.x) || c.y < fmin(a.y, b.y) || c.y > fmax(a.y, b.y))
-        return false;
-    return orient2d(a, b, c) == 0;
-}
-
-static bool boxes_apart(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-    return fmax(a.x, b.x) < fmin(c.x, d.x) || fmax(c.x, d.x) < fmin(a.x, b.x) ||
-           fmax(a.y, b.y) < fmin(c.y, d.y) || fmax(c.y, d.y) < fmin(a.y, b.y);
-}
-
-// The open segments cross in one point.
-static bool cross_properly(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-    return orient2d(a, b, c) * orient2d(a, b, d) < 0 && orient2d(c, d, a) * orient2d(c, d, b) < 0;
-}
-
-// The segments share more than a point.
-static bool overlap_along_line(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-    if (orient2d(a, b, c) != 0 || orient2d(a, b, d) != 0) return false;
-    bool x = fabs(b.x - a.x) >= fabs(b.y - a.y);
-    double a0 = x ? a.x : a.y, b0 = x ? b.x : b.y, c0 = x ? c.x : c.y, d0 = x ? d.x : d.y;
-    return fmax(fmin(a0, b0), fmin(c0, d0)) < fmin(fmax(a0, b0), fmax(c0, d0));
-}
-
-// +1 inside, 0 on the boundary, -1 outside the rings of a region.
-static int locate(const Check *c, const Region *r, Vec2 p) {
-    bool inside = false;
-    for (int k = 0; k < r->ring_count; k++) {
-        const Ring *ring = &c->b->rings[r->first_ring + k];
-        const Vec2 *v = &c->mm[ring->first_point];
-        for (int i = 0, j = ring->point_count - 1; i < ring->point_count; j = i++) {
-            if (vec2_equal(p, v[i]) || strictly_between(v[j], v[i], p)) return 0;
-            if ((v[i].y > p.y) == (v[j].y > p.y)) continue;
-            int side = v[j].y < v[i].y ? orient2d(v[j], v[i], p) : orient2d(v[i], v[j], p);
-            if (side > 0) inside = !inside;
-        }
-    }
-    return inside ? 1 : -1;
-}
-
-typedef struct Edge {
-    Vec2 a, b;
-    int ring, index;
-} Edge;
-
-typedef struct Outline {
-    Edge *edges;
-    int count;
-    Vec2 min, max;
-    bool sound;
-} Outline;
-
-static bool check_ring(Check *c, int region, int k, const Ring *ring) {
-    const Building *b = c->b;
-    if (ring->point_count < 3 || !run_good(ring->first_point, ring->point_count, b->point_count)) {
-        fault(c, "region %d ring %d: points %d to %d of %d (at least 3, all there)", region, k,
-              ring->first_point, ring->first_point + ring->point_count - 1, b->point_count);
-        return false;
-    }
-    for (int i = 0; i < ring->point_count; i++) {
-        Vec2 p = b->points[ring->first_point + i];
-        if (!good(p.x) || !good(p.y)) {
-            fault(c, "region %d ring %d: point %d at (%g, %g) (finite, within %g m)", region, k, i, p.x, p.y,
-                  MAPS_LIMIT);
-            return false;
-        }
-        if (p.x != maps_snap(p.x) || p.y != maps_snap(p.y)) {
-            fault(c, "region %d ring %d: point (%.6f, %.6f) is off the grid of %g m", region, k, p.x, p.y,
-                  MAPS_GRID);
-        }
-        int material = b->edge_material ? b->edge_material[ring->first_point + i] : -1;
-        if (!index_good(material, b->material_count)) {
-            fault(c, "region %d ring %d: edge %d at (%.3f, %.3f) has material %d of %d", region, k, i, p.x,
-                  p.y, material, b->material_count);
-        }
-    }
-    double area = ring_area2(&c->mm[ring->first_point], ring->point_count);
-    if (k == 0 ? area <= 0 : area >= 0) {
-        Vec2 p = b->points[ring->first_point];
-        fault(c,
-              "region %d ring %d at (%.3f, %.3f): signed area %g m^2 (the outer ring counter-clockwise, "
-              "holes clockwise)",
-              region, k, p.x, p.y, area / 2 / (MM_PER_M * MM_PER_M));
-        return false;
-    }
-    return true;
-}
-
-static bool check_region_fields(Check *c, int i) {
-    const Building *b = c->b;
-    const Region *r = &b->regions[i];
-    const char *name = text_of(r->name);
-    if (r->kind < 0 || r->kind >= REGION_KINDS) fault(c, "region %d (%s): kind %d", i, name, (int)r->kind);
-    if (r->storey != -1 && !index_good(r->storey, b->storey_count)) {
-        fault(c, "region %d (%s): storey %d of %d", i, name, r->storey, b->storey_count);
-    }
-    bool opening = r->kind == REGION_OPENING;
-    if (opening ? !index_good(r->opening, b->opening_count) : r->opening != -1) {
-        fault(c, "region %d (%s): opening %d of %d", i, name, r->opening, b->opening_count);
-    }
-    if (r->side < 0 || r->side > 1) fault(c, "region %d (%s): side %d (allowed 0, 1)", i, name, r->side);
-    int material[2] = {r->floor_material, r->ceiling_material};
-    for (int k = 0; k < 2; k++) {
-        if (material[k] < -1 || material[k] >= b->material_count) {
-            fault(c, "region %d (%s): %s material %d of %d", i, name, k ? "ceiling" : "floor", material[k],
-                  b->material_count);
-        }
-    }
-    if (!good(r->z0) || !good(r->z1) || r->z0 >= r->z1) {
-        fault(c, "region %d (%s): reaches from %g m up to %g m", i, name, r->z0, r->z1);
-        return false;
-    }
-    if (r->z0 != maps_snap(r->z0) || r->z1 != maps_snap(r->z1)) {
-        fault(c, "region %d (%s): heights %.6f, %.6f are off the grid of %g m", i, name, r->z0, r->z1,
-              MAPS_GRID);
-    }
-    if (r->ring_count < 1 || !run_good(r->first_ring, r->ring_count, b->ring_count)) {
-        fault(c, "region %d (%s): rings %d to %d of %d", i, name, r->first_ring,
-              r->first_ring + r->ring_count - 1, b->ring_count);
-        return false;
-    }
-    return true;
-}
-
-static void gather_edges(Check *c, const Region *r, Outline *out) {
-    int count = 0;
-    for (int k = 0; k < r->ring_count; k++) count += c->b->rings[r->first_ring + k].point_count;
-    out->edges = ARENA_ARRAY(c->arena, Edge, count);
-    out->min = vec2(INFINITY, INFINITY);
-    out->max = vec2(-INFINITY, -INFINITY);
-    for (int k = 0; k < r->ring_count; k++) {
-        const Ring *ring = &c->b->rings[r->first_ring + k];
-        const Vec2 *v = &c->mm[ring->first_point];
-        for (int i = 0; i < ring->point_count; i++) {
-            out->edges[out->count++] = (Edge){v[i], v[(i + 1) % ring->point_count], k, i};
-            out->min = vec2(fmin(out->min.x, v[i].x), fmin(out->min.y, v[i].y));
-            out->max = vec2(fmax(out->max.x, v[i].x), fmax(out->max.y, v[i].y));
-        }
-    }
-}
-
-static int by_left_end(const void *pa, const void *pb) {
-    const Edge *a = pa, *b = pb;
-    double x = fmin(a->a.x, a->b.x), y = fmin(b->a.x, b->b.x);
-    return x != y ? (x < y ? -1 : 1) : a->ring != b->ring ? a->ring - b->ring : a->index - b->index;
-}
-
-// Two edges of one region may share end points, of different rings even; nothing else.
-static bool edges_of_region_meet_well(Edge e, Edge f) {
-    if (boxes_apart(e.a, e.b, f.a, f.b)) return true;
-    if (vec2_equal(e.a, f.a) && e.ring == f.ring) return false;  // a vertex visited twice
-    return !cross_properly(e.a, e.b, f.a, f.b) && !strictly_between(e.a, e.b, f.a) &&
-           !strictly_between(e.a, e.b, f.b) && !strictly_between(f.a, f.b, e.a) &&
-           !strictly_between(f.a, f.b, e.b) && !overlap_along_line(e.a, e.b, f.a, f.b);
-}
-
-static bool check_outline(Check *c, int i, Outline *out) {
-    const Region *r = &c->b->regions[i];
-    gather_edges(c, r, out);
-    qsort(out->edges, (size_t)out->count, sizeof(Edge), by_left_end);
-    for (int e = 0; e < out->count; e++) {
-        Edge a = out->edges[e];
-        if (vec2_equal(a.a, a.b)) {
-            fault(c, "region %d ring %d: edge %d at (%.3f, %.3f) has no length", i, a.ring, a.index,
-                  a.a.x / MM_PER_M, a.a.y / MM_PER_M);
-            return false;
-        }
-        double right = fmax(a.a.x, a.b.x);
-        for (int f = e + 1; f < out->count && fmin(out->edges[f].a.x, out->edges[f].b.x) <= right; f++) {
-            if (edges_of_region_meet_well(a, out->edges[f])) continue;
-            fault(c, "region %d (%s): its outline touches or crosses itself near (%.3f, %.3f)", i,
-                  text_of(r->name), a.a.x / MM_PER_M, a.a.y / MM_PER_M);
-            return false;
-        }
-    }
-    for (int k = 1; k < r->ring_count; k++) {
-        // A hole lies inside: its edges' middles do, since nothing crosses. In doubled millimetres, exactly.
-        const Ring *ring = &c->b->rings[r->first_ring + k];
-        Region outer = *r;
-        outer.ring_count = 1;
-        for (int n = 0; n < ring->point_count; n++) {
-            if (locate(c, &outer, c->mm[ring->first_point + n]) >= 0) continue;
-            fault(c, "region %d (%s): hole %d at (%.3f, %.3f) lies outside", i, text_of(r->name), k,
-                  c->b->points[ring->first_point].x, c->b->points[ring->first_point].y);
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool outline_apart(const Outline *a, Edge e) {
-    return fmax(e.a.x, e.b.x) < a->min.x || fmin(e.a.x, e.b.x) > a->max.x || fmax(e.a.y, e.b.y) < a->min.y ||
-           fmin(e.a.y, e.b.y) > a->max.y;
-}
-
-typedef struct Pair {
-    bool crossing, unshared;
-    Vec2 place;
-} Pair;
-
-// How edge e of one region meets the edges of the other; whether it lies on one of them.
-static bool edge_against(Edge e, const Outline *other, Pair *pair, bool *same_way) {
-    bool shared = false;
-    for (int i = 0; i < other->count && fmin(other->edges[i].a.x, other->edges[i].b.x) <= fmax(e.a.x, e.b.x);
-         i++) {
-        Edge f = other->edges[i];
-        if (boxes_apart(e.a, e.b, f.a, f.b)) continue;
-        if (vec2_equal(e.a, f.b) && vec2_equal(e.b, f.a)) {
-            shared = true;
-        } else if (vec2_equal(e.a, f.a) && vec2_equal(e.b, f.b)) {
-            shared = *same_way = true;
-        } else if (cross_properly(e.a, e.b, f.a, f.b)) {
-            pair->crossing = true;
-            pair->place = e.a;
-        } else if (overlap_along_line(e.a, e.b, f.a, f.b)) {
-            pair->unshared = true;
-            pair->place = e.a;
-        }
-    }
-    return shared;
-}
-
-// The interiors meet iff edges cross, or an edge of one, cut where the other's vertices lie on it, runs
-// inside the other, or both run along one edge the same way.
-static bool interiors_meet(const Check *c, int ia, int ib, const Outline *a, const Outline *b, Pair *pair) {
-    bool same_way = false;
-    for (int way = 0; way < 2; way++) {
-        const Outline *mine = way ? b : a, *other = way ? a : b;
-        const Region *in = &c->b->regions[way ? ia : ib];
-        for (int i = 0; i < mine->count; i++) {
-            Edge e = mine->edges[i];
-            if (outline_apart(other, e)) continue;
-            bool shared = edge_against(e, other, pair, &same_way);
-            if (pair->crossing || same_way) {
-                pair->place = e.a;
-                return true;
-            }
-            if (shared) continue;
-            Vec2 mid = vec2((e.a.x + e.b.x) / 2, (e.a.y + e.b.y) / 2);
-            if (locate(c, in, mid) > 0 || locate(c, in, e.a) > 0) {
-                pair->place = e.a;
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-static void check_pair(Check *c, int i, int j, const Outline *a, const Outline *b) {
-    const Region *r = &c->b->regions[i], *s = &c->b->regions[j];
-    Pair pair = {false, false, {0, 0}};
-    bool meet = interiors_meet(c, i, j, a, b, &pair);
-    if (meet && fmax(r->z0, s->z0) < fmin(r->z1, s->z1)) {
-        fault(c, "regions %d (%s) and %d (%s) overlap near (%.3f, %.3f) between heights %.3f and %.3f", i,
-              text_of(r->name), j, text_of(s->name), pair.place.x / MM_PER_M, pair.place.y / MM_PER_M,
-              fmax(r->z0, s->z0), fmin(r->z1, s->z1));
-    } else if (pair.unshared) {
-        fault(c, "regions %d (%s) and %d (%s) touch without sharing vertices near (%.3f, %.3f)", i,
-              text_of(r->name), j, text_of(s->name), pair.place.x / MM_PER_M, pair.place.y / MM_PER_M);
-    }
-}
-
-static void check_regions(Check *c) {
-    const Building *b = c->b;
-    c->mm = ARENA_ARRAY(c->arena, Vec2, b->point_count);
-    for (int i = 0; i < b->point_count; i++) {
-        c->mm[i] = vec2(nearbyint(b->points[i].x * MM_PER_M), nearbyint(b->points[i].y * MM_PER_M));
-    }
-    Outline *outlines = ARENA_ARRAY(c->arena, Outline, b->region_count);
-    for (int i = 0; i < b->region_count; i++) {
-        const Region *r = &b->regions[i];
-        if (!check_region_fields(c, i)) continue;
-        bool rings = true;
-        for (int k = 0; k < r->ring_count; k++)
-            rings = check_ring(c, i, k, &b->rings[r->first_ring + k]) && rings;
-        outlines[i].sound = rings && check_outline(c, i, &outlines[i]);
-    }
-    for (int i = 0; i < b->region_count; i++) {
-        for (int j = i + 1; j < b->region_count; j++) {
-            const Region *r = &b->regions[i], *s = &b->regions[j];
-            const Outline *p = &outlines[i], *q = &outlines[j];
-            if (!p->sound || !q->sound || fmax(r->z0, s->z0) > fmin(r->z1, s->z1)) continue;
-            if (p->max.x < q->min.x || q->max.x < p->min.x || p->max.y < q->min.y || q->max.y < p->min.y)
-                continue;
-            check_pair(c, i, j, p, q);
-        }
+            check_fault(c, "leaf %d: opening %d of %d", i, l->opening, b->opening_count);
     }
 }
 
 static void check_world(Check *c) {
     const Building *b = c->b;
-    if (b->region_count == 0) return;  // a soup: the reader need not name a world
     bool sound = good3(b->world.min) && good3(b->world.max);
     for (int i = 0; sound && i < b->region_count; i++) {
         const Region *r = &b->regions[i];
         if (r->z0 < b->world.min.z || r->z1 > b->world.max.z) {
-            fault(c, "region %d (%s): heights %g to %g m leave the world (%g to %g m)", i, text_of(r->name),
-                  r->z0, r->z1, b->world.min.z, b->world.max.z);
+            check_fault(c, "region %d (%s): heights %g to %g m leave the world (%g to %g m)", i,
+                        text_of(r->name), r->z0, r->z1, b->world.min.z, b->world.max.z);
         }
     }
-    if (!sound) fault(c, "the world's box is not finite");
+    if (!sound) check_fault(c, "the world's box is not finite");
     if (!good3(b->start) || !good(b->start_yaw)) {
-        fault(c, "the start (%g, %g, %g) is not finite", b->start.x, b->start.y, b->start.z);
+        check_fault(c, "the start (%g, %g, %g) is not finite", b->start.x, b->start.y, b->start.z);
     }
 }
 
 int building_check(const Building *b, Arena *arena, const char **faults, int max) {
     Check c = {.b = b, .arena = arena, .faults = faults, .max = max};
+    check_form(&c);
     check_materials_and_storeys(&c);
     check_regions(&c);
     check_openings(&c);

@@ -6,8 +6,15 @@
 #include <string.h>
 #include <strings.h>
 
-extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT;
-const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN, &MAPS_READER_SH3D, &MAPS_READER_PRT, NULL};
+extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT, MAPS_READER_QUADS,
+    MAPS_READER_OBJ, MAPS_READER_GLTF;
+const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN,
+                                          &MAPS_READER_SH3D,
+                                          &MAPS_READER_PRT,
+                                          &MAPS_READER_QUADS,
+                                          &MAPS_READER_OBJ,
+                                          &MAPS_READER_GLTF,
+                                          NULL};
 
 static const size_t MAX_FILE = (size_t)1 << 30;  // bytes: a home with all its models has some 100 MB at most
 
@@ -61,7 +68,7 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
     out->map = map;
     if (!reader->read(path, content, arena, out, error)) return false;
     out->source = arena_string(arena, path);
-    out->hash = file_hash(content.data, content.size, 0);
+    out->hash = file_hash(content.data, content.size, out->hash);
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);

@@ -12,6 +12,7 @@ typedef struct MapsReader {
     const char *summary;               // for --help
     bool (*recognise)(Bytes content);  // by content alone
     // `out` is empty but for the `map` wanted; a reader of files with several leaves there the name of the one read.
+    // A reader of files that refer to others leaves in `hash` a hash of those it read.
     bool (*read)(const char *path, Bytes content, Arena *arena, Building *out, Error *error);
     bool has_maps;  // its files hold several maps
 } MapsReader;

@@ -1,11 +1,14 @@
-// obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, f, g, o, usemtl, mtllib; newmtl, Kd,
+// obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, f, g, o, usemtl, mtllib; newmtl, Kd, Ke,
 // d, Tr, map_Kd. Departures: texture coordinates, normals, lines, points, curves and smoothing are not read; Kd
-// is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean.
+// is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean; Ke is taken as
+// radiant exitance, for which MTL has no unit.
 #include "maps/obj.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "maps/scan.h"
 #include "maps/texture.h"
 
 // Models refer to colours by name without a library; words in the name give the colour. Later rows win, so that
@@ -25,14 +28,23 @@ static const struct {
 };
 static const unsigned UNNAMED_COLOUR = 0xD0D0D0;  // sRGB: neutral and light, as most furniture
 static const float GLASS_ALPHA = 0.3f;            // of a material called glass that no library describes
+static const double MAX_EMISSION = 1e9;           // W/m^2: the sun's surface is at 6e7
+
+// Open addressing by hash; slots hold an index + 1, 0 where they are free.
+enum { NAME_SLOTS = 2 * OBJ_MAX_NAMES };
+typedef struct Names {
+    int group[NAME_SLOTS], material[NAME_SLOTS];
+} Names;
 
 typedef struct Reader {
     const char *at, *end;
     const ObjFiles *files;
     Arena *arena;
     ObjModel *model;
+    Names *names;
     Error *error;
     const char *path;
+    int line;
     bool failed;
 } Reader;
 
@@ -47,6 +59,7 @@ static void skip_blanks(Reader *r) {
         for (p++; p < r->end && *p == '\r';) p++;
         if (p == r->end || *p != '\n') return;
         r->at = p + 1;
+        r->line++;
     }
 }
 
@@ -58,6 +71,7 @@ static bool line_ends(Reader *r) {
 static void next_line(Reader *r) {
     while (r->at < r->end && *r->at != '\n') r->at++;
     if (r->at < r->end) r->at++;
+    r->line++;
 }
 
 static bool read_number(Reader *r, double *out) {
@@ -94,12 +108,44 @@ static void fail(Reader *r, const char *what, int limit) {
     r->failed = true;
 }
 
+// Counts a vertex or face that cannot be used; the first one is kept for readers that refuse such models.
+static void skip(Reader *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void skip(Reader *r, const char *format, ...) {
+    ObjModel *m = r->model;
+    m->skipped++;
+    if (m->fault) return;
+    va_list args;
+    va_start(args, format);
+    m->fault = arena_format(r->arena, "%d: %s", r->line, arena_format_list(r->arena, format, args));
+    va_end(args);
+}
+
+static void skip_file(Reader *r, const char *name) {
+    r->model->skipped++;
+    if (!r->model->absent) r->model->absent = name;
+}
+
+// The place of `name` in a table, or of the free slot where it belongs; `name_of` gives the names by index.
+static int *find_name(const Reader *r, int *table, const char *name,
+                      const char *(*name_of)(const ObjModel *, int)) {
+    size_t at = file_hash(name, strlen(name), 0) % NAME_SLOTS;
+    while (table[at] > 0 && strcmp(name_of(r->model, table[at] - 1), name) != 0) at = (at + 1) % NAME_SLOTS;
+    return &table[at];
+}
+
+static const char *group_name(const ObjModel *m, int i) { return m->groups[i]; }
+static const char *material_name(const ObjModel *m, int i) { return m->materials[i].name; }
+
 static int find_group(Reader *r, const char *name) {
     ObjModel *m = r->model;
-    for (int i = m->group_count - 1; i >= 0; i--)
-        if (strcmp(m->groups[i], name) == 0) return i;
-    if (m->group_count == OBJ_MAX_NAMES) return 0;
+    int *slot = find_name(r, r->names->group, name, group_name);
+    if (*slot > 0) return *slot - 1;
+    if (m->group_count == OBJ_MAX_NAMES) {
+        m->nameless++;
+        return 0;
+    }
     *ARENA_PUSH(r->arena, m->groups, m->group_count, m->group_capacity) = name;
+    *slot = m->group_count;
     return m->group_count - 1;
 }
 
@@ -107,15 +153,20 @@ static ObjMaterial name_material(const char *name) {
     unsigned colour = UNNAMED_COLOUR;
     for (size_t i = 0; i < sizeof NAMED / sizeof *NAMED; i++)
         if (strcasestr(name, NAMED[i].word)) colour = NAMED[i].colour;
-    return (ObjMaterial){name, maps_colour(colour), strcasestr(name, "glass") ? GLASS_ALPHA : 1, false};
+    return (ObjMaterial){
+        name, maps_colour(colour), {0, 0, 0}, strcasestr(name, "glass") ? GLASS_ALPHA : 1, false};
 }
 
 static int find_material(Reader *r, const char *name) {
     ObjModel *m = r->model;
-    for (int i = m->material_count - 1; i >= 0; i--)
-        if (strcmp(m->materials[i].name, name) == 0) return i;
-    if (m->material_count == OBJ_MAX_NAMES) return 0;
+    int *slot = find_name(r, r->names->material, name, material_name);
+    if (*slot > 0) return *slot - 1;
+    if (m->material_count == OBJ_MAX_NAMES) {
+        m->nameless++;
+        return 0;
+    }
     *ARENA_PUSH(r->arena, m->materials, m->material_count, m->material_capacity) = name_material(name);
+    *slot = m->material_count;
     return m->material_count - 1;
 }
 
@@ -130,7 +181,7 @@ static void read_vertex(Reader *r) {
     // A bad vertex keeps its number, or all later faces would refer to the wrong ones; faces that use it go.
     if (!whole) {
         v = vec3(NAN, NAN, NAN);
-        m->skipped++;
+        skip(r, "the coordinates of vertex %d are not three numbers", m->vertex_count + 1);
     }
     *ARENA_PUSH(r->arena, m->vertices, m->vertex_count, m->vertex_capacity) = v;
 }
@@ -151,31 +202,50 @@ static int read_corner(Reader *r) {
 static void read_face(Reader *r, int group, int material) {
     ObjModel *m = r->model;
     int first = m->corner_count;
-    bool usable = true;
+    const char *bad = NULL;
     while (!line_ends(r)) {
         if (m->corner_count == OBJ_MAX_CORNERS) {
             fail(r, "corners", OBJ_MAX_CORNERS);
             return;
         }
+        const char *word = r->at;
         int corner = read_corner(r);
-        usable = usable && corner >= 0;
+        if (corner < 0 && !bad) bad = word;
         *ARENA_PUSH(r->arena, m->corners, m->corner_count, m->corner_capacity) = corner;
     }
-    if (!usable || m->corner_count - first < 3) {
+    int count = m->corner_count - first;
+    if (bad || count < 3) {
         m->corner_count = first;
-        m->skipped++;
+        Quote quote;
+        if (bad)
+            skip(r, "a corner of a face is `%s` (allowed: 1 to %d or -1 to -%d, of sound vertices)",
+                 scan_quote(&(Scan){.at = bad, .end = r->end}, &quote), m->vertex_count, m->vertex_count);
+        else
+            skip(r, "a face has %d corners (allowed: 3 or more)", count);
         return;
     }
     for (int i = first; i < m->corner_count; i++) m->box = box_add(m->box, m->vertices[m->corners[i]]);
     *ARENA_PUSH(r->arena, m->faces, m->face_count, m->face_capacity) =
-        (ObjFace){first, m->corner_count - first, group, material};
+        (ObjFace){first, count, group, material, r->line};
+}
+
+// One value stands for all three.
+static bool read_channels(Reader *r, double c[3]) {
+    if (!read_number(r, &c[0])) return false;
+    if (!read_number(r, &c[1]) || !read_number(r, &c[2])) c[1] = c[2] = c[0];
+    return true;
+}
+
+static void read_emission(Reader *r, ObjMaterial *material) {
+    double c[3];
+    if (!read_channels(r, c)) return;
+    for (int i = 0; i < 3; i++) c[i] = fmin(fmax(c[i], 0), MAX_EMISSION);
+    material->emission = (Rgb){(float)c[0], (float)c[1], (float)c[2]};
 }
 
 static void read_colour(Reader *r, ObjMaterial *material) {
     double c[3];
-    if (!read_number(r, &c[0])) return;
-    // One value stands for all three.
-    if (!read_number(r, &c[1]) || !read_number(r, &c[2])) c[1] = c[2] = c[0];
+    if (!read_channels(r, c)) return;
     int code[3];
     for (int i = 0; i < 3; i++) code[i] = (int)lrint(255 * fmin(fmax(c[i], 0), 1));
     material->colour = (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
@@ -191,7 +261,7 @@ static void read_texture(Reader *r, ObjMaterial *material) {
         texture_mean(image, &mean))
         material->colour = mean;
     else
-        r->model->skipped++;
+        skip_file(r, name);
 }
 
 static void read_library(Reader *outer, Bytes content) {
@@ -212,6 +282,8 @@ static void read_library(Reader *outer, Bytes content) {
         ObjMaterial *m = &r.model->materials[material];
         if (word_is(&r, "Kd"))
             read_colour(&r, m);
+        else if (word_is(&r, "Ke"))
+            read_emission(&r, m);
         else if (word_is(&r, "d") && read_number(&r, &number))
             m->alpha = (float)fmin(fmax(number, 0), 1);
         else if (word_is(&r, "Tr") && read_number(&r, &number))
@@ -227,7 +299,7 @@ static void read_libraries(Reader *r) {
     if (r->files && r->files->read && r->files->read(r->files->context, name, r->arena, &content))
         read_library(r, content);
     else
-        r->model->skipped++;
+        skip_file(r, name);
 }
 
 bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
@@ -235,7 +307,15 @@ bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *are
     memset(out, 0, sizeof *out);
     out->box = box_empty();
     const char *text = (const char *)content.data;
-    Reader r = {text, text + content.size, files, arena, out, error, path, false};
+    Reader r = {.at = text,
+                .end = text + content.size,
+                .files = files,
+                .arena = arena,
+                .model = out,
+                .names = ARENA_ARRAY(arena, Names, 1),
+                .error = error,
+                .path = path,
+                .line = 1};
     int group = find_group(&r, ""), material = find_material(&r, "");
     for (; r.at < r.end && !r.failed; next_line(&r)) {
         skip_blanks(&r);
@@ -262,7 +342,7 @@ ObjModel obj_box(Arena *arena) {
     for (int i = 0; i < 8; i++)
         *ARENA_PUSH(arena, m.vertices, m.vertex_count, m.vertex_capacity) = vec3(i >> 2, i >> 1 & 1, i & 1);
     for (int i = 0; i < 6; i++) {
-        *ARENA_PUSH(arena, m.faces, m.face_count, m.face_capacity) = (ObjFace){m.corner_count, 4, 0, 0};
+        *ARENA_PUSH(arena, m.faces, m.face_count, m.face_capacity) = (ObjFace){m.corner_count, 4, 0, 0, 0};
         for (int j = 0; j < 4; j++)
             *ARENA_PUSH(arena, m.corners, m.corner_count, m.corner_capacity) = QUAD[i][j];
     }

@@ -1,4 +1,4 @@
-// obj.h - Wavefront OBJ models with their MTL materials, as furniture comes.
+// obj.h - Wavefront OBJ models with their MTL materials, as furniture and whole buildings come.
 #ifndef MAPS_OBJ_H
 #define MAPS_OBJ_H
 
@@ -13,6 +13,7 @@
 typedef struct ObjMaterial {
     const char *name;
     Rgb colour;    // linear reflectance
+    Rgb emission;  // radiant exitance, W/m^2
     float alpha;   // 1 opaque
     bool defined;  // by a material library; else the colour follows from the name
 } ObjMaterial;
@@ -20,6 +21,7 @@ typedef struct ObjMaterial {
 typedef struct ObjFace {
     int first_corner, corner_count;
     int group, material;
+    int line;  // where it stands in the file
 } ObjFace;
 
 typedef struct ObjModel {
@@ -30,9 +32,12 @@ typedef struct ObjModel {
     ObjMaterial *materials;  // material 0 is "" for faces before the first usemtl
     int vertex_count, corner_count, face_count, group_count, material_count;
     int vertex_capacity, corner_capacity, face_capacity, group_capacity, material_capacity;
-    int skipped;     // lines that could not be used
-    Box box;         // of the vertices that faces use
-    bool fixed_box;  // the box is given, whatever the faces fill of it
+    int skipped;         // lines that could not be used
+    const char *fault;   // the first such vertex or face, as `LINE: sentence`; NULL: none
+    const char *absent;  // the first library or image that could not be read; NULL: none
+    int nameless;        // lines with a name beyond OBJ_MAX_NAMES
+    Box box;             // of the vertices that faces use
+    bool fixed_box;      // the box is given, whatever the faces fill of it
 } ObjModel;
 
 // Where material libraries and images are looked for. `name` as the file spells it; `read` may be NULL.

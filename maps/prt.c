@@ -4,11 +4,10 @@
 // Text: `PRT1`, the number of cells, the number of portals, then a line a portal: `POINTS CELL CELL (x y z ) ...`. The
 // right-handed turn of a portal's corners points out of the first cell; ours are counter-clockwise seen from it.
 #include <ctype.h>
-#include <errno.h>
-#include <stdlib.h>
 
 #include "engine/core/polygon.h"
 #include "maps/maps.h"
+#include "maps/scan.h"
 
 static const double UNITS_PER_METRE = 32;  // a power of two: no coordinate is rounded
 enum { MAX_CELLS = 1 << 16, MAX_PORTALS = 1 << 20, MAX_CORNERS = 64 };
@@ -16,88 +15,37 @@ enum { MAX_CELLS = 1 << 16, MAX_PORTALS = 1 << 20, MAX_CORNERS = 64 };
 // three compilers: up to 0.02.
 static const double BEND = 0.1;
 
-typedef struct Text {
-    const char *path, *at, *end;
-    int line;
-} Text;
-
-static bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-static void skip_blanks(Text *t) {
-    while (t->at < t->end && blank(*t->at)) t->at++;
-}
-
-// To the beginning of the next line that holds something; false at the end.
-static bool next_line(Text *t) {
-    for (;;) {
-        skip_blanks(t);
-        if (t->at >= t->end) return false;
-        if (*t->at != '\n') return true;
-        t->at++;
-        t->line++;
-    }
-}
-
-// A copy of what stands here, for messages.
-static const char *found(const Text *t, char buffer[32]) {
-    int length = 0;
-    for (const char *c = t->at; c < t->end && length < 31 && *c != '\n' && !blank(*c); c++)
-        buffer[length++] = isprint((unsigned char)*c) ? *c : '?';
-    buffer[length] = 0;
-    return length > 0 ? buffer : "the end of the line";
-}
-
-// A word that is a number and nothing else. Words end at blanks, parentheses and line ends.
-static bool read_number(Text *t, double *out) {
-    skip_blanks(t);
-    char word[64];
-    int length = 0;
-    const char *c = t->at;
-    for (; c < t->end && !blank(*c) && *c != '\n' && *c != '(' && *c != ')'; c++) {
-        if (length == (int)sizeof word - 1 || !strchr("+-.0123456789eE", *c)) return false;
-        word[length++] = *c;
-    }
-    word[length] = 0;
-    char *rest;
-    *out = strtod(word, &rest);
-    if (length == 0 || *rest || !isfinite(*out)) return false;
-    t->at = c;
-    return true;
-}
-
-static bool read_count(Text *t, const char *what, int low, int high, int *out, Error *error) {
-    char buffer[32];
+static bool read_count(Scan *t, const char *what, int low, int high, int *out, Error *error) {
+    Quote quote;
     double value;
-    Text before = *t;
-    if (!read_number(t, &value) || value != floor(value) || value < low || value > high) {
-        skip_blanks(&before);
+    Scan before = *t;
+    if (!scan_number(t, low, high, &value) || value != floor(value)) {
         return error_set(error, "%s:%d: %s is `%s` (allowed %d to %d)", t->path, t->line, what,
-                         found(&before, buffer), low, high);
+                         scan_quote(&before, &quote), low, high);
     }
     *out = (int)value;
     return true;
 }
 
-static bool read_sign(Text *t, char sign, Error *error) {
-    char buffer[32];
-    skip_blanks(t);
+static bool read_sign(Scan *t, char sign, Error *error) {
+    Quote quote;
+    scan_blanks(t);
     if (t->at < t->end && *t->at == sign) {
         t->at++;
         return true;
     }
     return error_set(error, "%s:%d: found `%s` (expected `%c`: corners are written (x y z))", t->path,
-                     t->line, found(t, buffer), sign);
+                     t->line, scan_quote(t, &quote), sign);
 }
 
-static bool read_corner(Text *t, Vec3 *out, Error *error) {
-    char buffer[32];
+static bool read_corner(Scan *t, Vec3 *out, Error *error) {
+    Quote quote;
     double c[3];
     if (!read_sign(t, '(', error)) return false;
     for (int i = 0; i < 3; i++) {
-        Text before = *t;
-        if (!read_number(t, &c[i]) || fabs(c[i]) > MAPS_LIMIT) {
-            skip_blanks(&before);
+        if (!scan_number(t, -MAPS_LIMIT, MAPS_LIMIT, &c[i])) {
             return error_set(error, "%s:%d: a coordinate is `%s` (allowed -%g to %g)", t->path, t->line,
-                             found(&before, buffer), MAPS_LIMIT, MAPS_LIMIT);
+                             scan_quote(t, &quote), MAPS_LIMIT, MAPS_LIMIT);
         }
     }
     *out = vec3(c[0] / UNITS_PER_METRE, c[1] / UNITS_PER_METRE, c[2] / UNITS_PER_METRE);
@@ -114,7 +62,7 @@ static double dent(const Vec3 *v, int count, Vec3 n) {
     return deepest;
 }
 
-static bool check_shape(const Text *t, const Vec3 *v, int count, Error *error) {
+static bool check_shape(const Scan *t, const Vec3 *v, int count, Error *error) {
     Plane plane = plane_of_polygon(v, count);
     double limit = BEND / UNITS_PER_METRE;
     double bend = polygon_bend(v, count, plane), hollow = dent(v, count, plane.n);
@@ -130,7 +78,7 @@ static bool check_shape(const Text *t, const Vec3 *v, int count, Error *error) {
 }
 
 // A portal without area, through which nothing is seen, comes back without corners.
-static bool read_portal(Text *t, Arena *arena, Building *b, GivenPortal *out, Error *error) {
+static bool read_portal(Scan *t, Arena *arena, Building *b, GivenPortal *out, Error *error) {
     int count;
     Vec3 corner[MAX_CORNERS];
     if (!read_count(t, "the number of a portal's corners", 3, MAX_CORNERS, &count, error)) return false;
@@ -145,12 +93,12 @@ static bool read_portal(Text *t, Arena *arena, Building *b, GivenPortal *out, Er
     for (int i = 0; i < count; i++) {
         if (!read_corner(t, &corner[i], error)) return false;
     }
-    skip_blanks(t);
+    scan_blanks(t);
     if (t->at < t->end && *t->at != '\n') {
-        char buffer[32];
+        Quote quote;
         return error_set(error,
                          "%s:%d: found `%s` after the portal's %d corners (expected the end of the line)",
-                         t->path, t->line, found(t, buffer), count);
+                         t->path, t->line, scan_quote(t, &quote), count);
     }
     out->vertex_count = 0;
     if (polygon_area(corner, count) < MAPS_SMALLEST_AREA) return true;
@@ -167,37 +115,37 @@ static bool recognise(Bytes content) {
     return content.size >= 4 && memcmp(content.data, "PRT", 3) == 0 && isdigit(content.data[3]);
 }
 
-static bool read_head(Text *t, Building *b, Error *error) {
-    char buffer[32];
-    if (!next_line(t)) return error_set(error, "%s: is empty (expected PRT1)", t->path);
-    found(t, buffer);
-    if (strcmp(buffer, "PRT2") == 0) {
+static bool read_head(Scan *t, Building *b, Error *error) {
+    Quote quote;
+    if (!scan_next_line(t, 0)) return error_set(error, "%s: is empty (expected PRT1)", t->path);
+    const char *mark = scan_quote(t, &quote);
+    if (strcmp(mark, "PRT2") == 0) {
         return error_set(
             error,
             "%s:%d: is a PRT2 file (allowed PRT1: the clusters of PRT2 are not convex, so a straight "
             "line may leave one and come back)",
             t->path, t->line);
     }
-    if (strcmp(buffer, "PRT1") != 0)
-        return error_set(error, "%s:%d: begins with `%s` (allowed PRT1)", t->path, t->line, buffer);
+    if (strcmp(mark, "PRT1") != 0)
+        return error_set(error, "%s:%d: begins with `%s` (allowed PRT1)", t->path, t->line, mark);
     t->at += 4;
-    if (!next_line(t) || !read_count(t, "the number of cells", 1, MAX_CELLS, &b->given_cell_count, error))
+    if (!scan_next_line(t, 0) ||
+        !read_count(t, "the number of cells", 1, MAX_CELLS, &b->given_cell_count, error))
         return t->at < t->end ? false : error_set(error, "%s: ends before the number of cells", t->path);
-    if (!next_line(t) ||
+    if (!scan_next_line(t, 0) ||
         !read_count(t, "the number of portals", 0, MAX_PORTALS, &b->given_portal_count, error))
         return t->at < t->end ? false : error_set(error, "%s: ends before the number of portals", t->path);
     return true;
 }
 
 static bool read(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
-    const char *data = (const char *)content.data;
-    Text t = {.path = path, .at = data, .end = data + content.size, .line = 1};
+    Scan t = scan_begin(path, content);
     *out = (Building){.form = FORM_CELLS, .map = out->map};
     if (!read_head(&t, out, error)) return false;
     int told = out->given_portal_count, capacity = 0;
     out->given_portal_count = 0;
     for (int i = 0; i < told; i++) {
-        if (!next_line(&t)) {
+        if (!scan_next_line(&t, 0)) {
             return error_set(error, "%s:%d: ends after %d portals (its head says %d)", path, t.line, i, told);
         }
         GivenPortal portal;
@@ -205,10 +153,10 @@ static bool read(const char *path, Bytes content, Arena *arena, Building *out, E
         if (portal.vertex_count == 0) continue;
         *ARENA_PUSH(arena, out->given_portals, out->given_portal_count, capacity) = portal;
     }
-    if (next_line(&t)) {
-        char buffer[32];
+    if (scan_next_line(&t, 0)) {
+        Quote quote;
         return error_set(error, "%s:%d: found `%s` after the last portal (its head says %d portals)", path,
-                         t.line, found(&t, buffer), told);
+                         t.line, scan_quote(&t, &quote), told);
     }
     int dropped = told - out->given_portal_count;
     if (dropped > 0)

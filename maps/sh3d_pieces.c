@@ -236,7 +236,7 @@ static void finish_object(Sh3d *s, const Piece *p) {
 
 static void add_box_quad(Arena *arena, ObjModel *m, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     Vec3 corner[4] = {a, b, c, d};
-    *ARENA_PUSH(arena, m->faces, m->face_count, m->face_capacity) = (ObjFace){m->corner_count, 4, 0, 0};
+    *ARENA_PUSH(arena, m->faces, m->face_count, m->face_capacity) = (ObjFace){m->corner_count, 4, 0, 0, 0};
     for (int i = 0; i < 4; i++) {
         *ARENA_PUSH(arena, m->corners, m->corner_count, m->corner_capacity) = m->vertex_count;
         *ARENA_PUSH(arena, m->vertices, m->vertex_count, m->vertex_capacity) = corner[i];

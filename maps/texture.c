@@ -26,13 +26,17 @@
 #endif
 #pragma GCC diagnostic pop
 
+int texture_pixels(Bytes image) {
+    int width, height, channels;
+    if (image.size > INT_MAX) return 0;
+    if (!stbi_info_from_memory(image.data, (int)image.size, &width, &height, &channels)) return 0;
+    return width > 0 && height > 0 && width <= TEXTURE_MAX_PIXELS / height ? width * height : 0;
+}
+
 bool texture_mean(Bytes image, Rgb *mean) {
     int width, height, channels;
-    if (image.size > INT_MAX) return false;
-    int size = (int)image.size;
-    if (!stbi_info_from_memory(image.data, size, &width, &height, &channels)) return false;
-    if (width <= 0 || height <= 0 || width > TEXTURE_MAX_PIXELS / height) return false;
-    unsigned char *pixels = stbi_load_from_memory(image.data, size, &width, &height, &channels, 4);
+    if (texture_pixels(image) == 0) return false;
+    unsigned char *pixels = stbi_load_from_memory(image.data, (int)image.size, &width, &height, &channels, 4);
     if (!pixels) return false;
     double linear[256], sum[3] = {0}, weight = 0;
     for (int i = 0; i < 256; i++) linear[i] = (double)maps_linear(i);

@@ -1,0 +1,34 @@
+// scan.h - reading lines of words and numbers that lie in memory, with the place for messages.
+#ifndef MAPS_SCAN_H
+#define MAPS_SCAN_H
+
+#include "engine/core/file.h"
+
+typedef struct Scan {
+    const char *path, *at, *end;
+    int line;  // counted from 1
+} Scan;
+
+Scan scan_begin(const char *path, Bytes content);
+// Blanks but line ends.
+void scan_blanks(Scan *scan);
+// To the beginning of the next line that holds something; false at the end. `comment` begins a comment that reaches to
+// the end of its line; 0: there are none.
+bool scan_next_line(Scan *scan, char comment);
+// Whether nothing but blanks and a comment is left of the line.
+bool scan_line_ends(Scan *scan, char comment);
+
+// Room for what messages quote.
+typedef struct Quote {
+    char text[32];
+} Quote;
+// What stands here up to the next blank, fit for a message: unprintable bytes become `?`.
+const char *scan_quote(const Scan *scan, Quote *quote);
+
+// A word that is a plain decimal from low to high and nothing else. Words end at blanks, parentheses and line ends. On
+// failure the scan stays before the word.
+bool scan_number(Scan *scan, double low, double high, double *out);
+// The next word in `arena`, at most `longest` bytes; NULL where the line ends or the word is longer.
+char *scan_word(Scan *scan, int longest, Arena *arena);
+
+#endif

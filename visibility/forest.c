@@ -1,34 +1,37 @@
 // forest.c - the stab tree of every cell: depth-first through portals while a sightline crosses the whole sequence
 // (Teller & Sequin 1991).
 //
-// Portals in walls constrain the sightline in plan; one in a floor or ceiling projects to an area and constrains it
-// only in that a line which goes up never comes down. Leaving a constraint out errs towards visible. The search stays
-// within the cells that a flood through the first portal reaches, in which each further portal must lie at least
-// partly beyond the first one, and the first one before it (in three dimensions). A cell that has more sequences
-// than `max_nodes` keeps no tree: its visible set is then what the floods reach.
+// Upright portals constrain the sightline in plan; others project to an area, and a level one constrains it only in that
+// a line which goes up never comes down. Leaving a constraint out errs towards visible. The search stays within the cells
+// that may be seen as the caller knows, and else within those that a flood through the first portal reaches, in which
+// each further portal must lie at least partly beyond the first one, and the first one before it (in three dimensions).
+// A cell that has more sequences than allowed keeps no tree, and these cells are its visible set.
 //
 // Cells are independent of each other, so the threads do not show in the result. Visibility is symmetric: the sets
 // are intersected with their transpose, and the trees cut accordingly.
-#include <omp.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "engine/core/parallel.h"
 #include "visibility/sightline.h"
 #include "visibility/vis.h"
 
 typedef struct Step {
     int portal, to;
     Vec2 left, right;  // as seen when crossing, in whole millimetres where the plan is on the grid
-    int rise;          // of a portal in a floor: +1 up, -1 down; else 0
+    bool upright;      // else it has an area in plan
+    int rise;          // of a level portal: +1 up, -1 down; else 0
 } Step;
 
-// On the grid, whole millimetres make collinear points exactly collinear.
-static Vec2 grid_millimetres(Vec2 p) {
-    Vec2 mm = {p.x / MAPS_GRID, p.y / MAPS_GRID}, whole = {nearbyint(mm.x), nearbyint(mm.y)};
-    static const double NOISE = 1e-3;  // millimetres: a coordinate this near the grid came from it
-    return vec2(fabs(mm.x - whole.x) < NOISE ? whole.x : mm.x, fabs(mm.y - whole.y) < NOISE ? whole.y : mm.y);
+// On the grid, whole millimetres make collinear points exactly collinear; off it, points are taken as they are.
+static double grid_millimetres(double x) {
+    double mm = x / MAPS_GRID;
+    return x == maps_snap(x) ? nearbyint(mm) : mm;
 }
+
+static Vec2 plan_millimetres(Vec2 p) { return vec2(grid_millimetres(p.x), grid_millimetres(p.y)); }
 
 static Step *make_steps(const CellGraph *graph, Arena *scratch) {
     Step *steps = ARENA_ARRAY(scratch, Step, graph->contact_count);
@@ -37,9 +40,16 @@ static Step *make_steps(const CellGraph *graph, Arena *scratch) {
         for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
             const Portal *portal = &graph->portals[graph->contacts[i].portal];
             bool forward = portal->cell[0] == c;
-            Vec2 left = grid_millimetres(portal->left), right = grid_millimetres(portal->right);
-            steps[i] = (Step){graph->contacts[i].portal, graph->contacts[i].cell, forward ? left : right,
-                              forward ? right : left, portal->horizontal ? (forward ? -1 : 1) : 0};
+            Vec2 left = plan_millimetres(portal->left), right = plan_millimetres(portal->right);
+            bool level = fabs(portal->plane.n.z) == 1;
+            steps[i] = (Step){.portal = graph->contacts[i].portal,
+                              .to = graph->contacts[i].cell,
+                              .left = forward ? left : right,
+                              .right = forward ? right : left,
+                              .upright = !portal->horizontal,
+                              .rise = !level                               ? 0
+                                      : (portal->plane.n.z > 0) == forward ? -1
+                                                                           : 1};
         }
     }
     return steps;
@@ -81,7 +91,7 @@ static void grow(Grower *g, int node, int rise) {
         const Step *step = &g->steps[i];
         if (g->on_path[step->to] || rise * step->rise < 0 || !marked(g->reached, step->to)) continue;
         SightlineUndo undo;
-        if (step->rise == 0 && !sightline_push(&g->line, step->left, step->right, &undo)) continue;
+        if (step->upright && !sightline_push(&g->line, step->left, step->right, &undo)) continue;
         int child = add_node(g, step->to, step->portal, node);
         if (child >= 0) {
             if (last >= 0) g->nodes[last].next = child;
@@ -90,7 +100,7 @@ static void grow(Grower *g, int node, int rise) {
             grow(g, child, step->rise ? step->rise : rise);
             g->on_path[step->to] = 0;
         }
-        if (step->rise == 0) sightline_pop(&g->line, &undo);
+        if (step->upright) sightline_pop(&g->line, &undo);
     }
 }
 
@@ -140,39 +150,70 @@ typedef struct Tree {
 static void grow_branch(Grower *g, int contact) {
     const Step *step = &g->steps[contact];
     SightlineUndo undo;
-    if (step->rise == 0) sightline_push(&g->line, step->left, step->right, &undo);
+    if (step->upright) sightline_push(&g->line, step->left, step->right, &undo);
     int child = add_node(g, step->to, step->portal, 0);
     if (child >= 0) {
         g->on_path[step->to] = 1;
         grow(g, child, step->rise);
         g->on_path[step->to] = 0;
     }
-    if (step->rise == 0) sightline_pop(&g->line, &undo);
+    if (step->upright) sightline_pop(&g->line, &undo);
 }
 
-// Writes the visible set of `source` into `row`, and returns its tree, or the root alone where that is too large.
-static Tree grow_tree(const CellGraph *graph, const Step *steps, int source, int limit, uint64_t *row) {
-    size_t most = (size_t)graph->cell_count + 1, words = ((size_t)graph->cell_count + 63) / 64;
+// What all threads share.
+typedef struct Growth {
+    const CellGraph *graph;
+    const Step *steps;
+    const uint64_t *known;  // [cell_count * words] the pairs that may see each other, or NULL
+    StabForest *forest;
+    Tree *trees;
+    int limit;  // nodes of one tree
+    const Progress *progress;
+    pthread_mutex_t lock;  // of `progress`, `done` and `stopped`
+    int done;
+    bool stopped;
+} Growth;
+
+// What may be reached from `source` through each of its ways out: [contact_count * words].
+static uint64_t *reach(const Growth *growth, int source, Arena *scratch) {
+    const CellGraph *graph = growth->graph;
+    const Cell *cell = &graph->cells[source];
+    size_t words = (size_t)growth->forest->words;
+    uint64_t *reached = ARENA_ARRAY(scratch, uint64_t, words * ((size_t)cell->contact_count + 1));
+    int *stack = ARENA_ARRAY(scratch, int, graph->cell_count);
+    unsigned char *entered = ARENA_ARRAY(scratch, unsigned char, graph->cell_count);
+    for (int i = 0; i < cell->contact_count; i++) {
+        uint64_t *row = reached + (size_t)i * words;
+        if (growth->known) {
+            memcpy(row, growth->known + (size_t)source * words, words * sizeof *row);
+        } else {
+            flood_from(graph, growth->steps, source, cell->first_contact + i, row, stack, entered);
+        }
+    }
+    return reached;
+}
+
+// Writes the visible set of `source` into its row, and returns its tree, or the root alone where that is too large.
+static Tree grow_tree(const Growth *growth, int source) {
+    const CellGraph *graph = growth->graph;
+    size_t most = (size_t)graph->cell_count + 1, words = (size_t)growth->forest->words;
+    uint64_t *row = growth->forest->seen + (size_t)source * words;
     Arena scratch = {0};
     Grower g = {.graph = graph,
-                .steps = steps,
-                .limit = limit,
+                .steps = growth->steps,
+                .limit = growth->limit,
                 .line = {.left = ARENA_ARRAY(&scratch, Vec2, most),
                          .right = ARENA_ARRAY(&scratch, Vec2, most),
                          .capacity = (int)most},
                 .on_path = ARENA_ARRAY(&scratch, unsigned char, most)};
     const Cell *cell = &graph->cells[source];
-    uint64_t *reached = ARENA_ARRAY(&scratch, uint64_t, words * ((size_t)cell->contact_count + 1));
-    int *stack = ARENA_ARRAY(&scratch, int, most);
-    unsigned char *entered = ARENA_ARRAY(&scratch, unsigned char, most);
+    const uint64_t *reached = reach(growth, source, &scratch);
     g.on_path[source] = 1;
     add_node(&g, source, -1, -1);
     mark(row, source);
-    for (int i = 0; i < cell->contact_count; i++) {
-        uint64_t *flood = reached + (size_t)i * words;
-        flood_from(graph, steps, source, cell->first_contact + i, flood, stack, entered);
-        g.reached = flood;
-        if (!g.exhausted) grow_branch(&g, cell->first_contact + i);
+    for (int i = 0; i < cell->contact_count && !g.exhausted; i++) {
+        g.reached = reached + (size_t)i * words;
+        grow_branch(&g, cell->first_contact + i);
     }
     if (g.exhausted) {
         g.count = 1;
@@ -183,15 +224,60 @@ static Tree grow_tree(const CellGraph *graph, const Step *steps, int source, int
     return (Tree){g.nodes, g.count, g.exhausted};
 }
 
-static void make_symmetric(StabForest *forest, Arena *scratch) {
+static void grow_next(void *context, int cell, int thread) {
+    Growth *growth = context;
+    (void)thread;
+    pthread_mutex_lock(&growth->lock);
+    double done = (double)growth->done++ / growth->graph->cell_count;
+    if (!growth->stopped && !progress_report(growth->progress, "stab trees", done)) growth->stopped = true;
+    bool stopped = growth->stopped;
+    pthread_mutex_unlock(&growth->lock);
+    if (!stopped) growth->trees[cell] = grow_tree(growth, cell);
+}
+
+static void make_symmetric(StabForest *forest, uint64_t *transpose) {
     size_t words = (size_t)forest->words, count = (size_t)forest->cell_count;
-    uint64_t *transpose = ARENA_ARRAY(scratch, uint64_t, count * words);
+    memset(transpose, 0, count * words * sizeof *transpose);
     for (int i = 0; i < forest->cell_count; i++) {
-        for (int j = 0; j < forest->cell_count; j++) {
-            if (vis_sees(forest, i, j)) mark(transpose + (size_t)j * words, i);
+        for (size_t k = 0; k < words; k++) {
+            for (uint64_t bits = forest->seen[(size_t)i * words + k]; bits; bits &= bits - 1)
+                mark(transpose + (k * 64 + (size_t)__builtin_ctzll(bits)) * words, i);
         }
     }
     for (size_t i = 0; i < count * words; i++) forest->seen[i] &= transpose[i];
+}
+
+// Takes from the row of a cell what its tree reaches only through cells that do not see it; whether there was any.
+// `kept` [largest tree] and `row` [words] are scratch.
+static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned char *kept, uint64_t *row) {
+    uint64_t *seen = forest->seen + (size_t)root * (size_t)forest->words, changed = 0;
+    memset(row, 0, (size_t)forest->words * sizeof *row);
+    for (int i = 0; i < tree->count; i++) {
+        const StabNode *node = &tree->nodes[i];
+        kept[i] = (node->parent < 0 || kept[node->parent]) && marked(seen, node->cell);
+        if (kept[i]) mark(row, node->cell);
+    }
+    for (int k = 0; k < forest->words; k++) {
+        changed |= seen[k] & ~row[k];
+        seen[k] &= row[k];
+    }
+    return changed != 0;
+}
+
+// Sight is symmetric, and a cell is seen only through cells that are seen: what contradicts this is dropped until the
+// sets and the trees agree.
+static void settle_sets(StabForest *forest, const Tree *trees, int largest, Arena *scratch) {
+    size_t words = (size_t)forest->words;
+    uint64_t *transpose = ARENA_ARRAY(scratch, uint64_t, (size_t)forest->cell_count * words);
+    uint64_t *row = ARENA_ARRAY(scratch, uint64_t, words);
+    unsigned char *kept = ARENA_ARRAY(scratch, unsigned char, largest);
+    for (bool changed = true; changed;) {
+        make_symmetric(forest, transpose);
+        changed = false;
+        for (int c = 0; c < forest->cell_count; c++) {
+            if (!trees[c].bounded) changed = trim_row(forest, &trees[c], c, kept, row) || changed;
+        }
+    }
 }
 
 // Appends what is left of a tree when the cells that do not see its root are cut off.
@@ -221,12 +307,13 @@ static void link_siblings(StabForest *forest, int root, int *last) {
     }
 }
 
-static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scratch) {
+static void assemble(StabForest *forest, const Tree *trees, Arena *arena, Arena *scratch) {
     int total = 0, largest = 1;
     for (int c = 0; c < forest->cell_count; c++) {
         total += trees[c].count;
         if (trees[c].count > largest) largest = trees[c].count;
     }
+    settle_sets(forest, trees, largest, scratch);
     forest->nodes = ARENA_ARRAY(arena, StabNode, total);
     int *scrap = ARENA_ARRAY(scratch, int, largest);
     for (int c = 0; c < forest->cell_count; c++) {
@@ -237,39 +324,32 @@ static void assemble(StabForest *forest, Tree *trees, Arena *arena, Arena *scrat
     forest->node_count = forest->root[forest->cell_count];
 }
 
+// In large buildings each tree may have its share of MOST_NODES only.
+static int tree_limit(const VisOptions *options, int cell_count) {
+    enum { MOST_NODES = 8 << 20 };  // 128 MB
+    int share = MOST_NODES / (cell_count > 0 ? cell_count : 1);
+    return options->max_nodes < share ? options->max_nodes : share > 0 ? share : 1;
+}
+
 bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,
                       Arena *arena, StabForest *out) {
     Arena scratch = {0};
-    int count = graph->cell_count, done = 0, threads = options->threads;
+    int count = graph->cell_count;
     *out = (StabForest){.cell_count = count, .words = (count + 63) / 64};
     out->root = ARENA_ARRAY(arena, int, count + 1);
     out->bounded = ARENA_ARRAY(arena, unsigned char, count);
     out->seen = ARENA_ARRAY(arena, uint64_t, (size_t)count * (size_t)out->words);
-    const Step *steps = make_steps(graph, &scratch);
-    Tree *trees = ARENA_ARRAY(&scratch, Tree, count);
-    bool going = true;
-    if (threads <= 0) threads = omp_get_num_procs();
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (int c = 0; c < count; c++) {
-        bool go;
-#pragma omp atomic read
-        go = going;
-        if (!go) continue;
-        trees[c] = grow_tree(graph, steps, c, options->max_nodes, out->seen + (size_t)c * (size_t)out->words);
-#pragma omp critical
-        {
-            done++;
-            if (!progress_report(progress, "stab trees", (double)done / count)) {
-#pragma omp atomic write
-                going = false;
-            }
-        }
-    }
-    if (going) {
-        make_symmetric(out, &scratch);
-        assemble(out, trees, arena, &scratch);
-    }
-    for (int c = 0; c < count; c++) free(trees[c].nodes);
+    Growth growth = {.graph = graph,
+                     .steps = make_steps(graph, &scratch),
+                     .known = options->known,
+                     .forest = out,
+                     .trees = ARENA_ARRAY(&scratch, Tree, count),
+                     .limit = tree_limit(options, count),
+                     .progress = progress,
+                     .lock = PTHREAD_MUTEX_INITIALIZER};
+    parallel_for(parallel_threads(options->threads), count, grow_next, &growth);
+    if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
+    for (int c = 0; c < count; c++) free(growth.trees[c].nodes);
     arena_free(&scratch);
-    return going;
+    return !growth.stopped;
 }

@@ -87,6 +87,9 @@ typedef struct VisOptions {
     double square;  // side of the mesh squares, metres, 0.25 .. 100
     int threads;    // 0: all cores
     int max_nodes;  // of one cell's stab tree; beyond it the tree is dropped and the visible set kept
+    // [cell_count * words] bit j of row i: cells i and j may see each other, symmetric (see pairs.h); NULL: not known
+    // beforehand.
+    const uint64_t *known;
 } VisOptions;
 VisOptions vis_default_options(void);
 

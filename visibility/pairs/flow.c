@@ -12,7 +12,7 @@ static void find(const CellGraph *graph, const PairOptions *options, const Progr
                  PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
-    rounds_search(&rounds, FLOW_PATIENCE, NULL, arrive);
+    rounds_search(&rounds, NULL, arrive);
     rounds_end(&rounds);
 }
 

@@ -24,10 +24,6 @@ typedef struct FlowStep {
     CellList wanted;  // cells in doubt that the beam may reach
 } FlowStep;
 
-// Chains of one search. In closed buildings a search takes thousands; in the open, where there are millions, the rest
-// stays in doubt.
-#define FLOW_PATIENCE 200000
-
 // One thread's search. Give it back with flow_free.
 typedef struct Flow {
     const WayGraph *ways;

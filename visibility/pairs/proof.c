@@ -50,7 +50,7 @@ static void find(const CellGraph *graph, const PairOptions *options, const Progr
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
     prove_neighbours(&rounds);
-    rounds_search(&rounds, FLOW_PATIENCE, prepare, arrive);
+    rounds_search(&rounds, prepare, arrive);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }

@@ -198,8 +198,14 @@ static void search_round(Round *round, int count) {
     }
 }
 
-void rounds_search(Rounds *r, long long patience, void (*prepare)(Flow *flow, int way),
-                   void (*arrive)(Flow *flow, int depth)) {
+// So many chains take ten minutes of one core.
+static long long patience(int searches) {
+    static const long long ALL = 2000000000, LEAST = 10000, MOST = 200000;
+    long long share = ALL / (searches + 1);
+    return share < LEAST ? LEAST : share > MOST ? MOST : share;
+}
+
+void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
     Arena scratch = {0};
     int count = ways->way_count, size = round_size(ways);
@@ -213,7 +219,7 @@ void rounds_search(Rounds *r, long long patience, void (*prepare)(Flow *flow, in
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);
         round.flows[i].arrive = arrive;
-        round.flows[i].patience = patience;
+        round.flows[i].patience = patience(count);
     }
     r->prepare = prepare;
     for (int first = 0; first < count && !r->stopped; first += size) {

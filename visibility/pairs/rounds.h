@@ -41,9 +41,10 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 // Begins with the flood.
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
-// One search from every way, of at most `patience` chains. `arrive` is that of Flow, whose context is a Finding;
-// `prepare` (may be NULL) is called before each search, to decide what is easy.
-void rounds_search(Rounds *rounds, long long patience, void (*prepare)(Flow *flow, int way),
+// One search from every way. `arrive` is that of Flow, whose context is a Finding; `prepare` (may be NULL) is called
+// before each search, to decide what is easy. In closed buildings a search follows thousands of chains; in the open, where
+// there are millions, it is given up and what is in doubt then stays so.
+void rounds_search(Rounds *rounds, void (*prepare)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
 // Takes pairs as proven.
 void rounds_prove(Rounds *rounds, const PairWitness *pairs, int count);

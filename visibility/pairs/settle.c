@@ -10,8 +10,6 @@
 
 // Of one chain; beyond it the pair stays undecided. Doubling it settles few pairs more (a tenth of what is left).
 enum { MOST_PIECES = 64 };
-// Chains from one way to one cell.
-enum { PATIENCE = 5000 };
 // A piece shorter than this many epsilons lies within what rounding leaves open.
 static const double SHORTEST_PIECE = 1e4;
 
@@ -121,6 +119,7 @@ static void arrive(Flow *flow, int depth) {
 
 static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
     const WayGraph *ways = &r->ways;
+    long long patience = flow->patience;
     flow->context = &c->finding;
     for (int i = ways->first[from]; i < ways->first[from + 1]; i++) {
         int way = ways->list[i];
@@ -131,8 +130,10 @@ static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
             flow->work.given_up++;
             c->verdict = OPEN;
         }
-        if (c->verdict != EXCLUDED) return;
+        if (c->verdict != EXCLUDED) break;
+        flow->patience = flow->left;  // of the whole case
     }
+    flow->patience = patience;
 }
 
 typedef struct Doubt {
@@ -188,6 +189,13 @@ static void settle_case(void *context, int index, int thread) {
     c->finding.done = true;
 }
 
+// Chains that one case may follow: so many in all take a minute or two of one core.
+static long long patience(int cases) {
+    static const long long ALL = 200000000, MOST = 50000;
+    long long share = ALL / (cases + 1);
+    return share < 1 ? 1 : share > MOST ? MOST : share;
+}
+
 void settle_pairs(Rounds *r) {
     Arena scratch = {0};
     Cases all = {.rounds = r};
@@ -198,7 +206,7 @@ void settle_pairs(Rounds *r) {
     for (int i = 0; i < r->threads; i++) {
         flow_start(&all.flows[i], &r->ways, r->might);
         all.flows[i].arrive = arrive;
-        all.flows[i].patience = PATIENCE;
+        all.flows[i].patience = patience(all.count);
     }
     parallel_for(r->threads, all.count, settle_case, &all);
     for (int i = 0; i < all.count; i++) take(r, &all.doubts[i], &all.cases[i]);

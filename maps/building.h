@@ -78,13 +78,14 @@ typedef enum OpeningKind {
 typedef struct Opening {
     OpeningKind kind;
     const char *name;
-    int storey;
+    int storey;                  // -1 of a soup
     bool glazed;                 // a door of glass: never blocks sight
     Vec2 line[2];                // its plan ends; side 0 lies to the left of line[0] -> line[1]
     double sill, head;           // absolute heights, metres
     int first_leaf, leaf_count;  // in Building.leaves; of doors only
     double open;                 // how far it is open as drawn, 0 closed .. 1 wide open
-    int region[2];       // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere
+    int region
+        [2];  // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere; of a soup -1
     const char *reason;  // NULL, or why a side leads nowhere
     int material;        // of the leaf
 } Opening;
@@ -172,7 +173,7 @@ typedef struct Note {
 
 typedef enum BuildingForm {
     FORM_REGIONS,  // prisms of free space, furniture in them
-    FORM_SOUP,     // polygons in objects; no regions, no storeys, openings made by the cell stage
+    FORM_SOUP,     // polygons in objects, and doors told by name; no regions, no storeys
     FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
     BUILDING_FORMS
 } BuildingForm;
@@ -186,8 +187,9 @@ typedef struct GivenPortal {
 typedef struct Building {
     BuildingForm form;
     const char *source;  // the path it was read from
-    const char *map;     // of a file that holds several: the name of the one read, else NULL. Set before reading: wanted
-    uint64_t hash;       // of the file's content, and of `map`
+    const char *
+        map;  // of a file that holds several: the name of the one read, else NULL. Set before reading: wanted
+    uint64_t hash;  // of the file's content, and of `map`
     Material *materials;
     Storey *storeys;
     Region *regions;

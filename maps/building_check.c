@@ -173,7 +173,7 @@ static void check_openings(Check *c) {
         const char *name = text_of(o->name);
         if (o->kind < 0 || o->kind >= OPENING_KINDS)
             check_fault(c, "opening %d (%s): kind %d", i, name, (int)o->kind);
-        if (!index_good(o->storey, b->storey_count)) {
+        if (b->form != FORM_SOUP && !index_good(o->storey, b->storey_count)) {
             check_fault(c, "opening %d (%s): storey %d of %d", i, name, o->storey, b->storey_count);
         }
         if (!good(o->line[0].x) || !good(o->line[0].y) || !good(o->line[1].x) || !good(o->line[1].y)) {
@@ -200,7 +200,7 @@ static void check_openings(Check *c) {
                 check_fault(c, "opening %d (%s): region %d of %d", i, name, o->region[s], b->region_count);
             }
         }
-        if ((o->region[0] == -1 || o->region[1] == -1) && !o->reason) {
+        if (b->form != FORM_SOUP && (o->region[0] == -1 || o->region[1] == -1) && !o->reason) {
             check_fault(c, "opening %d (%s) at (%.3f, %.3f): leads nowhere without a reason", i, name,
                         o->line[0].x, o->line[0].y);
         }

@@ -44,8 +44,6 @@ static void check_no_plan(Check *c, const char *form) {
     const Building *b = c->b;
     check_absent(c, form, "regions", b->region_count);
     check_absent(c, form, "storeys", b->storey_count);
-    check_absent(c, form, "openings", b->opening_count);
-    check_absent(c, form, "leaves", b->leaf_count);
     check_absent(c, form, "inlays", b->inlay_count);
 }
 
@@ -66,6 +64,8 @@ void check_form(Check *c) {
         return;
     case FORM_CELLS:
         check_no_plan(c, "given cells");
+        check_absent(c, "given cells", "openings", b->opening_count);
+        check_absent(c, "given cells", "leaves", b->leaf_count);
         check_absent(c, "given cells", "objects", b->object_count);
         check_absent(c, "given cells", "polygons", b->polygon_count);
         if (b->given_cell_count < 1) check_fault(c, "a building of given cells has none");

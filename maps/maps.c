@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "maps/soup_doors.h"
+
 extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT, MAPS_READER_QUADS,
     MAPS_READER_OBJ, MAPS_READER_GLTF;
 const MapsReader *const MAPS_READERS[] = {&MAPS_READER_PLAN,
@@ -70,6 +72,7 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, out->hash);
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
+    if (out->form == FORM_SOUP) soup_find_doors(arena, out);
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);
     if (faults > 0)

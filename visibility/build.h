@@ -21,6 +21,10 @@ typedef struct CellBuilder {
 bool build_cells(CellBuilder *builder, Error *error);
 // given.c: cells and portals as they are given, and what a graph without walls needs of the other steps.
 bool build_given(CellBuilder *builder, Error *error);
+// Whether a portal with its plane and its corners is upright, and its plan ends.
+void portal_set_ends(Portal *portal, const Vec3 *corners);
+// soup.c: convex polyhedra along the major polygons, portals where nothing opaque parts them, objects.
+bool build_soup(CellBuilder *builder, Error *error);
 // portals.c: where cells touch, vertically and horizontally.
 void build_portals(CellBuilder *builder);
 void list_contacts(CellBuilder *builder);  // of all portals, once they are there

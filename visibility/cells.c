@@ -113,7 +113,7 @@ bool vis_build_cells(const Building *building, const VisOptions *options, Arena 
         return error_set(error, "the mesh squares are %g m wide (allowed 0.25 to 100)", options->square);
     }
     Arena scratch = {0};
-    *out = (CellGraph){.building = building};
+    *out = (CellGraph){.building = building, .touch = VIS_TOUCH};
     CellBuilder builder = {
         .building = building, .options = options, .arena = arena, .scratch = &scratch, .graph = out};
     bool good = false;
@@ -125,7 +125,7 @@ bool vis_build_cells(const Building *building, const VisOptions *options, Arena 
         build_surfaces(&builder);
         break;
     case FORM_SOUP:
-        good = error_set(error, "%s: polygons without regions", building->source);
+        good = build_soup(&builder, error);
         break;
     case FORM_CELLS:
         good = build_given(&builder, error);

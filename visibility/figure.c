@@ -7,6 +7,7 @@
 #include "visibility/sightline.h"
 
 static const DrawStyle WALL = {.stroke = 0x222222, .width = 0.07};
+static const DrawStyle SHEET = {.stroke = 0x222222, .width = 0.03};  // of a soup: furniture may be dense
 static const DrawStyle PORTAL = {.stroke = 0x5588cc, .width = 0.015};
 static const DrawStyle DOOR = {.stroke = 0xb05020, .width = 0.05};
 static const DrawStyle SWING = {.stroke = 0xb05020, .width = 0.012, .dash = 0.06};
@@ -33,9 +34,7 @@ static Vec2 cell_middle(const CellGraph *graph, int c) {
     return centroid(graph->plan + graph->cells[c].first_edge, graph->cells[c].edge_count);
 }
 
-static const Region *region_of(const CellGraph *graph, int c) {
-    return &graph->building->regions[graph->cells[c].region];
-}
+static const Region *region_of(const CellGraph *graph, int c) { return vis_region(graph, c); }
 
 void figure_fill(const CellGraph *graph, int cell, const DrawStyle *style, const Draw *draw) {
     const Cell *c = &graph->cells[cell];
@@ -59,14 +58,44 @@ void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *s
     }
 }
 
+// Where a convex polygon crosses height z.
+static bool cross_height(const Vec3 *v, int count, double z, Vec2 ends[2]) {
+    int found = 0;
+    for (int i = 0; i < count && found < 2; i++) {
+        Vec3 a = v[i], b = v[(i + 1) % count];
+        if ((a.z < z) == (b.z < z)) continue;
+        Vec3 p = vec3_lerp(a, b, (z - a.z) / (b.z - a.z));
+        ends[found++] = vec2(p.x, p.y);
+    }
+    return found == 2;
+}
+
+void figure_polygons(const CellGraph *graph, double z, Box area, const DrawStyle *style, const Draw *draw) {
+    area.min.z = area.max.z = z;
+    for (int i = 0; i < graph->building->object_count; i++) {
+        const Object *o = &graph->objects[i];
+        if (o->leaf >= 0 || !box_overlap(area, graph->object_boxes[i])) continue;
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+            Vec2 ends[2];
+            if (cross_height(graph->vertices + graph->polygons[p].first_vertex,
+                             graph->polygons[p].vertex_count, z, ends))
+                draw->line(draw->context, ends[0], ends[1], style);
+        }
+    }
+}
+
+bool figure_portal(const CellGraph *graph, int portal, double z, Vec2 ends[2]) {
+    const Portal *p = &graph->portals[portal];
+    return cross_height(graph->portal_vertices + p->first_vertex, p->vertex_count, z, ends);
+}
+
 void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw) {
     const Cell *c = &graph->cells[cell];
     for (int i = c->first_contact; i < c->first_contact + c->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[i].portal];
-        const Vec3 *v = graph->portal_vertices + portal->first_vertex;
-        if (portal->cell[0] == cell && !portal->horizontal && v[0].z <= z && z <= v[1].z) {
-            draw->line(draw->context, portal->left, portal->right, style);
-        }
+        int portal = graph->contacts[i].portal;
+        Vec2 ends[2];
+        if (graph->portals[portal].cell[0] == cell && figure_portal(graph, portal, z, ends))
+            draw->line(draw->context, ends[0], ends[1], style);
     }
 }
 
@@ -178,6 +207,7 @@ void figure_ground(const CellGraph *graph, double z, const Draw *draw) {
 
 void figure_lines(const CellGraph *graph, double z, const Draw *draw) {
     for (int c = 0; c < graph->cell_count; c++) figure_walls(graph, c, z, &WALL, draw);
+    if (graph->building->form == FORM_SOUP) figure_polygons(graph, z, graph->box, &SHEET, draw);
     draw_openings(graph, z, draw);
     draw_names(graph, z, draw);
 }

@@ -21,6 +21,10 @@ void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box
 bool figure_cuts(const CellGraph *graph, int cell, double z);  // is the cell there at height z?
 void figure_fill(const CellGraph *graph, int cell, const DrawStyle *style, const Draw *draw);
 void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw);
+// The polygons of a soup where they cross height z, in an area; heights of the area do not matter.
+void figure_polygons(const CellGraph *graph, double z, Box area, const DrawStyle *style, const Draw *draw);
+// Does the portal cross height z, and between which ends?
+bool figure_portal(const CellGraph *graph, int portal, double z, Vec2 ends[2]);
 // Each portal belongs to the first of its cells.
 void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw);
 // Where in the region and in the area a rectangle of that size has room, metres: as near to the region's middle as there

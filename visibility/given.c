@@ -5,6 +5,19 @@
 
 static const double UPRIGHT = 1e-9;  // a portal's normal may rise so much (sine) and still count as level
 
+void portal_set_ends(Portal *portal, const Vec3 *v) {
+    portal->horizontal = fabs(portal->plane.n.z) > UPRIGHT;
+    // Seen when crossing from cell[0], along -n, `left` is the end farthest to the left.
+    Vec2 to_left = {portal->plane.n.y, -portal->plane.n.x};
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < portal->vertex_count; i++) {
+        Vec2 p = {v[i].x, v[i].y};
+        double at = vec2_dot(p, to_left);
+        if (at < low) low = at, portal->right = p;
+        if (at > high) high = at, portal->left = p;
+    }
+}
+
 static void add_portal(CellBuilder *builder, const GivenPortal *given, Portal *out) {
     CellGraph *graph = builder->graph;
     const Vec3 *v = builder->building->vertices + given->first_vertex;
@@ -13,19 +26,10 @@ static void add_portal(CellBuilder *builder, const GivenPortal *given, Portal *o
                     .vertex_count = given->vertex_count,
                     .plane = plane_of_polygon(v, given->vertex_count),
                     .door = -1};
-    out->horizontal = fabs(out->plane.n.z) > UPRIGHT;
-    // Seen when crossing from cell[0], along -n, `left` is the end farthest to the left.
-    Vec2 to_left = {out->plane.n.y, -out->plane.n.x};
-    double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < given->vertex_count; i++) {
-        Vec2 p = {v[i].x, v[i].y};
-        double at = vec2_dot(p, to_left);
-        if (at < low) low = at, out->right = p;
-        if (at > high) high = at, out->left = p;
-        for (int side = 0; side < 2; side++) {
-            Cell *cell = &graph->cells[given->cell[side]];
-            cell->box = box_add(cell->box, v[i]);
-        }
+    portal_set_ends(out, v);
+    for (int side = 0; side < 2; side++) {
+        Cell *cell = &graph->cells[given->cell[side]];
+        for (int i = 0; i < given->vertex_count; i++) cell->box = box_add(cell->box, v[i]);
     }
 }
 

@@ -8,52 +8,13 @@
 
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
-#include "visibility/build.h"
+#include "visibility/query.h"
 
-enum { MAX_PLANES = 24, MAX_CORNERS = 2 * MAX_PLANES + 8 };
-
-// Rasterisers snap to 1/256 of a pixel: 5e-5 covers views down to 100 pixels a radian.
-static const double ANGLE_SLACK = 5e-5;
-// They compute in floats: 2e-5 m is half a digit at 300 m from the middle of the building.
-static const double POSITION_SLACK = 2e-5;
-// An eye this near a portal's plane counts as on it: the whole volume passes if it is at the portal itself, and a thin
-// wedge along the plane if the portal is seen edge-on from afar. Metres.
-static const double ON_PLANE = 1e-3;
-static const double AT_PORTAL = 1e-2;
 // An eye this near a wall may be behind it in the floats of a rasteriser, or see through it where its near plane cuts
 // it off, metres. A view whose near plane is farther than this must keep its eye that much off the walls.
 static const double EYE_CLEARANCE = 1e-3;
 
 const char *const VIS_METHOD_NAMES[VIS_METHODS] = {"none", "frustum", "portals", "plan", "stab"};
-
-typedef struct Cone {
-    Plane plane[MAX_PLANES];  // all through the eye, but for those of the caller's frustum
-    int count;
-    // In plan: directions from `from` counter-clockwise to `to`, less than a half turn; or all around.
-    bool all_around;
-    Vec2 from, to;
-} Cone;
-
-struct VisQuery {
-    const CellGraph *graph;
-    const StabForest *forest;
-    Cone *cones;  // [depth_limit + 1] one for each level of the walk
-    int depth_limit;
-    unsigned char *on_path;   // [cell_count]
-    int *cell_slot;           // [cell_count] place in `cells`, valid when cell_frame says so
-    unsigned *cell_frame;     // [cell_count]
-    VisibleCell *cells;       // [cell_count]
-    uint64_t *drawn;          // bit per object
-    unsigned *object_tested;  // [object_count] the last cone it was tested against
-    int *objects;             // [object_count] the result
-    unsigned frame, cone_serial;
-    // Of the query under way:
-    const Eye *eye;
-    const float *door_open;
-    VisMethod method;
-    const uint64_t *limit;  // only cells of this visible set are entered, or NULL
-    VisResult result;
-};
 
 static int forest_depth(const StabForest *forest, Arena *scratch) {
     int deepest = 1, *depth = ARENA_ARRAY(scratch, int, forest->node_count);
@@ -76,278 +37,33 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->depth_limit = graph->cell_count < WALK_DEPTH ? graph->cell_count : WALK_DEPTH;
     if (deepest > q->depth_limit) q->depth_limit = deepest;
     q->cones = ARENA_ARRAY(arena, Cone, q->depth_limit + 2);
-    q->on_path = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
+    q->on_path = ARENA_ARRAY(arena, unsigned, graph->cell_count);
     q->cell_slot = ARENA_ARRAY(arena, int, graph->cell_count);
     q->cell_frame = ARENA_ARRAY(arena, unsigned, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    q->portal_frame = ARENA_ARRAY(arena, unsigned, 2 * graph->portal_count + 1);
+    q->portal_passes = ARENA_ARRAY(arena, unsigned, 2 * graph->portal_count + 1);
+    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    query_list_objects(q, arena);
     return q;
 }
-
-// ---- objects
 
 bool vis_shown(const Object *object, const float *door_open) {
     return !object->plug || (door_open && door_open[object->opening] == 0);
 }
 
-// No corner of the box is in front of one of the planes: it cannot be seen.
-static bool box_outside(Box box, const Plane *planes, int count) {
-    Vec3 middle = vec3_scale(vec3_add(box.min, box.max), 0.5), half = vec3_sub(box.max, middle);
-    for (int i = 0; i < count; i++) {
-        Vec3 n = planes[i].n;
-        double reach = fabs(n.x) * half.x + fabs(n.y) * half.y + fabs(n.z) * half.z;
-        if (plane_distance(planes[i], middle) + reach < -POSITION_SLACK) return true;
-    }
-    return false;
-}
-
-static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
-
-static void draw_square(VisQuery *q, int square, const Cone *cone) {
-    const CellGraph *graph = q->graph;
-    for (int k = graph->square_first[square]; k < graph->square_first[square + 1]; k++) {
-        int object = graph->square_objects[k];
-        if (q->object_tested[object] == q->cone_serial) continue;
-        q->object_tested[object] = q->cone_serial;
-        if (q->drawn[object / 64] >> (object % 64) & 1) continue;
-        q->result.objects_tested++;
-        if (!box_outside(graph->object_boxes[object], cone->plane, cone->count)) draw_object(q, object);
-    }
-}
-
-// ---- squares
-
-// The half of the plan to the left of the line from the eye along `direction`.
-static Plane left_of(Vec2 eye, Vec2 direction) {
-    Vec3 n = vec3_normalize(vec3(-direction.y, direction.x, 0));
-    return (Plane){n, n.x * eye.x + n.y * eye.y};
-}
-
-// The part of the cell's plan inside the cone's plan wedge, at height 0.
-static int wedge_in_cell(const VisQuery *q, const Cell *cell, const Cone *cone, Vec3 *out) {
-    Vec2 eye = {q->eye->position.x, q->eye->position.y};
-    int count = cell_polygon(q->graph, cell, 0, out);
-    if (cone->all_around) return count;
-    Vec3 part[BUILD_MAX_VERTICES];
-    count = polygon_clip(out, count, left_of(eye, cone->from), VIS_TOUCH, part);
-    return polygon_clip(part, count, left_of(eye, vec2_scale(cone->to, -1)), VIS_TOUCH, out);
-}
-
-static int square_at(double x, int count) { return x < 0 ? 0 : x >= count ? count - 1 : (int)x; }
-
-// The columns that the plan polygon reaches in the row between y0 and y1: from its corners there and from where its
-// edges cross the row's borders.
-static bool row_extent(const Vec3 *region, int count, double y0, double y1, double *low, double *high) {
-    *low = INFINITY;
-    *high = -INFINITY;
-    for (int i = 0; i < count; i++) {
-        Vec3 a = region[i], b = region[i + 1 == count ? 0 : i + 1];
-        if (a.y >= y0 && a.y <= y1) {
-            *low = fmin(*low, a.x);
-            *high = fmax(*high, a.x);
-        }
-        for (int k = 0; k < 2; k++) {
-            double y = k ? y1 : y0;
-            if ((a.y < y) == (b.y < y)) continue;
-            double x = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
-            *low = fmin(*low, x);
-            *high = fmax(*high, x);
-        }
-    }
-    return *low <= *high;
-}
-
-static void draw_cell(VisQuery *q, int c, const Cone *cone) {
-    const CellMesh *mesh = &q->graph->meshes[c];
-    const Cell *cell = &q->graph->cells[c];
-    q->cone_serial++;
-    Vec3 region[BUILD_MAX_VERTICES];
-    int count = wedge_in_cell(q, cell, cone, region);
-    if (count == 0) return;
-    double bottom = INFINITY, top = -INFINITY;
-    for (int i = 0; i < count; i++) {
-        bottom = fmin(bottom, region[i].y);
-        top = fmax(top, region[i].y);
-    }
-    int from = square_at((bottom - VIS_TOUCH - mesh->origin.y) / mesh->size, mesh->ny);
-    int to = square_at((top + VIS_TOUCH - mesh->origin.y) / mesh->size, mesh->ny);
-    for (int j = from; j <= to; j++) {
-        double y0 = mesh->origin.y + j * mesh->size, low, high;
-        // The last row also holds what lies beyond the mesh by rounding.
-        double y1 = j == to ? top + VIS_TOUCH : y0 + mesh->size;
-        if (!row_extent(region, count, (j == from ? bottom : y0) - VIS_TOUCH, y1 + VIS_TOUCH, &low, &high))
-            continue;
-        int first = square_at((low - VIS_TOUCH - mesh->origin.x) / mesh->size, mesh->nx);
-        int last = square_at((high + VIS_TOUCH - mesh->origin.x) / mesh->size, mesh->nx);
-        int row = mesh->first_square + j * mesh->nx;
-        for (int i = first; i <= last; i++) draw_square(q, row + i, cone);
-    }
-}
-
-// ---- cones
-
-static void add_plane(Cone *cone, Vec3 n, double d) {
-    if (cone->count < MAX_PLANES) cone->plane[cone->count++] = (Plane){n, d};
-    // One plane less is a larger cone: nothing is lost.
-}
-
-// The two upright planes of the plan wedge.
-static void add_wedge_planes(Cone *cone, Vec2 eye) {
-    Plane from = left_of(eye, cone->from), to = left_of(eye, vec2_scale(cone->to, -1));
-    add_plane(cone, from.n, from.d);
-    add_plane(cone, to.n, to.d);
-}
-
-// Widens the wedge by the slack that the three-dimensional planes have too.
-static void tilt_wedge(Cone *cone, double slack) {
-    Vec2 from = cone->from, to = cone->to;
-    double a = 1 / vec2_length(from), b = 1 / vec2_length(to);
-    cone->from = vec2_add(vec2_scale(from, a), vec2_scale(vec2(from.y, -from.x), a * slack));
-    cone->to = vec2_add(vec2_scale(to, b), vec2_scale(vec2(-to.y, to.x), b * slack));
-    if (vec2_cross(cone->from, cone->to) <= 0) cone->all_around = true;
-}
-
-// The wedge of plan directions from the eye to the polygon's corners; all around when they span a half turn.
-static void set_wedge(Cone *cone, Vec2 eye, const Vec3 *polygon, int count) {
-    cone->all_around = false;
-    double nearest = INFINITY;
-    for (int i = 0; i < count; i++) {
-        Vec2 d = {polygon[i].x - eye.x, polygon[i].y - eye.y};
-        nearest = fmin(nearest, vec2_length(d));
-        if (i == 0) {
-            cone->from = cone->to = d;
-            continue;
-        }
-        if (vec2_cross(cone->from, d) < 0) cone->from = d;
-        if (vec2_cross(cone->to, d) > 0) cone->to = d;
-    }
-    // The corners' directions lie between the extremes found only if none is behind them.
-    bool good = nearest > AT_PORTAL &&
-                (vec2_cross(cone->from, cone->to) > 0 ||
-                 (vec2_cross(cone->from, cone->to) == 0 && vec2_dot(cone->from, cone->to) > 0));
-    for (int i = 0; i < count && good; i++) {
-        Vec2 d = {polygon[i].x - eye.x, polygon[i].y - eye.y};
-        good = vec2_cross(cone->from, d) >= 0 && vec2_cross(d, cone->to) >= 0 &&
-               vec2_dot(d, vec2_add(vec2_scale(cone->from, 1 / vec2_length(cone->from)),
-                                    vec2_scale(cone->to, 1 / vec2_length(cone->to)))) > 0;
-    }
-    cone->all_around = !good;
-    if (good) tilt_wedge(cone, ANGLE_SLACK + POSITION_SLACK / nearest);
-}
-
-// Planes through the eye and the polygon's edges, tilted outwards by the slack; `inside` is a direction into the
-// polygon.
-static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec3 inside) {
-    cone->count = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 a = vec3_sub(polygon[i], eye), b = vec3_sub(polygon[i + 1 == count ? 0 : i + 1], eye);
-        Vec3 n = vec3_cross(a, b), edge = vec3_sub(b, a);
-        double area = vec3_length(n), length = vec3_length(edge);
-        // The eye is in line with this edge, or the edge is a point: its plane is noise, the others do without it.
-        if (area <= 1e-9 * length || length < 1e-12) continue;
-        n = vec3_scale(n, 1 / area);
-        if (vec3_dot(n, inside) < 0) n = vec3_scale(n, -1);
-        double distance = area / length;  // from the eye to the edge's line
-        n = vec3_normalize(vec3_add(n, vec3_scale(inside, ANGLE_SLACK + POSITION_SLACK / distance)));
-        add_plane(cone, n, vec3_dot(n, eye));
-    }
-}
-
-// Far-off portals of whose plane the eye is part: what goes through lies in a thin wedge along the plane.
-static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, const Vec3 *polygon,
-                        int count) {
-    *cone = *parent;
-    double nearest = INFINITY;
-    Vec3 middle = {0, 0, 0};
-    for (int i = 0; i < count; i++) {
-        nearest = fmin(nearest, vec3_length(vec3_sub(polygon[i], eye)));
-        middle = vec3_add(middle, vec3_scale(vec3_sub(polygon[i], eye), 1.0 / count));
-    }
-    if (nearest < AT_PORTAL) return;
-    Vec3 ahead = vec3_normalize(middle);
-    double tilt = 2 * ON_PLANE / nearest + ANGLE_SLACK;
-    for (int side = -1; side <= 1; side += 2) {
-        Vec3 n = vec3_normalize(vec3_add(vec3_scale(plane.n, side), vec3_scale(ahead, tilt)));
-        add_plane(cone, n, vec3_dot(n, eye));
-    }
-}
-
-// Could the eye, a hair's breadth from the portal's plane, be in the portal?
-static bool eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
-    Box box = box_empty();
-    for (int i = 0; i < portal->vertex_count; i++) {
-        box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
-    }
-    return box_contains(box_grow(box, AT_PORTAL), eye);
-}
+// ---- the walk
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
 static bool door_closed(const VisQuery *q, const Portal *portal) {
     if (portal->door < 0 || !q->door_open || q->door_open[portal->door] > 0) return false;
     Vec3 eye = q->eye->position;
-    return fabs(plane_distance(portal->plane, eye)) >= ON_PLANE || !eye_at_portal(q->graph, portal, eye);
+    return fabs(plane_distance(portal->plane, eye)) >= ON_PLANE ||
+           !query_eye_at_portal(q->graph, portal, eye);
 }
-
-// The cone beyond `portal`, crossed from `cell`. Returns false when nothing of it is seen.
-static bool narrow(VisQuery *q, const Cone *cone, int portal_index, int cell, Cone *out, double *distance) {
-    const CellGraph *graph = q->graph;
-    const Portal *portal = &graph->portals[portal_index];
-    Vec3 eye = q->eye->position;
-    q->result.portals_tested++;
-    double side = plane_distance(portal->plane, eye);
-    if (portal->cell[0] != cell) side = -side;
-    if (side < -ON_PLANE) return false;  // one would come back through it
-    if (side < ON_PLANE && eye_at_portal(graph, portal, eye)) {
-        *out = *cone;
-        *distance = 0;
-        return true;
-    }
-    Vec3 buffer[2][MAX_CORNERS];
-    const Vec3 *polygon = graph->portal_vertices + portal->first_vertex;
-    int count = portal->vertex_count, turn = 0;
-    if (count > MAX_CORNERS / 2) {
-        *out = *cone;
-        *distance = 0;
-        return true;
-    }
-    bool horizontal_only = q->method == VIS_PLAN;
-    if (!(horizontal_only && portal->horizontal)) {
-        for (int i = 0; i < cone->count && count > 0; i++) {
-            count = polygon_clip(polygon, count, cone->plane[i], POSITION_SLACK, buffer[turn]);
-            polygon = buffer[turn];
-            turn = 1 - turn;
-        }
-    }
-    if (count == 0) return false;
-    *distance = INFINITY;
-    Vec3 middle = {0, 0, 0};
-    for (int i = 0; i < count; i++) {
-        Vec3 d = vec3_sub(polygon[i], eye);
-        *distance = fmin(*distance, vec3_length(d));
-        middle = vec3_add(middle, vec3_scale(d, 1.0 / count));
-    }
-    if (horizontal_only && portal->horizontal) {
-        *out = *cone;
-        return true;
-    }
-    if (side < ON_PLANE) {
-        set_edge_on(out, cone, eye, portal->plane, polygon, count);
-        return true;
-    }
-    set_wedge(out, vec2(eye.x, eye.y), polygon, count);
-    if (horizontal_only) {
-        out->count = 0;
-        if (out->all_around) return true;
-        add_wedge_planes(out, vec2(eye.x, eye.y));
-        return true;
-    }
-    set_planes(out, eye, polygon, count, vec3_normalize(middle));
-    return true;
-}
-
-// ---- the walk
 
 static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone) {
     if (q->cell_frame[cell] != q->frame) {
@@ -357,7 +73,7 @@ static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone)
     } else if (distance < q->cells[q->cell_slot[cell]].distance) {
         q->cells[q->cell_slot[cell]].distance = distance;
     }
-    draw_cell(q, cell, cone);
+    query_draw_cell(q, cell, cone);
 }
 
 // Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
@@ -365,17 +81,21 @@ static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone)
 static void draw_half(VisQuery *q, int cell, const Cone *cone) {
     const Cell *cells = q->graph->cells;
     int first = cell;
+    if (cells[cell].region < 0) {
+        query_draw_cell(q, cell, cone);
+        return;
+    }
     while (first > 0 && cells[first - 1].region == cells[cell].region) first--;
     for (int c = first; c < q->graph->cell_count && cells[c].region == cells[cell].region; c++)
-        draw_cell(q, c, cone);
+        query_draw_cell(q, c, cone);
 }
 
 // Goes from `cell` through a portal to `to`, narrowing the cone of this depth to that of the next. Returns whether the
 // way leads on from there.
-static bool enter(VisQuery *q, int cell, int portal, int to, int depth) {
+static bool enter(VisQuery *q, const Cone *cone, int cell, int portal, int to, int depth) {
     double distance;
     Cone *beyond = &q->cones[depth + 1];
-    if (!narrow(q, &q->cones[depth], portal, cell, beyond, &distance)) return false;
+    if (!query_narrow(q, cone, portal, cell, beyond, &distance)) return false;
     bool closed = door_closed(q, &q->graph->portals[portal]);
     if (closed) {
         draw_half(q, to, beyond);
@@ -390,120 +110,135 @@ static void walk_tree(VisQuery *q, int node, int depth) {
     int first = node + 1, end = q->forest->node_count;
     for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
          child = nodes[child].next) {
-        if (enter(q, nodes[node].cell, nodes[child].portal, nodes[child].cell, depth))
+        if (enter(q, &q->cones[depth], nodes[node].cell, nodes[child].portal, nodes[child].cell, depth))
             walk_tree(q, child, depth + 1);
     }
 }
 
-static void walk_portals(VisQuery *q, int c, int depth) {
+// How often the view has come through a portal in this direction; counts it once more.
+static unsigned count_pass(VisQuery *q, int portal, int from) {
+    int way = 2 * portal + (q->graph->portals[portal].cell[0] == from ? 0 : 1);
+    if (q->portal_frame[way] != q->frame) {
+        q->portal_frame[way] = q->frame;
+        q->portal_passes[way] = 0;
+    }
+    return q->portal_passes[way]++;
+}
+
+// Does the portal face the eye? It is asked again by the narrowing, which allows for eyes on its plane alike.
+static bool ahead(const VisQuery *q, int portal, int from) {
+    const Portal *p = &q->graph->portals[portal];
+    double side = plane_distance(p->plane, q->eye->position);
+    return (p->cell[0] == from ? side : -side) >= -ON_PLANE;
+}
+
+// Where many ways lead through a portal, one more takes all of the view that the portal lets through, and no other is
+// followed. `all` says that the way holds such a portal: its view has come by other ways too, of which the path knows
+// nothing, so that it may go through any cell.
+static void walk_portals(VisQuery *q, int c, int depth, bool all) {
+    enum { FOLLOWED = 8 };  // ways through one portal: few portals are seen by more
     const Cell *cell = &q->graph->cells[c];
     if (depth >= q->depth_limit) {
         q->result.overflow = true;
         return;
     }
-    q->on_path[c] = 1;
+    q->on_path[c]++;
     for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
         Contact contact = q->graph->contacts[i];
         bool hidden = q->limit && !(q->limit[contact.cell / 64] >> (contact.cell % 64) & 1);
-        if (q->on_path[contact.cell] || hidden) continue;
-        if (enter(q, c, contact.portal, contact.cell, depth)) walk_portals(q, contact.cell, depth + 1);
+        if ((q->on_path[contact.cell] && !all) || hidden || !ahead(q, contact.portal, c)) continue;
+        unsigned passes = count_pass(q, contact.portal, c);
+        if (passes > FOLLOWED) continue;
+        bool last = passes == FOLLOWED;
+        const Cone *cone = &q->cones[last ? 0 : depth];
+        if (enter(q, cone, c, contact.portal, contact.cell, depth))
+            walk_portals(q, contact.cell, depth + 1, all || last);
     }
-    q->on_path[c] = 0;
-}
-
-// The rays of the view volume's edges: where two planes meet, if no other plane is in front of it.
-static int corner_rays(const Eye *eye, Vec3 *out, int max) {
-    int count = 0;
-    for (int i = 0; i < eye->frustum_count; i++) {
-        for (int j = i + 1; j < eye->frustum_count; j++) {
-            Vec3 d = vec3_cross(eye->frustum[i].n, eye->frustum[j].n);
-            if (vec3_length(d) < 1e-9) continue;
-            d = vec3_normalize(d);
-            for (int sign = -1; sign <= 1; sign += 2) {
-                Vec3 ray = vec3_scale(d, sign);
-                bool inside = true;
-                for (int k = 0; k < eye->frustum_count && inside; k++) {
-                    inside = k == i || k == j || vec3_dot(eye->frustum[k].n, ray) >= -1e-9;
-                }
-                if (inside && count < max) out[count++] = ray;
-            }
-        }
-    }
-    return count;
-}
-
-// Oki 3.1: the view volume's horizontal angle, and all around when it is a half turn or more.
-static void frustum_wedge(Cone *cone, const Eye *eye) {
-    Vec3 rays[16];
-    int count = corner_rays(eye, rays, 16);
-    cone->all_around = true;
-    bool up = true, down = true;
-    for (int k = 0; k < eye->frustum_count; k++) {
-        up = up && eye->frustum[k].n.z >= 0;
-        down = down && eye->frustum[k].n.z <= 0;
-    }
-    if (count < 3 || up || down) return;
-    for (int i = 0; i < count; i++) rays[i] = vec3_add(eye->position, rays[i]);
-    set_wedge(cone, vec2(eye->position.x, eye->position.y), rays, count);
-}
-
-static void first_cone(VisQuery *q, Cone *cone) {
-    const Eye *eye = q->eye;
-    cone->count = 0;
-    cone->all_around = true;
-    if (q->method != VIS_PLAN) {
-        for (int i = 0; i < eye->frustum_count; i++) add_plane(cone, eye->frustum[i].n, eye->frustum[i].d);
-    }
-    if (eye->frustum_count < 3) return;
-    frustum_wedge(cone, eye);
-    if (q->method == VIS_PLAN && !cone->all_around)
-        add_wedge_planes(cone, vec2(eye->position.x, eye->position.y));
+    q->on_path[c]--;
 }
 
 // ---- where the eye is
 
-static bool in_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
-    const Vec3 *v = graph->portal_vertices + portal->first_vertex;
-    if (fabs(plane_distance(portal->plane, eye)) > EYE_CLEARANCE) return false;
-    for (int i = 0; i < portal->vertex_count; i++) {
-        Vec3 a = v[i], edge = vec3_normalize(vec3_sub(v[(i + 1) % portal->vertex_count], a));
-        Vec3 inward = vec3_cross(portal->plane.n, edge);
-        if (vec3_dot(inward, vec3_sub(eye, a)) < EYE_CLEARANCE) return false;
+// Is the point nearer than EYE_CLEARANCE to a convex polygon?
+static bool near_polygon(const CellGraph *graph, const Polygon *polygon, Vec3 eye) {
+    const Vec3 *v = graph->vertices + polygon->first_vertex;
+    Box box = box_empty();
+    for (int i = 0; i < polygon->vertex_count; i++) box = box_add(box, v[i]);
+    if (!box_contains(box_grow(box, EYE_CLEARANCE), eye)) return false;
+    Plane plane = plane_of_polygon(v, polygon->vertex_count);
+    if (fabs(plane_distance(plane, eye)) >= EYE_CLEARANCE) return false;
+    for (int i = 0; i < polygon->vertex_count; i++) {
+        Vec3 edge = vec3_normalize(vec3_sub(v[(i + 1) % polygon->vertex_count], v[i]));
+        if (vec3_dot(vec3_cross(plane.n, edge), vec3_sub(eye, v[i])) <= -EYE_CLEARANCE) return false;
     }
     return true;
 }
 
-// Is the eye farther than EYE_CLEARANCE from every surface of the cell? Where it is nearer to a face it must be in a
-// portal of that face, and the same must hold of the cell beyond, which may be a sliver; `depth` 0 is the eye's cell.
-static bool clear_of_face(const CellGraph *graph, int c, Vec3 n, double d, Vec3 eye, int depth);
-
-static bool clear_of_cell(const CellGraph *graph, int c, Vec3 eye, int depth) {
-    const Cell *cell = &graph->cells[c];
-    const Vec2 *plan = graph->plan + cell->first_edge;
-    if (!clear_of_face(graph, c, vec3(0, 0, 1), cell->z0, eye, depth)) return false;
-    if (!clear_of_face(graph, c, vec3(0, 0, -1), -cell->z1, eye, depth)) return false;
-    for (int i = 0; i < cell->edge_count; i++) {
-        Vec2 a = plan[i], edge = vec2_sub(plan[i + 1 == cell->edge_count ? 0 : i + 1], a);
-        double length = vec2_length(edge);
-        Vec3 n = {-edge.y / length, edge.x / length, 0};
-        if (!clear_of_face(graph, c, n, n.x * a.x + n.y * a.y, eye, depth)) return false;
-    }
-    return true;
-}
-
-static bool clear_of_face(const CellGraph *graph, int c, Vec3 n, double d, Vec3 eye, int depth) {
-    static const double SAME = 1e-9;
-    const Cell *cell = &graph->cells[c];
-    if (fabs(vec3_dot(n, eye) - d) >= EYE_CLEARANCE) return true;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Contact *contact = &graph->contacts[i];
-        const Portal *portal = &graph->portals[contact->portal];
-        double turn = vec3_dot(portal->plane.n, n);
-        bool on_face = fabs(turn) > 1 - SAME && fabs(portal->plane.d * turn - d) < SAME * (1 + fabs(d));
-        if (!on_face || !in_portal(graph, portal, eye)) continue;
-        return depth > 0 || clear_of_cell(graph, contact->cell, eye, depth + 1);
+static bool near_object(const CellGraph *graph, int object, Vec3 eye) {
+    if (!box_contains(box_grow(graph->object_boxes[object], EYE_CLEARANCE), eye)) return false;
+    const Object *o = &graph->objects[object];
+    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+        if (near_polygon(graph, &graph->polygons[p], eye)) return true;
     }
     return false;
+}
+
+// The walls of a cell are its surfaces; those of a soup's are anything that touches it.
+static bool near_wall(const CellGraph *graph, int c, Vec3 eye) {
+    for (int i = graph->surface_first[c]; i < graph->surface_first[c + 1]; i++) {
+        if (near_object(graph, i, eye)) return true;
+    }
+    if (graph->cells[c].face_count == 0) return false;
+    const CellMesh *mesh = &graph->meshes[c];
+    int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+    for (int k = graph->square_first[mesh->first_square]; k < end; k++) {
+        if (near_object(graph, graph->square_objects[k], eye)) return true;
+    }
+    return false;
+}
+
+static bool near_boundary(const CellGraph *graph, const Cell *cell, Vec3 eye) {
+    for (int i = cell->first_face; i < cell->first_face + cell->face_count; i++) {
+        if (plane_distance(graph->faces[i], eye) < EYE_CLEARANCE) return true;
+    }
+    if (cell->face_count > 0) return false;
+    if (eye.z - cell->z0 < EYE_CLEARANCE || cell->z1 - eye.z < EYE_CLEARANCE) return true;
+    const Vec2 *plan = graph->plan + cell->first_edge;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = plan[i], edge = vec2_sub(plan[i + 1 == cell->edge_count ? 0 : i + 1], a);
+        double off = vec2_cross(edge, vec2_sub(vec2(eye.x, eye.y), a));
+        if (off < EYE_CLEARANCE * vec2_length(edge)) return true;
+    }
+    return false;
+}
+
+static bool near_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
+    if (fabs(plane_distance(portal->plane, eye)) >= EYE_CLEARANCE) return false;
+    Box box = box_empty();
+    for (int i = 0; i < portal->vertex_count; i++)
+        box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
+    return box_contains(box_grow(box, EYE_CLEARANCE), eye);
+}
+
+// Is the eye farther than EYE_CLEARANCE from all walls of its cell, and of the cells that it is as near to through
+// portals? Of given cells no walls are known.
+static bool clear_of_walls(const CellGraph *graph, int cell, Vec3 eye) {
+    enum { MOST = 64 };  // that meet in one place; where more do, the eye counts as at a wall
+    if (graph->building->form == FORM_CELLS || !near_boundary(graph, &graph->cells[cell], eye)) return true;
+    int cells[MOST] = {cell}, count = 1;
+    for (int i = 0; i < count; i++) {
+        const Cell *c = &graph->cells[cells[i]];
+        if (near_wall(graph, cells[i], eye)) return false;
+        for (int k = c->first_contact; k < c->first_contact + c->contact_count; k++) {
+            Contact contact = graph->contacts[k];
+            int known = 0;
+            while (known < count && cells[known] != contact.cell) known++;
+            if (known < count || !near_portal(graph, &graph->portals[contact.portal], eye)) continue;
+            if (count == MOST) return false;
+            cells[count++] = contact.cell;
+        }
+    }
+    return true;
 }
 
 // ---- results
@@ -512,9 +247,10 @@ static void draw_all(VisQuery *q, bool by_frustum) {
     for (int i = 0; i < q->graph->object_count; i++) {
         if (by_frustum) {
             q->result.objects_tested++;
-            if (box_outside(q->graph->object_boxes[i], q->eye->frustum, q->eye->frustum_count)) continue;
+            if (query_box_outside(q->graph->object_boxes[i], q->eye->frustum, q->eye->frustum_count))
+                continue;
         }
-        draw_object(q, i);
+        q->drawn[i / 64] |= (uint64_t)1 << (i % 64);
     }
 }
 
@@ -540,29 +276,38 @@ static void collect_objects(VisQuery *q) {
     }
 }
 
-// Insertion sort: the walk finds cells nearly in order, and qsort may allocate.
+static bool before(const VisibleCell *a, const VisibleCell *b) {
+    return a->distance < b->distance || (a->distance == b->distance && a->cell < b->cell);
+}
+
+// Merges runs of twice the length each time; qsort may allocate.
 static void sort_cells(VisQuery *q) {
-    for (int i = 1; i < q->result.cell_count; i++) {
-        VisibleCell cell = q->cells[i];
-        int j = i;
-        for (; j > 0 && (q->cells[j - 1].distance > cell.distance ||
-                         (q->cells[j - 1].distance == cell.distance && q->cells[j - 1].cell > cell.cell));
-             j--) {
-            q->cells[j] = q->cells[j - 1];
+    int count = q->result.cell_count;
+    for (int run = 1; run < count; run *= 2) {
+        for (int first = 0; first < count; first += 2 * run) {
+            int a = first, middle = first + run < count ? first + run : count, b = middle,
+                end = middle + run < count ? middle + run : count;
+            for (int k = first; k < end; k++) {
+                bool left = a < middle && (b >= end || !before(&q->cells[b], &q->cells[a]));
+                q->spare[k] = q->cells[left ? a++ : b++];
+            }
         }
-        q->cells[j] = cell;
+        VisibleCell *swap = q->cells;
+        q->cells = q->spare;
+        q->spare = swap;
     }
+    q->result.cells = q->cells;
 }
 
 static void walk(VisQuery *q, int cell) {
-    first_cone(q, &q->cones[0]);
+    query_first_cone(q, &q->cones[0]);
     visit_cell(q, cell, 0, &q->cones[0]);
     bool trees = q->method != VIS_PORTALS;
     q->limit = trees ? q->forest->seen + (size_t)cell * (size_t)q->forest->words : NULL;
     if (trees && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
     } else {
-        walk_portals(q, cell, 0);
+        walk_portals(q, cell, 0, false);
     }
     if (q->result.overflow) draw_visible_set(q, cell);
 }
@@ -577,11 +322,12 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
         memset(q->cell_frame, 0, (size_t)q->graph->cell_count * sizeof *q->cell_frame);
+        memset(q->portal_frame, 0, (size_t)q->graph->portal_count * 2 * sizeof *q->portal_frame);
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;
     }
-    if (cell >= 0 && !clear_of_cell(q->graph, cell, eye->position, 0)) q->result.eye_cell = cell = -1;
+    if (cell >= 0 && !clear_of_walls(q->graph, cell, eye->position)) q->result.eye_cell = cell = -1;
     if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
         draw_all(q, method == VIS_FRUSTUM);
     } else {

@@ -1,7 +1,7 @@
 // squares.c - the mesh of squares inside each cell, and the objects registered there (Oki 2.2).
 //
 // A surface belongs to its cell: its back is never seen. An object of the building belongs to every square of every
-// cell that one of its polygons touches: the polygon is clipped by the cell grown by VIS_TOUCH, and what is left by
+// cell that one of its polygons touches: the polygon is clipped by the cell grown by `touch`, and what is left by
 // rows and columns of squares. The leaf of a door belongs wherever it may come.
 #include <string.h>
 
@@ -16,9 +16,9 @@ typedef struct Range {
     int from, to;
 } Range;
 
-static Range squares_of(double origin, double size, int count, double low, double high) {
-    return (Range){clamp(floor((low - VIS_TOUCH - origin) / size), count),
-                   clamp(floor((high + VIS_TOUCH - origin) / size), count)};
+static Range squares_of(double origin, double size, int count, double low, double high, double touch) {
+    return (Range){clamp(floor((low - touch - origin) / size), count),
+                   clamp(floor((high + touch - origin) / size), count)};
 }
 
 static CellMesh mesh_over(Box box, double size, int first_square) {
@@ -45,8 +45,8 @@ void build_locator(CellBuilder *builder) {
     for (int pass = 0; pass < 2; pass++) {
         for (int c = 0; c < graph->cell_count; c++) {
             Box box = graph->cells[c].box;
-            Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x);
-            Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y);
+            Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
+            Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
             for (int j = y.from; j <= y.to; j++) {
                 for (int i = x.from; i <= x.to; i++) {
                     int square = j * mesh->nx + i;
@@ -85,10 +85,11 @@ static void add_registration(Registrar *r, int square, int object) {
     *ARENA_PUSH(r->builder->scratch, r->list, r->count, r->capacity) = (Registration){square, object};
 }
 
-// The part of a convex polygon with low <= coordinate <= high, along x or y, grown by VIS_TOUCH.
-static int clip_slab(const Vec3 *in, int count, Vec3 axis, double low, double high, Vec3 *out, Vec3 *buffer) {
-    count = polygon_clip(in, count, (Plane){axis, low}, VIS_TOUCH, buffer);
-    return polygon_clip(buffer, count, (Plane){vec3_scale(axis, -1), -high}, VIS_TOUCH, out);
+// The part of a convex polygon with low <= coordinate <= high along x or y. Clips into buffer[2].
+static int clip_slab(const Registrar *r, const Vec3 *in, int count, Vec3 axis, double low, double high) {
+    double touch = r->builder->graph->touch;
+    count = polygon_clip(in, count, (Plane){axis, low}, touch, r->buffer[3]);
+    return polygon_clip(r->buffer[3], count, (Plane){vec3_scale(axis, -1), -high}, touch, r->buffer[2]);
 }
 
 static Box bounds(const Vec3 *v, int count) {
@@ -99,22 +100,22 @@ static Box bounds(const Vec3 *v, int count) {
 
 // Registers a polygon that lies within a cell.
 static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *polygon, int count, int object) {
+    const CellGraph *graph = r->builder->graph;
     Box box = bounds(polygon, count);
-    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y);
+    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
     for (int j = y.from; j <= y.to; j++) {
         double low = mesh->origin.y + j * mesh->size;
-        int rows =
-            clip_slab(polygon, count, vec3(0, 1, 0), low, low + mesh->size, r->buffer[2], r->buffer[3]);
+        int rows = clip_slab(r, polygon, count, vec3(0, 1, 0), low, low + mesh->size);
         if (rows == 0) continue;
         Box row = bounds(r->buffer[2], rows);
         // A convex piece no wider than its row touches every square between its ends.
-        Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, row.min.x, row.max.x);
+        Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, row.min.x, row.max.x, graph->touch);
         for (int i = x.from; i <= x.to; i++)
             add_registration(r, mesh->first_square + j * mesh->nx + i, object);
     }
 }
 
-// The part of a polygon inside a cell's plan grown by VIS_TOUCH.
+// The part of a polygon inside a cell's plan grown by `touch`.
 static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
                         Vec3 *buffer) {
     memmove(out, polygon, (size_t)count * sizeof *out);
@@ -122,18 +123,26 @@ static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *po
         Vec2 a = graph->plan[cell->first_edge + i],
              b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
         Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
-        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, VIS_TOUCH, buffer);
+        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, graph->touch, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
 }
 
-// The part of a polygon inside a cell grown by VIS_TOUCH.
+// The part of a polygon inside a cell grown by `touch`.
 static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
                         Vec3 *buffer) {
-    count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, VIS_TOUCH, buffer);
-    count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, VIS_TOUCH, out);
-    return clip_to_plan(graph, cell, out, count, out, buffer);
+    if (cell->face_count == 0) {
+        count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, graph->touch, buffer);
+        count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, graph->touch, out);
+        return clip_to_plan(graph, cell, out, count, out, buffer);
+    }
+    memmove(out, polygon, (size_t)count * sizeof *out);
+    for (int i = 0; i < cell->face_count && count > 0; i++) {
+        count = polygon_clip(out, count, graph->faces[cell->first_face + i], graph->touch, buffer);
+        memcpy(out, buffer, (size_t)count * sizeof *out);
+    }
+    return count;
 }
 
 // Registers a polygon, or, `upright`, all that lies over and under it within `box`.
@@ -141,10 +150,10 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
     CellGraph *graph = r->builder->graph;
     int serial = r->serial++;
     graph->object_boxes[object] = box_union(graph->object_boxes[object], box);
-    box = box_grow(box, VIS_TOUCH);
+    box = box_grow(box, graph->touch);
     const CellMesh *locator = &graph->locator;
-    Range x = squares_of(locator->origin.x, locator->size, locator->nx, box.min.x, box.max.x);
-    Range y = squares_of(locator->origin.y, locator->size, locator->ny, box.min.y, box.max.y);
+    Range x = squares_of(locator->origin.x, locator->size, locator->nx, box.min.x, box.max.x, graph->touch);
+    Range y = squares_of(locator->origin.y, locator->size, locator->ny, box.min.y, box.max.y, graph->touch);
     for (int j = y.from; j <= y.to; j++) {
         for (int i = x.from; i <= x.to; i++) {
             int square = j * locator->nx + i;
@@ -253,7 +262,14 @@ void build_squares(CellBuilder *builder) {
     store(&r);
 }
 
+// A point on the common face of two polyhedra may come out beyond both by rounding: that share of `touch` holds it.
+static const double FACE_SLACK = 1e-3;
+
 static bool cell_holds(const CellGraph *graph, const Cell *cell, Vec3 p) {
+    for (int i = cell->first_face; i < cell->first_face + cell->face_count; i++) {
+        if (plane_distance(graph->faces[i], p) < -FACE_SLACK * graph->touch) return false;
+    }
+    if (cell->face_count > 0) return box_contains(box_grow(cell->box, FACE_SLACK * graph->touch), p);
     if (!box_contains(cell->box, p)) return false;
     const Vec2 *plan = graph->plan + cell->first_edge;
     for (int i = 0; i < cell->edge_count; i++) {
@@ -261,6 +277,13 @@ static bool cell_holds(const CellGraph *graph, const Cell *cell, Vec3 p) {
         if (vec2_cross(vec2_sub(b, a), vec2_sub(vec2(p.x, p.y), a)) < 0) return false;
     }
     return true;
+}
+
+const Region *vis_region(const CellGraph *graph, int cell) {
+    static const Region without[2] = {{.kind = REGION_ROOM, .name = "", .storey = -1, .opening = -1},
+                                      {.kind = REGION_OUTDOORS, .name = "", .storey = -1, .opening = -1}};
+    const Cell *c = &graph->cells[cell];
+    return c->region >= 0 ? &graph->building->regions[c->region] : &without[c->outdoors];
 }
 
 int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
@@ -273,7 +296,7 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
             if (cell_holds(graph, &graph->cells[next], point)) return next;
         }
     }
-    if (!box_contains(graph->box, point)) return -1;
+    if (!box_contains(box_grow(graph->box, FACE_SLACK * graph->touch), point)) return -1;
     const CellMesh *mesh = &graph->locator;
     int i = clamp((point.x - mesh->origin.x) / mesh->size, mesh->nx);
     int j = clamp((point.y - mesh->origin.y) / mesh->size, mesh->ny);

@@ -20,6 +20,7 @@ typedef struct Cell {
     int first_contact, contact_count;  // in CellGraph.contacts
     double z0, z1;
     Box box;
+    bool outdoors;  // of a building without regions: it reaches the border of what is built
 } Cell;
 
 // A convex planar polygon shared by two cells, with no surface in it.
@@ -62,7 +63,7 @@ typedef struct CellGraph {
     Box *object_boxes;   // [object_count]; of a leaf, all that it sweeps
     int *surface_first;  // [cell_count + 1] the surfaces of cell c are objects surface_first[c] ..
     int object_count, polygon_count, vertex_count;
-    // Which objects touch which squares of which cells (within VIS_TOUCH). Run s is
+    // Which objects touch which squares of which cells (within `touch`). Run s is
     // square_objects[square_first[s]] .. square_objects[square_first[s + 1] - 1].
     CellMesh *meshes;   // [cell_count]
     int *square_first;  // [square_count + 1]
@@ -73,11 +74,13 @@ typedef struct CellGraph {
     int *locator_first;  // [locator.nx * locator.ny + 1]
     int *locator_cells;
     Box box;
+    double
+        touch;  // how near a polygon must come to a cell to be registered there, metres: VIS_TOUCH, of a soup by its size
     int dropped_slivers;  // surfaces and portals without area (VIS_SLIVER) that were left out
 } CellGraph;
 
-// How near a polygon must come to a cell to be registered there, metres: more than the grid and than any
-// coplanarity noise, less than any wall.
+// How near a polygon must come to a cell of a building of regions to be registered there, metres: more than the grid and
+// than any coplanarity noise, less than any wall.
 #define VIS_TOUCH 0.002
 
 // Surfaces and horizontal portals of less area than this are left out, m^2: a hundredth of a square of the grid.
@@ -124,6 +127,9 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
 // The .vis file: cells are made again from the building; the forest is stored under the building's hash.
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error);
 bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error);
+
+// Where a cell lies: its region, or, of a building without regions, a room without a name or the outdoors.
+const Region *vis_region(const CellGraph *graph, int cell);
 
 // A cell that holds `point` (boundaries included), or -1. `hint` is tried first, then its
 // neighbours; -1 for none.

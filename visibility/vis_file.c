@@ -9,7 +9,7 @@
 #include "engine/core/file.h"
 #include "visibility/vis.h"
 
-enum { VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
+enum { VERSION = 2, BYTE_ORDER_MARK = 0x01020304 };
 static const char MAGIC[8] = "ENFVIS";
 static const size_t LARGEST_FILE = (size_t)4 << 30;
 
@@ -28,6 +28,9 @@ static uint64_t geometry_hash(const CellGraph *graph) {
         double heights[2] = {graph->cells[c].z0, graph->cells[c].z1};
         hash = file_hash(heights, sizeof heights, hash);
     }
+    hash = file_hash(graph->faces, (size_t)graph->face_count * sizeof *graph->faces, hash);
+    for (int p = 0; p < graph->portal_count; p++)
+        hash = file_hash(&graph->portals[p].plane, sizeof graph->portals[p].plane, hash);
     hash = file_hash(graph->contacts, (size_t)graph->contact_count * sizeof *graph->contacts, hash);
     return file_hash(graph->portal_vertices,
                      (size_t)graph->portal_vertex_count * sizeof *graph->portal_vertices, hash);

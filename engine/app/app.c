@@ -70,6 +70,15 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
     return true;
 }
 
+bool app_has_walls(const AppScene *scene, Error *error) {
+    if (scene->building.form != FORM_CELLS) return true;
+    return error_set(
+        error,
+        "%s: holds cells and portals without walls: nothing to draw or to walk on (info, vis and "
+        "bench take it)",
+        scene->building.source);
+}
+
 // Doors are all that a person passes, doorways without a leaf among them.
 static int count_joined(const Building *b) {
     int joined = 0;
@@ -93,21 +102,24 @@ json_t *app_counts(const AppScene *scene) {
     for (int i = 0; i < b->note_count; i++) leaks += b->notes[i].kind == NOTE_LEAK;
     for (int c = 0; c < scene->graph.cell_count; c++) bounded += scene->forest.bounded[c];
     json_t *o = json_object();
-    json_object_set_new(o, "storeys", json_integer(b->storey_count));
-    json_object_set_new(o, "rooms", json_integer(rooms));
+    bool drawn = b->form == FORM_REGIONS;  // rooms and storeys are of drawn plans
+    if (drawn) json_object_set_new(o, "storeys", json_integer(b->storey_count));
+    if (drawn) json_object_set_new(o, "rooms", json_integer(rooms));
     json_object_set_new(o, "cells", json_integer(scene->graph.cell_count));
     json_object_set_new(o, "portals", json_integer(scene->graph.portal_count));
-    json_object_set_new(o, "doors", json_integer(doors));
-    json_object_set_new(o, "doors_joined", json_integer(count_joined(b)));
-    json_object_set_new(o, "windows", json_integer(windows));
-    json_object_set_new(o, "objects", json_integer(scene->graph.object_count));
-    json_object_set_new(o, "polygons", json_integer(scene->graph.polygon_count));
+    if (b->form != FORM_CELLS) json_object_set_new(o, "doors", json_integer(doors));
+    if (drawn) json_object_set_new(o, "doors_joined", json_integer(count_joined(b)));
+    if (drawn) json_object_set_new(o, "windows", json_integer(windows));
+    if (b->form != FORM_CELLS) {
+        json_object_set_new(o, "objects", json_integer(scene->graph.object_count));
+        json_object_set_new(o, "polygons", json_integer(scene->graph.polygon_count));
+    }
     json_object_set_new(o, "stab_nodes", json_integer(scene->forest.node_count));
     json_object_set_new(o, "bounded_trees", json_integer(bounded));
-    json_object_set_new(o, "leaks", json_integer(leaks));
+    if (drawn) json_object_set_new(o, "leaks", json_integer(leaks));
     json_object_set_new(o, "notes", json_integer(b->note_count));
-    json_object_set_new(o, "area_drawn", json_real(b->drawn_area));
-    json_object_set_new(o, "area_lost", json_real(b->lost_area));
+    if (drawn) json_object_set_new(o, "area_drawn", json_real(b->drawn_area));
+    if (drawn) json_object_set_new(o, "area_lost", json_real(b->lost_area));
     return o;
 }
 

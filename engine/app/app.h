@@ -41,6 +41,9 @@ typedef struct AppScene {
 // over with a warning.
 bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
 
+// False, and a sentence, for a file of cells and portals alone, in which there is nothing to draw or to walk on.
+bool app_has_walls(const AppScene *scene, Error *error);
+
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);
 void app_progress_end(void);

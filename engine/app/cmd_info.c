@@ -14,6 +14,11 @@ static void print_doors(const Building *b) {
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
         if (o->kind == OPENING_WINDOW) continue;
+        if (b->form != FORM_REGIONS) {
+            printf("  %-8s %-20s at (%.2f, %.2f)\n", opening_kind_name(o->kind), o->name,
+                   (o->line[0].x + o->line[1].x) / 2, (o->line[0].y + o->line[1].y) / 2);
+            continue;
+        }
         const char *side[2];
         for (int k = 0; k < 2; k++) {
             const Region *r = o->region[k] < 0 ? NULL : &b->regions[o->region[k]];

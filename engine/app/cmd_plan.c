@@ -69,31 +69,43 @@ static int parse(int argc, char **argv, Arguments *a) {
 static Box figure_bounds(const CellGraph *graph) {
     Box box = box_empty();
     for (int c = 0; c < graph->cell_count; c++) {
-        if (graph->building->regions[graph->cells[c].region].kind != REGION_OUTDOORS) {
+        if (vis_region(graph, c)->kind != REGION_OUTDOORS) {
             box = box_union(box, graph->cells[c].box);
         }
     }
     return box_grow(box_is_empty(box) ? graph->box : box, 1.0);
 }
 
-static bool draw_figure(const Arguments *a, const AppScene *scene, Arena *arena, const char **svg_text,
-                        Error *error) {
-    const Building *b = &scene->building;
-    const CellGraph *graph = &scene->graph;
-    int root = a->from_given ? vis_locate(graph, a->from, -1) : -1, storey = a->storey;
-    if (a->from_given && root < 0) {
-        return error_set(error, "%s: there is no cell at (%g, %g, %g): it lies in a wall or outside", a->file,
-                         a->from.x, a->from.y, a->from.z);
+// Where the plan is cut: over the floor of the storey, or, of a building without storeys, as low about the eye.
+static bool cut_height(const Arguments *a, const CellGraph *graph, int root, double *out, Error *error) {
+    static const double CUT = 1.2, EYE = 1.6;  // metres above the floor
+    const Building *b = graph->building;
+    int storey = a->storey;
+    if (b->storey_count == 0) {
+        if (storey >= 0)
+            return error_set(error, "%s: has no storeys (--storey is for plans and homes)", a->file);
+        *out = (a->from_given ? a->from.z : b->start.z) - (EYE - CUT);
+        return true;
     }
-    if (storey < 0)
-        storey = root >= 0 && b->regions[graph->cells[root].region].storey >= 0
-                     ? b->regions[graph->cells[root].region].storey
-                     : 0;
+    if (storey < 0) storey = root >= 0 ? (int)fmax(vis_region(graph, root)->storey, 0) : 0;
     if (storey >= b->storey_count) {
         return error_set(error, "%s: has no storey %d (allowed 0 to %d)", a->file, storey,
                          b->storey_count - 1);
     }
-    double z = b->storeys[storey].floor + fmin(1.2, b->storeys[storey].height / 2);
+    *out = b->storeys[storey].floor + fmin(CUT, b->storeys[storey].height / 2);
+    return true;
+}
+
+static bool draw_figure(const Arguments *a, const AppScene *scene, Arena *arena, const char **svg_text,
+                        Error *error) {
+    const CellGraph *graph = &scene->graph;
+    int root = a->from_given ? vis_locate(graph, a->from, -1) : -1;
+    if (a->from_given && root < 0) {
+        return error_set(error, "%s: there is no cell at (%g, %g, %g): it lies in a wall or outside", a->file,
+                         a->from.x, a->from.y, a->from.z);
+    }
+    double z = 0;
+    if (!cut_height(a, graph, root, &z, error)) return false;
     Box plan = figure_bounds(graph), whole = plan;
     double tree_height = 0.5 * (plan.max.x - plan.min.x);
     if (root >= 0) whole.min.y -= tree_height;
@@ -129,8 +141,8 @@ int cmd_plan(int argc, char **argv) {
     Error error;
     AppOptions load = app_default_options();
     const char *text = NULL;
-    bool good =
-        app_load(a.file, &load, &arena, &scene, &error) && draw_figure(&a, &scene, &arena, &text, &error);
+    bool good = app_load(a.file, &load, &arena, &scene, &error) && app_has_walls(&scene, &error) &&
+                draw_figure(&a, &scene, &arena, &text, &error);
     if (good && a.out) good = file_write(a.out, text, strlen(text), &error);
     if (good && !a.out) fputs(text, stdout);
     arena_free(&arena);

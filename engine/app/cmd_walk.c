@@ -311,7 +311,7 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppOptions load = app_default_options();
     AppScene scene;
-    if (!app_load(a->file, &load, arena, &scene, error)) return false;
+    if (!app_load(a->file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
     Progress progress = app_progress();
     bool good = walk_offscreen(&scene.graph, &scene.forest, &a->walk, &progress, arena, totals, error);
     app_progress_end();
@@ -328,7 +328,7 @@ static bool load_scene(void *context, const char *path, Arena *arena, WalkScene 
     (void)context;
     AppOptions load = app_default_options();
     AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    if (!app_load(path, &load, arena, scene, error)) return false;
+    if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
     *out = (WalkScene){&scene->graph, &scene->forest};
     return true;
 }

@@ -93,8 +93,8 @@ static void list_portals(CollisionCheck *check, Arena *arena) {
     const Building *b = graph->building;
     check->window_portals = ARENA_ARRAY(arena, int, graph->portal_count + 1);
     for (int i = 0; i < graph->portal_count; i++) {
-        int p = b->regions[graph->cells[graph->portals[i].cell[0]].region].opening;
-        int q = b->regions[graph->cells[graph->portals[i].cell[1]].region].opening;
+        int p = vis_region(graph, graph->portals[i].cell[0])->opening;
+        int q = vis_region(graph, graph->portals[i].cell[1])->opening;
         bool window = (p >= 0 && b->openings[p].kind == OPENING_WINDOW) ||
                       (q >= 0 && b->openings[q].kind == OPENING_WINDOW);
         if (window) check->window_portals[check->window_count++] = i;
@@ -203,7 +203,7 @@ static bool outside(const CellGraph *graph, Vec3 foot, double height) {
     for (int i = 1; i <= 4; i++) {
         int cell = vis_locate(graph, vec3(foot.x, foot.y, foot.z + height * i / 5), -1);
         if (cell < 0) return true;
-        int opening = graph->building->regions[graph->cells[cell].region].opening;
+        int opening = vis_region(graph, cell)->opening;
         if (opening >= 0 && graph->building->openings[opening].kind == OPENING_WINDOW) return true;
     }
     return false;

@@ -123,7 +123,7 @@ static void meet_leaves(Stand *s, const Flooder *f, Vec2 at) {
 static bool in_window(const CellGraph *graph, Vec3 place) {
     int cell = vis_locate(graph, place, -1);
     if (cell < 0) return true;
-    int opening = graph->building->regions[graph->cells[cell].region].opening;
+    int opening = vis_region(graph, cell)->opening;
     return opening >= 0 && graph->building->openings[opening].kind == OPENING_WINDOW;
 }
 
@@ -199,11 +199,9 @@ static void spread(Flooder *f, int from) {
 }
 
 static void lay(CollisionFlood *flood, const CellGraph *graph, Arena *arena) {
-    const Building *b = graph->building;
     Box box = box_empty();
     for (int c = 0; c < graph->cell_count; c++) {
-        if (b->regions[graph->cells[c].region].kind != REGION_OUTDOORS)
-            box = box_union(box, graph->cells[c].box);
+        if (vis_region(graph, c)->kind != REGION_OUTDOORS) box = box_union(box, graph->cells[c].box);
     }
     box = box_is_empty(box) ? graph->box : box_grow(box, FLOOD_OUTDOORS);
     flood->origin = vec2(box.min.x, box.min.y);

@@ -19,7 +19,8 @@ static const double BEYOND = 1e-6;
 
 bool doors_usable(const Doors *doors, int opening) {
     const Opening *o = &doors->graph->building->openings[opening];
-    return o->kind == OPENING_DOOR && o->region[0] >= 0 && o->region[1] >= 0;
+    if (o->kind != OPENING_DOOR) return false;
+    return doors->graph->building->form != FORM_REGIONS || (o->region[0] >= 0 && o->region[1] >= 0);
 }
 
 static bool may_meet(const Building *b, const Opening *p, const Opening *q) {
@@ -176,7 +177,7 @@ static double clear_length(const CellGraph *graph, Vec3 eye, int cell, Vec3 dire
     const Building *b = graph->building;
     double gone = 0;
     while (cell >= 0 && gone < reach) {
-        const Region *region = &b->regions[graph->cells[cell].region];
+        const Region *region = vis_region(graph, cell);
         if (region->opening >= 0 && b->openings[region->opening].kind == OPENING_WINDOW) break;
         // A little farther each time, so that it ends even where rounding leaves it in a cell it has left.
         gone = fmax(gone, way_out(graph, &graph->cells[cell], eye, direction)) + BEYOND;

@@ -267,14 +267,14 @@ static void draw_scale(const Hud *hud, const OverlayMap *map, Rectangle r) {
     overlay_text(hud->overlay, x0 - width - KEY_PAD, baseline(y - LINE / 2, LINE, SMALL), SMALL, DIM, 1,
                  label);
     const PlanView *plan = hud->state->plan;
-    const char *storey = plan->graph->building->storeys[plan->storey].name;
+    const char *storey = plan->storey < 0 ? NULL : plan->graph->building->storeys[plan->storey].name;
     overlay_text(hud->overlay, r.x + PAD, baseline(y - LINE / 2, LINE, SMALL), SMALL, BRIGHT, 1,
                  shortened(hud, SMALL, storey ? storey : "", x0 - width - 2 * KEY_PAD - r.x - PAD));
 }
 
 static void draw_plan(Hud *hud) {
     const PlanView *plan = hud->state->plan;
-    if (!plan || plan->storey < 0) return;
+    if (!plan) return;
     for (size_t i = 0; i < sizeof PLAN_SIDES / sizeof *PLAN_SIDES; i++) {
         double side = PLAN_SIDES[i];
         if (side > PLAN_SHARE * hud->width || side > PLAN_SHARE * hud->height + LINE) continue;

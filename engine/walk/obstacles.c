@@ -169,13 +169,13 @@ static void mark_openings(Obstacles *o, Arena *arena) {
     const Building *b = graph->building;
     o->shut = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
     for (int c = 0; c < graph->cell_count; c++) {
-        int opening = b->regions[graph->cells[c].region].opening;
+        int opening = vis_region(graph, c)->opening;
         o->shut[c] = opening >= 0 && b->openings[opening].kind == OPENING_WINDOW;
     }
     o->bare_door = ARENA_ARRAY(arena, int, graph->portal_count + 1);
     for (int i = 0; i < graph->portal_count; i++) {
-        const Region *p = &b->regions[graph->cells[graph->portals[i].cell[0]].region];
-        const Region *q = &b->regions[graph->cells[graph->portals[i].cell[1]].region];
+        const Region *p = vis_region(graph, graph->portals[i].cell[0]);
+        const Region *q = vis_region(graph, graph->portals[i].cell[1]);
         bool middle = p->opening >= 0 && p->opening == q->opening && p->side != q->side;
         bool bare =
             middle && b->openings[p->opening].kind == OPENING_DOOR && b->openings[p->opening].leaf_count == 0;
@@ -185,6 +185,9 @@ static void mark_openings(Obstacles *o, Arena *arena) {
 
 static void build_border(Obstacles *o) {
     Box w = o->graph->building->world;
+    // The cells of a soup reach over its roof, where one may stand too.
+    w.min.z = fmin(w.min.z, o->graph->box.min.z);
+    w.max.z = fmax(w.max.z, o->graph->box.max.z);
     double x[5] = {w.min.x, w.max.x, w.max.x, w.min.x, w.min.x},
            y[5] = {w.min.y, w.min.y, w.max.y, w.max.y, w.min.y};
     for (int i = 0; i < 4; i++) {
@@ -245,12 +248,14 @@ static bool touches(const Obstacles *o, int portal, const Way *way) {
     const Portal *p = &o->graph->portals[portal];
     if (!box_overlap(o->portal_box[portal], way->box)) return false;
     if (!p->horizontal) return edge_to_edge(way->from, way->to, p->left, p->right) <= way->reach;
-    // Counter-clockwise from above: outside one edge by more than the reach is away from it all.
+    // In plan, outside one edge by more than the reach is away from it all.
     const Vec3 *v = o->graph->portal_vertices + p->first_vertex;
+    double turn = p->plane.n.z > 0 ? 1 : -1;  // counter-clockwise from above, or from below
     for (int i = 0; i < p->vertex_count; i++) {
         Vec3 a = v[i], b = v[(i + 1) % p->vertex_count];
         Vec2 edge = vec2(b.x - a.x, b.y - a.y), at = vec2(a.x, a.y);
-        double out = fmax(vec2_cross(edge, vec2_sub(way->from, at)), vec2_cross(edge, vec2_sub(way->to, at)));
+        double out = fmax(turn * vec2_cross(edge, vec2_sub(way->from, at)),
+                          turn * vec2_cross(edge, vec2_sub(way->to, at)));
         if (out < -way->reach * vec2_length(edge)) return false;
     }
     return true;

@@ -1,6 +1,7 @@
 // plan_view.c - the plan in layers: cells as the eye sees them, stairs and tree, walls and doors, names, the eye.
 #include "engine/walk/plan_view.h"
 
+#include "engine/walk/body.h"
 #include "visibility/figure.h"
 
 // Cut at this height over the floor, metres: through doors, and through most windows.
@@ -30,7 +31,7 @@ typedef struct PlanDrawing {
 
 int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye) {
     const Building *b = graph->building;
-    int storey = cell >= 0 ? b->regions[graph->cells[cell].region].storey : -1;
+    int storey = cell >= 0 ? vis_region(graph, cell)->storey : -1;
     if (storey >= 0 || b->storey_count == 0) return storey;
     storey = 0;
     for (int i = 1; i < b->storey_count; i++) {
@@ -42,6 +43,7 @@ int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye) {
 }
 
 static double cut_height(const PlanView *view) {
+    if (view->storey < 0) return view->eye.z - (BODY_EYE - PLAN_CUT);
     const Storey *s = &view->graph->building->storeys[view->storey];
     return s->floor + fmin(PLAN_CUT, s->height / 2);
 }
@@ -61,7 +63,7 @@ Box plan_view_area(const PlanView *view, double most) {
     Box box = box_empty();
     double z = cut_height(view);
     for (int c = 0; c < graph->cell_count; c++) {
-        bool outdoors = graph->building->regions[graph->cells[c].region].kind == REGION_OUTDOORS;
+        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
         if (!outdoors && figure_cuts(graph, c, z)) box = box_union(box, graph->cells[c].box);
     }
     box = box_grow(box_add(box, view->eye), PLAN_MARGIN);
@@ -100,7 +102,7 @@ static void draw_cells(const PlanDrawing *d) {
         strength[seen->cell] = 0.2 + 0.6 / (1 + seen->distance / PLAN_FADE);
     }
     for (int c = 0; c < graph->cell_count; c++) {
-        RegionKind kind = graph->building->regions[graph->cells[c].region].kind;
+        RegionKind kind = vis_region(graph, c)->kind;
         bool outdoors = kind == REGION_OUTDOORS;
         if (!cell_shows(d, c) || (outdoors && c != view->cell && strength[c] == 0)) continue;
         unsigned ground = outdoors ? OUTDOORS : kind == REGION_ROOM ? ROOM : THRESHOLD;
@@ -119,9 +121,8 @@ typedef struct TreeStep {
 } TreeStep;
 
 static bool portal_shows(const CellGraph *graph, int portal, double z) {
-    const Portal *p = &graph->portals[portal];
-    const Vec3 *v = graph->portal_vertices + p->first_vertex;
-    return !p->horizontal && v[0].z <= z && z <= v[1].z;
+    Vec2 ends[2];
+    return figure_portal(graph, portal, z, ends);
 }
 
 // Which contact of the cell is the portal?
@@ -219,12 +220,13 @@ static void draw_walls(const PlanDrawing *d) {
     DrawStyle wall = {.stroke = 0xe4e9ee, .width = 1.5 * d->point};
     for (int c = 0; c < graph->cell_count; c++) {
         // Cells under the sky are large and many; how they are cut says nothing.
-        bool outdoors = graph->building->regions[graph->cells[c].region].kind == REGION_OUTDOORS;
+        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
         if (!outdoors && cell_shows(d, c)) figure_portals(graph, c, d->z, &portal, d->draw);
     }
     for (int c = 0; c < graph->cell_count; c++) {
         if (cell_shows(d, c)) figure_walls(graph, c, d->z, &wall, d->draw);
     }
+    if (graph->building->form == FORM_SOUP) figure_polygons(graph, d->z, d->area, &wall, d->draw);
 }
 
 // Green stands open, red is closed, amber is between. A leaf is thinner than lines are wide, or hardly thicker: a line.
@@ -279,7 +281,7 @@ static void draw_names(const PlanDrawing *d) {
     int named = -1;  // the cells of a region follow each other
     for (int c = 0; c < graph->cell_count; c++) {
         int r = graph->cells[c].region;
-        const Region *region = &graph->building->regions[r];
+        const Region *region = vis_region(graph, c);
         if (r == named || region->kind != REGION_ROOM || !*region->name || !cell_shows(d, c)) continue;
         draw_name(d, r, region->name);
         named = r;

@@ -13,11 +13,11 @@ typedef struct PlanView {
     Vec3 eye;
     double yaw, fov;  // radians, see Viewpoint
     int cell;         // the eye's, or -1
-    int storey;       // the one to show
+    int storey;       // the one to show; -1: none, the plan is cut about the eye
 } PlanView;
 
 // The storey of a place: that of its cell, or under the sky the highest whose floor is not above the eye; -1 in a
-// building without storeys, of which there is no plan.
+// building without storeys.
 int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye);
 
 // The rooms of the storey and the eye, with a margin; of what is larger than `most` metres a window around the eye.

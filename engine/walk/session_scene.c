@@ -129,7 +129,7 @@ const char *session_room(const Session *s) {
     const CellGraph *graph = s->shown->scene.graph;
     const Building *b = graph->building;
     if (s->person.cell < 0) return "in no room";
-    const Region *r = &b->regions[graph->cells[s->person.cell].region];
+    const Region *r = vis_region(graph, s->person.cell);
     if (*r->name) return r->name;
     switch (r->kind) {
     case REGION_OUTDOORS:
@@ -158,9 +158,9 @@ void session_change_storey(Session *s, int by) {
     }
     Vec3 eye = vec3(s->person.eye.x, s->person.eye.y, b->storeys[storey].floor + BODY_EYE);
     int cell = vis_locate(graph, eye, -1);
-    if (cell < 0 || b->regions[graph->cells[cell].region].storey != storey) {
+    if (cell < 0 || vis_region(graph, cell)->storey != storey) {
         for (cell = 0; cell < graph->cell_count; cell++) {
-            const Region *r = &b->regions[graph->cells[cell].region];
+            const Region *r = vis_region(graph, cell);
             if (r->storey == storey && r->kind == REGION_ROOM) break;
         }
         if (cell == graph->cell_count) return;

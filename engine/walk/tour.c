@@ -32,8 +32,8 @@ typedef struct Guide {
     Arena *arena;
     TourPath *path;
     unsigned char *passable;  // [portal_count]
-    unsigned char *looked;    // [region_count] a turn was made there
-    int *largest;             // [region_count] its largest cell, where the turn is made
+    unsigned char *looked;    // by room (room_of), a turn was made there
+    int *largest;             // by room, its largest cell, where the turn is made
     int *from;                // [cell_count] the contact by which the shortest way enters, -1
     double *cost;             // [cell_count]
     Vec3 *at;                 // [cell_count] where the shortest way stands in the cell
@@ -46,12 +46,20 @@ typedef struct Guide {
 
 // ---- what a person passes
 
-static RegionKind kind_of(const CellGraph *graph, int cell) {
-    return graph->building->regions[graph->cells[cell].region].kind;
+static RegionKind kind_of(const CellGraph *graph, int cell) { return vis_region(graph, cell)->kind; }
+
+// A region, or, where there are none, the cell itself.
+static int room_of(const CellGraph *graph, int cell) {
+    return graph->cells[cell].region >= 0 ? graph->cells[cell].region : cell;
+}
+
+static int room_count(const CellGraph *graph) {
+    int regions = graph->building->region_count;
+    return regions > 0 ? regions : graph->cell_count;
 }
 
 static bool enterable(const CellGraph *graph, int cell) {
-    const Region *region = &graph->building->regions[graph->cells[cell].region];
+    const Region *region = vis_region(graph, cell);
     if (region->kind == REGION_OPENING && graph->building->openings[region->opening].kind == OPENING_WINDOW) {
         return false;
     }
@@ -240,9 +248,9 @@ static bool is_outer_step(const Guide *g, int cell, const Portal **door) {
 }
 
 static bool is_target(const Guide *g, int cell) {
-    int region = g->graph->cells[cell].region;
+    int room = room_of(g->graph, cell);
     RegionKind kind = kind_of(g->graph, cell);
-    if (kind == REGION_ROOM && !g->looked[region] && g->largest[region] == cell) return true;
+    if (kind == REGION_ROOM && !g->looked[room] && g->largest[room] == cell) return true;
     return !g->path->visited[cell];
 }
 
@@ -317,9 +325,9 @@ static void walk_to(Guide *g, int target) {
         return;
     }
     go_to(g, centre_of(g, target));
-    int region = g->graph->cells[target].region;
-    if (kind != REGION_ROOM || g->looked[region] || g->largest[region] != target) return;
-    g->looked[region] = 1;
+    int room = room_of(g->graph, target);
+    if (kind != REGION_ROOM || g->looked[room] || g->largest[room] != target) return;
+    g->looked[room] = 1;
     turn_by(g, 2 * M_PI);
 }
 
@@ -346,9 +354,9 @@ static double plan_area(const CellGraph *graph, const Cell *cell) {
 
 static void find_largest(Guide *g) {
     const CellGraph *graph = g->graph;
-    for (int r = 0; r < graph->building->region_count; r++) g->largest[r] = -1;
+    for (int r = 0; r < room_count(graph); r++) g->largest[r] = -1;
     for (int c = 0; c < graph->cell_count; c++) {
-        int *largest = &g->largest[graph->cells[c].region];
+        int *largest = &g->largest[room_of(graph, c)];
         if (!g->path->reachable[c]) continue;
         if (*largest < 0 || plan_area(graph, &graph->cells[c]) > plan_area(graph, &graph->cells[*largest])) {
             *largest = c;
@@ -361,8 +369,8 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     Guide guide = {.graph = graph, .options = options, .arena = arena, .path = out};
     guide.passable = ARENA_ARRAY(arena, unsigned char, graph->portal_count + 1);
     for (int i = 0; i < graph->portal_count; i++) guide.passable[i] = passable(graph, &graph->portals[i]);
-    guide.looked = ARENA_ARRAY(arena, unsigned char, graph->building->region_count);
-    guide.largest = ARENA_ARRAY(arena, int, graph->building->region_count);
+    guide.looked = ARENA_ARRAY(arena, unsigned char, room_count(graph));
+    guide.largest = ARENA_ARRAY(arena, int, room_count(graph));
     guide.from = ARENA_ARRAY(arena, int, cells);
     guide.cost = ARENA_ARRAY(arena, double, cells);
     guide.at = ARENA_ARRAY(arena, Vec3, cells);

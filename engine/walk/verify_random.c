@@ -13,9 +13,7 @@
 
 typedef bool (*Place)(const CellGraph *graph, Random *random, Vec3 *eye);
 
-static const Region *region_of(const CellGraph *graph, int cell) {
-    return &graph->building->regions[graph->cells[cell].region];
-}
+static const Region *region_of(const CellGraph *graph, int cell) { return vis_region(graph, cell); }
 
 static Vec2 centre_of(const CellGraph *graph, const Cell *cell) {
     Vec2 sum = {0, 0};

@@ -1,0 +1,333 @@
+// test_query.c - the cells a query finds, against straight lines from the eye through portals, where it is hardest: eyes on
+// portals, a hair's breadth off them, and in corners where cells meet; in prisms, given cells and soups.
+#include <criterion/criterion.h>
+#include <stdlib.h>
+
+#include "maps/maps.h"
+#include "tests/fixture.h"
+#include "tests/soup_fixture.h"
+#include "tests/support.h"
+
+typedef struct Made {
+    Arena arena;
+    const Building *building;
+    CellGraph graph;
+    StabForest forest;
+    VisQuery *query;
+} Made;
+
+static void make(Made *m, const Building *b, int max_nodes) {
+    VisOptions options = vis_default_options();
+    options.max_nodes = max_nodes;
+    Error error = {""};
+    m->building = b;
+    cr_assert(vis_build_cells(b, &options, &m->arena, &m->graph, &error), "%s", error.text);
+    cr_assert(vis_build_forest(&m->graph, &options, NULL, &m->arena, &m->forest));
+    m->query = vis_query_new(&m->graph, &m->forest, &m->arena);
+}
+
+// An open plan: n x n squares of 2 m, of which a share is solid, with floors and ceilings of several heights. Four cells meet
+// in most corners, and most ways lead round pillars.
+static Building *pillars(Arena *arena, Random *random, int n, double solid) {
+    static const double SIDE = 2;
+    Building *b = ARENA_ARRAY(arena, Building, 1);
+    b->source = "pillars";
+    building_add_material(arena, b,
+                          (Material){.name = "stone", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
+    for (int i = 0; i < n * n; i++) {
+        double floor = 0.1 * random_index(random, 4), ceiling = 3 + 0.2 * random_index(random, 4);
+        if (random_unit(random) < solid) continue;
+        *ARENA_PUSH(arena, b->regions, b->region_count, b->region_capacity) =
+            (Region){.name = "",
+                     .storey = -1,
+                     .opening = -1,
+                     .first_ring = b->ring_count,
+                     .ring_count = 1,
+                     .z0 = floor,
+                     .z1 = ceiling};
+        *ARENA_PUSH(arena, b->rings, b->ring_count, b->ring_capacity) = (Ring){b->point_count, 4};
+        double x = i % n * SIDE, y = i / n * SIDE;
+        const Vec2 ring[4] = {{x, y}, {x + SIDE, y}, {x + SIDE, y + SIDE}, {x, y + SIDE}};
+        for (int k = 0; k < 4; k++) {
+            int at = b->point_count;
+            *ARENA_PUSH(arena, b->edge_material, at, b->edge_capacity) = 0;
+            *ARENA_PUSH(arena, b->points, b->point_count, b->point_capacity) = ring[k];
+        }
+    }
+    b->world = (Box){{0, 0, 0}, {n * SIDE, n * SIDE, 4}};
+    return b;
+}
+
+// ---- lines
+
+// The planes that bound a cell, pointing inwards.
+static int cell_planes(const CellGraph *g, int c, Plane *out) {
+    const Cell *cell = &g->cells[c];
+    int count = 0;
+    for (int i = 0; i < cell->face_count; i++) out[count++] = g->faces[cell->first_face + i];
+    if (cell->face_count > 0) return count;
+    out[count++] = (Plane){{0, 0, 1}, cell->z0};
+    out[count++] = (Plane){{0, 0, -1}, -cell->z1};
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = g->plan[cell->first_edge + i], b = g->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
+        out[count++] = (Plane){n, n.x * a.x + n.y * a.y};
+    }
+    return count;
+}
+
+typedef struct Line {
+    Vec3 from, way;
+    int cells[512];  // that it enters, in order
+    int count;
+} Line;
+
+// Lines nearer than this to an edge of a portal are given up: rounding decides them. Metres.
+static const double DOUBTFUL = 1e-6;
+
+// Where the line leaves the cell, or -1 where it is in it for no stretch worth the name after `after`.
+static double leaves_at(const CellGraph *g, int c, const Line *line, double after) {
+    Plane planes[256];
+    double in = after, out = INFINITY;
+    int count = cell_planes(g, c, planes);
+    for (int i = 0; i < count; i++) {
+        double off = plane_distance(planes[i], line->from), rate = vec3_dot(planes[i].n, line->way);
+        if (rate > 0) in = fmax(in, -off / rate);
+        if (rate < 0) out = fmin(out, -off / rate);
+        if (rate == 0 && off < 0) return -1;
+    }
+    return out > in + 10 * DOUBTFUL && in < after + DOUBTFUL ? out : -1;
+}
+
+// Follows the line through cells as they are bounded, from whichever holds its beginning. False: given up.
+static bool follow(const CellGraph *g, Line *line) {
+    double at = 0;
+    int cell = -1;
+    line->count = 0;
+    for (int c = 0; c < g->cell_count && cell < 0; c++) {
+        if (box_contains(box_grow(g->cells[c].box, 1e-5), line->from) && leaves_at(g, c, line, 0) > 0)
+            cell = c;
+    }
+    while (cell >= 0 && line->count < 512) {
+        line->cells[line->count++] = cell;
+        at = leaves_at(g, cell, line, at);
+        if (!isfinite(at)) return true;
+        Vec3 p = vec3_add(line->from, vec3_scale(line->way, at));
+        const Cell *here = &g->cells[cell];
+        int next = -1;
+        for (int i = here->first_contact; i < here->first_contact + here->contact_count; i++) {
+            const Portal *portal = &g->portals[g->contacts[i].portal];
+            if (fabs(plane_distance(portal->plane, p)) > DOUBTFUL) continue;
+            int inside = soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count,
+                                             p, 2 * DOUBTFUL);
+            if (inside < 0) return false;
+            if (inside > 0 && leaves_at(g, g->contacts[i].cell, line, at) > 0) next = g->contacts[i].cell;
+        }
+        cell = next;
+    }
+    return true;
+}
+
+// Follows the line by the portals it pierces alone, from a cell that is told: of given cells no walls are known.
+static bool pierce(const CellGraph *g, int cell, Line *line) {
+    line->count = 0;
+    while (cell >= 0 && line->count < 512) {
+        line->cells[line->count++] = cell;
+        const Cell *here = &g->cells[cell];
+        int next = -1;
+        for (int i = here->first_contact; i < here->first_contact + here->contact_count; i++) {
+            const Portal *portal = &g->portals[g->contacts[i].portal];
+            double side = portal->cell[0] == cell ? -1 : 1,
+                   rate = side * vec3_dot(portal->plane.n, line->way);
+            double t = -side * plane_distance(portal->plane, line->from) / rate;
+            if (rate < 1e-3 || t < -DOUBTFUL) continue;
+            Vec3 p = vec3_add(line->from, vec3_scale(line->way, t));
+            // Corners of given portals lie up to 3 mm off their plane, which their outline turns with.
+            int inside =
+                soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count, p, 4e-3);
+            if (inside < 0) return false;
+            if (inside > 0) next = g->contacts[i].cell;
+        }
+        cell = next;
+    }
+    return true;
+}
+
+static bool lists(const VisResult *result, int cell) {
+    for (int i = 0; i < result->cell_count; i++) {
+        if (result->cells[i].cell == cell) return true;
+    }
+    return false;
+}
+
+// ---- eyes
+
+// A convex mix of a portal's corners, at random on its edges too.
+static Vec3 in_portal(const CellGraph *g, const Portal *portal, Random *random) {
+    Vec3 sum = {0, 0, 0};
+    double weights = 0;
+    bool on_edge = random_unit(random) < 0.2;
+    int first = random_index(random, portal->vertex_count);
+    for (int i = 0; i < portal->vertex_count; i++) {
+        double w = on_edge && i > 1 ? 0 : random_unit(random);
+        const Vec3 *v = g->portal_vertices + portal->first_vertex;
+        sum = vec3_add(sum, vec3_scale(v[(first + i) % portal->vertex_count], w));
+        weights += w;
+    }
+    return vec3_scale(sum, 1 / weights);
+}
+
+// On a portal of a cell, or 1e-9 m before or behind it.
+static Vec3 at_portal(const CellGraph *g, int cell, Random *random) {
+    const Cell *c = &g->cells[cell];
+    const Portal *portal =
+        &g->portals[g->contacts[c->first_contact + random_index(random, c->contact_count)].portal];
+    Vec3 p = in_portal(g, portal, random);
+    return vec3_add(p, vec3_scale(portal->plane.n, 1e-9 * (random_index(random, 3) - 1)));
+}
+
+// In a corner of a cell's plan, or at its sides, at the height of an eye.
+static Vec3 at_corner(const CellGraph *g, int cell, Random *random) {
+    const Cell *c = &g->cells[cell];
+    Vec2 p = g->plan[c->first_edge + random_index(random, c->edge_count)];
+    double off = random_index(random, 2) ? 1e-9 : 0;
+    return vec3(p.x + off * (random_index(random, 3) - 1), p.y + off * (random_index(random, 3) - 1),
+                (c->z0 + c->z1) / 2);
+}
+
+typedef struct Tally {
+    long lines, cells, eyes, outside;
+} Tally;
+
+// All cells that lines from the eye enter are found, and none but those that the eye's cell may see.
+static void check_eye(Made *m, int cell, Vec3 position, VisMethod method, bool given, Random *random,
+                      Tally *tally) {
+    const CellGraph *g = &m->graph;
+    Eye eye = {.position = position};
+    VisResult result = vis_query(m->query, &eye, cell, NULL, method);
+    tally->eyes++;
+    tally->outside += result.eye_cell < 0;
+    if (result.eye_cell < 0) return;  // all is drawn
+    for (int i = 0; i < result.cell_count && method != VIS_PORTALS; i++)
+        cr_assert(vis_sees(&m->forest, cell, result.cells[i].cell), "cell %d is not in the visible set of %d",
+                  result.cells[i].cell, cell);
+    for (int k = 0; k < 60; k++) {
+        Line line = {.from = position, .way = fixture_direction(random)};
+        line.way.z *= given ? 1 : 0.2;
+        if (!(given ? pierce(g, cell, &line) : follow(g, &line))) continue;
+        tally->lines++;
+        tally->cells += line.count;
+        for (int i = 0; i < line.count; i++)
+            cr_assert(
+                lists(&result, line.cells[i]),
+                "%s: eye (%.12g, %.12g, %.12g) in cell %d sees cell %d (%d on its line), which is not found",
+                VIS_METHOD_NAMES[method], position.x, position.y, position.z, cell, line.cells[i], i);
+    }
+}
+
+static void check_eyes(Made *m, int eyes, bool given, Random *random, Tally *tally) {
+    const CellGraph *g = &m->graph;
+    for (int i = 0; i < eyes; i++) {
+        int cell = random_index(random, g->cell_count);
+        if (g->cells[cell].contact_count == 0) continue;
+        Vec3 p = i % 3 == 0 && !given ? at_corner(g, cell, random) : at_portal(g, cell, random);
+        if (!given) cell = vis_locate(g, p, cell);
+        if (cell < 0) continue;
+        check_eye(m, cell, p, i % 2 ? VIS_STAB : VIS_PORTALS, given, random, tally);
+    }
+}
+
+// Proves it of prisms: in an open plan with pillars, where four cells meet in most corners and most rooms are seen through
+// two portals, with trees and without (three nodes at most).
+Test(query_oracle, prisms) {
+    Tally tally = {0};
+    for (uint64_t seed = 1; seed <= 12; seed++) {
+        Made m = {0};
+        Random random = {seed};
+        make(&m, pillars(&m.arena, &random, 7, 0.1 + 0.03 * (double)(seed % 6)), seed % 2 ? 3 : 100000);
+        check_eyes(&m, 150, false, &random, &tally);
+        arena_free(&m.arena);
+    }
+    cr_assert(tally.lines > 20000 && tally.cells > 2 * tally.lines, "%ld lines, %ld cells", tally.lines,
+              tally.cells);
+    cr_assert(tally.outside < tally.eyes / 2, "%ld of %ld eyes are at a wall", tally.outside, tally.eyes);
+}
+
+// Proves it of rooms with doorways and pillars, on two storeys.
+Test(query_oracle, rooms) {
+    Tally tally = {0};
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        Made m = {0};
+        Random random = {seed};
+        make(&m, fixture_rooms(&m.arena, &random, 3, 3, 1 + (int)(seed % 2)), seed % 2 ? 3 : 5000);
+        check_eyes(&m, 150, false, &random, &tally);
+        arena_free(&m.arena);
+    }
+    cr_assert_gt(tally.lines, 10000);
+}
+
+// Proves that an eye where four cells meet, with no wall near, is in one of them and sees all four.
+Test(query_oracle, where_four_cells_meet) {
+    Made m = {0};
+    Random random = {1};
+    make(&m, pillars(&m.arena, &random, 4, 0), 5000);
+    for (int i = 0; i < 9; i++) {
+        Eye eye = {.position = vec3(4 + 1e-9 * (i % 3 - 1), 4 + 1e-9 * (i / 3 - 1), 1.6)};
+        int cell = vis_locate(&m.graph, eye.position, -1);
+        VisResult result = vis_query(m.query, &eye, cell, NULL, VIS_STAB);
+        cr_assert_eq(result.eye_cell, cell);
+        for (int k = 0; k < 4; k++) {
+            Vec3 p = vec3(4 + (k % 2 ? 1 : -1), 4 + (k / 2 ? 1 : -1), 1.6);
+            cr_assert(lists(&result, vis_locate(&m.graph, p, -1)), "eye %d, corner %d", i, k);
+        }
+    }
+    arena_free(&m.arena);
+}
+
+// Proves it of soups, turned any way.
+Test(query_oracle, soups) {
+    Tally tally = {0};
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        Made m = {0};
+        Random random = {seed};
+        const Building *b = soup_fixture_house(&m.arena, &random, 3, 2);
+        if (seed % 2) {
+            SoupPose pose = {1, random_between(&random, 0, 6), fixture_direction(&random), {0, 0, 0}};
+            b = soup_fixture_posed(&m.arena, b, &pose);
+        }
+        make(&m, b, 200);
+        const CellGraph *g = &m.graph;
+        for (int i = 0; i < 150; i++) {
+            int cell = random_index(&random, g->cell_count);
+            Vec3 p = i % 3 || g->cells[cell].contact_count == 0 ? soup_fixture_point(g, &random, cell)
+                                                                : at_portal(g, cell, &random);
+            cell = vis_locate(g, p, cell);
+            if (cell >= 0) check_eye(&m, cell, p, VIS_PORTALS, false, &random, &tally);
+        }
+        arena_free(&m.arena);
+    }
+    cr_assert_gt(tally.lines, 20000);
+}
+
+// Proves it of given cells, whose walls nobody knows: eyes in portals are in the cell they are said to be in.
+Test(query_oracle, given_cells, .timeout = 120) {
+    static const char *const files[] = {"prt/lqdm2_omitdetail.prt", "prt/dm4.prt"};
+    for (int f = 0; f < 2; f++) {
+        Made m = {0};
+        Tally tally = {0};
+        Random random = {(uint64_t)f + 1};
+        Building b;
+        Error error = {""};
+        cr_assert(maps_read(support_shared(files[f]), &m.arena, &b, &error), "%s", error.text);
+        make(&m, &b, 100);
+        const CellGraph *g = &m.graph;
+        for (int i = 0; i < support_count(150, 2000); i++) {
+            int cell = random_index(&random, g->cell_count);
+            if (g->cells[cell].contact_count == 0) continue;
+            check_eye(&m, cell, at_portal(g, cell, &random), VIS_PORTALS, true, &random, &tally);
+        }
+        cr_assert(tally.lines > 1000 && tally.outside == 0, "%ld lines, %ld eyes outside", tally.lines,
+                  tally.outside);
+        arena_free(&m.arena);
+    }
+}

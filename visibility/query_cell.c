@@ -1,0 +1,133 @@
+// query_cell.c - what of a cell's objects a cone meets: those in the squares under its wedge (Oki 2.2) whose boxes reach
+// into it; of a cell that holds few, all are tried at once.
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+#include "visibility/query.h"
+
+// Of a cell that holds no more objects than this all are tried: finding the squares under the view would cost more.
+enum { FEW = 24 };
+
+// No corner of the box is in front of one of the planes: it cannot be seen.
+bool query_box_outside(Box box, const Plane *planes, int count) {
+    for (int i = 0; i < count; i++) {
+        Vec3 n = planes[i].n;
+        // The corner farthest in front.
+        Vec3 p = {n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
+                  n.z > 0 ? box.max.z : box.min.z};
+        if (plane_distance(planes[i], p) < -POSITION_SLACK) return true;
+    }
+    return false;
+}
+
+static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
+
+static void draw_square(VisQuery *q, int square, const Cone *cone) {
+    const CellGraph *graph = q->graph;
+    for (int k = graph->square_first[square]; k < graph->square_first[square + 1]; k++) {
+        int object = graph->square_objects[k];
+        if (q->object_tested[object] == q->cone_serial) continue;
+        q->object_tested[object] = q->cone_serial;
+        if (q->drawn[object / 64] >> (object % 64) & 1) continue;
+        q->result.objects_tested++;
+        if (!query_box_outside(graph->object_boxes[object], cone->plane, cone->count)) draw_object(q, object);
+    }
+}
+
+// The part of the cell's plan inside the cone's plan wedge, at height 0.
+static int wedge_in_cell(const VisQuery *q, const Cell *cell, const Cone *cone, Vec3 *out) {
+    Vec2 eye = {q->eye->position.x, q->eye->position.y};
+    double touch = q->graph->touch;
+    int count = cell_polygon(q->graph, cell, 0, out);
+    if (cone->all_around) return count;
+    Vec3 part[BUILD_MAX_VERTICES];
+    count = polygon_clip(out, count, query_left_of(eye, cone->from), touch, part);
+    return polygon_clip(part, count, query_left_of(eye, vec2_scale(cone->to, -1)), touch, out);
+}
+
+static int square_at(double x, int count) { return x < 0 ? 0 : x >= count ? count - 1 : (int)x; }
+
+// The columns that the plan polygon reaches in the row between y0 and y1: from its corners there and from where its
+// edges cross the row's borders.
+static bool row_extent(const Vec3 *region, int count, double y0, double y1, double *low, double *high) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        Vec3 a = region[i], b = region[i + 1 == count ? 0 : i + 1];
+        if (a.y >= y0 && a.y <= y1) {
+            *low = fmin(*low, a.x);
+            *high = fmax(*high, a.x);
+        }
+        for (int k = 0; k < 2; k++) {
+            double y = k ? y1 : y0;
+            if ((a.y < y) == (b.y < y)) continue;
+            double x = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+            *low = fmin(*low, x);
+            *high = fmax(*high, x);
+        }
+    }
+    return *low <= *high;
+}
+
+static void draw_listed(VisQuery *q, int c, const Cone *cone) {
+    for (int i = q->cell_first[c]; i < q->cell_first[c + 1]; i++) {
+        int object = q->cell_objects[i];
+        if (q->drawn[object / 64] >> (object % 64) & 1) continue;
+        q->result.objects_tested++;
+        if (!query_box_outside(q->graph->object_boxes[object], cone->plane, cone->count))
+            draw_object(q, object);
+    }
+}
+
+void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
+    const CellMesh *mesh = &q->graph->meshes[c];
+    const Cell *cell = &q->graph->cells[c];
+    double touch = q->graph->touch;
+    if (q->cell_first[c] < q->cell_first[c + 1]) {
+        draw_listed(q, c, cone);
+        return;
+    }
+    int squares = mesh->first_square;
+    if (q->graph->square_first[squares] == q->graph->square_first[squares + mesh->nx * mesh->ny]) return;
+    q->cone_serial++;
+    Vec3 region[BUILD_MAX_VERTICES];
+    int count = wedge_in_cell(q, cell, cone, region);
+    if (count == 0) return;
+    double bottom = INFINITY, top = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        bottom = fmin(bottom, region[i].y);
+        top = fmax(top, region[i].y);
+    }
+    int from = square_at((bottom - touch - mesh->origin.y) / mesh->size, mesh->ny);
+    int to = square_at((top + touch - mesh->origin.y) / mesh->size, mesh->ny);
+    for (int j = from; j <= to; j++) {
+        double y0 = mesh->origin.y + j * mesh->size, low, high;
+        // The last row also holds what lies beyond the mesh by rounding.
+        double y1 = j == to ? top + touch : y0 + mesh->size;
+        if (!row_extent(region, count, (j == from ? bottom : y0) - touch, y1 + touch, &low, &high)) continue;
+        int first = square_at((low - touch - mesh->origin.x) / mesh->size, mesh->nx);
+        int last = square_at((high + touch - mesh->origin.x) / mesh->size, mesh->nx);
+        int row = mesh->first_square + j * mesh->nx;
+        for (int i = first; i <= last; i++) draw_square(q, row + i, cone);
+    }
+}
+
+void query_list_objects(VisQuery *q, Arena *arena) {
+    const CellGraph *graph = q->graph;
+    int count = 0, capacity = 0;
+    q->cell_first = ARENA_ARRAY(arena, int, graph->cell_count + 1);
+    for (int c = 0; c < graph->cell_count; c++) {
+        const CellMesh *mesh = &graph->meshes[c];
+        int first = graph->square_first[mesh->first_square],
+            end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        q->cell_first[c] = count;
+        q->cone_serial++;
+        for (int k = first; k < end && count - q->cell_first[c] <= FEW; k++) {
+            int object = graph->square_objects[k];
+            if (q->object_tested[object] == q->cone_serial) continue;
+            q->object_tested[object] = q->cone_serial;
+            *ARENA_PUSH(arena, q->cell_objects, count, capacity) = object;
+        }
+        if (count - q->cell_first[c] > FEW) count = q->cell_first[c];
+    }
+    q->cell_first[graph->cell_count] = count;
+}

@@ -1,0 +1,235 @@
+// query_cone.c - the view volume as it narrows from portal to portal: planes through the eye, and its wedge in plan.
+//
+// It is kept a little too large, so that nothing a rasteriser could show is lost: see ANGLE_SLACK and POSITION_SLACK.
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+#include "visibility/query.h"
+
+// Rasterisers snap to 1/256 of a pixel: 5e-5 covers views down to 100 pixels a radian.
+static const double ANGLE_SLACK = 5e-5;
+// An eye this near a portal on its plane may be in it, metres.
+static const double AT_PORTAL = 1e-2;
+
+// The half of the plan to the left of the line from the eye along `direction`.
+Plane query_left_of(Vec2 eye, Vec2 direction) {
+    Vec3 n = vec3_normalize(vec3(-direction.y, direction.x, 0));
+    return (Plane){n, n.x * eye.x + n.y * eye.y};
+}
+
+static void add_plane(Cone *cone, Vec3 n, double d) {
+    if (cone->count < MAX_PLANES) cone->plane[cone->count++] = (Plane){n, d};
+    // One plane less is a larger cone: nothing is lost.
+}
+
+// The two upright planes of the plan wedge.
+static void add_wedge_planes(Cone *cone, Vec2 eye) {
+    Plane from = query_left_of(eye, cone->from), to = query_left_of(eye, vec2_scale(cone->to, -1));
+    add_plane(cone, from.n, from.d);
+    add_plane(cone, to.n, to.d);
+}
+
+// Widens the wedge by the slack that the three-dimensional planes have too.
+static void tilt_wedge(Cone *cone, double slack) {
+    Vec2 from = cone->from, to = cone->to;
+    double a = 1 / vec2_length(from), b = 1 / vec2_length(to);
+    cone->from = vec2_add(vec2_scale(from, a), vec2_scale(vec2(from.y, -from.x), a * slack));
+    cone->to = vec2_add(vec2_scale(to, b), vec2_scale(vec2(-to.y, to.x), b * slack));
+    if (vec2_cross(cone->from, cone->to) <= 0) cone->all_around = true;
+}
+
+// The wedge of plan directions from the eye to the polygon's corners; all around when they span a half turn.
+static void set_wedge(Cone *cone, Vec2 eye, const Vec3 *polygon, int count) {
+    cone->all_around = false;
+    double nearest = INFINITY;
+    for (int i = 0; i < count; i++) {
+        Vec2 d = {polygon[i].x - eye.x, polygon[i].y - eye.y};
+        double length2 = vec2_dot(d, d);
+        if (length2 < nearest) nearest = length2;
+        if (i == 0) {
+            cone->from = cone->to = d;
+            continue;
+        }
+        if (vec2_cross(cone->from, d) < 0) cone->from = d;
+        if (vec2_cross(cone->to, d) > 0) cone->to = d;
+    }
+    nearest = sqrt(nearest);
+    // The corners' directions lie between the extremes found only if none is behind them.
+    bool good = nearest > AT_PORTAL &&
+                (vec2_cross(cone->from, cone->to) > 0 ||
+                 (vec2_cross(cone->from, cone->to) == 0 && vec2_dot(cone->from, cone->to) > 0));
+    Vec2 ahead = vec2_add(vec2_scale(cone->from, 1 / vec2_length(cone->from)),
+                          vec2_scale(cone->to, 1 / vec2_length(cone->to)));
+    for (int i = 0; i < count && good; i++) {
+        Vec2 d = {polygon[i].x - eye.x, polygon[i].y - eye.y};
+        good = vec2_cross(cone->from, d) >= 0 && vec2_cross(d, cone->to) >= 0 && vec2_dot(d, ahead) > 0;
+    }
+    cone->all_around = !good;
+    if (good) tilt_wedge(cone, ANGLE_SLACK + POSITION_SLACK / nearest);
+}
+
+// Planes through the eye and the polygon's edges, tilted outwards by the slack; `inside` is a direction into the
+// polygon.
+static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec3 inside) {
+    cone->count = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 a = vec3_sub(polygon[i], eye), b = vec3_sub(polygon[i + 1 == count ? 0 : i + 1], eye);
+        Vec3 n = vec3_cross(a, b), edge = vec3_sub(b, a);
+        double area = vec3_length(n), length = vec3_length(edge);
+        // The eye is in line with this edge, or the edge is a point: its plane is noise, the others do without it.
+        if (area <= 1e-9 * length || length < 1e-12) continue;
+        n = vec3_scale(n, 1 / area);
+        if (vec3_dot(n, inside) < 0) n = vec3_scale(n, -1);
+        double distance = area / length;  // from the eye to the edge's line
+        n = vec3_normalize(vec3_add(n, vec3_scale(inside, ANGLE_SLACK + POSITION_SLACK / distance)));
+        add_plane(cone, n, vec3_dot(n, eye));
+    }
+}
+
+// Far-off portals of whose plane the eye is part: what goes through lies in a thin wedge along the plane.
+static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, const Vec3 *polygon,
+                        int count) {
+    *cone = *parent;
+    double nearest = INFINITY;
+    Vec3 middle = {0, 0, 0};
+    for (int i = 0; i < count; i++) {
+        nearest = fmin(nearest, vec3_length(vec3_sub(polygon[i], eye)));
+        middle = vec3_add(middle, vec3_scale(vec3_sub(polygon[i], eye), 1.0 / count));
+    }
+    if (nearest < AT_PORTAL) return;
+    Vec3 ahead = vec3_normalize(middle);
+    double tilt = 2 * ON_PLANE / nearest + ANGLE_SLACK;
+    for (int side = -1; side <= 1; side += 2) {
+        Vec3 n = vec3_normalize(vec3_add(vec3_scale(plane.n, side), vec3_scale(ahead, tilt)));
+        add_plane(cone, n, vec3_dot(n, eye));
+    }
+}
+
+bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
+    Box box = box_empty();
+    for (int i = 0; i < portal->vertex_count; i++) {
+        box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
+    }
+    return box_contains(box_grow(box, AT_PORTAL), eye);
+}
+
+// How many corners a clip by the plane would keep: most portals are wholly on one side, and are not copied.
+static int corners_kept(const Vec3 *polygon, int count, Plane plane) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) kept += plane_distance(plane, polygon[i]) + POSITION_SLACK >= 0;
+    return kept;
+}
+
+// The mean of the corners as seen from the eye, and the distance of the nearest.
+static Vec3 mean_offset(const Vec3 *polygon, int count, Vec3 eye, double *distance) {
+    Vec3 sum = {0, 0, 0};
+    double nearest = INFINITY;
+    for (int i = 0; i < count; i++) {
+        Vec3 d = vec3_sub(polygon[i], eye);
+        double length2 = vec3_dot(d, d);
+        if (length2 < nearest) nearest = length2;
+        sum = vec3_add(sum, d);
+    }
+    *distance = sqrt(nearest);
+    return vec3_scale(sum, 1.0 / count);
+}
+
+bool query_narrow(VisQuery *q, const Cone *cone, int portal_index, int cell, Cone *out, double *distance) {
+    const CellGraph *graph = q->graph;
+    const Portal *portal = &graph->portals[portal_index];
+    Vec3 eye = q->eye->position;
+    q->result.portals_tested++;
+    double side = plane_distance(portal->plane, eye);
+    if (portal->cell[0] != cell) side = -side;
+    if (side < -ON_PLANE) return false;  // one would come back through it
+    if (side < ON_PLANE && query_eye_at_portal(graph, portal, eye)) {
+        *out = *cone;
+        *distance = 0;
+        return true;
+    }
+    Vec3 buffer[2][MAX_CORNERS];
+    const Vec3 *polygon = graph->portal_vertices + portal->first_vertex;
+    int count = portal->vertex_count, turn = 0;
+    if (count > MAX_CORNERS / 2) {
+        *out = *cone;
+        *distance = 0;
+        return true;
+    }
+    bool horizontal_only = q->method == VIS_PLAN;
+    if (!(horizontal_only && portal->horizontal)) {
+        for (int i = 0; i < cone->count; i++) {
+            int kept = corners_kept(polygon, count, cone->plane[i]);
+            if (kept == 0) return false;
+            if (kept == count) continue;
+            count = polygon_clip(polygon, count, cone->plane[i], POSITION_SLACK, buffer[turn]);
+            polygon = buffer[turn];
+            turn = 1 - turn;
+        }
+    }
+    Vec3 middle = mean_offset(polygon, count, eye, distance);
+    if (horizontal_only && portal->horizontal) {
+        *out = *cone;
+        return true;
+    }
+    if (side < ON_PLANE) {
+        set_edge_on(out, cone, eye, portal->plane, polygon, count);
+        return true;
+    }
+    set_wedge(out, vec2(eye.x, eye.y), polygon, count);
+    if (horizontal_only) {
+        out->count = 0;
+        if (out->all_around) return true;
+        add_wedge_planes(out, vec2(eye.x, eye.y));
+        return true;
+    }
+    set_planes(out, eye, polygon, count, vec3_normalize(middle));
+    return true;
+}
+
+// The rays of the view volume's edges: where two planes meet, if no other plane is in front of it.
+static int corner_rays(const Eye *eye, Vec3 *out, int max) {
+    int count = 0;
+    for (int i = 0; i < eye->frustum_count; i++) {
+        for (int j = i + 1; j < eye->frustum_count; j++) {
+            Vec3 d = vec3_cross(eye->frustum[i].n, eye->frustum[j].n);
+            if (vec3_length(d) < 1e-9) continue;
+            d = vec3_normalize(d);
+            for (int sign = -1; sign <= 1; sign += 2) {
+                Vec3 ray = vec3_scale(d, sign);
+                bool inside = true;
+                for (int k = 0; k < eye->frustum_count && inside; k++) {
+                    inside = k == i || k == j || vec3_dot(eye->frustum[k].n, ray) >= -1e-9;
+                }
+                if (inside && count < max) out[count++] = ray;
+            }
+        }
+    }
+    return count;
+}
+
+// Oki 3.1: the view volume's horizontal angle, and all around when it is a half turn or more.
+static void frustum_wedge(Cone *cone, const Eye *eye) {
+    Vec3 rays[16];
+    int count = corner_rays(eye, rays, 16);
+    cone->all_around = true;
+    bool up = true, down = true;
+    for (int k = 0; k < eye->frustum_count; k++) {
+        up = up && eye->frustum[k].n.z >= 0;
+        down = down && eye->frustum[k].n.z <= 0;
+    }
+    if (count < 3 || up || down) return;
+    for (int i = 0; i < count; i++) rays[i] = vec3_add(eye->position, rays[i]);
+    set_wedge(cone, vec2(eye->position.x, eye->position.y), rays, count);
+}
+
+void query_first_cone(VisQuery *q, Cone *cone) {
+    const Eye *eye = q->eye;
+    cone->count = 0;
+    cone->all_around = true;
+    if (q->method != VIS_PLAN) {
+        for (int i = 0; i < eye->frustum_count; i++) add_plane(cone, eye->frustum[i].n, eye->frustum[i].d);
+    }
+    if (eye->frustum_count < 3) return;
+    frustum_wedge(cone, eye);
+    if (q->method == VIS_PLAN && !cone->all_around)
+        add_wedge_planes(cone, vec2(eye->position.x, eye->position.y));
+}

@@ -1,10 +1,13 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | fuzz | bench | pictures | lint | install PREFIX= DESTDIR= | clean
+#   make test | soak | asan | fuzz | bench | pictures | charts | lint | install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 20
 bench ?= walk
+# What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
+files ?= $(filter %.plan,$(maps))
+peer ?=
 ifeq ($(origin CC),default)
 CC := gcc
 endif
@@ -54,7 +57,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures lint install clean FORCE
+.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures charts lint install clean FORCE
 all:
 	$(submake) program maps
 program: $(dir)/enfilade
@@ -125,8 +128,8 @@ fuzz:
 	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
 bench: all
 	@mkdir -p build/bench
-	$(dir)/enfilade bench $(bench) $(filter %.plan,$(maps)) | tee build/bench/$(bench).csv
-# The pictures of the README; the chart shows the benchmark as `make bench` left it.
+	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv
+# The pictures of the README; the charts show the benchmarks as `make bench` left them.
 pictures:
 	$(call install,$(to_build) $(to_pictures))
 	$(submake) all
@@ -146,7 +149,12 @@ pictures:
 	    tests/pictures/walk.gif
 	montage tests/references/hall-plan.png tests/references/hall-wireframe.png tests/references/lookout-frozen.png \
 	    -tile 3x1 -geometry +3+3 tests/pictures/debug.png
+	$(MAKE) --no-print-directory charts
+charts:
 	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
+	@mkdir -p build/pictures
+	[ ! -e build/bench/visibility.csv ] || \
+	    gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

@@ -41,6 +41,11 @@ expect 2 "$program" walk $maps/two-rooms.plan --verify && says err 'need --offsc
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --view corner && says err 'for the window'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --look pretty && says err 'allowed fast, fine'
 expect 2 "$program" bench nonsense
+expect 2 "$program" vis --method nonsense $maps/two-rooms.plan && says err 'is `nonsense`'
+expect 2 "$program" vis --seconds 0 $maps/two-rooms.plan && says err 'allowed 0.001 to 1e6'
+expect 2 "$program" vis --pairs "$work/x.seen" -o "$work/x.vis" $maps/two-rooms.plan && says err 'allowed: --pairs'
+expect 2 "$program" bench visibility --samples -1 $maps/two-rooms.plan && says err 'allowed 0 to 1000000'
+expect 2 "$program" bench visibility --methods flood,nonsense $maps/two-rooms.plan && says err '`flood,nonsense`'
 # Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
 echo 'nonsense 1' >"$work/bad.plan"
@@ -76,6 +81,62 @@ cached=$(ls "$work"/cache/enfilade/*.vis | head -1)
 for file in "$work"/cache/enfilade/*.vis; do printf 'x' | dd of="$file" bs=1 seek=200 conv=notrunc 2>/dev/null; done
 expect 0 "$program" info $maps/two-rooms.plan && says err 'made anew'
 [ -n "$cached" ] || fail 'nothing was cached'
+
+# A cell-to-cell method: its matrix is the same on any number of threads, holds what is in it, and is compared.
+for method in flood plan height flow proof; do
+    for threads in 1 2 7; do
+        expect 0 "$program" vis $maps/house.plan --method $method --pairs "$work/$threads.seen" --threads $threads
+    done
+    cmp -s "$work/1.seen" "$work/2.seen" && cmp -s "$work/1.seen" "$work/7.seen" || fail "$method depends on threads"
+    expect 0 "$program" vis $maps/house.plan --method $method --against "$work/1.seen" && says out ' 0 missed; over 0.000 %'
+done
+expect 0 "$program" vis --json $maps/house.plan --against "$work/1.seen"
+for key in cells portals pairs undecided misses over_percent seconds; do says out "\"$key\": [0-9]"; done
+says out '"method": "proof"' && says out '"stopped": false'
+expect 0 "$program" vis $maps/house.plan --method flood --pairs "$work/flood.seen"
+expect 1 "$program" vis $maps/house.plan --method plan --against "$work/flood.seen" && says out 'missed first: cells'
+expect 1 "$program" vis $maps/two-rooms.plan --against "$work/flood.seen" && says err 'is of 65 cells (expected 13)'
+expect 1 "$program" vis $maps/two-rooms.plan --pairs "$work/no/such/folder/x.seen" && says err 'cannot be written'
+# Stopped at once, by time or by hand, it still writes what errs towards visible.
+expect 0 "$program" vis $maps/office.plan --seconds 0.001 --pairs "$work/early.seen" && says out 'stopped early'
+expect 0 "$program" vis $maps/office.plan --pairs "$work/whole.seen"
+expect 0 "$program" vis $maps/office.plan --method flood --against "$work/whole.seen"
+
+# A compiler to compare with: one that fails, one that is no such program, one that writes what is asked for.
+printf 'PRT1\n2\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/two.prt"
+expect 1 "$program" vis "$work/two.prt" --peer /no/such/program && says err 'No such file'
+printf '#!/bin/sh\necho "no leaves"; exit 3\n' >"$work/peer" && chmod +x "$work/peer"
+expect 1 "$program" vis "$work/two.prt" --peer "$work/peer" && says err 'exit status 3: no leaves'
+printf '#!/bin/sh\nexit 0\n' >"$work/peer"
+expect 1 "$program" vis "$work/two.prt" --peer "$work/peer" && says err 'leaf 1 has no visibility'
+expect 1 "$program" vis $maps/two-rooms.plan --peer "$work/peer" && says err 'is no PRT1 file'
+cat >"$work/peer" <<'END'
+#!/usr/bin/env python3
+# Both leaves see both: a row of one byte, 3, at the end of the file; -threads N NAME.bsp.
+import struct, sys
+name = sys.argv[3]
+level = bytearray(open(name, 'rb').read())
+assert sys.argv[1] == '-threads' and open(name[:-3] + 'prt').read().startswith('PRT1')
+leaves, = struct.unpack_from('<i', level, 4 + 8 * 10)
+struct.pack_into('<ii', level, 4 + 8 * 4, len(level), 1)
+for leaf in 1, 2:
+    struct.pack_into('<i', level, leaves + 28 * leaf + 4, 0)
+open(name, 'wb').write(level + b'\3')
+END
+if python3 -c '' 2>/dev/null; then
+    expect 0 "$program" vis "$work/two.prt" --peer "$work/peer" && says out 'peer: 2.00 cells in the mean'
+    expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" --csv "$work/bench.csv"
+    cmp -s "$work/out" "$work/bench.csv" || fail 'the table in the file is another'
+    grep -q '^two.prt,peer,2,1,.*,4,4,4,0.0000,0.0000,0,' "$work/bench.csv" || fail "peer: $(tail -1 "$work/bench.csv")"
+fi
+[ -z "$(ls "${TMPDIR:-/tmp}" | grep '^enfilade-peer-')" ] || fail 'a folder of a compiler is left'
+
+# The table: a row a method, no misses, and the compiler's skipped where none is given.
+expect 0 "$program" bench visibility $maps/two-rooms.plan --methods flood,proof --samples 4
+[ "$(wc -l <"$work/out")" -eq 4 ] || fail "rows of the table: $(cat "$work/out")"
+[ "$(awk -F, 'NR > 1 { print NF }' "$work/out" | sort -u)" = 21 ] || fail 'rows of different length'
+[ "$(awk -F, '$2 != "peer" && NR > 1 { print $15 }' "$work/out" | sort -u)" = 0 ] || fail 'misses'
+says out 'two-rooms.plan,peer,13,24,skipped,.*no --peer was given'
 
 # The plan is well-formed SVG with the tree's rooms.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5

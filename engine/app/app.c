@@ -2,6 +2,7 @@
 #include "engine/app/app.h"
 
 #include <getopt.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,6 +31,27 @@ Progress app_progress(void) {
     return isatty(STDERR_FILENO) ? (Progress){report, NULL} : (Progress){NULL, NULL};
 }
 
+// What asks a stage to stop. The signal comes from outside: there is one flag a process.
+static volatile sig_atomic_t interrupted;
+static double deadline;  // on the clock; 0: none
+
+static void interrupt(int signal) {
+    (void)signal;
+    interrupted = 1;
+}
+
+static bool report_stoppable(void *context, const char *stage, double done) {
+    if (isatty(STDERR_FILENO)) report(context, stage, done);
+    return !interrupted && (deadline == 0 || clock_seconds() < deadline);
+}
+
+Progress app_progress_stoppable(double seconds) {
+    struct sigaction action = {.sa_handler = interrupt, .sa_flags = SA_RESETHAND | SA_RESTART};
+    sigaction(SIGINT, &action, NULL);
+    deadline = seconds > 0 ? clock_seconds() + seconds : 0;
+    return (Progress){report_stoppable, NULL};
+}
+
 void app_progress_end(void) {
     if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
 }
@@ -56,16 +78,21 @@ static bool find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
     return true;
 }
 
-bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
+bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, AppScene *out, Error *error) {
     *out = (AppScene){0};
     double start = clock_seconds();
     if (!maps_read(path, arena, &out->building, error)) return false;
     double read = clock_seconds();
-    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
+    if (!vis_build_cells(&out->building, options, arena, &out->graph, error)) return false;
+    out->read_seconds = read - start;
+    out->cells_seconds = clock_seconds() - read;
+    return true;
+}
+
+bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
+    if (!app_load_cells(path, &options->vis, arena, out, error)) return false;
     double cells = clock_seconds();
     if (!find_or_make_trees(options, arena, out, error)) return false;
-    out->read_seconds = read - start;
-    out->cells_seconds = cells - read;
     out->trees_seconds = clock_seconds() - cells;
     return true;
 }

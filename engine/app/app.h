@@ -44,9 +44,15 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
 // False, and a sentence, for a file of cells and portals alone, in which there is nothing to draw or to walk on.
 bool app_has_walls(const AppScene *scene, Error *error);
 
+// As much of it: reads the building and makes its cells.
+bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, AppScene *out, Error *error);
+
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);
 void app_progress_end(void);
+// The same bar, which also asks to stop `seconds` from now (0: never), or when the user interrupts (Ctrl-C; the second
+// time ends the program as usual).
+Progress app_progress_stoppable(double seconds);
 
 // The counts every command with --json gives: cells, portals, doors, doors_joined, polygons, stab_nodes, leaks, ...
 json_t *app_counts(const AppScene *scene);

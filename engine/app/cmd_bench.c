@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/app/bench.h"
+#include "visibility/pairs/pairs.h"
 
 static const char HELP[] =
     "usage: enfilade bench NAME [FILE ...] [options]\n\n"
@@ -18,12 +19,23 @@ static const char HELP[] =
     "step, places\n"
     "                 where it may not be, ways of a flood of the floor that it cannot walk, time\n"
     "    --steps N    1 to 100000000 (default 100000)\n"
-    "    --seed N     of the walk, 0 to 2147483647 (default 1)\n";
+    "    --seed N     of the walk, 0 to 2147483647 (default 1)\n\n"
+    "  visibility     each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible pairs, "
+    "over-estimate\n"
+    "                 against pairs proven by sightlines, misses, pairs left undecided\n"
+    "    --methods A,B   some of the methods (default: all; `enfilade vis --help` lists them)\n"
+    "    --samples N     points on each portal for the proven pairs, 0 to 1000000 (default 12); a file of "
+    "proven\n"
+    "                    pairs beside FILE, with the suffix .seen, is taken besides\n"
+    "    --seed N        of the samples\n"
+    "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
+    "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
+    "    --csv OUT       writes the table there besides, whole or not at all\n";
 
 static const struct {
     const char *name;
     bool (*run)(const BenchArguments *arguments, Error *error);
-} BENCHES[] = {{"walk", bench_walk}, {"collision", bench_collision}};
+} BENCHES[] = {{"walk", bench_walk}, {"collision", bench_collision}, {"visibility", bench_visibility}};
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -37,6 +49,42 @@ static int parse_look(const char *text, WalkLook *out) {
     while (*out < WALK_LOOKS && strcmp(WALK_LOOK_NAMES[*out], text) != 0) ++*out;
     if (*out < WALK_LOOKS) return APP_GOOD;
     return app_misuse("bench", "bench: --look is `%s` (allowed fast, fine)", text);
+}
+
+// Names of cell-to-cell methods, separated by commas.
+static bool are_methods(const char *names) {
+    char name[32];
+    for (; *names; names += strcspn(names, ","), names += *names == ',') {
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
+        if (!pair_method(name)) return false;
+    }
+    return true;
+}
+
+enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV };
+
+static int parse_visibility_option(int c, char **argv, BenchArguments *a) {
+    switch (c) {
+    case METHODS:
+        a->methods = optarg;
+        if (are_methods(optarg)) return APP_GOOD;
+        return app_misuse("bench", "bench: --methods is `%s` (`enfilade vis --help` lists those allowed)",
+                          optarg);
+    case SAMPLES:
+        if (app_parse_int(optarg, 0, 1000000, &a->samples)) return APP_GOOD;
+        return app_misuse("bench", "bench: --samples is `%s` (allowed 0 to 1000000)", optarg);
+    case SECONDS:
+        if (app_parse_number(optarg, 0.001, 1e6, &a->seconds)) return APP_GOOD;
+        return app_misuse("bench", "bench: --seconds is `%s` (allowed 0.001 to 1e6)", optarg);
+    case PEER:
+        a->peer = optarg;
+        return APP_GOOD;
+    case CSV:
+        a->csv = optarg;
+        return APP_GOOD;
+    default:
+        return app_misuse_option("bench", c, argv);
+    }
 }
 
 static int parse_option(int c, char **argv, BenchArguments *a) {
@@ -59,7 +107,7 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
         a->seed = (uint64_t)number;
         return APP_GOOD;
     default:
-        return app_misuse_option("bench", c, argv);
+        return parse_visibility_option(c, argv, a);
     }
 }
 
@@ -70,17 +118,24 @@ int cmd_bench(int argc, char **argv) {
                                             {"look", required_argument, NULL, 'l'},
                                             {"steps", required_argument, NULL, 'n'},
                                             {"seed", required_argument, NULL, 'r'},
+                                            {"methods", required_argument, NULL, METHODS},
+                                            {"samples", required_argument, NULL, SAMPLES},
+                                            {"seconds", required_argument, NULL, SECONDS},
+                                            {"peer", required_argument, NULL, PEER},
+                                            {"csv", required_argument, NULL, CSV},
                                             {0}};
     static char office[] = "build/maps/office.plan";
     static char *usual[] = {office};
-    BenchArguments a = {.width = 640, .height = 360, .frames = 200, .steps = 100000, .seed = 1};
+    BenchArguments a = {
+        .width = 640, .height = 360, .frames = 200, .steps = 100000, .seed = 1, .samples = 12};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
         if (c == 'h') return fputs(HELP, stdout) >= 0 ? APP_GOOD : APP_BAD_INPUT;
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: walk, collision)");
+    if (optind == argc)
+        return app_misuse("bench", "bench: which one? (allowed: walk, collision, visibility)");
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -89,5 +144,6 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: walk, collision)", argv[optind]);
+    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: walk, collision, visibility)",
+                      argv[optind]);
 }

@@ -1,11 +1,14 @@
-// cmd_vis.c - `enfilade vis FILE`: makes cells, portals and stab trees, and stores the trees.
+// cmd_vis.c - `enfilade vis FILE`: makes cells, portals and stab trees, and stores the trees; or finds by another method
+// which cells see each other.
 #include <getopt.h>
 #include <stdio.h>
 
-#include "engine/app/app.h"
+#include "engine/app/vis_pairs.h"
 
 static const char HELP[] =
-    "usage: enfilade vis FILE [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n\n"
+    "usage: enfilade vis FILE [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n"
+    "       enfilade vis FILE [--method NAME] [--pairs OUT.seen] [--against IN.seen] [--peer PROGRAM]\n"
+    "                    [--seconds S] [--threads N] [--json]\n\n"
     "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the user's cache, "
     "where\n"
     "the other commands find them. The same bytes come out on any number of threads.\n\n"
@@ -14,13 +17,73 @@ static const char HELP[] =
     "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
     "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 5000); a larger one keeps its "
     "visible set\n"
-    "  --json          one JSON object on standard output\n";
+    "  --json          one JSON object on standard output\n\n"
+    "With one of the following, no trees: a method finds which cells see each other. It can be stopped at "
+    "any\n"
+    "moment (Ctrl-C): what was not excluded until then counts as visible, and is written all the same.\n\n"
+    "  --method NAME   flood, plan, height, flow, or proof (default), from the coarsest to the finest\n"
+    "  --pairs FILE    writes the matrix, bit by bit, as a .seen file\n"
+    "  --against FILE  compares with a .seen file of proven pairs; exit status 1 when one of them is missed\n"
+    "  --peer PROGRAM  runs a visibility compiler for Quake levels on the same portal file, for comparison\n"
+    "  --seconds S     stops after S seconds, 0.001 to 1e6\n";
 
 typedef struct Arguments {
     AppOptions load;
+    VisPairsArguments pairs;
     const char *file, *out;
-    bool json, help;
+    bool json, help, wants_pairs;
 } Arguments;
+
+enum { METHOD = 256, PAIRS, AGAINST, PEER, SECONDS };
+
+static int parse_pairs_option(int c, char **argv, Arguments *a) {
+    a->wants_pairs = true;
+    switch (c) {
+    case METHOD:
+        a->pairs.method = optarg;
+        if (pair_method(optarg)) return APP_GOOD;
+        return app_misuse("vis", "vis: --method is `%s` (see --help for those allowed)", optarg);
+    case PAIRS:
+        a->pairs.out = optarg;
+        return APP_GOOD;
+    case AGAINST:
+        a->pairs.against = optarg;
+        return APP_GOOD;
+    case PEER:
+        a->pairs.peer = optarg;
+        return APP_GOOD;
+    case SECONDS:
+        if (app_parse_number(optarg, 0.001, 1e6, &a->pairs.seconds)) return APP_GOOD;
+        return app_misuse("vis", "vis: --seconds is `%s` (allowed 0.001 to 1e6)", optarg);
+    default:
+        return app_misuse_option("vis", c, argv);
+    }
+}
+
+static int parse_option(int c, char **argv, Arguments *a) {
+    switch (c) {
+    case 'j':
+        a->json = true;
+        return APP_GOOD;
+    case 'h':
+        a->help = true;
+        return APP_GOOD;
+    case 'o':
+        a->out = optarg;
+        return APP_GOOD;
+    case 't':
+        if (app_parse_int(optarg, 1, 256, &a->load.vis.threads)) return APP_GOOD;
+        return app_misuse("vis", "vis: --threads is `%s` (allowed 1 to 256)", optarg);
+    case 's':
+        if (app_parse_number(optarg, 0.25, 100, &a->load.vis.square)) return APP_GOOD;
+        return app_misuse("vis", "vis: --square is `%s` (allowed 0.25 to 100)", optarg);
+    case 'n':
+        if (app_parse_int(optarg, 1, 10000000, &a->load.vis.max_nodes)) return APP_GOOD;
+        return app_misuse("vis", "vis: --max-nodes is `%s` (allowed 1 to 10000000)", optarg);
+    default:
+        return parse_pairs_option(c, argv, a);
+    }
+}
 
 static int parse(int argc, char **argv, Arguments *a) {
     static const struct option options[] = {{"json", no_argument, NULL, 'j'},
@@ -28,34 +91,22 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"threads", required_argument, NULL, 't'},
                                             {"square", required_argument, NULL, 's'},
                                             {"max-nodes", required_argument, NULL, 'n'},
+                                            {"method", required_argument, NULL, METHOD},
+                                            {"pairs", required_argument, NULL, PAIRS},
+                                            {"against", required_argument, NULL, AGAINST},
+                                            {"peer", required_argument, NULL, PEER},
+                                            {"seconds", required_argument, NULL, SECONDS},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
-        switch (c) {
-        case 'j':
-            a->json = true;
-            break;
-        case 'h':
-            a->help = true;
-            return APP_GOOD;
-        case 'o':
-            a->out = optarg;
-            break;
-        case 't':
-            if (app_parse_int(optarg, 1, 256, &a->load.vis.threads)) break;
-            return app_misuse("vis", "vis: --threads is `%s` (allowed 1 to 256)", optarg);
-        case 's':
-            if (app_parse_number(optarg, 0.25, 100, &a->load.vis.square)) break;
-            return app_misuse("vis", "vis: --square is `%s` (allowed 0.25 to 100)", optarg);
-        case 'n':
-            if (app_parse_int(optarg, 1, 10000000, &a->load.vis.max_nodes)) break;
-            return app_misuse("vis", "vis: --max-nodes is `%s` (allowed 1 to 10000000)", optarg);
-        default:
-            return app_misuse_option("vis", c, argv);
-        }
+        int code = parse_option(c, argv, a);
+        if (code != APP_GOOD || a->help) return code;
     }
     if (argc - optind != 1)
         return app_misuse("vis", "vis: one building file is needed, %d were given", argc - optind);
+    if (a->wants_pairs && a->out)
+        return app_misuse("vis",
+                          "vis: -o stores stab trees, which a method does not make (allowed: --pairs)");
     a->file = argv[optind];
     return APP_GOOD;
 }
@@ -123,6 +174,12 @@ int cmd_vis(int argc, char **argv) {
     if (a.help) {
         fputs(HELP, stdout);
         return APP_GOOD;
+    }
+    if (a.wants_pairs) {
+        a.pairs.file = a.file;
+        a.pairs.vis = a.load.vis;
+        a.pairs.json = a.json;
+        return vis_pairs(&a.pairs);
     }
     a.load.fresh = true;
     a.load.keep = !a.out;

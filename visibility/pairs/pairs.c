@@ -3,8 +3,10 @@
 
 #include <string.h>
 
-extern const PairMethod PAIR_METHOD_FLOOD, PAIR_METHOD_FLOW, PAIR_METHOD_PROOF;
-const PairMethod *const PAIR_METHODS[] = {&PAIR_METHOD_FLOOD, &PAIR_METHOD_FLOW, &PAIR_METHOD_PROOF, NULL};
+extern const PairMethod PAIR_METHOD_FLOOD, PAIR_METHOD_PLAN, PAIR_METHOD_HEIGHT, PAIR_METHOD_FLOW,
+    PAIR_METHOD_PROOF;
+const PairMethod *const PAIR_METHODS[] = {&PAIR_METHOD_FLOOD, &PAIR_METHOD_PLAN,  &PAIR_METHOD_HEIGHT,
+                                          &PAIR_METHOD_FLOW,  &PAIR_METHOD_PROOF, NULL};
 
 const PairMethod *pair_method(const char *name) {
     for (int i = 0; PAIR_METHODS[i]; i++) {

@@ -1,0 +1,86 @@
+// peer.c - runs an external visibility compiler in a folder of its own.
+#include "engine/app/peer.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/app/bsp29.h"
+#include "engine/core/clock.h"
+
+enum { MOST_BYTES = 1 << 28, MOST_CELLS = 1 << 16, OPEN_FOLDERS = 8 };
+
+static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *at) {
+    (void)status, (void)type, (void)at;
+    return remove(path);
+}
+
+static int count_cells(Bytes content) {
+    int cells = 0;
+    return sscanf((const char *)content.data, "PRT1 %d", &cells) == 1 && cells > 0 && cells <= MOST_CELLS
+               ? cells
+               : 0;
+}
+
+// Its output goes to `log`.
+_Noreturn static void become(const char *program, const char *threads, const char *level, const char *log) {
+    int in = open("/dev/null", O_RDONLY), out = open(log, O_WRONLY | O_CREAT, 0600);
+    if (in >= 0 && out >= 0 && dup2(in, 0) >= 0 && dup2(out, 1) >= 0 && dup2(out, 2) >= 0)
+        execlp(program, program, "-threads", threads, level, (char *)NULL);
+    fprintf(stderr, "%s\n", strerror(errno));
+    _exit(127);
+}
+
+// The last line that a failed program wrote, for the sentence about it.
+static const char *last_line(const char *log, Arena *arena) {
+    Bytes text;
+    if (!file_read(log, MOST_BYTES, arena, &text, NULL)) return "";
+    char *start = (char *)text.data, *end = start + text.size;
+    while (end > start && (end[-1] == '\n' || end[-1] == '\r')) *--end = 0;
+    char *line = strrchr(start, '\n');
+    return line ? line + 1 : start;
+}
+
+static bool run(const char *program, int threads, const char *folder, Arena *arena, PeerRun *out,
+                Error *error) {
+    const char *level = arena_format(arena, "%s/map.bsp", folder),
+               *log = arena_format(arena, "%s/log", folder);
+    const char *number = arena_format(arena, "%d", threads);
+    double start = clock_seconds();
+    pid_t child = fork();
+    if (child < 0) return error_set(error, "%s: cannot be started: %s", program, strerror(errno));
+    if (child == 0) become(program, number, level, log);
+    int status;
+    struct rusage used;
+    while (wait4(child, &status, 0, &used) < 0) {
+        if (errno != EINTR) return error_set(error, "%s: is lost: %s", program, strerror(errno));
+    }
+    out->wall_seconds = clock_seconds() - start;
+    out->cpu_seconds = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                       1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+    out->peak_mb = (double)used.ru_maxrss / 1024;
+    if (WIFSIGNALED(status)) return error_set(error, "%s: ended by signal %d", program, WTERMSIG(status));
+    if (WEXITSTATUS(status) == 0) return bsp29_read_seen(level, out->cell_count, arena, &out->seen, error);
+    return error_set(error, "%s: exit status %d: %s", program, WEXITSTATUS(status), last_line(log, arena));
+}
+
+bool peer_run(const char *program, const char *file, int threads, Arena *arena, PeerRun *out, Error *error) {
+    Bytes portals;
+    if (!file_read(file, MOST_BYTES, arena, &portals, error)) return false;
+    *out = (PeerRun){.cell_count = count_cells(portals)};
+    if (!out->cell_count) return error_set(error, "%s: is no PRT1 file, which `%s` reads", file, program);
+    const char *base = getenv("TMPDIR");
+    char *folder = arena_format(arena, "%s/enfilade-peer-XXXXXX", base && *base ? base : "/tmp");
+    if (!mkdtemp(folder)) return error_set(error, "%s: cannot be made: %s", folder, strerror(errno));
+    Bytes level = bsp29_make(out->cell_count, arena);
+    bool good = file_write(arena_format(arena, "%s/map.prt", folder), portals.data, portals.size, error) &&
+                file_write(arena_format(arena, "%s/map.bsp", folder), level.data, level.size, error) &&
+                run(program, threads, folder, arena, out, error);
+    nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS);
+    return good;
+}

@@ -1,0 +1,342 @@
+// test_pairs.c - the cell-to-cell methods against each other, against sampled sightlines, and where the truth is known.
+#include <criterion/criterion.h>
+
+#include "engine/core/file.h"
+#include "maps/maps.h"
+#include "tests/fixture.h"
+#include "tests/prt_scene.h"
+#include "tests/support.h"
+#include "visibility/pairs/compare.h"
+#include "visibility/pairs/sample.h"
+#include "visibility/pairs/seen_file.h"
+#include "visibility/pairs/witness.h"
+
+static PairSet find(const CellGraph *graph, const PairMethod *method, int threads, const Progress *progress,
+                    Arena *arena) {
+    PairOptions options = {.threads = threads, .witnesses = true};
+    PairSet set;
+    method->find(graph, &options, progress, arena, &set);
+    return set;
+}
+
+static bool sees(const PairSet *set, int a, int b) { return pair_bit(set->seen, set->words, a, b); }
+
+static CellGraph *read_graph(Arena *arena, const char *path) {
+    Building *building = ARENA_ARRAY(arena, Building, 1);
+    CellGraph *graph = ARENA_ARRAY(arena, CellGraph, 1);
+    VisOptions options = vis_default_options();
+    Error error = {""};
+    cr_assert(maps_read(path, arena, building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(building, &options, arena, graph, &error), "%s", error.text);
+    return graph;
+}
+
+static CellGraph *rooms_graph(Arena *arena, Random *random, int nx, int ny, int storeys) {
+    CellGraph *graph = ARENA_ARRAY(arena, CellGraph, 1);
+    VisOptions options = vis_default_options();
+    Error error = {""};
+    Building *building = fixture_rooms(arena, random, nx, ny, storeys);
+    cr_assert(vis_build_cells(building, &options, arena, graph, &error), "%s", error.text);
+    return graph;
+}
+
+static SampleSet sample(const CellGraph *graph, int points, int threads, Arena *arena) {
+    SampleOptions options = {.threads = threads, .points = points, .seed = 5};
+    SampleSet set;
+    sample_pairs(graph, &options, NULL, arena, &set);
+    return set;
+}
+
+// Rows whose transpose differs, or in which a cell is missing itself.
+static int asymmetries(const uint64_t *rows, int cells) {
+    int words = (cells + 63) / 64, wrong = 0;
+    for (int i = 0; i < cells; i++) {
+        wrong += !pair_bit(rows, words, i, i);
+        for (int j = 0; j < i; j++) wrong += pair_bit(rows, words, i, j) != pair_bit(rows, words, j, i);
+    }
+    return wrong;
+}
+
+// What holds of any result: symmetric; a proven pair is a seen one; all witnesses stand the second walk.
+static void expect_sound(const CellGraph *graph, const PairMethod *method, const PairSet *set) {
+    Arena scratch = {0};
+    int cells = graph->cell_count;
+    uint64_t *checked = ARENA_ARRAY(&scratch, uint64_t, (size_t)cells * (size_t)set->words);
+    cr_expect_eq(asymmetries(set->seen, cells), 0, "%s: asymmetric", method->name);
+    cr_expect_eq(pairs_compare(set->seen, set->proven, cells).missed, 0, "%s: proven, not seen",
+                 method->name);
+    cr_expect_eq(pairs_check_witnesses(graph, set, checked), 0, "%s: a sightline does not hold",
+                 method->name);
+    cr_expect_eq(pairs_compare(set->seen, checked, cells).missed, 0, "%s: a sightline to what is not seen",
+                 method->name);
+    arena_free(&scratch);
+}
+
+// Of methods that only ever add a constraint the later one sees no more. Index into PAIR_METHODS by name.
+static const char *const TIGHTER[][2] = {
+    {"flood", "plan"}, {"plan", "height"}, {"flood", "flow"}, {"flow", "proof"}};
+
+static void expect_ordered(const CellGraph *graph, Arena *arena) {
+    for (size_t i = 0; i < sizeof TIGHTER / sizeof *TIGHTER; i++) {
+        PairSet coarse = find(graph, pair_method(TIGHTER[i][0]), 2, NULL, arena);
+        PairSet fine = find(graph, pair_method(TIGHTER[i][1]), 2, NULL, arena);
+        cr_expect_eq(pairs_compare(coarse.seen, fine.seen, graph->cell_count).missed, 0,
+                     "%s sees more than %s", TIGHTER[i][1], TIGHTER[i][0]);
+    }
+}
+
+static void expect_samples_seen(const CellGraph *graph, const SampleSet *samples, Arena *arena) {
+    for (int m = 0; PAIR_METHODS[m]; m++) {
+        PairSet set = find(graph, PAIR_METHODS[m], 2, NULL, arena);
+        PairFigures f = pairs_compare(set.seen, samples->proven, graph->cell_count);
+        cr_expect_eq(f.missed, 0, "%s misses %lld pairs, first %d and %d", PAIR_METHODS[m]->name, f.missed,
+                     f.miss[0], f.miss[1]);
+        expect_sound(graph, PAIR_METHODS[m], &set);
+    }
+}
+
+// No method misses what a sampled sightline proves, in buildings of regions with doors, pillars and two storeys.
+Test(pairs, nothing_sampled_is_missed) {
+    Random random = {3};
+    for (int k = 0; k < support_count(4, 40); k++) {
+        Arena arena = {0};
+        CellGraph *graph = rooms_graph(&arena, &random, 2 + k % 3, 2, 1 + k % 2);
+        SampleSet samples = sample(graph, 12, 2, &arena);
+        cr_expect_gt(pair_count(samples.proven, samples.cell_count, samples.words), 2 * graph->cell_count);
+        expect_samples_seen(graph, &samples, &arena);
+        expect_ordered(graph, &arena);
+        arena_free(&arena);
+    }
+}
+
+// The same on a sealed map drawn by others, against the pairs proven by others too.
+Test(pairs, nothing_known_is_missed, .timeout = 300) {
+    char *prt = strdup(support_shared("prt/lqdm2_omitdetail.prt"));
+    Arena arena = {0};
+    CellGraph *graph = read_graph(&arena, prt);
+    SampleSet samples = sample(graph, support_count(2, 120), 2, &arena);
+    uint64_t *known;
+    Error error = {""};
+    cr_assert(
+        seen_read(support_shared("prt/lqdm2_omitdetail.seen"), graph->cell_count, &arena, &known, &error),
+        "%s", error.text);
+    pairs_unite(known, graph->cell_count, samples.proven);
+    expect_samples_seen(graph, &samples, &arena);
+    expect_ordered(graph, &arena);
+    PairSet best = find(graph, pair_method("proof"), 2, NULL, &arena);
+    PairFigures f = pairs_compare(best.seen, samples.proven, graph->cell_count);
+    // The bar for this map; what has a sightline of its own counts as proven below it.
+    cr_expect_lt(pairs_over(&f), 0.05, "over-estimate %.3f %%", pairs_over(&f));
+    arena_free(&arena);
+    free(prt);
+}
+
+// Nor in the sample buildings, whose portals have doubled corners among others.
+Test(pairs, nothing_is_missed_in_the_samples, .timeout = 300) {
+    static const char *const MAPS[] = {"two-rooms", "house", "office-plain"};
+    for (int k = 0; k < 3; k++) {
+        Arena arena = {0};
+        CellGraph *graph = read_graph(&arena, arena_format(&arena, "build/maps/%s.plan", MAPS[k]));
+        SampleSet samples = sample(graph, support_count(4, 100), 2, &arena);
+        expect_samples_seen(graph, &samples, &arena);
+        expect_ordered(graph, &arena);
+        arena_free(&arena);
+    }
+}
+
+// Rooms in a row. In plan the truth is known exactly, touching lines among it; in space but for touching ones.
+Test(pairs, a_row_of_rooms_is_seen_as_it_is) {
+    Random random = {11};
+    int hidden_by_height = 0, hidden = 0, seen = 0;
+    for (int k = 0; k < support_count(40, 1000); k++) {
+        Arena arena = {0};
+        Row row = row_random(&random, 4 + k % 6);
+        CellGraph *graph = row_graph(&arena, &row);
+        PairSet plan = find(graph, pair_method("plan"), 1, NULL, &arena);
+        PairSet height = find(graph, pair_method("height"), 1, NULL, &arena);
+        PairSet flow = find(graph, pair_method("flow"), 1, NULL, &arena);
+        PairSet proof = find(graph, pair_method("proof"), 1, NULL, &arena);
+        for (int b = 1; b < row.room_count; b++) {
+            for (int a = 0; a < b; a++) {
+                RowSight flat = row_sight(&row, a, b, false), full = row_sight(&row, a, b, true);
+                cr_expect_eq(sees(&plan, a, b), flat != ROW_HIDDEN, "plan: %d to %d", a, b);
+                cr_expect(sees(&height, a, b) || full != ROW_SEEN, "height: %d to %d", a, b);
+                if (full != ROW_TOUCHED) {
+                    cr_expect_eq(sees(&flow, a, b), full == ROW_SEEN, "flow: %d to %d", a, b);
+                    cr_expect_eq(sees(&proof, a, b), full == ROW_SEEN, "proof: %d to %d", a, b);
+                    cr_expect_eq(pair_bit(proof.proven, proof.words, a, b), full == ROW_SEEN, "%d to %d", a,
+                                 b);
+                }
+                hidden_by_height += sees(&plan, a, b) && !sees(&height, a, b);
+                hidden += full == ROW_HIDDEN;
+                seen += full == ROW_SEEN && b > a + 2;
+            }
+        }
+        arena_free(&arena);
+    }
+    cr_expect_gt(hidden_by_height, 20);
+    cr_expect_gt(hidden, 100);
+    cr_expect_gt(seen, 20);
+}
+
+// Through low slits one above the other heights alone decide: `height` loses none that is seen, by whatever little.
+Test(pairs, heights_lose_no_slit) {
+    Random random = {13};
+    int hidden = 0, narrow = 0;
+    for (int k = 0; k < 400; k++) {
+        Arena arena = {0};
+        Row row = row_random(&random, 5 + k % 3);
+        for (int i = 0; i < row.room_count; i++) {
+            int low = random_index(&random, 24);
+            row.doorway[i] = (Doorway){{0, 2}, {low, low + 1 + random_index(&random, 12)}};
+        }
+        PairSet height = find(row_graph(&arena, &row), pair_method("height"), 1, NULL, &arena);
+        for (int b = 3; b < row.room_count; b++) {
+            for (int a = 0; a + 2 < b; a++) {
+                RowSight truth = row_sight(&row, a, b, true);
+                cr_expect(sees(&height, a, b) || truth != ROW_SEEN, "row %d: %d to %d", k, a, b);
+                hidden += !sees(&height, a, b);
+                narrow += truth == ROW_SEEN;
+            }
+        }
+        arena_free(&arena);
+    }
+    cr_expect_gt(hidden, 500, "%d", hidden);
+    cr_expect_gt(narrow, 500, "%d", narrow);
+}
+
+// The sampler finds nothing that is hidden, and nearly all there is: what it misses is seen through slits only.
+Test(pairs, samples_know_a_row_of_rooms) {
+    Random random = {12};
+    int seen = 0, found = 0;
+    for (int k = 0; k < 40; k++) {
+        Arena arena = {0};
+        Row row = row_random(&random, 4 + k % 6);
+        CellGraph *graph = row_graph(&arena, &row);
+        SampleSet samples = sample(graph, 40, 1, &arena);
+        cr_expect_eq(asymmetries(samples.proven, graph->cell_count), 0);
+        for (int b = 1; b < row.room_count; b++) {
+            for (int a = 0; a < b; a++) {
+                bool proven = pair_bit(samples.proven, samples.words, a, b);
+                RowSight truth = row_sight(&row, a, b, true);
+                cr_expect(!proven || truth == ROW_SEEN, "%d to %d is hidden", a, b);
+                seen += truth == ROW_SEEN;
+                found += proven;
+            }
+        }
+        arena_free(&arena);
+    }
+    cr_expect_geq(found, seen * 99 / 100, "%d of %d found", found, seen);
+}
+
+static uint64_t hash_of(const PairSet *set) {
+    uint64_t hash = file_hash(set->witnesses, (size_t)set->witness_count * sizeof *set->witnesses, 0);
+    size_t size = (size_t)set->cell_count * (size_t)set->words * sizeof *set->seen;
+    hash = file_hash(set->proven, size, file_hash(set->seen, size, hash));
+    return file_hash(&set->work, sizeof set->work, hash);
+}
+
+// Pairs, proofs, witnesses and counts of work are the same on 1, 2 and 7 threads; samples too.
+Test(pairs, threads_do_not_show) {
+    Arena arena = {0};
+    Random random = {4};
+    CellGraph *graph = rooms_graph(&arena, &random, 4, 3, 2);
+    for (int m = 0; PAIR_METHODS[m]; m++) {
+        PairSet one = find(graph, PAIR_METHODS[m], 1, NULL, &arena);
+        for (int threads = 2; threads <= 7; threads += 5) {
+            PairSet other = find(graph, PAIR_METHODS[m], threads, NULL, &arena);
+            cr_expect_eq(hash_of(&one), hash_of(&other), "%s on %d threads", PAIR_METHODS[m]->name, threads);
+        }
+    }
+    SampleSet one = sample(graph, 3, 1, &arena), seven = sample(graph, 3, 7, &arena);
+    size_t size = (size_t)one.cell_count * (size_t)one.words * sizeof *one.proven;
+    cr_expect_arr_eq(one.proven, seven.proven, size);
+    cr_expect(one.windows == seven.windows && one.refuted == seven.refuted);
+    arena_free(&arena);
+}
+
+// More points find no less, and another sightline is told for each pair that was found.
+Test(pairs, samples_grow_and_can_be_shown) {
+    Arena arena = {0};
+    Random random = {6};
+    CellGraph *graph = rooms_graph(&arena, &random, 3, 2, 1);
+    SampleSet few = sample(graph, 2, 2, &arena), many = sample(graph, 12, 2, &arena);
+    cr_expect_eq(pairs_compare(many.proven, few.proven, graph->cell_count).missed, 0);
+    SampleOptions options = {.points = 2, .seed = 5};
+    for (int a = 0; a < graph->cell_count; a++) {
+        for (int b = 0; b < graph->cell_count; b++) {
+            PairWitness line;
+            bool there = sample_sightline(graph, &options, a, b, &line) ||
+                         sample_sightline(graph, &options, b, a, &line);
+            cr_expect_eq(there, a != b && pair_bit(few.proven, few.words, a, b), "%d and %d", a, b);
+            if (there) cr_expect(witness_walk(graph, line.a, line.b, line.from, line.to).proves);
+        }
+    }
+    arena_free(&arena);
+}
+
+typedef struct Patience {
+    int left;
+} Patience;
+static bool run_out(void *context, const char *stage, double done) {
+    (void)stage, (void)done;
+    return ((Patience *)context)->left-- > 0;
+}
+
+// Stopped at any report, a method tells so, and what it then calls visible holds all that it would have found; of the
+// samples there are only fewer.
+Test(pairs, what_is_stopped_errs_towards_visible) {
+    Arena arena = {0};
+    Random random = {8};
+    CellGraph *graph = rooms_graph(&arena, &random, 3, 3, 1);
+    for (int m = 0; PAIR_METHODS[m]; m++) {
+        const PairMethod *method = PAIR_METHODS[m];
+        PairSet whole = find(graph, method, 2, NULL, &arena);
+        cr_expect_not(whole.stopped, "%s", method->name);
+        for (int left = 0; left < 40; left += 1 + left) {
+            Patience patience = {left};
+            Progress progress = {run_out, &patience};
+            PairSet part = find(graph, method, 2, &progress, &arena);
+            // The flood is done before it would report.
+            cr_expect_eq(part.stopped, patience.left < 0, "%s after %d reports", method->name, left);
+            cr_expect_eq(pairs_compare(part.seen, whole.seen, graph->cell_count).missed, 0,
+                         "%s after %d reports", method->name, left);
+            expect_sound(graph, method, &part);
+        }
+    }
+    Patience patience = {3};
+    Progress progress = {run_out, &patience};
+    SampleOptions options = {.threads = 2, .points = 4, .seed = 5};
+    SampleSet part, whole = sample(graph, 4, 2, &arena);
+    sample_pairs(graph, &options, &progress, &arena, &part);
+    cr_expect(part.stopped);
+    cr_expect_eq(pairs_compare(whole.proven, part.proven, graph->cell_count).missed, 0);
+    arena_free(&arena);
+}
+
+// A graph without portals, and one of a single cell: everybody sees only themselves.
+Test(pairs, lonely_cells_see_themselves) {
+    Arena arena = {0};
+    static const char *const TEXTS[] = {"PRT1\n1\n0\n", "PRT1\n70\n0\n"};
+    for (int k = 0; k < 2; k++) {
+        CellGraph *graph = prt_scene(&arena, TEXTS[k]);
+        for (int m = 0; PAIR_METHODS[m]; m++) {
+            PairSet set = find(graph, PAIR_METHODS[m], 2, NULL, &arena);
+            cr_expect_eq(pair_count(set.seen, set.cell_count, set.words), graph->cell_count, "%s",
+                         PAIR_METHODS[m]->name);
+            expect_sound(graph, PAIR_METHODS[m], &set);
+        }
+        SampleSet samples = sample(graph, 3, 2, &arena);
+        cr_expect_eq(pair_count(samples.proven, samples.cell_count, samples.words), graph->cell_count);
+    }
+    arena_free(&arena);
+}
+
+// The table: names differ, each is found by its name, others are not.
+Test(pairs, methods_have_names) {
+    for (int m = 0; PAIR_METHODS[m]; m++) {
+        cr_expect_eq(pair_method(PAIR_METHODS[m]->name), PAIR_METHODS[m]);
+        cr_expect_gt(strlen(PAIR_METHODS[m]->summary), 0u);
+    }
+    cr_expect_null(pair_method("nonsense"));
+}

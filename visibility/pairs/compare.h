@@ -1,0 +1,27 @@
+// compare.h - how a visible set stands against what is proven visible.
+#ifndef VISIBILITY_PAIRS_COMPARE_H
+#define VISIBILITY_PAIRS_COMPARE_H
+
+#include "visibility/pairs/pairs.h"
+
+// Of ordered pairs, each cell with itself among them.
+typedef struct PairFigures {
+    long long visible, bound;  // pairs in the set; pairs proven visible
+    long long beyond;          // in the set, not proven
+    long long missed;          // proven, not in the set
+    int miss[2];               // the first of them, or -1, -1
+} PairFigures;
+
+PairFigures pairs_compare(const uint64_t *seen, const uint64_t *bound, int cell_count);
+// The over-estimate: what is beyond the bound, in percent of it.
+double pairs_over(const PairFigures *figures);
+
+// Adds to `bound` the pairs whose sightlines hold when walked again, both ways round. Returns how many did not.
+long long pairs_check_witnesses(const CellGraph *graph, const PairSet *set, uint64_t *bound);
+
+// What both cells of a pair see of each other: the rows without what their transpose lacks.
+void pairs_intersect_transpose(const uint64_t *rows, int cell_count, uint64_t *out);
+// Adds the pairs of `rows` to `bound`.
+void pairs_unite(const uint64_t *rows, int cell_count, uint64_t *bound);
+
+#endif

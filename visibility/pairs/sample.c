@@ -1,0 +1,264 @@
+// sample.c - exact visibility from points, one eye after the other.
+//
+// From an eye, the pyramid through a portal is narrowed by each portal ahead (W. Jones 1971; as Luebke & Georges 1995 do
+// for a camera), without any tolerance: what is left of a portal is what the eye sees of it. A cell's eyes lie on its own
+// portals, looking outwards, since every line that leaves it passes one there; and inside it, for good measure. Each row
+// of the result belongs to one cell and one task, so threads do not show.
+#include "visibility/pairs/sample.h"
+
+#include <omp.h>
+
+#include "engine/core/random.h"
+#include "visibility/pairs/witness.h"
+
+// Portals have at most 64 corners in files; each clip by a pyramid of k sides adds at most k. What has more is left out,
+// which costs the lower bound a pair at most.
+enum { MOST_CORNERS = 128 };
+// Windows below this solid angle, steradians, are not looked through: hardly anything behind them stands the second walk.
+static const double SMALLEST_WINDOW = 1e-13;
+// How far eyes near a corner are drawn towards the middle of their portal: the narrowest sightlines pass by corners.
+static const double FROM_CORNER[] = {1e-3, 0.05};
+
+SampleOptions sample_default_options(void) { return (SampleOptions){.points = 12, .seed = 1}; }
+
+// What is seen of a portal, from the eye as origin, counter-clockwise as seen.
+typedef struct Window {
+    int count;
+    Vec3 v[MOST_CORNERS];
+} Window;
+
+typedef struct Sampler {
+    const CellGraph *graph;
+    int source;  // the cell whose row it is
+    uint64_t *row;
+    Vec3 eye;
+    unsigned char *on_path;  // [cell_count]
+    Arena *windows;
+    Window **window;  // [depth] made when first needed
+    int window_count, window_capacity;
+    long long seen, refuted;
+    int wanted;  // the cell whose sightline is asked for, or -1
+    PairWitness *sightline;
+    bool found;
+} Sampler;
+
+static Window *window_at(Sampler *s, int depth) {
+    while (s->window_count <= depth)
+        *ARENA_PUSH(s->windows, s->window, s->window_count, s->window_capacity) =
+            ARENA_ARRAY(s->windows, Window, 1);
+    return s->window[depth];
+}
+
+// The corners of a portal from the eye, counter-clockwise for one who looks out of `cell`.
+static void view_portal(const Sampler *s, const Portal *portal, int cell, Window *out) {
+    const Vec3 *v = s->graph->portal_vertices + portal->first_vertex;
+    bool forward = portal->cell[0] == cell;
+    out->count = portal->vertex_count;
+    for (int i = 0; i < out->count; i++) out->v[i] = vec3_sub(v[forward ? i : out->count - 1 - i], s->eye);
+}
+
+// Keeps what lies on the positive side of a plane through the eye.
+static void clip(Window *w, Vec3 n) {
+    Vec3 in[MOST_CORNERS];
+    double distance[MOST_CORNERS], least = 0;
+    int count = w->count, kept = 0;
+    for (int i = 0; i < count; i++) {
+        distance[i] = vec3_dot(n, w->v[i]);
+        least = fmin(least, distance[i]);
+    }
+    if (least == 0) return;
+    memcpy(in, w->v, (size_t)count * sizeof *in);
+    for (int i = 0; i < count; i++) {
+        int k = i + 1 == count ? 0 : i + 1;
+        if (distance[i] >= 0) w->v[kept++] = in[i];
+        if (distance[i] * distance[k] < 0)
+            w->v[kept++] = vec3_lerp(in[i], in[k], distance[i] / (distance[i] - distance[k]));
+    }
+    w->count = kept;
+}
+
+// Half the sum of the turned corners, weighed by the distance: about the solid angle of a small window, negative where it
+// is seen from behind.
+static double solid_angle(const Window *w, Vec3 middle) {
+    Vec3 area = {0, 0, 0};
+    for (int i = 0; i < w->count; i++) {
+        Vec3 a = vec3_sub(w->v[i], w->v[0]), b = vec3_sub(w->v[(i + 1) % w->count], w->v[0]);
+        area = vec3_add(area, vec3_cross(b, a));
+    }
+    double distance = vec3_length(middle);
+    return 0.5 * vec3_dot(area, middle) / (distance * distance * distance);
+}
+
+static Vec3 middle_of(const Window *w) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < w->count; i++) sum = vec3_add(sum, w->v[i]);
+    return vec3_scale(sum, 1.0 / w->count);
+}
+
+static bool row_has(const Sampler *s, int cell) { return s->row[cell / 64] >> (cell % 64) & 1; }
+
+static void try_sightline(Sampler *s, int cell, Vec3 middle) {
+    Vec3 to = vec3_add(s->eye, middle);
+    if (!witness_walk(s->graph, s->source, cell, s->eye, to).proves) {
+        s->refuted++;
+        return;
+    }
+    s->row[cell / 64] |= (uint64_t)1 << (cell % 64);
+    if (cell != s->wanted) return;
+    *s->sightline = (PairWitness){s->source, cell, s->eye, to};
+    s->found = true;
+}
+
+// Through each portal of `cell` but the one it was entered by, as far as the window at `depth` - 1 shows it.
+static void look(Sampler *s, int cell, int entered_by, int depth) {
+    const Cell *from = &s->graph->cells[cell];
+    Window *next = window_at(s, depth);
+    const Window *seen = depth > 0 ? s->window[depth - 1] : NULL;
+    for (int i = from->first_contact; i < from->first_contact + from->contact_count && !s->found; i++) {
+        const Contact *contact = &s->graph->contacts[i];
+        if (contact->portal == entered_by || s->on_path[contact->cell]) continue;
+        const Portal *portal = &s->graph->portals[contact->portal];
+        if (portal->vertex_count + (seen ? seen->count : 0) > MOST_CORNERS) continue;
+        view_portal(s, portal, cell, next);
+        for (int k = 0; seen && k < seen->count && next->count >= 3; k++)
+            clip(next, vec3_cross(seen->v[k + 1 == seen->count ? 0 : k + 1], seen->v[k]));
+        if (next->count < 3) continue;
+        Vec3 middle = middle_of(next);
+        if (!(solid_angle(next, middle) > SMALLEST_WINDOW)) continue;
+        s->seen++;
+        if (!row_has(s, contact->cell)) try_sightline(s, contact->cell, middle);
+        s->on_path[contact->cell] = 1;
+        look(s, contact->cell, contact->portal, depth + 1);
+        s->on_path[contact->cell] = 0;
+    }
+}
+
+// The k-th point of a portal: first near its corners, then anywhere within.
+static Vec3 point_on(const CellGraph *graph, const Portal *portal, int k, Random *random) {
+    enum { NEAR = sizeof FROM_CORNER / sizeof *FROM_CORNER };
+    const Vec3 *v = graph->portal_vertices + portal->first_vertex;
+    int count = portal->vertex_count;
+    Vec3 sum = {0, 0, 0}, middle = {0, 0, 0};
+    double total = 0;
+    for (int i = 0; i < count; i++) {
+        double weight = -log(1 - random_unit(random));  // exponential weights: evenly over the simplex
+        sum = vec3_add(sum, vec3_scale(v[i], weight));
+        middle = vec3_add(middle, vec3_scale(v[i], 1.0 / count));
+        total += weight;
+    }
+    if (k < NEAR * count) return vec3_lerp(v[k % count], middle, FROM_CORNER[k / count]);
+    return total > 0 ? vec3_scale(sum, 1 / total) : middle;
+}
+
+// Somewhere between points of the cell's portals: inside, as it is convex.
+static Vec3 point_in(const CellGraph *graph, const Cell *cell, Random *random) {
+    Vec3 sum = {0, 0, 0};
+    double total = 0;
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+        const Portal *portal = &graph->portals[graph->contacts[i].portal];
+        double weight = -log(1 - random_unit(random));
+        Vec3 p = point_on(graph, portal, INT32_MAX, random);
+        sum = vec3_add(sum, vec3_scale(p, weight));
+        total += weight;
+    }
+    return vec3_scale(sum, 1 / total);
+}
+
+// All sightlines out of the portal that `contact` leads through, from the points on it.
+static void look_out(Sampler *s, const Contact *contact, const SampleOptions *options) {
+    static const uint64_t SPREAD = 0xd1b54a32d192ed03u;  // portals get streams of their own
+    const Portal *portal = &s->graph->portals[contact->portal];
+    bool forward = portal->cell[0] == s->source;
+    Random random = {options->seed ^ (SPREAD * (uint64_t)(contact->portal + 1))};
+    s->on_path[contact->cell] = 1;
+    for (int k = 0; k < options->points && !s->found; k++) {
+        s->eye = point_on(s->graph, portal, k, &random);
+        double ahead = vec3_length(vec3_sub(s->eye, s->graph->portal_vertices[portal->first_vertex]));
+        if (!row_has(s, contact->cell))
+            try_sightline(s, contact->cell, vec3_scale(portal->plane.n, forward ? -ahead : ahead));
+        look(s, contact->cell, contact->portal, 0);
+    }
+    s->on_path[contact->cell] = 0;
+}
+
+static void sample_cell(Sampler *s, const SampleOptions *options) {
+    const Cell *cell = &s->graph->cells[s->source];
+    s->row[s->source / 64] |= (uint64_t)1 << (s->source % 64);
+    if (cell->contact_count == 0) return;
+    s->on_path[s->source] = 1;
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count && !s->found; i++)
+        look_out(s, &s->graph->contacts[i], options);
+    Random random = {options->seed + (uint64_t)s->source};
+    for (int k = 0; k < options->points && !s->found; k++) {
+        s->eye = point_in(s->graph, cell, &random);
+        look(s, s->source, -1, 0);
+    }
+    s->on_path[s->source] = 0;
+}
+
+static Sampler sampler_new(const CellGraph *graph, Arena *arena) {
+    return (Sampler){.graph = graph,
+                     .on_path = ARENA_ARRAY(arena, unsigned char, graph->cell_count),
+                     .windows = arena,
+                     .wanted = -1};
+}
+
+static void make_symmetric(SampleSet *set) {
+    for (int i = 0; i < set->cell_count; i++) {
+        for (int j = 0; j < i; j++) {
+            if (!pair_bit(set->proven, set->words, i, j) && !pair_bit(set->proven, set->words, j, i))
+                continue;
+            set->proven[(size_t)i * (size_t)set->words + (size_t)j / 64] |= (uint64_t)1 << (j % 64);
+            set->proven[(size_t)j * (size_t)set->words + (size_t)i / 64] |= (uint64_t)1 << (i % 64);
+        }
+    }
+}
+
+void sample_pairs(const CellGraph *graph, const SampleOptions *options, const Progress *progress,
+                  Arena *arena, SampleSet *out) {
+    int cells = graph->cell_count, words = (cells + 63) / 64, done = 0;
+    int threads = options->threads > 0 ? options->threads : omp_get_num_procs();
+    *out = (SampleSet){.cell_count = cells, .words = words};
+    uint64_t *rows = out->proven = ARENA_ARRAY(arena, uint64_t, (size_t)cells * (size_t)words);
+    long long windows = 0, refuted = 0;
+    bool stopped = false;
+#pragma omp parallel num_threads(threads) reduction(+ : windows, refuted)
+    {
+        Arena own = {0};
+        Sampler sampler = sampler_new(graph, &own);
+#pragma omp for schedule(dynamic, 1)
+        for (int c = 0; c < cells; c++) {
+            bool stop;
+#pragma omp atomic read
+            stop = stopped;
+            if (stop) continue;
+            sampler.source = c;
+            sampler.row = rows + (size_t)c * (size_t)words;
+            sample_cell(&sampler, options);
+#pragma omp critical
+            if (!progress_report(progress, "sampling", (double)++done / cells)) {
+#pragma omp atomic write
+                stopped = true;
+            }
+        }
+        windows += sampler.seen;
+        refuted += sampler.refuted;
+        arena_free(&own);
+    }
+    out->windows = windows;
+    out->refuted = refuted;
+    out->stopped = stopped;
+    make_symmetric(out);
+}
+
+bool sample_sightline(const CellGraph *graph, const SampleOptions *options, int a, int b, PairWitness *out) {
+    Arena scratch = {0};
+    Sampler sampler = sampler_new(graph, &scratch);
+    sampler.source = a;
+    sampler.row = ARENA_ARRAY(&scratch, uint64_t, (graph->cell_count + 63) / 64);
+    sampler.wanted = b;
+    sampler.sightline = out;
+    sample_cell(&sampler, options);
+    arena_free(&scratch);
+    return sampler.found;
+}

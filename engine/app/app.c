@@ -11,6 +11,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "maps/maps.h"
+#include "visibility/pairs/pairs.h"
 
 AppOptions app_default_options(void) { return (AppOptions){.vis = vis_default_options(), .keep = true}; }
 
@@ -56,7 +57,28 @@ void app_progress_end(void) {
     if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
 }
 
-static bool find_or_make_trees(const AppOptions *options, Arena *arena, AppScene *scene, Error *error) {
+// Which cells see each other by the finest method, then the trees within that. Stopped on the way, trees are roots alone
+// and visible sets all that was not excluded.
+static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene) {
+    Arena scratch = {0};
+    Progress progress = options->stoppable ? app_progress_stoppable(0) : app_progress();
+    PairOptions pairs = {.threads = options->vis.threads};
+    PairSet set;
+    pair_method("proof")->find(&scene->graph, &pairs, &progress, &scratch, &set);
+    VisOptions vis = options->vis;
+    vis.known = set.seen;
+    scene->stopped = set.stopped || !vis_build_forest(&scene->graph, &vis, &progress, arena, &scene->forest);
+    if (scene->stopped) {
+        vis.max_nodes = 1;
+        vis_build_forest(&scene->graph, &vis, NULL, arena, &scene->forest);
+    }
+    app_progress_end();
+    scene->undecided =
+        pair_count(set.seen, set.cell_count, set.words) - pair_count(set.proven, set.cell_count, set.words);
+    arena_free(&scratch);
+}
+
+static void find_or_make_trees(const AppOptions *options, Arena *arena, AppScene *scene) {
     char *folder = NULL, *path = NULL;
     Error reason;
     if ((options->keep || !options->fresh) && file_cache_folder(arena, &folder, &reason)) {
@@ -64,18 +86,13 @@ static bool find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
     }
     if (path && !options->fresh && access(path, R_OK) == 0) {
         scene->cached = vis_load(path, &scene->graph, arena, &scene->forest, &reason);
-        if (scene->cached) return true;
+        if (scene->cached) return;
         fprintf(stderr, "enfilade: %s; it is made anew\n", reason.text);
     }
-    Progress progress = app_progress();
-    if (!vis_build_forest(&scene->graph, &options->vis, &progress, arena, &scene->forest)) {
-        return error_set(error, "stopped");
-    }
-    app_progress_end();
-    if (path && options->keep && !vis_save(path, &scene->graph, &scene->forest, &reason)) {
+    make_trees(options, arena, scene);
+    if (path && options->keep && !scene->stopped && !vis_save(path, &scene->graph, &scene->forest, &reason)) {
         fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
     }
-    return true;
 }
 
 bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, AppScene *out, Error *error) {
@@ -92,7 +109,7 @@ bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, A
 bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
     if (!app_load_cells(path, &options->vis, arena, out, error)) return false;
     double cells = clock_seconds();
-    if (!find_or_make_trees(options, arena, out, error)) return false;
+    find_or_make_trees(options, arena, out);
     out->trees_seconds = clock_seconds() - cells;
     return true;
 }

@@ -24,8 +24,9 @@ int cmd_bench(int argc, char **argv);
 
 typedef struct AppOptions {
     VisOptions vis;
-    bool fresh;  // make the stab trees anew even if the cache has them
-    bool keep;   // store them in the cache
+    bool fresh;      // make the stab trees anew even if the cache has them
+    bool keep;       // store them in the cache
+    bool stoppable;  // Ctrl-C ends the search early with sets that are too large, never with ones too small
 } AppOptions;
 AppOptions app_default_options(void);
 
@@ -34,7 +35,10 @@ typedef struct AppScene {
     CellGraph graph;
     StabForest forest;
     double read_seconds, cells_seconds, trees_seconds;
-    bool cached;  // the trees came from the cache
+    bool cached;   // the trees came from the cache
+    bool stopped;  // early, as AppOptions allows
+    long long
+        undecided;  // pairs of cells, both ways round, that are neither proven to see each other nor excluded
 } AppScene;
 
 // Reads the building, makes cells, and stab trees or finds them in the cache. A cache that cannot be used is passed

@@ -145,6 +145,12 @@ static void cell_to_cell(const AppScene *scene, double *cells, double *polygons)
     arena_free(&scratch);
 }
 
+static int bounded_trees(const StabForest *forest) {
+    int count = 0;
+    for (int c = 0; c < forest->cell_count; c++) count += forest->bounded[c];
+    return count;
+}
+
 static void print_result(const Arguments *a, const AppScene *scene) {
     double cells, polygons, seconds = scene->cells_seconds + scene->trees_seconds;
     cell_to_cell(scene, &cells, &polygons);
@@ -156,6 +162,8 @@ static void print_result(const Arguments *a, const AppScene *scene) {
         json_object_set_new(o, "cells_seconds", json_real(scene->cells_seconds));
         json_object_set_new(o, "trees_seconds", json_real(scene->trees_seconds));
         json_object_set_new(o, "vis_seconds", json_real(seconds));
+        json_object_set_new(o, "undecided", json_integer(scene->undecided));
+        json_object_set_new(o, "stopped", json_boolean(scene->stopped));
         app_print_json(o);
         return;
     }
@@ -163,8 +171,11 @@ static void print_result(const Arguments *a, const AppScene *scene) {
            "and %.1f %% of the polygons in the mean\n",
            scene->graph.cell_count, scene->graph.portal_count, scene->forest.node_count, 100 * cells,
            100 * polygons);
-    printf("read %.3f s, cells %.3f s, stab trees %.3f s\n", scene->read_seconds, scene->cells_seconds,
-           scene->trees_seconds);
+    printf("%lld pairs of cells undecided; %d trees too large, of which the visible set is kept%s\n",
+           scene->undecided, bounded_trees(&scene->forest),
+           scene->stopped ? "; stopped early: what was not excluded until then counts as visible" : "");
+    printf("read %.3f s, cells %.3f s, visible sets and stab trees %.3f s\n", scene->read_seconds,
+           scene->cells_seconds, scene->trees_seconds);
 }
 
 int cmd_vis(int argc, char **argv) {
@@ -183,6 +194,7 @@ int cmd_vis(int argc, char **argv) {
     }
     a.load.fresh = true;
     a.load.keep = !a.out;
+    a.load.stoppable = true;
     Arena arena = {0};
     AppScene scene;
     Error error;

@@ -73,6 +73,7 @@ $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 -lstdc++ $(libs)
 $(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
+$(dir)/tests/fuzz_wad: $(dir)/tests/wad_builder.o
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<

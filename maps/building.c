@@ -144,13 +144,29 @@ Rgb maps_colour(unsigned rgb) {
                  maps_linear((int)(rgb & 255))};
 }
 
+bool region_is_convex(const Building *b, const Region *region) {
+    if (region->ring_count != 1) return false;
+    const Ring *ring = &b->rings[region->first_ring];
+    const Vec2 *p = b->points + ring->first_point;
+    double turned = 0;
+    for (int i = 0, n = ring->point_count; i < n; i++) {
+        Vec2 a = vec2_sub(p[(i + 1) % n], p[i]), c = vec2_sub(p[(i + 2) % n], p[(i + 1) % n]);
+        double cross = vec2_cross(a, c), chord = vec2_length(vec2_add(a, c));
+        if (cross < -MAPS_DENT * chord || (cross <= 0 && vec2_dot(a, c) <= 0)) return false;
+        turned += atan2(cross, vec2_dot(a, c));
+    }
+    // Stars turn left at every corner too, but more than once around.
+    return turned < 3 * M_PI;
+}
+
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
     double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
     Vec2 from = vec2(closed.x - leaf->pivot.x, closed.y - leaf->pivot.y);
+    double z = closed.z + open * leaf->rise;
     // An unmoved leaf stays where it was read, to the last bit.
-    if (angle == 0) return vec3(closed.x + open * leaf->slide.x, closed.y + open * leaf->slide.y, closed.z);
+    if (angle == 0) return vec3(closed.x + open * leaf->slide.x, closed.y + open * leaf->slide.y, z);
     return vec3(leaf->pivot.x + c * from.x - s * from.y + open * leaf->slide.x,
-                leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, closed.z);
+                leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, z);
 }
 
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {
@@ -162,6 +178,19 @@ void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {
         Vec3 at = leaf_point(leaf, open, vec3(p.x, p.y, 0));
         corner[i] = vec2(at.x, at.y);
     }
+}
+
+int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]) {
+    if (leaf->corner_count == 0) {
+        leaf_box(leaf, open, corner);
+        return 4;
+    }
+    for (int i = 0; i < leaf->corner_count; i++) {
+        Vec2 p = b->points[leaf->first_corner + i];
+        Vec3 at = leaf_point(leaf, open, vec3(p.x, p.y, 0));
+        corner[i] = vec2(at.x, at.y);
+    }
+    return leaf->corner_count;
 }
 
 const char *opening_kind_name(OpeningKind kind) {

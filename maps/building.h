@@ -12,7 +12,9 @@
 //
 // All plan coordinates and heights of regions are multiples of 1 mm (maps_snap), and regions that touch share
 // their plan vertices exactly: if the boundaries of two regions overlap along a line, they have the same vertices
-// there. Faults against this are named by building_check.
+// there. Only a region that is convex as it is, to within MAPS_DENT, may have vertices off the grid: partitions of
+// a plan cross where they cross, and such a region is one cell without being cut. Faults against this are named by
+// building_check.
 #ifndef MAPS_BUILDING_H
 #define MAPS_BUILDING_H
 
@@ -74,12 +76,14 @@ typedef enum OpeningKind {
 
 // A hole in a wall between `sill` and `head`. A door's region is split in two halves by the vertical plane
 // through line[0] and line[1]. A closed door, glazed ones apart, fills the contact of the halves: nothing is seen
-// past its leaves.
+// past its leaves. A door that `fills` its place has no halves but one or several regions, and leaves as thick as
+// these: closed, it fills all their contacts with other regions.
 typedef struct Opening {
     OpeningKind kind;
     const char *name;
     int storey;                  // -1 of a soup
     bool glazed;                 // a door of glass: never blocks sight
+    bool fills;                  // its leaves fill its regions
     Vec2 line[2];                // its plan ends; side 0 lies to the left of line[0] -> line[1]
     double sill, head;           // absolute heights, metres
     int first_leaf, leaf_count;  // in Building.leaves; of doors only
@@ -91,15 +95,18 @@ typedef struct Opening {
 } Opening;
 
 // What moves of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
-// axis through `pivot` and then shifted by t * slide. `axis` and `thickness` are its plan box when closed: `axis` runs
-// through the middle of the box from the hinged end to the free one.
+// axis through `pivot` and then shifted by t * slide, and up by t * rise. `axis` and `thickness` are its plan box when
+// closed: `axis` runs through the middle of the box from the hinged end to the free one. Where it is no box in plan, its
+// corners are given, a convex polygon within the box.
 typedef struct Leaf {
     int opening;
     Vec2 pivot;
     double turn;  // radians, counter-clockwise from above; 0 where it slides
     Vec2 slide;   // metres; 0, 0 where it turns
+    double rise;  // metres, below 0 where it sinks
     Vec2 axis[2];
-    double thickness, z0, z1;  // metres
+    double thickness, z0, z1;        // metres
+    int first_corner, corner_count;  // in Building.points, counter-clockwise, up to LEAF_CORNERS; 0: the box
 } Leaf;
 
 // Convex and planar (within MAPS_PLANARITY), counter-clockwise seen from its front; seen from both sides.
@@ -187,9 +194,8 @@ typedef struct GivenPortal {
 typedef struct Building {
     BuildingForm form;
     const char *source;  // the path it was read from
-    const char *
-        map;  // of a file that holds several: the name of the one read, else NULL. Set before reading: wanted
-    uint64_t hash;  // of the file's content, and of `map`
+    const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
+    uint64_t hash;    // of the file's content, and of `map`
     Material *materials;
     Storey *storeys;
     Region *regions;
@@ -222,8 +228,13 @@ typedef struct Building {
 
 // Reflectances above this are capped: white paint, and a sum of reflections that ends.
 #define MAPS_MAX_REFLECTANCE 0.85f
+// The most corners a leaf has in plan.
+enum { LEAF_CORNERS = 32 };
 // The grid of the plan and of heights, metres: finer than any wall, coarser than the noise in real files.
 #define MAPS_GRID 0.001
+// How far the outline of a convex region may turn inwards, metres: far above the rounding of vertices that lie on a
+// straight edge (1e-13), far below all that could show.
+#define MAPS_DENT 1e-9
 // How far a polygon's vertices may lie off its plane, metres.
 #define MAPS_PLANARITY 0.001
 // Polygons of less area are dropped and are faults, m^2: a tenth of a millimetre squared shows nowhere.
@@ -252,10 +263,15 @@ Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
 // Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
 int building_check(const Building *b, Arena *arena, const char **faults, int max);
 
+// One ring, and that convex to within MAPS_DENT: the region is a cell as it is.
+bool region_is_convex(const Building *b, const Region *region);
+
 // Where a point of a leaf, given as when closed, is at share `open` of its way.
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
 // Its plan box there, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
+// Its plan there, counter-clockwise: its own corners, or those of its box. Returns how many.
+int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]);
 
 const char *opening_kind_name(OpeningKind kind);
 

@@ -211,13 +211,19 @@ static void check_leaves(Check *c) {
     const Building *b = c->b;
     for (int i = 0; i < b->leaf_count; i++) {
         const Leaf *l = &b->leaves[i];
-        double numbers[] = {l->pivot.x,   l->pivot.y,   l->turn,      l->slide.x,   l->slide.y, l->axis[0].x,
-                            l->axis[0].y, l->axis[1].x, l->axis[1].y, l->thickness, l->z0,      l->z1};
+        double numbers[] = {l->pivot.x,   l->pivot.y,   l->turn,      l->slide.x,   l->slide.y,
+                            l->rise,      l->axis[0].x, l->axis[0].y, l->axis[1].x, l->axis[1].y,
+                            l->thickness, l->z0,        l->z1};
         bool finite = true;
         for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) finite = finite && good(numbers[k]);
         if (!finite || l->thickness <= 0 || l->z0 >= l->z1 || vec2_equal(l->axis[0], l->axis[1]))
             check_fault(c, "leaf %d at (%.3f, %.3f): it is not finite or has no size", i, l->pivot.x,
                         l->pivot.y);
+        bool corners = l->corner_count == 0 || (l->corner_count >= 3 && l->corner_count <= LEAF_CORNERS &&
+                                                run_good(l->first_corner, l->corner_count, b->point_count));
+        if (!corners)
+            check_fault(c, "leaf %d: corners %d to %d of %d points (none, or 3 to %d)", i, l->first_corner,
+                        l->first_corner + l->corner_count - 1, b->point_count, LEAF_CORNERS);
         if (!index_good(l->opening, b->opening_count))
             check_fault(c, "leaf %d: opening %d of %d", i, l->opening, b->opening_count);
     }

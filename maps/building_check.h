@@ -9,7 +9,7 @@ typedef struct Check {
     Arena *arena;
     const char **faults;
     int max, count;
-    Vec2 *mm;  // [point_count] plan points in whole millimetres
+    Vec2 *mm;  // [point_count] plan points in millimetres, whole ones on the grid
 } Check;
 
 void check_fault(Check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

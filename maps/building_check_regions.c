@@ -1,5 +1,5 @@
 // building_check_regions.c - the faults of regions: rings, outlines, and pairs that overlap or touch without sharing
-// vertices. It computes in whole millimetres held in doubles, in which every orientation is exact.
+// vertices. It computes in whole millimetres held in doubles, in which every orientation is exact; what lies off the grid keeps its fraction.
 #include <stdlib.h>
 
 #include "engine/core/predicates.h"
@@ -67,6 +67,8 @@ typedef struct Outline {
     bool sound;
 } Outline;
 
+static bool on_grid(Vec2 p) { return p.x == maps_snap(p.x) && p.y == maps_snap(p.y); }
+
 static bool check_ring(Check *c, int region, int k, const Ring *ring) {
     const Building *b = c->b;
     if (ring->point_count < 3 || !run_good(ring->first_point, ring->point_count, b->point_count)) {
@@ -81,9 +83,11 @@ static bool check_ring(Check *c, int region, int k, const Ring *ring) {
                         p.y, MAPS_LIMIT);
             return false;
         }
-        if (p.x != maps_snap(p.x) || p.y != maps_snap(p.y)) {
-            check_fault(c, "region %d ring %d: point (%.6f, %.6f) is off the grid of %g m", region, k, p.x,
-                        p.y, MAPS_GRID);
+        if (!on_grid(p) && !region_is_convex(b, &b->regions[region])) {
+            check_fault(
+                c,
+                "region %d ring %d: point (%.6f, %.6f) is off the grid of %g m, and the region is not convex",
+                region, k, p.x, p.y, MAPS_GRID);
         }
         int material = b->edge_material ? b->edge_material[ring->first_point + i] : -1;
         if (!index_good(material, b->material_count)) {
@@ -280,11 +284,50 @@ static void check_pair(Check *c, int i, int j, const Outline *a, const Outline *
     }
 }
 
+// A sound region by the left end of its outline.
+typedef struct Swept {
+    double left;
+    int region;
+} Swept;
+
+static int by_left(const void *p, const void *q) {
+    const Swept *a = p, *b = q;
+    if (a->left != b->left) return a->left < b->left ? -1 : 1;
+    return (a->region > b->region) - (a->region < b->region);
+}
+
+// Only regions that lie in one another's reach along x: maps have thousands.
+static void check_pairs(Check *c, const Outline *outlines) {
+    const Building *b = c->b;
+    Swept *order = ARENA_ARRAY(c->arena, Swept, b->region_count + 1);
+    int count = 0;
+    for (int i = 0; i < b->region_count; i++) {
+        if (outlines[i].sound) order[count++] = (Swept){outlines[i].min.x, i};
+    }
+    qsort(order, (size_t)count, sizeof *order, by_left);
+    for (int i = 0; i < count; i++) {
+        const Outline *p = &outlines[order[i].region];
+        for (int k = i + 1; k < count && order[k].left <= p->max.x; k++) {
+            int first = order[i].region, second = order[k].region;
+            const Region *r = &b->regions[first], *s = &b->regions[second];
+            const Outline *q = &outlines[second];
+            if (fmax(r->z0, s->z0) > fmin(r->z1, s->z1) || p->max.y < q->min.y || q->max.y < p->min.y)
+                continue;
+            if (first < second) {
+                check_pair(c, first, second, p, q);
+            } else {
+                check_pair(c, second, first, q, p);
+            }
+        }
+    }
+}
+
 void check_regions(Check *c) {
     const Building *b = c->b;
     c->mm = ARENA_ARRAY(c->arena, Vec2, b->point_count);
     for (int i = 0; i < b->point_count; i++) {
-        c->mm[i] = vec2(nearbyint(b->points[i].x * MM_PER_M), nearbyint(b->points[i].y * MM_PER_M));
+        Vec2 p = vec2_scale(b->points[i], MM_PER_M);
+        c->mm[i] = on_grid(b->points[i]) ? vec2(nearbyint(p.x), nearbyint(p.y)) : p;
     }
     Outline *outlines = ARENA_ARRAY(c->arena, Outline, b->region_count);
     for (int i = 0; i < b->region_count; i++) {
@@ -295,14 +338,5 @@ void check_regions(Check *c) {
             rings = check_ring(c, i, k, &b->rings[r->first_ring + k]) && rings;
         outlines[i].sound = rings && check_outline(c, i, &outlines[i]);
     }
-    for (int i = 0; i < b->region_count; i++) {
-        for (int j = i + 1; j < b->region_count; j++) {
-            const Region *r = &b->regions[i], *s = &b->regions[j];
-            const Outline *p = &outlines[i], *q = &outlines[j];
-            if (!p->sound || !q->sound || fmax(r->z0, s->z0) > fmin(r->z1, s->z1)) continue;
-            if (p->max.x < q->min.x || q->max.x < p->min.x || p->max.y < q->min.y || q->max.y < p->min.y)
-                continue;
-            check_pair(c, i, j, p, q);
-        }
-    }
+    check_pairs(c, outlines);
 }

@@ -156,7 +156,7 @@ static void spoil(Building *b, int way) {
         b->points[1].x = NAN;
         break;
     case 1:
-        b->points[1].x = 3.9995;
+        b->points[8].x = 5.0005;  // of the hole: a convex region may leave the grid
         break;
     case 2:
         b->points[1].x = 2e8;
@@ -282,6 +282,19 @@ Test(building, check_names_every_fault) {
         cr_expect(way < 0 ? count == 0 : found, "case %d: %d faults, first: %s", way, count, faults[0]);
         arena_free(&arena);
     }
+}
+
+// Proves that a region which is convex as it is may have vertices off the grid, and that a dent of a tenth of a
+// millimetre is none too small to be seen.
+Test(building, convex_regions_may_leave_the_grid) {
+    Arena arena = {0};
+    Building b = sound_building(&arena);
+    static const double bay[] = {-1, 0, 0, 0, 0, 1.00051, 0, 3, -1, 3.00007};
+    add_region(&arena, &b, 0, 2.5, bay, 5);
+    cr_expect(region_is_convex(&b, &b.regions[2]));
+    b.points[b.point_count - 3].x = -0.0001;
+    cr_expect_not(region_is_convex(&b, &b.regions[2]), "the wall bends inwards");
+    arena_free(&arena);
 }
 
 // Proves that regions one above the other, side by side, and around one another are not taken for

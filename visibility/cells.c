@@ -1,5 +1,5 @@
-// cells.c - a building's free space as convex cells: each region's plan is cut into convex pieces, each piece is a
-// prism between the region's floor and ceiling.
+// cells.c - a building's free space as convex cells: each region's plan that is not convex is cut into convex pieces,
+// each piece is a prism between the region's floor and ceiling.
 #include "visibility/build.h"
 #include "visibility/convex.h"
 
@@ -77,12 +77,25 @@ static void add_piece(CellBuilder *builder, int region, const int *vertex, int c
     add_cell(builder, region, part, left, capacity);
 }
 
+// A region that is convex as it is, its vertices on the grid or off it.
+static void add_whole(CellBuilder *builder, int region, int *capacity) {
+    const Building *b = builder->building;
+    Ring ring = b->rings[b->regions[region].first_ring];
+    int *vertex = ARENA_ARRAY(builder->scratch, int, ring.point_count);
+    for (int i = 0; i < ring.point_count; i++) vertex[i] = ring.first_point + i;
+    add_piece(builder, region, vertex, ring.point_count, capacity);
+}
+
 bool build_cells(CellBuilder *builder, Error *error) {
     const Building *b = builder->building;
     int capacity = 0;
     builder->graph->box = box_empty();
     for (int r = 0; r < b->region_count; r++) {
         const Region *region = &b->regions[r];
+        if (region_is_convex(b, region)) {
+            add_whole(builder, r, &capacity);
+            continue;
+        }
         int *first = ARENA_ARRAY(builder->scratch, int, region->ring_count);
         int *size = ARENA_ARRAY(builder->scratch, int, region->ring_count);
         for (int i = 0; i < region->ring_count; i++) {

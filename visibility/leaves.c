@@ -41,8 +41,8 @@ void build_swept(const CellGraph *graph, int object, SweptLeaf *out) {
     double grow = (reach * fabs(leaf->turn) + vec2_length(leaf->slide)) / (2 * (SWEPT_STEPS - 1));
     double x[4] = {box.min.x - grow, box.max.x + grow, box.max.x + grow, box.min.x - grow};
     double y[4] = {box.min.y - grow, box.min.y - grow, box.max.y + grow, box.max.y + grow};
-    out->z0 = box.min.z;
-    out->z1 = box.max.z;
+    out->z0 = box.min.z + fmin(leaf->rise, 0);
+    out->z1 = box.max.z + fmax(leaf->rise, 0);
     for (int i = 0; i < SWEPT_STEPS; i++) {
         for (int k = 0; k < 4; k++) {
             Vec3 closed = vec3(leaf->pivot.x + along.x * x[k] - along.y * y[k],

@@ -42,9 +42,19 @@ static Portal *add_portal(CellBuilder *builder, const Vec3 *vertices, int count)
     return portal;
 }
 
-// The halves of a door meet at its leaf.
+// The door that fills region `r` closes all its contacts with other regions.
+static bool is_filled(const Building *b, const Region *r, const Region *beyond) {
+    if (r->opening < 0 || r->opening == beyond->opening) return false;
+    const Opening *opening = &b->openings[r->opening];
+    return opening->kind == OPENING_DOOR && opening->fills && !opening->glazed;
+}
+
+// The halves of a door meet at its leaf. Of two doors that fill neighbours one is enough: the other is closed at its own
+// contacts farther on.
 static int door_between(const Building *b, const Cell *p, const Cell *q) {
     const Region *r = &b->regions[p->region], *s = &b->regions[q->region];
+    if (is_filled(b, r, s)) return r->opening;
+    if (is_filled(b, s, r)) return s->opening;
     if (r->opening < 0 || r->opening != s->opening || r->side == s->side) return -1;
     const Opening *opening = &b->openings[r->opening];
     return opening->kind == OPENING_DOOR && !opening->glazed ? r->opening : -1;
@@ -117,6 +127,7 @@ static void add_horizontal(CellBuilder *builder, int lower, int upper) {
     portal->cell[0] = upper;
     portal->cell[1] = lower;
     portal->horizontal = true;
+    portal->door = door_between(builder->building, &graph->cells[upper], &graph->cells[lower]);
 }
 
 typedef struct Level {

@@ -95,19 +95,19 @@ static void find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
     }
 }
 
-bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, AppScene *out, Error *error) {
+bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
     *out = (AppScene){0};
     double start = clock_seconds();
-    if (!maps_read(path, arena, &out->building, error)) return false;
+    if (!maps_read_map(path, options->map, arena, &out->building, error)) return false;
     double read = clock_seconds();
-    if (!vis_build_cells(&out->building, options, arena, &out->graph, error)) return false;
+    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
     out->read_seconds = read - start;
     out->cells_seconds = clock_seconds() - read;
     return true;
 }
 
 bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
-    if (!app_load_cells(path, &options->vis, arena, out, error)) return false;
+    if (!app_load_cells(path, options, arena, out, error)) return false;
     double cells = clock_seconds();
     find_or_make_trees(options, arena, out);
     out->trees_seconds = clock_seconds() - cells;

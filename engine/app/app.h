@@ -24,9 +24,10 @@ int cmd_bench(int argc, char **argv);
 
 typedef struct AppOptions {
     VisOptions vis;
-    bool fresh;      // make the stab trees anew even if the cache has them
-    bool keep;       // store them in the cache
-    bool stoppable;  // Ctrl-C ends the search early with sets that are too large, never with ones too small
+    bool fresh;       // make the stab trees anew even if the cache has them
+    bool keep;        // store them in the cache
+    bool stoppable;   // Ctrl-C ends the search early with sets that are too large, never with ones too small
+    const char *map;  // of a file that holds several; NULL: the first
 } AppOptions;
 AppOptions app_default_options(void);
 
@@ -49,7 +50,7 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
 bool app_has_walls(const AppScene *scene, Error *error);
 
 // As much of it: reads the building and makes its cells.
-bool app_load_cells(const char *path, const VisOptions *options, Arena *arena, AppScene *out, Error *error);
+bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
 
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);

@@ -9,6 +9,7 @@
 typedef struct BenchArguments {
     char **files;
     int file_count;
+    const char *map;            // of files that hold several; NULL: the first
     int width, height, frames;  // of pictures
     WalkLook look;
     int steps;  // of a walk

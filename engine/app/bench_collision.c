@@ -14,6 +14,7 @@ static long count_walls(const CellGraph *graph) {
 
 static bool bench_building(const char *file, const BenchArguments *a, Arena *arena, Error *error) {
     AppOptions load = app_default_options();
+    load.map = a->map;
     AppScene scene;
     if (!app_load(file, &load, arena, &scene, error)) return false;
     CollisionWalkOptions options = {.steps = a->steps, .seed = a->seed, .flood_every = 1};

@@ -241,7 +241,8 @@ static void choose_methods(FileBench *b) {
 static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
     Arena arena = {0};
     FileBench b = {.file = file, .arguments = a};
-    VisOptions options = vis_default_options();
+    AppOptions options = app_default_options();
+    options.map = a->map;
     choose_methods(&b);
     run_peer(&b, &arena);  // first: while this process is small, the peak of its child is the child's own
     bool good = app_load_cells(file, &options, &arena, &b.scene, error) && make_bound(&b, &arena, error) &&

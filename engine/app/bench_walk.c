@@ -45,6 +45,7 @@ static bool measure(const AppScene *scene, const TourPath *path, const BenchArgu
 static bool bench_building(const char *file, const BenchArguments *a, GlContext *context, Arena *arena,
                            Error *error) {
     AppOptions load = app_default_options();
+    load.map = a->map;
     AppScene scene;
     TourOptions options = tour_default_options();
     TourPath path;

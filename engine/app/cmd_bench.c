@@ -8,7 +8,8 @@
 
 static const char HELP[] =
     "usage: enfilade bench NAME [FILE ...] [options]\n\n"
-    "Measures, and writes CSV with a header on standard output (default FILE: build/maps/office.plan).\n\n"
+    "Measures, and writes CSV with a header on standard output (default FILE: build/maps/office.plan).\n"
+    "--map NAME chooses among the maps of files that hold several (default: the first).\n\n"
     "  walk           each culling method along the auto tour of each building: polygons drawn, cells seen, "
     "time of\n"
     "                 the query and of the whole frame\n"
@@ -90,6 +91,9 @@ static int parse_visibility_option(int c, char **argv, BenchArguments *a) {
 static int parse_option(int c, char **argv, BenchArguments *a) {
     int number;
     switch (c) {
+    case 'm':
+        a->map = optarg;
+        return APP_GOOD;
     case 's':
         if (app_parse_size(optarg, &a->width, &a->height)) return APP_GOOD;
         return app_misuse("bench", "bench: --size is `%s` (allowed WxH, 16 to 8192 each)", optarg);
@@ -122,6 +126,7 @@ int cmd_bench(int argc, char **argv) {
                                             {"samples", required_argument, NULL, SAMPLES},
                                             {"seconds", required_argument, NULL, SECONDS},
                                             {"peer", required_argument, NULL, PEER},
+                                            {"map", required_argument, NULL, 'm'},
                                             {"csv", required_argument, NULL, CSV},
                                             {0}};
     static char office[] = "build/maps/office.plan";

@@ -4,11 +4,12 @@
 
 #include "engine/app/app.h"
 
-static const char HELP[] = "usage: enfilade info FILE [--json]\n\n"
+static const char HELP[] = "usage: enfilade info FILE [--map NAME] [--json]\n\n"
                            "Tells what is in a building: storeys, rooms, cells, portals, doors and what they "
                            "join, polygons, and what was\n"
                            "not enclosed, left out or changed on reading.\n\n"
-                           "  --json   one JSON object on standard output\n";
+                           "  --map NAME   which one of a file that holds several maps (default: the first)\n"
+                           "  --json       one JSON object on standard output\n";
 
 static void print_doors(const Building *b) {
     for (int i = 0; i < b->opening_count; i++) {
@@ -34,12 +35,18 @@ static void print_doors(const Building *b) {
 }
 
 int cmd_info(int argc, char **argv) {
-    static const struct option options[] = {
-        {"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {0}};
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {"map", required_argument, NULL, 'm'},
+                                            {0}};
+    AppOptions load = app_default_options();
     bool json = false;
     opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
         switch (c) {
+        case 'm':
+            load.map = optarg;
+            break;
         case 'j':
             json = true;
             break;
@@ -55,7 +62,6 @@ int cmd_info(int argc, char **argv) {
     Arena arena = {0};
     AppScene scene;
     Error error;
-    AppOptions load = app_default_options();
     if (!app_load(argv[optind], &load, &arena, &scene, &error)) {
         arena_free(&arena);
         return app_fail(APP_BAD_INPUT, "%s", error.text);

@@ -8,12 +8,14 @@
 #include "visibility/figure.h"
 
 static const char HELP[] =
-    "usage: enfilade plan FILE [-o OUT.svg] [--from X,Y,Z] [--storey N] [--depth N] [--width PIXELS]\n\n"
+    "usage: enfilade plan FILE [--map NAME] [-o OUT.svg] [--from X,Y,Z] [--storey N] [--depth N] [--width "
+    "PIXELS]\n\n"
     "Draws the plan of a storey: cells, walls, portals, doors with their swing, windows. With --from, also "
     "the stab\n"
     "tree of the cell at that place (metres): the cells it may see, shaded by depth, a sightline into each "
     "room, and\n"
     "the tree itself below.\n\n"
+    "  --map NAME      which one of a file that holds several maps (default: the first)\n"
     "  -o OUT.svg      where to write (default: standard output)\n"
     "  --from X,Y,Z    the place to look from\n"
     "  --storey N      which storey, from 0 (default: that of --from, or 0)\n"
@@ -21,23 +23,29 @@ static const char HELP[] =
     "  --width PIXELS  of the drawing, 100 to 10000 (default 1200)\n";
 
 typedef struct Arguments {
-    const char *file, *out;
+    const char *file, *out, *map;
     bool from_given, help;
     Vec3 from;
     int storey, depth, width;
 } Arguments;
 
 static int parse(int argc, char **argv, Arguments *a) {
-    static const struct option options[] = {
-        {"help", no_argument, NULL, 'h'},         {"from", required_argument, NULL, 'f'},
-        {"storey", required_argument, NULL, 's'}, {"depth", required_argument, NULL, 'd'},
-        {"width", required_argument, NULL, 'w'},  {0}};
+    static const struct option options[] = {{"help", no_argument, NULL, 'h'},
+                                            {"from", required_argument, NULL, 'f'},
+                                            {"storey", required_argument, NULL, 's'},
+                                            {"depth", required_argument, NULL, 'd'},
+                                            {"width", required_argument, NULL, 'w'},
+                                            {"map", required_argument, NULL, 'm'},
+                                            {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
         switch (c) {
         case 'h':
             a->help = true;
             return APP_GOOD;
+        case 'm':
+            a->map = optarg;
+            break;
         case 'o':
             a->out = optarg;
             break;
@@ -140,6 +148,7 @@ int cmd_plan(int argc, char **argv) {
     AppScene scene;
     Error error;
     AppOptions load = app_default_options();
+    load.map = a.map;
     const char *text = NULL;
     bool good = app_load(a.file, &load, &arena, &scene, &error) && app_has_walls(&scene, &error) &&
                 draw_figure(&a, &scene, &arena, &text, &error);

@@ -6,12 +6,14 @@
 #include "engine/app/vis_pairs.h"
 
 static const char HELP[] =
-    "usage: enfilade vis FILE [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n"
-    "       enfilade vis FILE [--method NAME] [--pairs OUT.seen] [--against IN.seen] [--peer PROGRAM]\n"
+    "usage: enfilade vis FILE [--map NAME] [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n"
+    "       enfilade vis FILE [--map NAME] [--method NAME] [--pairs OUT.seen] [--against IN.seen] [--peer "
+    "PROGRAM]\n"
     "                    [--seconds S] [--threads N] [--json]\n\n"
     "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the user's cache, "
     "where\n"
     "the other commands find them. The same bytes come out on any number of threads.\n\n"
+    "  --map NAME      which one of a file that holds several maps (default: the first)\n"
     "  -o OUT.vis      where to write\n"
     "  --threads N     threads to use, 1 to 256 (default: all cores)\n"
     "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
@@ -68,6 +70,9 @@ static int parse_option(int c, char **argv, Arguments *a) {
     case 'h':
         a->help = true;
         return APP_GOOD;
+    case 'm':
+        a->load.map = optarg;
+        return APP_GOOD;
     case 'o':
         a->out = optarg;
         return APP_GOOD;
@@ -88,6 +93,7 @@ static int parse_option(int c, char **argv, Arguments *a) {
 static int parse(int argc, char **argv, Arguments *a) {
     static const struct option options[] = {{"json", no_argument, NULL, 'j'},
                                             {"help", no_argument, NULL, 'h'},
+                                            {"map", required_argument, NULL, 'm'},
                                             {"threads", required_argument, NULL, 't'},
                                             {"square", required_argument, NULL, 's'},
                                             {"max-nodes", required_argument, NULL, 'n'},
@@ -188,7 +194,7 @@ int cmd_vis(int argc, char **argv) {
     }
     if (a.wants_pairs) {
         a.pairs.file = a.file;
-        a.pairs.vis = a.load.vis;
+        a.pairs.load = a.load;
         a.pairs.json = a.json;
         return vis_pairs(&a.pairs);
     }

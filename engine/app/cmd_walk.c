@@ -15,6 +15,7 @@ static const char HELP[] =
     "reaches through doors; NAME is a tour or viewpoint stored in the file; PATH was recorded in the "
     "window.\n\n"
     "In both:\n"
+    "  --map NAME         which one of a file that holds several maps (default: the first)\n"
     "  --size WxH         pixels, 16 to 8192 each (window 1280x720; off-screen 960x540, with --verify "
     "640x360)\n"
     "  --look NAME        fast or fine (default: off-screen fine; in the window fast where OpenGL is "
@@ -48,7 +49,7 @@ static const char HELP[] =
 typedef struct Arguments {
     WalkOptions walk;      // off-screen
     WindowOptions window;  // what both share is in `walk` until all is read
-    const char *file;
+    const char *file, *map;
     bool json, help, sized, off_screen, toured;
 } Arguments;
 
@@ -75,7 +76,8 @@ enum {
     SCALE,
     FULL_SCREEN,
     NO_VSYNC,
-    TRACE
+    TRACE,
+    MAP
 };
 
 static int find_name(const char *const *names, int count, const char *name) {
@@ -183,6 +185,9 @@ static int take(Arguments *a, int c, char **argv) {
         a->walk.tour = optarg;
         a->toured = true;
         return APP_GOOD;
+    case MAP:
+        a->map = optarg;
+        return APP_GOOD;
     case REPLAY:
         a->walk.replay = optarg;
         return APP_GOOD;
@@ -251,6 +256,7 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"full-screen", no_argument, NULL, FULL_SCREEN},
                                             {"no-vsync", no_argument, NULL, NO_VSYNC},
                                             {"trace", required_argument, NULL, TRACE},
+                                            {"map", required_argument, NULL, MAP},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
@@ -311,6 +317,7 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppOptions load = app_default_options();
     AppScene scene;
+    load.map = a->map;
     if (!app_load(a->file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
     Progress progress = app_progress();
     bool good = walk_offscreen(&scene.graph, &scene.forest, &a->walk, &progress, arena, totals, error);
@@ -325,8 +332,9 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
 }
 
 static bool load_scene(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
-    (void)context;
+    const Arguments *a = context;
     AppOptions load = app_default_options();
+    load.map = a->map;
     AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
     if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
     *out = (WalkScene){&scene->graph, &scene->forest};
@@ -334,7 +342,7 @@ static bool load_scene(void *context, const char *path, Arena *arena, WalkScene 
 }
 
 static bool open_window(Arguments *a, Arena *arena, Error *error) {
-    SessionLoader loader = {load_scene, NULL};
+    SessionLoader loader = {load_scene, a};
     SessionOptions *session = &a->window.session;
     session->file = a->file;
     session->replay = a->walk.replay;

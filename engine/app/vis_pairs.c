@@ -35,7 +35,7 @@ static void compare(uint64_t *bound, Outcome *o) {
 }
 
 static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
-    PairOptions options = {.threads = a->vis.threads, .witnesses = true};
+    PairOptions options = {.threads = a->load.vis.threads, .witnesses = true};
     Progress progress = app_progress_stoppable(a->seconds);
     double start = clock_seconds();
     o->method->find(&o->scene.graph, &options, &progress, arena, &o->set);
@@ -47,7 +47,7 @@ static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
 
 static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *error) {
     uint64_t *bound = NULL;
-    if (!app_load_cells(a->file, &a->vis, arena, &o->scene, error)) return false;
+    if (!app_load_cells(a->file, &a->load, arena, &o->scene, error)) return false;
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
     find(a, arena, o);

@@ -7,7 +7,7 @@
 
 typedef struct VisPairsArguments {
     const char *file;
-    VisOptions vis;       // its threads are the method's
+    AppOptions load;      // its threads are the method's
     const char *method;   // NULL: the finest
     const char *out;      // where the matrix goes, or NULL
     const char *against;  // a .seen file to compare with, or NULL

@@ -216,7 +216,7 @@ static int door_at_fault(const CollisionCheck *check, const float *door_open, Ve
     for (int i = 0; i < b->opening_count; i++) {
         for (int k = 0; k < door_part_count(b, i); k++) {
             DoorPart part;
-            Vec3 plan[4];
+            Vec3 plan[LEAF_CORNERS];
             if (!door_part(b, i, k, door_open ? (double)door_open[i] : 1, &part)) continue;
             if (part.heights.z0 >= z1 || part.heights.z1 <= z0) continue;
             int count = part_plan(&part, plan);

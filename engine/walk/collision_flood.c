@@ -111,12 +111,13 @@ static void meet_polygon(Stand *s, const Flooder *f, int polygon, Vec2 at) {
 static void meet_leaves(Stand *s, const Flooder *f, Vec2 at) {
     const Building *b = f->graph->building;
     for (int i = 0; i < b->leaf_count && f->rules->leaves; i++) {
-        Vec2 corner[4];
-        Vec3 plan[4];
-        leaf_box(&b->leaves[i], 1, corner);
-        for (int c = 0; c < 4; c++) plan[c] = vec3(corner[c].x, corner[c].y, 0);
-        if (collision_plan_distance(plan, 4, at) < f->rules->radius + f->rules->spare)
-            meet(s, f->rules, b->leaves[i].z0, b->leaves[i].z1);
+        const Leaf *leaf = &b->leaves[i];
+        Vec2 corner[LEAF_CORNERS];
+        Vec3 plan[LEAF_CORNERS];
+        int count = leaf_plan(b, leaf, 1, corner);
+        for (int c = 0; c < count; c++) plan[c] = vec3(corner[c].x, corner[c].y, 0);
+        if (collision_plan_distance(plan, count, at) < f->rules->radius + f->rules->spare)
+            meet(s, f->rules, leaf->z0 + leaf->rise, leaf->z1 + leaf->rise);
     }
 }
 

@@ -19,9 +19,8 @@ bool door_part(const Building *building, int opening, int part, double open, Doo
         return open == 0;
     }
     const Leaf *leaf = &building->leaves[o->first_leaf + part];
-    out->count = 4;
-    out->heights = (Band){leaf->z0, leaf->z1};
-    leaf_box(leaf, open, out->plan);
+    out->heights = (Band){leaf->z0 + open * leaf->rise, leaf->z1 + open * leaf->rise};
+    out->count = leaf_plan(building, leaf, open, out->plan);
     return true;
 }
 
@@ -43,7 +42,7 @@ Box door_leaf_reach(const Leaf *leaf) {
     for (int i = 0; i < 4; i++) reach = fmax(reach, vec2_length(vec2_sub(corner[i], leaf->pivot)));
     Vec3 low = {leaf->pivot.x - reach, leaf->pivot.y - reach, leaf->z0};
     Vec3 high = {leaf->pivot.x + reach, leaf->pivot.y + reach, leaf->z1};
-    Vec3 slide = {leaf->slide.x, leaf->slide.y, 0};
+    Vec3 slide = {leaf->slide.x, leaf->slide.y, leaf->rise};
     return box_union((Box){low, high}, (Box){vec3_add(low, slide), vec3_add(high, slide)});
 }
 
@@ -64,7 +63,7 @@ static bool leaves_stop(const Building *b, int opening, const Lane *lane) {
     DoorPart part;
     for (int i = 0; i < door_part_count(b, opening); i++) {
         if (!door_part(b, opening, i, 1, &part)) continue;
-        Vec3 plan[4];
+        Vec3 plan[LEAF_CORNERS];
         Solid solid = door_part_solid(&part, plan);
         if (stops(&solid, lane)) return true;
     }

@@ -5,17 +5,17 @@
 #include "engine/walk/solid.h"
 #include "visibility/vis.h"
 
-// A leaf's plan box, or the line of a door without leaves.
+// A leaf, or the line of a door without leaves.
 typedef struct DoorPart {
-    Vec2 plan[4];  // counter-clockwise
-    int count;     // 4, or 2 for a line
+    Vec2 plan[LEAF_CORNERS];  // counter-clockwise
+    int count;                // 2 for a line
     Band heights;
 } DoorPart;
 
 int door_part_count(const Building *building, int opening);  // 0 for passages and windows
 // Where it is at share `open` of its way. A door without leaves is there only while closed: false when open.
 bool door_part(const Building *building, int opening, int part, double open, DoorPart *out);
-// As a solid; `plan` [4] keeps its vertices.
+// As a solid; `plan` [LEAF_CORNERS] keeps its vertices.
 Solid door_part_solid(const DoorPart *part, Vec3 *plan);
 // All that a leaf comes to on its way.
 Box door_leaf_reach(const Leaf *leaf);

@@ -74,19 +74,33 @@ typedef struct PartStep {
 } PartStep;
 
 static double part_distance(const DoorPart *part, Vec2 at) {
-    Vec3 plan[4];
+    Vec3 plan[LEAF_CORNERS];
     Solid solid = door_part_solid(part, plan);
     return solid_distance(&solid, part->heights, at);
 }
 
 static bool bands_overlap(Band a, Band b) { return a.z0 < b.z1 && b.z0 < a.z1; }
 
-static bool meets_body(const PartStep *s, const Body *body) {
+static double overlap(Band a, Band b) { return fmin(a.z1, b.z1) - fmax(a.z0, b.z0); }
+
+// What comes up from below a foot.
+static bool comes_under(const PartStep *s, const Body *body) {
+    return s->was_there && s->from.heights.z1 <= body->foot.z + BODY_TOLERANCE &&
+           s->to.heights.z1 > s->from.heights.z1 && s->to.heights.z1 > body->foot.z &&
+           part_distance(&s->to, vec2(body->foot.x, body->foot.y)) < BODY_RADIUS;
+}
+
+static bool meets_body(const Doors *d, const PartStep *s, const Body *body) {
     Band upright = {body->foot.z, body->foot.z + body->height};
     Vec2 at = vec2(body->foot.x, body->foot.y);
     if (!bands_overlap(s->to.heights, upright)) return false;
+    // It carries whom it does not press against the ceiling.
+    if (comes_under(s, body) && body->cell >= 0)
+        return d->graph->cells[body->cell].z1 < s->to.heights.z1 + BODY_LOWEST;
     double distance = part_distance(&s->to, at);
-    return distance < BODY_RADIUS + CLEAR && !(s->was_there && distance >= part_distance(&s->from, at));
+    if (distance >= BODY_RADIUS + CLEAR) return false;
+    return !s->was_there || distance < part_distance(&s->from, at) ||
+           overlap(s->to.heights, upright) > overlap(s->from.heights, upright);
 }
 
 static bool meets_part(const PartStep *s, const DoorPart *other) {
@@ -111,16 +125,35 @@ static bool meets_doors(const Doors *d, int opening, const PartStep *s) {
     return false;
 }
 
-static DoorHalt halted(const Doors *d, int opening, float share, const Body *body) {
+// A part of a door as it is, and as it is at another share; false where it is not there then.
+static bool part_step(const Doors *d, int opening, int part, float share, PartStep *out) {
     const Building *b = d->graph->building;
-    for (int i = 0; i < door_part_count(b, opening); i++) {
+    out->was_there = door_part(b, opening, part, (double)d->open[opening], &out->from);
+    return door_part(b, opening, part, (double)share, &out->to);
+}
+
+static DoorHalt halted(const Doors *d, int opening, float share, const Body *body) {
+    for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
         PartStep s;
-        if (!door_part(b, opening, i, (double)share, &s.to)) continue;
-        s.was_there = door_part(b, opening, i, (double)d->open[opening], &s.from);
-        if (body && meets_body(&s, body)) return DOOR_MEETS_BODY;
+        if (!part_step(d, opening, i, share, &s)) continue;
+        if (body && meets_body(d, &s, body)) return DOOR_MEETS_BODY;
         if (meets_doors(d, opening, &s)) return DOOR_MEETS_DOOR;
     }
     return DOOR_FREE;
+}
+
+// Up with what rises under it.
+static void carry(const Doors *d, int opening, float share, Body *body) {
+    for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
+        PartStep s;
+        if (!part_step(d, opening, i, share, &s) || !comes_under(&s, body) || body->cell < 0) continue;
+        double top = s.to.heights.z1, ceiling = d->graph->cells[body->cell].z1;
+        body->foot.z = top;
+        body->height = fmin(body->height, ceiling - top);
+        body->head = fmin(body->head, ceiling - top);
+        body->standing = true;
+        body->fall = 0;
+    }
 }
 
 // The share of its way in which no point of its leaves goes farther than CLEAR.
@@ -130,12 +163,12 @@ static double small_step(const Building *b, const Opening *o) {
         const Leaf *leaf = &b->leaves[i];
         Box reach = door_leaf_reach(leaf);
         double radius = fmax(reach.max.x - leaf->pivot.x, leaf->pivot.x - reach.min.x);
-        longest = fmax(longest, radius * fabs(leaf->turn) + vec2_length(leaf->slide));
+        longest = fmax(longest, radius * fabs(leaf->turn) + vec2_length(leaf->slide) + fabs(leaf->rise));
     }
     return CLEAR / longest;
 }
 
-void doors_advance(Doors *d, double seconds, const Body *body) {
+void doors_advance(Doors *d, double seconds, Body *body) {
     const Building *b = d->graph->building;
     for (int i = 0; i < b->opening_count; i++) {
         if (d->open[i] == d->wanted[i]) continue;
@@ -149,6 +182,7 @@ void doors_advance(Doors *d, double seconds, const Body *body) {
             if (next == d->open[i]) break;
             d->halt[i] = (unsigned char)halted(d, i, next, body);
             if (d->halt[i] != DOOR_FREE) break;
+            if (body) carry(d, i, next, body);
             d->open[i] = next;
             left -= way;
         }

@@ -25,8 +25,9 @@ bool doors_toggle(Doors *doors, int opening);
 // Puts it there at once, whatever is in the way.
 void doors_set(Doors *doors, int opening, float share);
 
-// Moves all doors towards where they are wanted. `body` may be NULL. Allocates nothing.
-void doors_advance(Doors *doors, double seconds, const Body *body);
+// Moves all doors towards where they are wanted; a lift carries the body that stands on it. `body` may be NULL.
+// Allocates nothing.
+void doors_advance(Doors *doors, double seconds, Body *body);
 
 // The usable door whose leaf or doorway a ray from the eye in `cell` meets first, nearer than any wall and than
 // `reach` metres; -1 if none. `direction` has unit length.

@@ -32,13 +32,13 @@ typedef struct PlanGrid {
 struct Obstacles {
     const CellGraph *graph;
     PlanGrid grid;
-    Box *item_box;         // [polygon_count + leaf_count]
-    bool *steep;           // [polygon_count]
-    Box *portal_box;       // [portal_count]
-    unsigned char *shut;   // [cell_count] inside a window: nobody enters
-    int *bare_door;        // [portal_count] the door without leaves that closes it, or -1
-    Vec3 border[4][4];     // the sides of the world
-    Vec3 (*leaf_plan)[4];  // [leaf_count] of leaves gathered
+    Box *item_box;                    // [polygon_count + leaf_count]
+    bool *steep;                      // [polygon_count]
+    Box *portal_box;                  // [portal_count]
+    unsigned char *shut;              // [cell_count] inside a window: nobody enters
+    int *bare_door;                   // [portal_count] the door without leaves that closes it, or -1
+    Vec3 border[4][4];                // the sides of the world
+    Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] of leaves gathered
     // Of the last call:
     unsigned serial;
     unsigned *cell_seen, *item_seen;  // the last call that saw it
@@ -298,18 +298,19 @@ static void add_polygon(Obstacles *o, int polygon, const Box *near) {
 static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *near) {
     const Leaf *l = &o->graph->building->leaves[leaf];
     if (!box_overlap(o->item_box[o->graph->polygon_count + leaf], *near)) return;
-    Vec2 corner[4];
-    leaf_box(l, door_open ? (double)door_open[l->opening] : 1, corner);
+    Vec2 corner[LEAF_CORNERS];
+    double open = door_open ? (double)door_open[l->opening] : 1;
+    int count = leaf_plan(o->graph->building, l, open, corner);
     Box box = box_empty();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < count; i++) {
         o->leaf_plan[leaf][i] = vec3(corner[i].x, corner[i].y, 0);
         box = box_add(box, o->leaf_plan[leaf][i]);
     }
-    box.min.z = l->z0;
-    box.max.z = l->z1;
+    box.min.z = l->z0 + open * l->rise;
+    box.max.z = l->z1 + open * l->rise;
     if (!box_overlap(box, *near)) return;
     o->solids[o->solid_count++] =
-        (Solid){.vertices = o->leaf_plan[leaf], .count = 4, .prism = true, .box = box};
+        (Solid){.vertices = o->leaf_plan[leaf], .count = count, .prism = true, .box = box};
 }
 
 // Its surfaces, and its portals that nobody passes; the others lead on.

@@ -32,7 +32,8 @@ typedef struct Guide {
     Arena *arena;
     TourPath *path;
     unsigned char *passable;  // [portal_count]
-    unsigned char *looked;    // by room (room_of), a turn was made there
+    int *room;                // [room_count] one for all the regions that a reader cut a room into (room_of)
+    unsigned char *looked;    // by room, a turn was made there
     int *largest;             // by room, its largest cell, where the turn is made
     int *from;                // [cell_count] the contact by which the shortest way enters, -1
     double *cost;             // [cell_count]
@@ -248,7 +249,7 @@ static bool is_outer_step(const Guide *g, int cell, const Portal **door) {
 }
 
 static bool is_target(const Guide *g, int cell) {
-    int room = room_of(g->graph, cell);
+    int room = g->room[room_of(g->graph, cell)];
     RegionKind kind = kind_of(g->graph, cell);
     if (kind == REGION_ROOM && !g->looked[room] && g->largest[room] == cell) return true;
     return !g->path->visited[cell];
@@ -325,7 +326,7 @@ static void walk_to(Guide *g, int target) {
         return;
     }
     go_to(g, centre_of(g, target));
-    int room = room_of(g->graph, target);
+    int room = g->room[room_of(g->graph, target)];
     if (kind != REGION_ROOM || g->looked[room] || g->largest[room] != target) return;
     g->looked[room] = 1;
     turn_by(g, 2 * M_PI);
@@ -352,11 +353,31 @@ static double plan_area(const CellGraph *graph, const Cell *cell) {
     return twice / 2;
 }
 
+static int first_of_room(int *room, int region) {
+    while (room[region] != region) region = room[region] = room[room[region]];
+    return region;
+}
+
+// Regions of one name that touch are pieces of one room.
+static void find_rooms(Guide *g) {
+    const CellGraph *graph = g->graph;
+    const Building *b = graph->building;
+    for (int r = 0; r < room_count(graph); r++) g->room[r] = r;
+    if (b->region_count == 0) return;
+    for (int i = 0; i < graph->portal_count; i++) {
+        int r = graph->cells[graph->portals[i].cell[0]].region,
+            s = graph->cells[graph->portals[i].cell[1]].region;
+        bool one = *b->regions[r].name && strcmp(b->regions[r].name, b->regions[s].name) == 0;
+        if (one) g->room[first_of_room(g->room, s)] = first_of_room(g->room, r);
+    }
+    for (int r = 0; r < b->region_count; r++) g->room[r] = first_of_room(g->room, r);
+}
+
 static void find_largest(Guide *g) {
     const CellGraph *graph = g->graph;
     for (int r = 0; r < room_count(graph); r++) g->largest[r] = -1;
     for (int c = 0; c < graph->cell_count; c++) {
-        int *largest = &g->largest[room_of(graph, c)];
+        int *largest = &g->largest[g->room[room_of(graph, c)]];
         if (!g->path->reachable[c]) continue;
         if (*largest < 0 || plan_area(graph, &graph->cells[c]) > plan_area(graph, &graph->cells[*largest])) {
             *largest = c;
@@ -369,6 +390,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     Guide guide = {.graph = graph, .options = options, .arena = arena, .path = out};
     guide.passable = ARENA_ARRAY(arena, unsigned char, graph->portal_count + 1);
     for (int i = 0; i < graph->portal_count; i++) guide.passable[i] = passable(graph, &graph->portals[i]);
+    guide.room = ARENA_ARRAY(arena, int, room_count(graph));
     guide.looked = ARENA_ARRAY(arena, unsigned char, room_count(graph));
     guide.largest = ARENA_ARRAY(arena, int, room_count(graph));
     guide.from = ARENA_ARRAY(arena, int, cells);
@@ -378,6 +400,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     guide.heap_slot = ARENA_ARRAY(arena, int, cells);
     int start = find_start(graph);
     out->reachable_count = tour_reachable(graph, start, out->reachable);
+    find_rooms(&guide);
     find_largest(&guide);
     bool inside = vis_locate(graph, graph->building->start, start) == start;
     guide.eye = inside ? graph->building->start : centre_of(&guide, start);

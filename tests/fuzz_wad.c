@@ -1,0 +1,45 @@
+// fuzz_wad.c - libFuzzer on the reader of Doom WADs: whatever the bytes, it reads a building that passes the check and
+// can be cut into cells, or refuses with a sentence. Random bytes hardly ever are a map, so those that do not begin as a
+// file are numbers that change some of a small map.
+#include <stdlib.h>
+
+#include "maps/maps.h"
+#include "tests/wad_builder.h"
+#include "visibility/vis.h"
+
+extern const MapsReader MAPS_READER_WAD;
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
+
+// Each four bytes put two others in the small map's file.
+static Bytes spoilt_map(Arena *arena, const unsigned char *data, size_t size) {
+    static const char *const NAMES[] = {"MAP01"};
+    WadMaker maker = {.arena = arena};
+    wad_two_rooms(&maker);
+    Bytes file = wad_file(&maker, NAMES, 1, NULL);
+    for (size_t i = 0; i + 4 <= size; i += 4) {
+        size_t at = (size_t)(data[i] | data[i + 1] << 8) % (file.size - 1);
+        memcpy(file.data + at, data + i + 2, 2);
+    }
+    return file;
+}
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
+    Arena arena = {0};
+    Building b = {0};
+    Error error = {""};
+    const char *fault;
+    unsigned char *copy = arena_alloc(&arena, size + 1, 1);
+    if (size > 0) memcpy(copy, data, size);
+    Bytes content = {copy, size};
+    if (!MAPS_READER_WAD.recognise(content)) content = spoilt_map(&arena, data, size);
+    bool read = MAPS_READER_WAD.read("fuzz.wad", content, &arena, &b, &error);
+    if (!read && error.text[0] == 0) abort();
+    // What many lines cross where they should meet may be refused by the check, as a file is.
+    if (read && building_check(&b, &arena, &fault, 1) == 0) {
+        CellGraph graph;
+        VisOptions options = vis_default_options();
+        if (!vis_build_cells(&b, &options, &arena, &graph, &error)) abort();
+    }
+    arena_free(&arena);
+    return 0;
+}

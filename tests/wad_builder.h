@@ -1,0 +1,31 @@
+// wad_builder.h - small Doom WADs made in memory: by the tests of their reader, and as seeds to fuzz it with.
+#ifndef TESTS_WAD_BUILDER_H
+#define TESTS_WAD_BUILDER_H
+
+#include "engine/core/file.h"
+
+// One map. Numbers are those of the lumps.
+typedef struct WadMaker {
+    Arena *arena;
+    unsigned char *vertices, *lines, *sides, *sectors, *things;
+    int vertex_size, line_size, side_size, sector_size, thing_size;  // bytes
+    int vertex_capacity, line_capacity, side_capacity, sector_capacity, thing_capacity;
+} WadMaker;
+
+int wad_vertex(WadMaker *w, int x, int y);
+int wad_sector(WadMaker *w, int floor, int ceiling, const char *ceiling_flat, int tag);
+// From point to point, its right side facing sector `front`; -1: no side.
+int wad_line(WadMaker *w, int x1, int y1, int x2, int y2, int front, int back, int special, int tag);
+void wad_thing(WadMaker *w, int x, int y, int angle, int type);
+
+// Two rooms with a door between them, a lift from the second up to a court under the sky, and in the first a pillar of
+// slanted walls. Sectors: WAD_ROOM ...
+enum { WAD_ROOM, WAD_DOOR_SECTOR, WAD_HALL, WAD_LIFT_SECTOR, WAD_COURT };
+void wad_two_rooms(WadMaker *w);
+
+// A file of maps with these names; `with` (or NULL): one more lump after the last.
+Bytes wad_file(const WadMaker *maps, const char *const *names, int count, const char *with);
+// The place of a lump's data in such a file, -1 without.
+long wad_lump(Bytes file, const char *name, long *size);
+
+#endif

@@ -112,6 +112,70 @@ Test(sightline, agrees_with_brute_force) {
     cr_assert(found > 10000 && lost > 10000, "the chains are too easy: %d crossed, %d not", found, lost);
 }
 
+// Is there a line of this direction that passes inside all segments, not merely through their ends?
+static bool crossed_along(double angle, const Vec2 *left, const Vec2 *right, int count) {
+    Vec2 to_left = vec2(-sin(angle), cos(angle));
+    double lowest = INFINITY, highest = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        lowest = fmin(lowest, vec2_dot(to_left, left[i]));
+        highest = fmax(highest, vec2_dot(to_left, right[i]));
+    }
+    return lowest > highest;
+}
+
+// Is there one of any direction? The directions of such lines end where a line touches two ends: next to these it is
+// looked for.
+static bool crossed_inside(const Vec2 *left, const Vec2 *right, int count) {
+    static const double BESIDE = 1e-7;
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            Vec2 d = vec2_sub(left[i], right[j]);
+            double angle = atan2(d.y, d.x);
+            for (int k = 0; k < 4; k++) {
+                if (crossed_along(angle + (k % 2 ? BESIDE : -BESIDE) + (k / 2 ? M_PI : 0), left, right,
+                                  count))
+                    return true;
+            }
+        }
+    }
+    return false;
+}
+
+// The same of segments that lie anyhow, as where floors are crossed between: what a line crosses is never lost, and
+// in general position nothing else is kept.
+Test(sightline, holds_for_any_segments) {
+    int found = 0, lost = 0;
+    for (uint64_t seed = 1; seed <= 20000; seed++) {
+        Random random = {seed};
+        Vec2 left[16], right[16], l[16], r[16];
+        Sightline line = {.left = l, .right = r, .capacity = 16};
+        int grid = seed % 2 ? 8 : 1000000, count = 0;
+        for (int tries = 0; tries < 40 && count < 10; tries++) {
+            // Mostly along some direction, so that lines are found; a tenth anyhow.
+            int shift = random_index(&random, 10) ? grid / 3 : 0;
+            Vec2 a = vec2(random_index(&random, grid), random_index(&random, grid) + shift);
+            Vec2 b = vec2(random_index(&random, grid), random_index(&random, grid) - shift);
+            if (vec2_equal(a, b)) continue;
+            left[count] = a;
+            right[count] = b;
+            SightlineUndo undo;
+            bool got = sightline_push(&line, a, b, &undo);
+            cr_assert(got || !crossed_inside(left, right, count + 1), "seed %llu, portal %d",
+                      (unsigned long long)seed, count);
+            cr_assert(!got || grid == 8 || separable(left, right, count + 1), "seed %llu, portal %d",
+                      (unsigned long long)seed, count);
+            found += got;
+            lost += !got;
+            count += got;
+            if (got && random_unit(&random) < 0.3) {
+                sightline_pop(&line, &undo);
+                count--;
+            }
+        }
+    }
+    cr_assert(found > 10000 && lost > 10000, "the segments are too easy: %d crossed, %d not", found, lost);
+}
+
 // Cells convex, each contact on both its cells; portals and surfaces together have the area of the cell's boundary.
 static void expect_closed(const CellGraph *g, int c, const char *name, double tolerance) {
     const Cell *cell = &g->cells[c];

@@ -26,28 +26,29 @@ static int forest_depth(const StabForest *forest, Arena *scratch) {
 }
 
 VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena) {
-    // A walk without trees goes at most this deep; beyond it the visible set is drawn.
-    enum { WALK_DEPTH = 1024 };
     VisQuery *q = arena_alloc(arena, 1, sizeof *q);
     Arena scratch = {0};
-    int deepest = forest_depth(forest, &scratch);
-    arena_free(&scratch);
     q->graph = graph;
     q->forest = forest;
-    q->depth_limit = graph->cell_count < WALK_DEPTH ? graph->cell_count : WALK_DEPTH;
-    if (deepest > q->depth_limit) q->depth_limit = deepest;
-    q->cones = ARENA_ARRAY(arena, Cone, q->depth_limit + 2);
-    q->on_path = ARENA_ARRAY(arena, unsigned, graph->cell_count);
+    q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
+    arena_free(&scratch);
     q->cell_slot = ARENA_ARRAY(arena, int, graph->cell_count);
     q->cell_frame = ARENA_ARRAY(arena, unsigned, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    q->portal_frame = ARENA_ARRAY(arena, unsigned, 2 * graph->portal_count + 1);
-    q->portal_passes = ARENA_ARRAY(arena, unsigned, 2 * graph->portal_count + 1);
+    q->views = ARENA_ARRAY(arena, PortalView, 2 * graph->portal_count + 1);
+    q->queue = ARENA_ARRAY(arena, int, 2 * graph->portal_count + 1);
     q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     query_list_objects(q, arena);
+    query_list_gates(q, arena);
+    q->polygons_of = ARENA_ARRAY(arena, int, graph->object_count);
+    q->plugs = ARENA_ARRAY(arena, int, graph->object_count);
+    for (int i = 0; i < graph->object_count; i++) {
+        q->polygons_of[i] = graph->objects[i].polygon_count;
+        q->plugs[i] = graph->objects[i].plug ? graph->objects[i].opening : -1;
+    }
     return q;
 }
 
@@ -90,71 +91,33 @@ static void draw_half(VisQuery *q, int cell, const Cone *cone) {
         query_draw_cell(q, c, cone);
 }
 
-// Goes from `cell` through a portal to `to`, narrowing the cone of this depth to that of the next. Returns whether the
-// way leads on from there.
-static bool enter(VisQuery *q, const Cone *cone, int cell, int portal, int to, int depth) {
-    double distance;
-    Cone *beyond = &q->cones[depth + 1];
-    if (!query_narrow(q, cone, portal, cell, beyond, &distance)) return false;
-    bool closed = door_closed(q, &q->graph->portals[portal]);
+bool query_enter(VisQuery *q, const Gate *gate, const Cone *beyond, double distance) {
+    bool closed = door_closed(q, &q->graph->portals[gate->portal]);
     if (closed) {
-        draw_half(q, to, beyond);
+        draw_half(q, gate->cell, beyond);
     } else {
-        visit_cell(q, to, distance, beyond);
+        visit_cell(q, gate->cell, distance, beyond);
     }
     return !closed;
 }
 
+// The cone of each depth narrows to that of the next.
 static void walk_tree(VisQuery *q, int node, int depth) {
     const StabNode *nodes = q->forest->nodes;
+    const Cone *cone = &q->cones[depth];
+    Cone *beyond = &q->cones[depth + 1];
     int first = node + 1, end = q->forest->node_count;
     for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
          child = nodes[child].next) {
-        if (enter(q, &q->cones[depth], nodes[node].cell, nodes[child].portal, nodes[child].cell, depth))
-            walk_tree(q, child, depth + 1);
+        ViewPart part;
+        int portal = nodes[child].portal;
+        bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
+        const Gate *gate = &q->gates[q->gate_of[2 * portal + (forward ? 0 : 1)]];
+        Passage passage = query_clip(q, cone, gate, &part);
+        if (passage == PASSAGE_NONE) continue;
+        query_beyond(q, cone, passage, gate, &part, beyond);
+        if (query_enter(q, gate, beyond, part.distance)) walk_tree(q, child, depth + 1);
     }
-}
-
-// How often the view has come through a portal in this direction; counts it once more.
-static unsigned count_pass(VisQuery *q, int portal, int from) {
-    int way = 2 * portal + (q->graph->portals[portal].cell[0] == from ? 0 : 1);
-    if (q->portal_frame[way] != q->frame) {
-        q->portal_frame[way] = q->frame;
-        q->portal_passes[way] = 0;
-    }
-    return q->portal_passes[way]++;
-}
-
-// Does the portal face the eye? It is asked again by the narrowing, which allows for eyes on its plane alike.
-static bool ahead(const VisQuery *q, int portal, int from) {
-    const Portal *p = &q->graph->portals[portal];
-    double side = plane_distance(p->plane, q->eye->position);
-    return (p->cell[0] == from ? side : -side) >= -ON_PLANE;
-}
-
-// Where many ways lead through a portal, one more takes all of the view that the portal lets through, and no other is
-// followed. `all` says that the way holds such a portal: its view has come by other ways too, of which the path knows
-// nothing, so that it may go through any cell.
-static void walk_portals(VisQuery *q, int c, int depth, bool all) {
-    enum { FOLLOWED = 8 };  // ways through one portal: few portals are seen by more
-    const Cell *cell = &q->graph->cells[c];
-    if (depth >= q->depth_limit) {
-        q->result.overflow = true;
-        return;
-    }
-    q->on_path[c]++;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        Contact contact = q->graph->contacts[i];
-        bool hidden = q->limit && !(q->limit[contact.cell / 64] >> (contact.cell % 64) & 1);
-        if ((q->on_path[contact.cell] && !all) || hidden || !ahead(q, contact.portal, c)) continue;
-        unsigned passes = count_pass(q, contact.portal, c);
-        if (passes > FOLLOWED) continue;
-        bool last = passes == FOLLOWED;
-        const Cone *cone = &q->cones[last ? 0 : depth];
-        if (enter(q, cone, c, contact.portal, contact.cell, depth))
-            walk_portals(q, contact.cell, depth + 1, all || last);
-    }
-    q->on_path[c]--;
 }
 
 // ---- where the eye is
@@ -268,9 +231,10 @@ static void collect_objects(VisQuery *q) {
     for (int word = 0; word <= graph->object_count / 64; word++) {
         for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
             int object = word * 64 + __builtin_ctzll(bits);
-            if (!vis_shown(&graph->objects[object], q->door_open)) continue;
+            int plug = q->plugs[object];
+            if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
             q->objects[result->object_count++] = object;
-            result->polygon_count += graph->objects[object].polygon_count;
+            result->polygon_count += q->polygons_of[object];
         }
         q->drawn[word] = 0;
     }
@@ -307,7 +271,7 @@ static void walk(VisQuery *q, int cell) {
     if (trees && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
     } else {
-        walk_portals(q, cell, 0, false);
+        query_walk(q, cell);
     }
     if (q->result.overflow) draw_visible_set(q, cell);
 }
@@ -322,7 +286,7 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
         memset(q->cell_frame, 0, (size_t)q->graph->cell_count * sizeof *q->cell_frame);
-        memset(q->portal_frame, 0, (size_t)q->graph->portal_count * 2 * sizeof *q->portal_frame);
+        memset(q->views, 0, (size_t)q->graph->portal_count * 2 * sizeof *q->views);
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;

@@ -82,7 +82,7 @@ void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
     const CellMesh *mesh = &q->graph->meshes[c];
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
-    if (q->cell_first[c] < q->cell_first[c + 1]) {
+    if (query_lists_objects(q, c)) {
         draw_listed(q, c, cone);
         return;
     }

@@ -80,7 +80,8 @@ static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec
         n = vec3_scale(n, 1 / area);
         if (vec3_dot(n, inside) < 0) n = vec3_scale(n, -1);
         double distance = area / length;  // from the eye to the edge's line
-        n = vec3_normalize(vec3_add(n, vec3_scale(inside, ANGLE_SLACK + POSITION_SLACK / distance)));
+        // As good as unit length: the tilt is small, but where the eye is at the edge, and there it is slack.
+        n = vec3_add(n, vec3_scale(inside, ANGLE_SLACK + POSITION_SLACK / distance));
         add_plane(cone, n, vec3_dot(n, eye));
     }
 }
@@ -104,19 +105,15 @@ static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, c
     }
 }
 
-bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
+static Box portal_box(const CellGraph *graph, const Portal *portal) {
     Box box = box_empty();
-    for (int i = 0; i < portal->vertex_count; i++) {
+    for (int i = 0; i < portal->vertex_count; i++)
         box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
-    }
-    return box_contains(box_grow(box, AT_PORTAL), eye);
+    return box;
 }
 
-// How many corners a clip by the plane would keep: most portals are wholly on one side, and are not copied.
-static int corners_kept(const Vec3 *polygon, int count, Plane plane) {
-    int kept = 0;
-    for (int i = 0; i < count; i++) kept += plane_distance(plane, polygon[i]) + POSITION_SLACK >= 0;
-    return kept;
+bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
+    return box_contains(box_grow(portal_box(graph, portal), AT_PORTAL), eye);
 }
 
 // The mean of the corners as seen from the eye, and the distance of the nearest.
@@ -133,56 +130,87 @@ static Vec3 mean_offset(const Vec3 *polygon, int count, Vec3 eye, double *distan
     return vec3_scale(sum, 1.0 / count);
 }
 
-bool query_narrow(VisQuery *q, const Cone *cone, int portal_index, int cell, Cone *out, double *distance) {
+void query_list_gates(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
-    const Portal *portal = &graph->portals[portal_index];
-    Vec3 eye = q->eye->position;
-    q->result.portals_tested++;
-    double side = plane_distance(portal->plane, eye);
-    if (portal->cell[0] != cell) side = -side;
-    if (side < -ON_PLANE) return false;  // one would come back through it
-    if (side < ON_PLANE && query_eye_at_portal(graph, portal, eye)) {
-        *out = *cone;
-        *distance = 0;
-        return true;
-    }
-    Vec3 buffer[2][MAX_CORNERS];
-    const Vec3 *polygon = graph->portal_vertices + portal->first_vertex;
-    int count = portal->vertex_count, turn = 0;
-    if (count > MAX_CORNERS / 2) {
-        *out = *cone;
-        *distance = 0;
-        return true;
-    }
-    bool horizontal_only = q->method == VIS_PLAN;
-    if (!(horizontal_only && portal->horizontal)) {
-        for (int i = 0; i < cone->count; i++) {
-            int kept = corners_kept(polygon, count, cone->plane[i]);
-            if (kept == 0) return false;
-            if (kept == count) continue;
-            count = polygon_clip(polygon, count, cone->plane[i], POSITION_SLACK, buffer[turn]);
-            polygon = buffer[turn];
-            turn = 1 - turn;
+    q->gates = ARENA_ARRAY(arena, Gate, graph->contact_count);
+    q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Cell *cell = &graph->cells[c];
+        for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+            Contact contact = graph->contacts[i];
+            const Portal *p = &graph->portals[contact.portal];
+            bool first = p->cell[0] == c;
+            Gate *gate = &q->gates[i];
+            *gate = (Gate){.plane = p->plane,
+                           .way = 2 * contact.portal + (first ? 0 : 1),
+                           .portal = contact.portal,
+                           .cell = contact.cell};
+            if (!first) gate->plane = (Plane){vec3_scale(p->plane.n, -1), -p->plane.d};
+            Box box = portal_box(graph, p);
+            gate->centre = vec3_lerp(box.min, box.max, 0.5);
+            gate->half = vec3_sub(box.max, gate->centre);
+            q->gate_of[gate->way] = i;
         }
     }
-    Vec3 middle = mean_offset(polygon, count, eye, distance);
-    if (horizontal_only && portal->horizontal) {
-        *out = *cone;
-        return true;
+}
+
+// Clips by those planes of the cone that the box around the portal lies across. False: nothing is left.
+static bool clip_by_cone(const Cone *cone, const Gate *gate, ViewPart *part) {
+    for (int i = 0, turn = 0; i < cone->count; i++) {
+        Plane plane = cone->plane[i];
+        double middle = plane_distance(plane, gate->centre) + POSITION_SLACK;
+        double reach =
+            fabs(plane.n.x) * gate->half.x + fabs(plane.n.y) * gate->half.y + fabs(plane.n.z) * gate->half.z;
+        if (middle >= reach) continue;
+        if (middle < -reach) return false;
+        part->count = polygon_clip(part->polygon, part->count, plane, POSITION_SLACK, part->buffer[turn]);
+        part->polygon = part->buffer[turn];
+        turn = 1 - turn;
+        if (part->count == 0) return false;
     }
-    if (side < ON_PLANE) {
-        set_edge_on(out, cone, eye, portal->plane, polygon, count);
-        return true;
-    }
-    set_wedge(out, vec2(eye.x, eye.y), polygon, count);
-    if (horizontal_only) {
-        out->count = 0;
-        if (out->all_around) return true;
-        add_wedge_planes(out, vec2(eye.x, eye.y));
-        return true;
-    }
-    set_planes(out, eye, polygon, count, vec3_normalize(middle));
     return true;
+}
+
+Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *out) {
+    const CellGraph *graph = q->graph;
+    Vec3 eye = q->eye->position;
+    q->result.portals_tested++;
+    double side = plane_distance(gate->plane, eye);
+    out->distance = 0;
+    if (side < -ON_PLANE) return PASSAGE_NONE;  // one would come back through it
+    const Portal *portal = &graph->portals[gate->portal];
+    if (side < ON_PLANE && query_eye_at_portal(graph, portal, eye)) return PASSAGE_ALL;
+    out->polygon = graph->portal_vertices + portal->first_vertex;
+    out->count = portal->vertex_count;
+    if (out->count > MAX_CORNERS / 2) return PASSAGE_ALL;
+    bool level = q->method == VIS_PLAN && portal->horizontal;
+    if (!level && !clip_by_cone(cone, gate, out)) return PASSAGE_NONE;
+    out->middle = mean_offset(out->polygon, out->count, eye, &out->distance);
+    return level ? PASSAGE_ALL : side < ON_PLANE ? PASSAGE_EDGE : PASSAGE_PART;
+}
+
+void query_beyond(const VisQuery *q, const Cone *cone, Passage passage, const Gate *gate,
+                  const ViewPart *part, Cone *out) {
+    Vec3 eye = q->eye->position;
+    if (passage == PASSAGE_ALL) {
+        *out = *cone;
+        return;
+    }
+    if (passage == PASSAGE_EDGE) {
+        set_edge_on(out, cone, eye, gate->plane, part->polygon, part->count);
+        return;
+    }
+    // The wedge is for finding squares: where all objects are tried it may be any.
+    out->all_around = true;
+    bool plan = q->method == VIS_PLAN;
+    if (plan || !query_lists_objects(q, gate->cell))
+        set_wedge(out, vec2(eye.x, eye.y), part->polygon, part->count);
+    if (!plan) {
+        set_planes(out, eye, part->polygon, part->count, vec3_normalize(part->middle));
+        return;
+    }
+    out->count = 0;
+    if (!out->all_around) add_wedge_planes(out, vec2(eye.x, eye.y));
 }
 
 // The rays of the view volume's edges: where two planes meet, if no other plane is in front of it.

@@ -18,6 +18,7 @@ bool build_soup(CellBuilder *builder, Error *error) {
     soup_write_cells(&soup);
     soup_write_portals(&soup);
     soup_write_objects(&soup);
+    soup_close_seams(&soup);
     builder->graph->touch = 4 * SOUP_SNAP * soup.size;
     return true;
 }

@@ -76,6 +76,8 @@ void soup_write_cells(Soup *soup);
 void soup_write_portals(Soup *soup);
 // soup_objects.c: the polygons that are drawn, and the plugs of doors.
 void soup_write_objects(const Soup *soup);
+// soup_seams.c: no corner of one lies on an edge of another without being its corner too.
+void soup_close_seams(const Soup *soup);
 
 // soup_cell.c: cells as polyhedra.
 SoupCell *soup_cell_new(Soup *soup);

@@ -44,6 +44,10 @@ int soup_overlap(const Vec3 *v, int count, const Vec3 *by, int by_count, Vec3 n,
 static void subtract_from(Arena *arena, const SoupPiece *piece, const Vec3 *hole, int hole_count, Vec3 n,
                           double weld, SoupPieces *out) {
     Vec3 rest[SOUP_MOST_CORNERS], part[SOUP_MOST_CORNERS];
+    if (piece->count + hole_count > SOUP_MOST_CORNERS / 2) {
+        soup_pieces_add(arena, out, piece->v, piece->count);  // too round: it stays open
+        return;
+    }
     int count = soup_overlap(piece->v, piece->count, hole, hole_count, n, rest);
     if (count == 0 || soup_width(rest, count) <= weld) {
         soup_pieces_add(arena, out, piece->v, piece->count);  // the hole lies beside it

@@ -121,7 +121,7 @@ static void add_piece(Soup *soup, SoupPiece piece, int plane, int front, int bac
     soup_pieces_add(soup->scratch, &rest, piece.v, piece.count);
     for (int i = 0; i < soup->door_count; i++) {
         const SoupDoor *door = &soup->doors[i];
-        if (door->plane != plane) continue;
+        if (door->plane != plane || piece.count > SOUP_MOST_CORNERS / 2) continue;
         int count = soup_overlap(piece.v, piece.count, door->v, 4, n, part);
         if (count == 0 || soup_width(part, count) <= snap) continue;
         if (polygon_area(part, count) >= DOOR_SHARE * polygon_area(piece.v, piece.count)) {

@@ -16,7 +16,7 @@ static bool bench_building(const char *file, const BenchArguments *a, Arena *are
     AppOptions load = app_default_options();
     load.map = a->map;
     AppScene scene;
-    if (!app_load(file, &load, arena, &scene, error)) return false;
+    if (!app_load(file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
     CollisionWalkOptions options = {.steps = a->steps, .seed = a->seed, .flood_every = 1};
     CollisionReport r;
     if (!collision_walk(&scene.graph, &options, &r, error)) return false;

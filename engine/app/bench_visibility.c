@@ -177,8 +177,8 @@ static void print_miss(const FileBench *b, const char *method, const PairFigures
     if (b->arguments->samples > 0 &&
         (sample_sightline(&b->scene.graph, &options, f->miss[0], f->miss[1], &line) ||
          sample_sightline(&b->scene.graph, &options, f->miss[1], f->miss[0], &line)))
-        fprintf(stderr, " along %.17g,%.17g,%.17g to %.17g,%.17g,%.17g", line.from.x, line.from.y,
-                line.from.z, line.to.x, line.to.y, line.to.z);
+        fprintf(stderr, " along %.17g,%.17g,%.17g to %.17g,%.17g,%.17g, which starts in %d", line.from.x,
+                line.from.y, line.from.z, line.to.x, line.to.y, line.to.z, line.a);
     fputc('\n', stderr);
 }
 

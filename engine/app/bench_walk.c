@@ -49,7 +49,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     AppScene scene;
     TourOptions options = tour_default_options();
     TourPath path;
-    if (!app_load(file, &load, arena, &scene, error)) return false;
+    if (!app_load(file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
     if (!tour_make(&scene.graph, "auto", &options, arena, &path, error)) return false;
     VisQuery *query = vis_query_new(&scene.graph, &scene.forest, arena);
     if (!gl_context_use(context, error)) return false;

@@ -25,6 +25,7 @@ SampleOptions sample_default_options(void) { return (SampleOptions){.points = 12
 typedef struct Window {
     int count;
     Vec3 v[MOST_CORNERS];
+    Vec3 side[MOST_CORNERS];  // of the pyramid through it, pointing inwards; side k holds corners k and k + 1
 } Window;
 
 typedef struct Sampler {
@@ -60,13 +61,13 @@ static void view_portal(const Sampler *s, const Portal *portal, int cell, Window
 // Keeps what lies on the positive side of a plane through the eye.
 static void clip(Window *w, Vec3 n) {
     Vec3 in[MOST_CORNERS];
-    double distance[MOST_CORNERS], least = 0;
-    int count = w->count, kept = 0;
+    double distance[MOST_CORNERS];
+    int count = w->count, kept = 0, outside = 0;
     for (int i = 0; i < count; i++) {
         distance[i] = vec3_dot(n, w->v[i]);
-        least = fmin(least, distance[i]);
+        outside += distance[i] < 0;
     }
-    if (least == 0) return;
+    if (outside == 0) return;
     memcpy(in, w->v, (size_t)count * sizeof *in);
     for (int i = 0; i < count; i++) {
         int k = i + 1 == count ? 0 : i + 1;
@@ -109,24 +110,36 @@ static void try_sightline(Sampler *s, int cell, Vec3 middle) {
     s->found = true;
 }
 
+static void raise_sides(Window *w) {
+    for (int k = 0; k < w->count; k++) w->side[k] = vec3_cross(w->v[k + 1 == w->count ? 0 : k + 1], w->v[k]);
+}
+
+// What is seen of a portal of `cell` within the pyramid through `frame` (NULL: everywhere); false where that is nothing.
+static bool see(const Sampler *s, int cell, const Portal *portal, const Window *frame, Window *out,
+                Vec3 *middle) {
+    double before = plane_distance(portal->plane, s->eye);
+    bool from_behind = (portal->cell[0] == cell ? before : -before) <= 0;
+    if (from_behind || portal->vertex_count + (frame ? frame->count : 0) > MOST_CORNERS) return false;
+    view_portal(s, portal, cell, out);
+    for (int k = 0; frame && k < frame->count && out->count >= 3; k++) clip(out, frame->side[k]);
+    if (out->count < 3) return false;
+    *middle = middle_of(out);
+    return solid_angle(out, *middle) > SMALLEST_WINDOW;
+}
+
 // Through each portal of `cell` but the one it was entered by, as far as the window at `depth` - 1 shows it.
 static void look(Sampler *s, int cell, int entered_by, int depth) {
     const Cell *from = &s->graph->cells[cell];
     Window *next = window_at(s, depth);
-    const Window *seen = depth > 0 ? s->window[depth - 1] : NULL;
+    const Window *frame = depth > 0 ? s->window[depth - 1] : NULL;
     for (int i = from->first_contact; i < from->first_contact + from->contact_count && !s->found; i++) {
         const Contact *contact = &s->graph->contacts[i];
+        Vec3 middle;
         if (contact->portal == entered_by || s->on_path[contact->cell]) continue;
-        const Portal *portal = &s->graph->portals[contact->portal];
-        if (portal->vertex_count + (seen ? seen->count : 0) > MOST_CORNERS) continue;
-        view_portal(s, portal, cell, next);
-        for (int k = 0; seen && k < seen->count && next->count >= 3; k++)
-            clip(next, vec3_cross(seen->v[k + 1 == seen->count ? 0 : k + 1], seen->v[k]));
-        if (next->count < 3) continue;
-        Vec3 middle = middle_of(next);
-        if (!(solid_angle(next, middle) > SMALLEST_WINDOW)) continue;
+        if (!see(s, cell, &s->graph->portals[contact->portal], frame, next, &middle)) continue;
         s->seen++;
         if (!row_has(s, contact->cell)) try_sightline(s, contact->cell, middle);
+        raise_sides(next);
         s->on_path[contact->cell] = 1;
         look(s, contact->cell, contact->portal, depth + 1);
         s->on_path[contact->cell] = 0;

@@ -140,6 +140,7 @@ static void follow(Flow *flow, int depth) {
         if (flow->on_path[ways->ways[next->way].to]) continue;
         if (!want(flow, &step->wanted, next->way, &next->wanted)) continue;
         flow->left--;
+        flow->work.chains++;
         if (narrow(flow, step, depth + 1, next)) follow(flow, depth + 1);
     }
     flow->on_path[cell] = 0;
@@ -162,7 +163,6 @@ bool flow_search(Flow *flow, int way) {
     flow->on_path[from] = 1;
     follow(flow, 0);
     flow->on_path[from] = 0;
-    flow->work.chains += flow->patience - flow->left;
     return flow->left > 0;
 }
 

@@ -10,6 +10,8 @@
 
 // Of one chain; beyond it the pair stays undecided. Doubling it settles few pairs more (a tenth of what is left).
 enum { MOST_PIECES = 64 };
+// A piece takes as long as so many chains.
+enum { PIECE_CHAINS = 30 };
 // A piece shorter than this many epsilons lies within what rounding leaves open.
 static const double SHORTEST_PIECE = 1e4;
 
@@ -23,7 +25,7 @@ typedef struct Case {
 } Case;
 
 typedef struct Cutter {
-    const Flow *flow;
+    Flow *flow;
     int depth, pieces;
     Sight sight;
 } Cutter;
@@ -92,7 +94,8 @@ static Verdict try_halves(Cutter *cutter, const Winding *piece) {
 }
 
 static Verdict try_piece(Cutter *cutter, Winding *piece) {
-    if (cutter->pieces++ >= MOST_PIECES) return OPEN;
+    if (cutter->pieces++ >= MOST_PIECES || cutter->flow->left <= 0) return OPEN;
+    cutter->flow->left -= PIECE_CHAINS;
     // Twice: what the first pass takes from the source narrows the beams of the second.
     for (int pass = 0; pass < 2; pass++) {
         if (!shrink(cutter->flow, cutter->depth, piece)) return EXCLUDED;
@@ -142,13 +145,14 @@ typedef struct Doubt {
 
 // All pairs seen but not proven.
 static Doubt *list_doubts(const PairSet *set, Arena *arena, int *count) {
-    Doubt *doubts = NULL;
-    int capacity = 0;
+    long long both_ways = pair_count(set->seen, set->cell_count, set->words) -
+                          pair_count(set->proven, set->cell_count, set->words);
+    Doubt *doubts = ARENA_ARRAY(arena, Doubt, both_ways / 2 + 1);
     *count = 0;
     for (int a = 0; a < set->cell_count; a++) {
         for (int b = a + 1; b < set->cell_count; b++) {
-            if (!pair_bit(set->seen, set->words, a, b) || pair_bit(set->proven, set->words, a, b)) continue;
-            *ARENA_PUSH(arena, doubts, *count, capacity) = (Doubt){a, b};
+            bool doubt = pair_bit(set->seen, set->words, a, b) && !pair_bit(set->proven, set->words, a, b);
+            if (doubt) doubts[(*count)++] = (Doubt){a, b};
         }
     }
     return doubts;
@@ -165,54 +169,67 @@ static void take(Rounds *r, const Doubt *doubt, Case *c) {
     if (c->finding.done && c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
 }
 
-// All cases, and what each thread needs for one.
+// A run of cases, and what each thread needs for one.
 typedef struct Cases {
     Rounds *rounds;
-    Doubt *doubts;   // [count]
-    Case *cases;     // [count]
-    Flow *flows;     // [threads]
-    uint64_t *kept;  // [threads * words]
-    int count;
+    const Doubt *doubts;       // [count]
+    Case *cases;               // [count]
+    Flow *flows;               // [threads]
+    uint64_t *kept;            // [threads * words]
+    int count, before, total;  // in this run, in earlier ones, in all
     atomic_int done;
 } Cases;
 
 static void settle_case(void *context, int index, int thread) {
-    Cases *all = context;
-    Rounds *r = all->rounds;
-    const Doubt *doubt = &all->doubts[index];
-    if (!rounds_report(r, "last doubts", atomic_fetch_add(&all->done, 1), all->count)) return;
-    Case *c = &all->cases[index];
+    Cases *run = context;
+    Rounds *r = run->rounds;
+    const Doubt *doubt = &run->doubts[index];
+    int done = run->before + atomic_fetch_add(&run->done, 1);
+    if (!rounds_report(r, "last doubts", done, run->total)) return;
+    Case *c = &run->cases[index];
     c->goal = doubt->b;
     c->finding = (Finding){
-        .rounds = r, .source = doubt->a, .kept = all->kept + (size_t)thread * (size_t)r->ways.words};
-    settle(&all->flows[thread], r, doubt->a, c);
+        .rounds = r, .source = doubt->a, .kept = run->kept + (size_t)thread * (size_t)r->ways.words};
+    settle(&run->flows[thread], r, doubt->a, c);
     c->finding.done = true;
+}
+
+static void settle_run(Cases *run) {
+    memset(run->cases, 0, (size_t)run->count * sizeof *run->cases);
+    atomic_store(&run->done, 0);
+    parallel_for(run->rounds->threads, run->count, settle_case, run);
+    for (int i = 0; i < run->count; i++) take(run->rounds, &run->doubts[i], &run->cases[i]);
 }
 
 // Chains that one case may follow: so many in all take a minute or two of one core.
 static long long patience(int cases) {
-    static const long long ALL = 200000000, MOST = 50000;
+    static const long long ALL = 60000000, MOST = 50000;
     long long share = ALL / (cases + 1);
     return share < 1 ? 1 : share > MOST ? MOST : share;
 }
 
 void settle_pairs(Rounds *r) {
+    enum { MOST_CASES = 1 << 15 };  // at once: in the open there are a million
     Arena scratch = {0};
-    Cases all = {.rounds = r};
-    all.doubts = list_doubts(r->set, &scratch, &all.count);
-    all.cases = ARENA_ARRAY(&scratch, Case, all.count);
-    all.flows = ARENA_ARRAY(&scratch, Flow, r->threads);
-    all.kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)r->threads * (size_t)r->ways.words);
+    Cases run = {.rounds = r};
+    const Doubt *doubts = list_doubts(r->set, &scratch, &run.total);
+    run.cases = ARENA_ARRAY(&scratch, Case, run.total < MOST_CASES ? run.total : MOST_CASES);
+    run.flows = ARENA_ARRAY(&scratch, Flow, r->threads);
+    run.kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)r->threads * (size_t)r->ways.words);
     for (int i = 0; i < r->threads; i++) {
-        flow_start(&all.flows[i], &r->ways, r->might);
-        all.flows[i].arrive = arrive;
-        all.flows[i].patience = patience(all.count);
+        flow_start(&run.flows[i], &r->ways, r->might);
+        run.flows[i].arrive = arrive;
+        run.flows[i].patience = patience(run.total);
     }
-    parallel_for(r->threads, all.count, settle_case, &all);
-    for (int i = 0; i < all.count; i++) take(r, &all.doubts[i], &all.cases[i]);
+    for (run.before = 0; run.before < run.total && !r->stopped; run.before += run.count) {
+        int left = run.total - run.before;
+        run.doubts = doubts + run.before;
+        run.count = left < MOST_CASES ? left : MOST_CASES;
+        settle_run(&run);
+    }
     for (int i = 0; i < r->threads; i++) {
-        pair_work_add(&r->set->work, all.flows[i].work);
-        flow_end(&all.flows[i]);
+        pair_work_add(&r->set->work, run.flows[i].work);
+        flow_end(&run.flows[i]);
     }
     arena_free(&scratch);
 }

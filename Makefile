@@ -3,7 +3,7 @@
 #   make test | soak | asan | fuzz | bench | pictures | charts | lint | install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
-fuzz_seconds ?= 20
+fuzz_seconds ?= 60
 bench ?= walk
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
 files ?= $(filter %.plan,$(maps))
@@ -36,7 +36,7 @@ libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lm
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_%,$(wildcard tests/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c,$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
@@ -73,7 +73,9 @@ $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 -lstdc++ $(libs)
 $(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
-$(dir)/tests/fuzz_wad: $(dir)/tests/wad_builder.o
+$(dir)/tests/fuzz_wad $(dir)/tests/try_fuzz_wad: $(dir)/tests/wad_builder.o
+$(dir)/tests/try_fuzz_%: $(library) $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
@@ -118,7 +120,7 @@ walk:
 	fi
 test soak:
 	$(call install,$(to_build) $(to_test))
-	$(submake) program maps $(dir)/tests/all
+	$(submake) program maps $(dir)/tests/all $(fuzzers:fuzz_%=$(dir)/tests/try_fuzz_%)
 	@ENFILADE_SOAK=$(if $(filter soak,$@),1) tests/run.sh $(dir)
 asan:
 	$(submake) config=asan test

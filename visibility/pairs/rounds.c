@@ -168,17 +168,18 @@ static int round_size(const WayGraph *ways) {
 // One round while it runs.
 typedef struct Round {
     Rounds *rounds;
-    Flow *flows;        // [threads]
-    Finding *findings;  // [size]
-    const Turn *turns;  // [size] of this round
-    uint64_t *kept;     // [size * words]
-    int before, total;  // searches of earlier rounds, and of all
+    Flow *flows;               // [threads]
+    Finding *findings;         // [size]
+    const Turn *turns;         // [size] of this round
+    uint64_t *kept;            // [size * words]
+    int count, before, total;  // searches of this round, of earlier ones, and of all
     atomic_int done;
 } Round;
 
 static void search_turn(void *context, int index, int thread) {
     Round *round = context;
     Rounds *r = round->rounds;
+    index = round->count - 1 - index;  // the longest first: then no thread is left with one at the end
     int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
     if (!rounds_report(r, "sightlines", done, round->total)) return;
     Finding *finding = &round->findings[index];
@@ -191,6 +192,7 @@ static void search_turn(void *context, int index, int thread) {
 
 static void search_round(Round *round, int count) {
     memset(round->findings, 0, (size_t)count * sizeof *round->findings);
+    round->count = count;
     atomic_store(&round->done, 0);
     parallel_for(round->rounds->threads, count, search_turn, round);
     for (int i = 0; i < count; i++) {

@@ -10,7 +10,7 @@
 #include "engine/core/parallel.h"
 
 // Sorting anew costs a pass over all that may be seen; the order hardly changes from one round to the next.
-enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 64, SORT_EVERY = 8 };
+enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 24, SORT_EVERY = 8 };
 
 static void push(PairWitness **list, int *count, int *capacity, PairWitness pair) {
     if (*count == *capacity) {

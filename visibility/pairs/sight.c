@@ -22,10 +22,13 @@ static double margin(const Way *way, Sight sight) {
     return least - way->facet.bend / fmax(steepness, 1e-12);
 }
 
+bool sight_passes(const Way *way, Sight sight, double epsilon) {
+    return margin(way, sight) >= SIGHT_MARGIN * epsilon;
+}
+
 static bool passes(const Flow *flow, int depth, Sight sight) {
-    double least = SIGHT_MARGIN * flow->ways->epsilon;
     for (int i = 0; i <= depth; i++) {
-        if (margin(&flow->ways->ways[flow->steps[i]->way], sight) < least) return false;
+        if (!sight_passes(&flow->ways->ways[flow->steps[i]->way], sight, flow->ways->epsilon)) return false;
     }
     return true;
 }
@@ -73,17 +76,28 @@ bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *ou
     return false;
 }
 
+// A place on the line inside the cell that it leaves by step `leaves`: half-way from where it came in. Lines between such
+// places are as long as can be, so that walking them again is sure of their direction. Before the first portal and
+// beyond the last (leaves = depth + 1) the line is not followed: there its ends stand.
+static Vec3 place_in_cell(const Flow *flow, int depth, Sight sight, int leaves) {
+    const Way *ways = flow->ways->ways;
+    if (leaves == 0) return sight.from;
+    if (leaves > depth) return sight.to;
+    Vec3 in = crossing(&ways[flow->steps[leaves - 1]->way], sight);
+    return vec3_lerp(in, crossing(&ways[flow->steps[leaves]->way], sight), 0.5);
+}
+
 void sight_record(Flow *flow, int depth, Sight sight) {
     const Way *ways = flow->ways->ways;
     Finding *finding = flow->context;
     for (int j = 0; j <= depth; j++) {
-        const Way *last = &ways[flow->steps[j]->way];
-        row_add(finding->kept, last->to);
-        row_drop(flow->unknown, last->to);
-        Vec3 to = crossing(last, sight);
+        int last = ways[flow->steps[j]->way].to;
+        row_add(finding->kept, last);
+        row_drop(flow->unknown, last);
+        Vec3 to = place_in_cell(flow, depth, sight, j + 1);
         for (int i = 0; i < j; i++) {
-            const Way *first = &ways[flow->steps[i]->way];
-            finding_add(finding, first->from, last->to, crossing(first, sight), to);
+            int first = ways[flow->steps[i]->way].from;
+            finding_add(finding, first, last, place_in_cell(flow, depth, sight, i), to);
         }
     }
 }

@@ -9,6 +9,9 @@ typedef struct Sight {
     Vec3 from, to;
 } Sight;
 
+// Does the line pass the portal by SIGHT_MARGIN epsilons or more from its edges?
+bool sight_passes(const Way *way, Sight sight, double epsilon);
+
 // Looks from a point of the first portal of the chain steps[0 .. depth] through all its portals; exact but for rounding,
 // which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.
 bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out);

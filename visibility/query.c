@@ -32,22 +32,20 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->forest = forest;
     q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
     arena_free(&scratch);
-    q->cell_slot = ARENA_ARRAY(arena, int, graph->cell_count);
-    q->cell_frame = ARENA_ARRAY(arena, unsigned, graph->cell_count);
+    q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    q->views = ARENA_ARRAY(arena, PortalView, 2 * graph->portal_count + 1);
-    q->queue = ARENA_ARRAY(arena, int, 2 * graph->portal_count + 1);
-    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->views = ARENA_ARRAY(arena, PortalView, graph->contact_count + 1);
+    q->queue = ARENA_ARRAY(arena, int, graph->contact_count + 1);
     query_list_objects(q, arena);
     query_list_gates(q, arena);
-    q->polygons_of = ARENA_ARRAY(arena, int, graph->object_count);
-    q->plugs = ARENA_ARRAY(arena, int, graph->object_count);
+    q->traits = ARENA_ARRAY(arena, ObjectTraits, graph->object_count);
     for (int i = 0; i < graph->object_count; i++) {
-        q->polygons_of[i] = graph->objects[i].polygon_count;
-        q->plugs[i] = graph->objects[i].plug ? graph->objects[i].opening : -1;
+        const Object *object = &graph->objects[i];
+        q->traits[i] = (ObjectTraits){object->polygon_count, object->plug ? object->opening : -1};
     }
     return q;
 }
@@ -59,20 +57,22 @@ bool vis_shown(const Object *object, const float *door_open) {
 // ---- the walk
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
-static bool door_closed(const VisQuery *q, const Portal *portal) {
-    if (portal->door < 0 || !q->door_open || q->door_open[portal->door] > 0) return false;
+static bool door_closed(const VisQuery *q, const Gate *gate) {
+    if (!gate->has_door || !q->door_open) return false;
+    const Portal *portal = &q->graph->portals[gate->portal];
+    if (q->door_open[portal->door] > 0) return false;
     Vec3 eye = q->eye->position;
-    return fabs(plane_distance(portal->plane, eye)) >= ON_PLANE ||
-           !query_eye_at_portal(q->graph, portal, eye);
+    return fabs(gate_ahead(gate, eye)) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, eye);
 }
 
 static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone) {
-    if (q->cell_frame[cell] != q->frame) {
-        q->cell_frame[cell] = q->frame;
-        q->cell_slot[cell] = q->result.cell_count;
+    CellView *view = &q->of_cell[cell];
+    if (view->frame != q->frame) {
+        view->frame = q->frame;
+        view->place = q->result.cell_count;
         q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
-    } else if (distance < q->cells[q->cell_slot[cell]].distance) {
-        q->cells[q->cell_slot[cell]].distance = distance;
+    } else if (distance < q->cells[view->place].distance) {
+        q->cells[view->place].distance = distance;
     }
     query_draw_cell(q, cell, cone);
 }
@@ -92,7 +92,7 @@ static void draw_half(VisQuery *q, int cell, const Cone *cone) {
 }
 
 bool query_enter(VisQuery *q, const Gate *gate, const Cone *beyond, double distance) {
-    bool closed = door_closed(q, &q->graph->portals[gate->portal]);
+    bool closed = door_closed(q, gate);
     if (closed) {
         draw_half(q, gate->cell, beyond);
     } else {
@@ -231,10 +231,10 @@ static void collect_objects(VisQuery *q) {
     for (int word = 0; word <= graph->object_count / 64; word++) {
         for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
             int object = word * 64 + __builtin_ctzll(bits);
-            int plug = q->plugs[object];
+            int plug = q->traits[object].plug;
             if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
             q->objects[result->object_count++] = object;
-            result->polygon_count += q->polygons_of[object];
+            result->polygon_count += q->traits[object].polygon_count;
         }
         q->drawn[word] = 0;
     }
@@ -285,8 +285,8 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     q->frame++;
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
-        memset(q->cell_frame, 0, (size_t)q->graph->cell_count * sizeof *q->cell_frame);
-        memset(q->views, 0, (size_t)q->graph->portal_count * 2 * sizeof *q->views);
+        for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
+        memset(q->views, 0, (size_t)q->graph->contact_count * sizeof *q->views);
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;

@@ -68,13 +68,22 @@ static bool row_extent(const Vec3 *region, int count, double y0, double y1, doub
     return *low <= *high;
 }
 
-static void draw_listed(VisQuery *q, int c, const Cone *cone) {
-    for (int i = q->cell_first[c]; i < q->cell_first[c + 1]; i++) {
-        int object = q->cell_objects[i];
-        if (q->drawn[object / 64] >> (object % 64) & 1) continue;
+static bool outside(const Cone *cone, Vec3 eye, const ObjectBox *box) {
+    if (cone->is_slot) return query_slot_outside(cone, vec3_sub(box->centre, eye), box->half);
+    for (int i = 0; i < cone->count; i++) {
+        Vec3 n = cone->plane[i].n;
+        double reach = fabs(n.x) * box->half.x + fabs(n.y) * box->half.y + fabs(n.z) * box->half.z;
+        if (plane_distance(cone->plane[i], box->centre) < -reach - POSITION_SLACK) return true;
+    }
+    return false;
+}
+
+static void draw_listed(VisQuery *q, const CellView *view, const Cone *cone) {
+    const ObjectBox *end = q->boxes + view->first_box + view->box_count;
+    for (const ObjectBox *box = q->boxes + view->first_box; box < end; box++) {
+        if (q->drawn[box->object / 64] >> (box->object % 64) & 1) continue;
         q->result.objects_tested++;
-        if (!query_box_outside(q->graph->object_boxes[object], cone->plane, cone->count))
-            draw_object(q, object);
+        if (!outside(cone, q->eye->position, box)) draw_object(q, box->object);
     }
 }
 
@@ -83,7 +92,7 @@ void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
     if (query_lists_objects(q, c)) {
-        draw_listed(q, c, cone);
+        draw_listed(q, &q->of_cell[c], cone);
         return;
     }
     int squares = mesh->first_square;
@@ -114,20 +123,22 @@ void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
 void query_list_objects(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
     int count = 0, capacity = 0;
-    q->cell_first = ARENA_ARRAY(arena, int, graph->cell_count + 1);
     for (int c = 0; c < graph->cell_count; c++) {
         const CellMesh *mesh = &graph->meshes[c];
-        int first = graph->square_first[mesh->first_square],
-            end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
-        q->cell_first[c] = count;
+        int first = graph->square_first[mesh->first_square], before = count;
+        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
         q->cone_serial++;
-        for (int k = first; k < end && count - q->cell_first[c] <= FEW; k++) {
+        for (int k = first; k < end && count - before <= FEW; k++) {
             int object = graph->square_objects[k];
             if (q->object_tested[object] == q->cone_serial) continue;
             q->object_tested[object] = q->cone_serial;
-            *ARENA_PUSH(arena, q->cell_objects, count, capacity) = object;
+            Box box = graph->object_boxes[object];
+            Vec3 centre = vec3_lerp(box.min, box.max, 0.5);
+            *ARENA_PUSH(arena, q->boxes, count, capacity) =
+                (ObjectBox){centre, vec3_sub(box.max, centre), object};
         }
-        if (count - q->cell_first[c] > FEW) count = q->cell_first[c];
+        if (count - before > FEW) count = before;
+        q->of_cell[c].first_box = before;
+        q->of_cell[c].box_count = count - before;
     }
-    q->cell_first[graph->cell_count] = count;
 }

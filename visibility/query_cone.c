@@ -5,8 +5,6 @@
 #include "engine/core/polygon.h"
 #include "visibility/query.h"
 
-// Rasterisers snap to 1/256 of a pixel: 5e-5 covers views down to 100 pixels a radian.
-static const double ANGLE_SLACK = 5e-5;
 // An eye this near a portal on its plane may be in it, metres.
 static const double AT_PORTAL = 1e-2;
 
@@ -16,24 +14,16 @@ Plane query_left_of(Vec2 eye, Vec2 direction) {
     return (Plane){n, n.x * eye.x + n.y * eye.y};
 }
 
-static void add_plane(Cone *cone, Vec3 n, double d) {
-    if (cone->count < MAX_PLANES) cone->plane[cone->count++] = (Plane){n, d};
-    // One plane less is a larger cone: nothing is lost.
+void cone_add_wedge(Cone *cone, Vec3 eye) {
+    Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
+    cone_add(cone, from, vec3_dot(from, eye));
+    cone_add(cone, to, vec3_dot(to, eye));
 }
 
-// The two upright planes of the plan wedge.
-static void add_wedge_planes(Cone *cone, Vec2 eye) {
-    Plane from = query_left_of(eye, cone->from), to = query_left_of(eye, vec2_scale(cone->to, -1));
-    add_plane(cone, from.n, from.d);
-    add_plane(cone, to.n, to.d);
-}
-
-// Widens the wedge by the slack that the three-dimensional planes have too.
-static void tilt_wedge(Cone *cone, double slack) {
-    Vec2 from = cone->from, to = cone->to;
-    double a = 1 / vec2_length(from), b = 1 / vec2_length(to);
-    cone->from = vec2_add(vec2_scale(from, a), vec2_scale(vec2(from.y, -from.x), a * slack));
-    cone->to = vec2_add(vec2_scale(to, b), vec2_scale(vec2(-to.y, to.x), b * slack));
+// Widens the wedge by the slack that the three-dimensional planes have too; of unit length then.
+static void tilt_wedge(Cone *cone, double nearest) {
+    cone->from = cone_turned(vec2_scale(cone->from, 1 / vec2_length(cone->from)), -1, nearest);
+    cone->to = cone_turned(vec2_scale(cone->to, 1 / vec2_length(cone->to)), 1, nearest);
     if (vec2_cross(cone->from, cone->to) <= 0) cone->all_around = true;
 }
 
@@ -64,7 +54,7 @@ static void set_wedge(Cone *cone, Vec2 eye, const Vec3 *polygon, int count) {
         good = vec2_cross(cone->from, d) >= 0 && vec2_cross(d, cone->to) >= 0 && vec2_dot(d, ahead) > 0;
     }
     cone->all_around = !good;
-    if (good) tilt_wedge(cone, ANGLE_SLACK + POSITION_SLACK / nearest);
+    if (good) tilt_wedge(cone, nearest);
 }
 
 // Planes through the eye and the polygon's edges, tilted outwards by the slack; `inside` is a direction into the
@@ -82,7 +72,7 @@ static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec
         double distance = area / length;  // from the eye to the edge's line
         // As good as unit length: the tilt is small, but where the eye is at the edge, and there it is slack.
         n = vec3_add(n, vec3_scale(inside, ANGLE_SLACK + POSITION_SLACK / distance));
-        add_plane(cone, n, vec3_dot(n, eye));
+        cone_add(cone, n, vec3_dot(n, eye));
     }
 }
 
@@ -90,6 +80,7 @@ static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec
 static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, const Vec3 *polygon,
                         int count) {
     *cone = *parent;
+    cone->is_slot = false;
     double nearest = INFINITY;
     Vec3 middle = {0, 0, 0};
     for (int i = 0; i < count; i++) {
@@ -101,7 +92,7 @@ static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, c
     double tilt = 2 * ON_PLANE / nearest + ANGLE_SLACK;
     for (int side = -1; side <= 1; side += 2) {
         Vec3 n = vec3_normalize(vec3_add(vec3_scale(plane.n, side), vec3_scale(ahead, tilt)));
-        add_plane(cone, n, vec3_dot(n, eye));
+        cone_add(cone, n, vec3_dot(n, eye));
     }
 }
 
@@ -130,40 +121,61 @@ static Vec3 mean_offset(const Vec3 *polygon, int count, Vec3 eye, double *distan
     return vec3_scale(sum, 1.0 / count);
 }
 
+static Gate make_gate(const CellGraph *graph, int cell, Contact contact, int sloped) {
+    const Portal *p = &graph->portals[contact.portal];
+    Plane plane = p->plane;
+    if (p->cell[0] != cell) plane = (Plane){vec3_scale(plane.n, -1), -plane.d};
+    Gate gate = {.n = {plane.n.x, plane.n.y},
+                 .d = plane.d,
+                 .cell = contact.cell,
+                 .portal = (unsigned)contact.portal,
+                 .has_door = p->door >= 0};
+    gate.is_wall = query_is_wall(graph, p, plane, &gate);
+    if (!gate.is_wall) {
+        gate.other.nz = plane.n.z;
+        gate.other.index = sloped;
+    }
+    return gate;
+}
+
 void query_list_gates(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
+    int count = 0, capacity = 0;
     q->gates = ARENA_ARRAY(arena, Gate, graph->contact_count);
     q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
     for (int c = 0; c < graph->cell_count; c++) {
         const Cell *cell = &graph->cells[c];
+        q->of_cell[c].first_gate = cell->first_contact;
+        q->of_cell[c].gate_count = cell->contact_count;
         for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-            Contact contact = graph->contacts[i];
-            const Portal *p = &graph->portals[contact.portal];
-            bool first = p->cell[0] == c;
-            Gate *gate = &q->gates[i];
-            *gate = (Gate){.plane = p->plane,
-                           .way = 2 * contact.portal + (first ? 0 : 1),
-                           .portal = contact.portal,
-                           .cell = contact.cell};
-            if (!first) gate->plane = (Plane){vec3_scale(p->plane.n, -1), -p->plane.d};
-            Box box = portal_box(graph, p);
-            gate->centre = vec3_lerp(box.min, box.max, 0.5);
-            gate->half = vec3_sub(box.max, gate->centre);
-            q->gate_of[gate->way] = i;
+            const Portal *portal = &graph->portals[graph->contacts[i].portal];
+            q->gate_of[2 * graph->contacts[i].portal + (portal->cell[0] == c ? 0 : 1)] = i;
+            q->gates[i] = make_gate(graph, c, graph->contacts[i], count);
+            if (q->gates[i].is_wall) continue;
+            Box box = portal_box(graph, portal);
+            Sloped *sloped = ARENA_PUSH(arena, q->sloped, count, capacity);
+            sloped->centre = vec3_lerp(box.min, box.max, 0.5);
+            sloped->half = vec3_sub(box.max, sloped->centre);
         }
     }
 }
 
-// Clips by those planes of the cone that the box around the portal lies across. False: nothing is left.
-static bool clip_by_cone(const Cone *cone, const Gate *gate, ViewPart *part) {
+// Does the portal lie across the plane (0), all before it (1) or all behind (-1)?
+static int side_of(const Sloped *sloped, Plane plane) {
+    Vec3 half = sloped->half;
+    double middle = plane_distance(plane, sloped->centre) + POSITION_SLACK;
+    double reach = fabs(plane.n.x) * half.x + fabs(plane.n.y) * half.y + fabs(plane.n.z) * half.z;
+    return middle >= reach ? 1 : middle < -reach ? -1 : 0;
+}
+
+// Clips the polygon by the planes of the cone. False: nothing is left.
+static bool clip_by_cone(const VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *part) {
     for (int i = 0, turn = 0; i < cone->count; i++) {
-        Plane plane = cone->plane[i];
-        double middle = plane_distance(plane, gate->centre) + POSITION_SLACK;
-        double reach =
-            fabs(plane.n.x) * gate->half.x + fabs(plane.n.y) * gate->half.y + fabs(plane.n.z) * gate->half.z;
-        if (middle >= reach) continue;
-        if (middle < -reach) return false;
-        part->count = polygon_clip(part->polygon, part->count, plane, POSITION_SLACK, part->buffer[turn]);
+        int side = gate->is_wall ? 0 : side_of(&q->sloped[gate->other.index], cone->plane[i]);
+        if (side > 0) continue;
+        if (side < 0) return false;
+        part->count =
+            polygon_clip(part->polygon, part->count, cone->plane[i], POSITION_SLACK, part->buffer[turn]);
         part->polygon = part->buffer[turn];
         turn = 1 - turn;
         if (part->count == 0) return false;
@@ -171,46 +183,56 @@ static bool clip_by_cone(const Cone *cone, const Gate *gate, ViewPart *part) {
     return true;
 }
 
-Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *out) {
+// What the cone shows of a portal as a polygon: of those that are no upright rectangles, or are seen edge-on.
+static Passage clip_polygon(const VisQuery *q, const Cone *cone, const Gate *gate, bool edge_on,
+                            ViewPart *out) {
     const CellGraph *graph = q->graph;
-    Vec3 eye = q->eye->position;
-    q->result.portals_tested++;
-    double side = plane_distance(gate->plane, eye);
-    out->distance = 0;
-    if (side < -ON_PLANE) return PASSAGE_NONE;  // one would come back through it
     const Portal *portal = &graph->portals[gate->portal];
-    if (side < ON_PLANE && query_eye_at_portal(graph, portal, eye)) return PASSAGE_ALL;
+    Vec3 eye = q->eye->position;
+    out->upright = false;
+    if (edge_on && query_eye_at_portal(graph, portal, eye)) return PASSAGE_ALL;
     out->polygon = graph->portal_vertices + portal->first_vertex;
     out->count = portal->vertex_count;
     if (out->count > MAX_CORNERS / 2) return PASSAGE_ALL;
     bool level = q->method == VIS_PLAN && portal->horizontal;
-    if (!level && !clip_by_cone(cone, gate, out)) return PASSAGE_NONE;
+    if (!level && !clip_by_cone(q, cone, gate, out)) return PASSAGE_NONE;
     out->middle = mean_offset(out->polygon, out->count, eye, &out->distance);
-    return level ? PASSAGE_ALL : side < ON_PLANE ? PASSAGE_EDGE : PASSAGE_PART;
+    return level ? PASSAGE_ALL : edge_on ? PASSAGE_EDGE : PASSAGE_PART;
+}
+
+Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *out) {
+    Vec3 eye = q->eye->position;
+    double ahead = gate_ahead(gate, eye);
+    q->result.portals_tested++;
+    out->distance = 0;
+    if (ahead < -ON_PLANE) return PASSAGE_NONE;  // one would come back through it
+    if (!gate->is_wall || ahead < ON_PLANE) return clip_polygon(q, cone, gate, ahead < ON_PLANE, out);
+    out->upright = true;
+    if (!query_slot_clip(cone, gate, eye, ahead, &out->slot)) return PASSAGE_NONE;
+    out->distance = query_slot_distance(&out->slot, ahead);
+    return PASSAGE_PART;
 }
 
 void query_beyond(const VisQuery *q, const Cone *cone, Passage passage, const Gate *gate,
                   const ViewPart *part, Cone *out) {
     Vec3 eye = q->eye->position;
+    bool plan = q->method == VIS_PLAN;
     if (passage == PASSAGE_ALL) {
         *out = *cone;
-        return;
+    } else if (passage == PASSAGE_EDGE) {
+        set_edge_on(out, cone, eye, gate_plane(gate), part->polygon, part->count);
+    } else if (part->upright) {
+        query_slot_cone(&part->slot, gate, eye, plan, out);
+    } else {
+        // The wedge is for finding squares: where all objects are tried it may be any.
+        out->is_slot = false;
+        out->all_around = true;
+        if (plan || !query_lists_objects(q, gate->cell))
+            set_wedge(out, vec2(eye.x, eye.y), part->polygon, part->count);
+        out->count = 0;
+        if (plan && !out->all_around) cone_add_wedge(out, eye);
+        if (!plan) set_planes(out, eye, part->polygon, part->count, vec3_normalize(part->middle));
     }
-    if (passage == PASSAGE_EDGE) {
-        set_edge_on(out, cone, eye, gate->plane, part->polygon, part->count);
-        return;
-    }
-    // The wedge is for finding squares: where all objects are tried it may be any.
-    out->all_around = true;
-    bool plan = q->method == VIS_PLAN;
-    if (plan || !query_lists_objects(q, gate->cell))
-        set_wedge(out, vec2(eye.x, eye.y), part->polygon, part->count);
-    if (!plan) {
-        set_planes(out, eye, part->polygon, part->count, vec3_normalize(part->middle));
-        return;
-    }
-    out->count = 0;
-    if (!out->all_around) add_wedge_planes(out, vec2(eye.x, eye.y));
 }
 
 // The rays of the view volume's edges: where two planes meet, if no other plane is in front of it.
@@ -253,11 +275,11 @@ void query_first_cone(VisQuery *q, Cone *cone) {
     const Eye *eye = q->eye;
     cone->count = 0;
     cone->all_around = true;
+    cone->is_slot = false;
     if (q->method != VIS_PLAN) {
-        for (int i = 0; i < eye->frustum_count; i++) add_plane(cone, eye->frustum[i].n, eye->frustum[i].d);
+        for (int i = 0; i < eye->frustum_count; i++) cone_add(cone, eye->frustum[i].n, eye->frustum[i].d);
     }
     if (eye->frustum_count < 3) return;
     frustum_wedge(cone, eye);
-    if (q->method == VIS_PLAN && !cone->all_around)
-        add_wedge_planes(cone, vec2(eye->position.x, eye->position.y));
+    if (q->method == VIS_PLAN && !cone->all_around) cone_add_wedge(cone, eye->position);
 }

@@ -20,17 +20,17 @@ static bool nearer(const VisQuery *q, int a, int b) {
     return more < 0 || (more == 0 && a < b);
 }
 
-static void place(VisQuery *q, int at, int way) {
-    q->queue[at] = way;
-    q->views[way].place = at;
+static void place(VisQuery *q, int at, int gate) {
+    q->queue[at] = gate;
+    q->views[gate].place = at;
 }
 
 // Into the queue, or nearer its head.
-static void raise_way(VisQuery *q, int way) {
-    int at = q->views[way].place >= 0 ? q->views[way].place : q->queue_count++;
-    for (; at > 0 && nearer(q, way, q->queue[(at - 1) / 2]); at = (at - 1) / 2)
+static void raise_gate(VisQuery *q, int gate) {
+    int at = q->views[gate].place >= 0 ? q->views[gate].place : q->queue_count++;
+    for (; at > 0 && nearer(q, gate, q->queue[(at - 1) / 2]); at = (at - 1) / 2)
         place(q, at, q->queue[(at - 1) / 2]);
-    place(q, at, way);
+    place(q, at, gate);
 }
 
 static int take_nearest(VisQuery *q) {
@@ -97,8 +97,8 @@ static int hull_of(const Vec3 *a, int a_count, const Vec3 *b, int b_count, Vec3 
     return kept;
 }
 
-// Is all of `part` in what the view has come through before? Both lie in the portal's plane.
-static bool holds(const PortalView *view, const ViewPart *part, Vec3 n) {
+// Is all of `part` in the polygon? Both lie in the portal's plane.
+static bool holds(const Sloped *view, const ViewPart *part, Vec3 n) {
     for (int i = 0; i < view->count; i++) {
         Vec3 a = view->v[i], edge = vec3_sub(view->v[i + 1 == view->count ? 0 : i + 1], a);
         Vec3 inward = vec3_cross(n, edge);
@@ -112,90 +112,142 @@ static bool holds(const PortalView *view, const ViewPart *part, Vec3 n) {
 
 // ---- the walk
 
-static PortalView *view_of(VisQuery *q, int way) {
-    PortalView *view = &q->views[way];
+static PortalView *view_of(VisQuery *q, int gate) {
+    PortalView *view = &q->views[gate];
     if (view->frame == q->frame) return view;
     view->frame = q->frame;
     view->passage = PASSAGE_NONE;
     view->whole = false;
-    view->passes = view->count = 0;
+    view->passes = 0;
     view->place = -1;
     view->distance = INFINITY;
     return view;
 }
 
-static void take(PortalView *view, const Vec3 *polygon, int count) {
-    view->count = count;
-    if (count > VIEW_CORNERS) view->passage = PASSAGE_ALL;
-    if (count <= VIEW_CORNERS) memcpy(view->v, polygon, (size_t)count * sizeof *polygon);
+static void take(VisQuery *q, PortalView *view, const Gate *gate, const ViewPart *part) {
+    view->distance = fminf(view->distance, (float)part->distance);
+    if (part->upright) {
+        view->slot = part->slot;
+        return;
+    }
+    if (gate->is_wall) return;  // seen edge-on
+    if (part->count > VIEW_CORNERS) {
+        view->passage = PASSAGE_ALL;
+        return;
+    }
+    Sloped *sloped = &q->sloped[gate->other.index];
+    sloped->count = part->count;
+    memcpy(sloped->v, part->polygon, (size_t)part->count * sizeof *part->polygon);
 }
 
 // Takes all that the eye could see of the portal by any way.
 static void take_whole(VisQuery *q, PortalView *view, const Gate *gate) {
     ViewPart whole;
     view->whole = true;
-    if (query_clip(q, &q->cones[0], gate, &whole) == PASSAGE_NONE) return;  // but for slack it sees nothing
-    view->distance = fmin(view->distance, whole.distance);
-    take(view, whole.polygon, whole.count);
+    // But for slack it sees something.
+    if (query_clip(q, &q->cones[0], gate, &whole) != PASSAGE_NONE) take(q, view, gate, &whole);
 }
 
-// Takes what is new into the view; false where nothing is.
+// The portal is seen a second time: takes what is new into what is in view of it; false where nothing is.
+static bool widen_slot(VisQuery *q, PortalView *view, const Gate *gate, const ViewPart *part) {
+    if (query_slot_holds(&view->slot, &part->slot)) return false;
+    view->slot = query_slot_union(&view->slot, &part->slot, gate, q->eye->position);
+    view->distance = fminf(view->distance, (float)part->distance);
+    return true;
+}
+
+static bool widen_polygon(VisQuery *q, PortalView *view, const Gate *gate, const ViewPart *part) {
+    const Sloped *known = &q->sloped[gate->other.index];
+    Vec3 n = gate_plane(gate).n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
+    if (holds(known, part, n)) return false;
+    ViewPart both;
+    both.upright = false;
+    both.distance = part->distance;
+    both.polygon = hull;
+    both.count = hull_of(known->v, known->count, part->polygon, part->count, n, hull);
+    if (both.count > VIEW_CORNERS) view->passes = PASSES;
+    if (both.count >= 3 && both.count <= VIEW_CORNERS) take(q, view, gate, &both);
+    return true;
+}
+
+// Takes what is seen of a portal into its view; false where nothing of it is new.
 static bool widen(VisQuery *q, PortalView *view, const Gate *gate, Passage passage, const ViewPart *part) {
-    Vec3 n = q->graph->portals[gate->portal].plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
-    if (view->count > 0 && holds(view, part, n)) return false;
-    view->passage = passage;
-    view->distance = fmin(view->distance, part->distance);
-    if (passage == PASSAGE_ALL) return true;
-    if (view->count == 0) {
-        take(view, part->polygon, part->count);
-    } else {
-        int count = hull_of(view->v, view->count, part->polygon, part->count, n, hull);
-        if (count > VIEW_CORNERS) view->passes = PASSES;
-        if (count >= 3 && count <= VIEW_CORNERS) take(view, hull, count);
+    bool known = view->passage == PASSAGE_PART;
+    view->passage = (unsigned char)passage;
+    if (passage == PASSAGE_ALL) {
+        view->distance = fminf(view->distance, (float)part->distance);
+        return true;
+    }
+    if (!known) {
+        take(q, view, gate, part);
+    } else if (!(part->upright ? widen_slot(q, view, gate, part) : widen_polygon(q, view, gate, part))) {
+        return false;
     }
     if (passage == PASSAGE_EDGE || view->passes >= PASSES) take_whole(q, view, gate);
     return true;
 }
 
-static void look_through(VisQuery *q, const Cone *cone, const Gate *gate) {
-    PortalView *view = view_of(q, gate->way);
+static void look_through(VisQuery *q, const Cone *cone, int gate) {
+    PortalView *view = view_of(q, gate);
     if (view->passage == PASSAGE_ALL || view->whole) return;
     ViewPart part;
-    Passage passage = query_clip(q, cone, gate, &part);
-    if (passage != PASSAGE_NONE && widen(q, view, gate, passage, &part)) raise_way(q, gate->way);
+    Passage passage = query_clip(q, cone, &q->gates[gate], &part);
+    if (passage != PASSAGE_NONE && widen(q, view, &q->gates[gate], passage, &part)) raise_gate(q, gate);
 }
 
 // Through all portals of a cell but the one come by.
-static void look_around(VisQuery *q, const Cone *cone, int c, int but) {
-    const Cell *cell = &q->graph->cells[c];
-    const Gate *end = q->gates + cell->first_contact + cell->contact_count;
-    for (const Gate *gate = q->gates + cell->first_contact; gate < end; gate++) {
+static void look_around(VisQuery *q, const Cone *cone, int cell, unsigned but) {
+    const CellView *here = &q->of_cell[cell];
+    for (int i = here->first_gate; i < here->first_gate + here->gate_count; i++) {
+        const Gate *gate = &q->gates[i];
         bool hidden = q->limit && !(q->limit[gate->cell / 64] >> (gate->cell % 64) & 1);
-        if (hidden || gate->portal == but) continue;
-        if (plane_distance(gate->plane, q->eye->position) < -ON_PLANE) continue;
-        look_through(q, cone, gate);
+        if (hidden || gate->portal == but || gate_ahead(gate, q->eye->position) < -ON_PLANE) continue;
+        look_through(q, cone, i);
     }
 }
 
-// The middle of what is in view of a portal, from the eye.
-static Vec3 middle_of(const PortalView *view, Vec3 eye) {
-    Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < view->count; i++) sum = vec3_add(sum, vec3_sub(view->v[i], eye));
-    return sum;
+// What the view goes on through.
+static void view_part(VisQuery *q, const PortalView *view, const Gate *gate, ViewPart *out) {
+    out->upright = gate->is_wall;
+    if (view->passage == PASSAGE_EDGE) {
+        const Portal *portal = &q->graph->portals[gate->portal];
+        out->polygon = q->graph->portal_vertices + portal->first_vertex;
+        out->count = portal->vertex_count;
+    } else if (out->upright) {
+        out->slot = view->slot;
+    } else {
+        const Sloped *sloped = &q->sloped[gate->other.index];
+        out->polygon = sloped->v;
+        out->count = sloped->count;
+        out->middle = vec3(0, 0, 0);
+        for (int i = 0; i < out->count; i++)
+            out->middle = vec3_add(out->middle, vec3_sub(sloped->v[i], q->eye->position));
+    }
+}
+
+// What the next turn will want of memory, asked for while this one goes on.
+static void fetch_next(const VisQuery *q) {
+    if (q->queue_count == 0) return;
+    const CellView *next = &q->of_cell[q->gates[q->queue[0]].cell];
+    for (int i = next->first_gate; i < next->first_gate + next->gate_count; i++) {
+        __builtin_prefetch(&q->gates[i]);
+        __builtin_prefetch(&q->views[i]);
+    }
+    const char *box = (const char *)(q->boxes + next->first_box);
+    for (int i = 0; i < next->box_count; i++) __builtin_prefetch(box + 64 * i);
 }
 
 void query_walk(VisQuery *q, int cell) {
     q->queue_count = 0;
-    look_around(q, &q->cones[0], cell, -1);
+    look_around(q, &q->cones[0], cell, UINT32_MAX);
     while (q->queue_count > 0) {
-        int way = take_nearest(q);
-        const Gate *gate = &q->gates[q->gate_of[way]];
-        PortalView *view = &q->views[way];
+        int nearest = take_nearest(q);
+        const Gate *gate = &q->gates[nearest];
+        PortalView *view = &q->views[nearest];
+        fetch_next(q);
         view->passes++;
         ViewPart part;
-        part.polygon = view->v;
-        part.count = view->count;
-        part.middle = middle_of(view, q->eye->position);
+        view_part(q, view, gate, &part);
         Cone beyond;
         query_beyond(q, &q->cones[0], view->passage, gate, &part, &beyond);
         if (query_enter(q, gate, &beyond, view->distance)) look_around(q, &beyond, gate->cell, gate->portal);

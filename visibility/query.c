@@ -32,6 +32,8 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->forest = forest;
     q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
     arena_free(&scratch);
+    q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
+    memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
     q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
@@ -113,7 +115,7 @@ static void walk_tree(VisQuery *q, int node, int depth) {
         int portal = nodes[child].portal;
         bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
         const Gate *gate = &q->gates[q->gate_of[2 * portal + (forward ? 0 : 1)]];
-        Passage passage = query_clip(q, cone, gate, &part);
+        Passage passage = query_clip(q, cone, gate, gate_ahead(gate, q->eye->position), &part);
         if (passage == PASSAGE_NONE) continue;
         query_beyond(q, cone, passage, gate, &part, beyond);
         if (query_enter(q, gate, beyond, part.distance)) walk_tree(q, child, depth + 1);
@@ -267,7 +269,7 @@ static void walk(VisQuery *q, int cell) {
     query_first_cone(q, &q->cones[0]);
     visit_cell(q, cell, 0, &q->cones[0]);
     bool trees = q->method != VIS_PORTALS;
-    q->limit = trees ? q->forest->seen + (size_t)cell * (size_t)q->forest->words : NULL;
+    q->limit = trees ? q->forest->seen + (size_t)cell * (size_t)q->forest->words : q->every_cell;
     if (trees && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
     } else {

@@ -118,9 +118,9 @@ typedef struct CellView {
     int place;                   // then in VisQuery.cells
 } CellView;
 
-// An object as a cell lists it.
+// An object as a cell lists it: the middle of its box, from the middle of the building, and half its size, rounded up.
 typedef struct ObjectBox {
-    Vec3 centre, half;  // of its box; half its size
+    float centre[3], half[3];
     int object;
 } ObjectBox;
 
@@ -141,18 +141,20 @@ struct VisQuery {
     int queue_count;
     CellView *of_cell;        // [cell_count]
     ObjectBox *boxes;         // of cells that hold few
+    Vec3 middle;              // of the building
     VisibleCell *cells;       // [cell_count]
     VisibleCell *spare;       // [cell_count] for sorting
     uint64_t *drawn;          // bit per object
     unsigned *object_tested;  // [object_count] the last cone it was tested against
     int *objects;             // [object_count] the result
     ObjectTraits *traits;     // [object_count]
+    uint64_t *every_cell;     // a visible set of all
     unsigned frame, cone_serial;
     // Of the query under way:
     const Eye *eye;
     const float *door_open;
     VisMethod method;
-    const uint64_t *limit;  // only cells of this visible set are entered, or NULL
+    const uint64_t *limit;  // only cells of this visible set are entered
     VisResult result;
 };
 
@@ -172,8 +174,8 @@ static inline Vec2 cone_turned(Vec2 direction, int side, double length) {
 }
 // Before all queries.
 void query_list_gates(VisQuery *q, Arena *arena);
-// What the cone shows of a portal.
-Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *out);
+// What the cone shows of a portal from `ahead` metres before its plane.
+Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, double ahead, ViewPart *out);
 // The cone beyond it.
 void query_beyond(const VisQuery *q, const Cone *cone, Passage passage, const Gate *gate,
                   const ViewPart *part, Cone *out);

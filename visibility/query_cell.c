@@ -19,6 +19,16 @@ bool query_box_outside(Box box, const Plane *planes, int count) {
     return false;
 }
 
+// The same of a box given by its middle from the eye and half its size.
+static bool cone_outside(const Cone *cone, Vec3 eye, Vec3 centre, Vec3 half) {
+    for (int i = 0; i < cone->count; i++) {
+        Vec3 n = cone->plane[i].n;
+        double at = vec3_dot(n, centre) + plane_distance(cone->plane[i], eye);
+        if (at + fabs(n.x) * half.x + fabs(n.y) * half.y + fabs(n.z) * half.z < -POSITION_SLACK) return true;
+    }
+    return false;
+}
+
 static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
 
 static void draw_square(VisQuery *q, int square, const Cone *cone) {
@@ -68,22 +78,18 @@ static bool row_extent(const Vec3 *region, int count, double y0, double y1, doub
     return *low <= *high;
 }
 
-static bool outside(const Cone *cone, Vec3 eye, const ObjectBox *box) {
-    if (cone->is_slot) return query_slot_outside(cone, vec3_sub(box->centre, eye), box->half);
-    for (int i = 0; i < cone->count; i++) {
-        Vec3 n = cone->plane[i].n;
-        double reach = fabs(n.x) * box->half.x + fabs(n.y) * box->half.y + fabs(n.z) * box->half.z;
-        if (plane_distance(cone->plane[i], box->centre) < -reach - POSITION_SLACK) return true;
-    }
-    return false;
-}
-
 static void draw_listed(VisQuery *q, const CellView *view, const Cone *cone) {
+    // To the eye from the building's middle, where boxes are counted from.
+    Vec3 eye = vec3_sub(q->eye->position, q->middle);
     const ObjectBox *end = q->boxes + view->first_box + view->box_count;
     for (const ObjectBox *box = q->boxes + view->first_box; box < end; box++) {
         if (q->drawn[box->object / 64] >> (box->object % 64) & 1) continue;
         q->result.objects_tested++;
-        if (!outside(cone, q->eye->position, box)) draw_object(q, box->object);
+        Vec3 centre = {box->centre[0] - eye.x, box->centre[1] - eye.y, box->centre[2] - eye.z};
+        Vec3 half = {box->half[0], box->half[1], box->half[2]};
+        bool outside = cone->is_slot ? query_slot_outside(cone, centre, half)
+                                     : cone_outside(cone, q->eye->position, centre, half);
+        if (!outside) draw_object(q, box->object);
     }
 }
 
@@ -120,9 +126,22 @@ void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
     }
 }
 
+static ObjectBox list_box(Box box, Vec3 middle, int object) {
+    ObjectBox out = {.object = object};
+    const double low[3] = {box.min.x - middle.x, box.min.y - middle.y, box.min.z - middle.z};
+    const double high[3] = {box.max.x - middle.x, box.max.y - middle.y, box.max.z - middle.z};
+    for (int k = 0; k < 3; k++) {
+        out.centre[k] = (float)(0.5 * (low[k] + high[k]));
+        double half = fmax(high[k] - out.centre[k], out.centre[k] - low[k]);
+        out.half[k] = nextafterf((float)half, INFINITY);
+    }
+    return out;
+}
+
 void query_list_objects(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
     int count = 0, capacity = 0;
+    q->middle = vec3_lerp(graph->box.min, graph->box.max, 0.5);
     for (int c = 0; c < graph->cell_count; c++) {
         const CellMesh *mesh = &graph->meshes[c];
         int first = graph->square_first[mesh->first_square], before = count;
@@ -132,10 +151,8 @@ void query_list_objects(VisQuery *q, Arena *arena) {
             int object = graph->square_objects[k];
             if (q->object_tested[object] == q->cone_serial) continue;
             q->object_tested[object] = q->cone_serial;
-            Box box = graph->object_boxes[object];
-            Vec3 centre = vec3_lerp(box.min, box.max, 0.5);
             *ARENA_PUSH(arena, q->boxes, count, capacity) =
-                (ObjectBox){centre, vec3_sub(box.max, centre), object};
+                list_box(graph->object_boxes[object], q->middle, object);
         }
         if (count - before > FEW) count = before;
         q->of_cell[c].first_box = before;

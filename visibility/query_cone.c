@@ -200,15 +200,13 @@ static Passage clip_polygon(const VisQuery *q, const Cone *cone, const Gate *gat
     return level ? PASSAGE_ALL : edge_on ? PASSAGE_EDGE : PASSAGE_PART;
 }
 
-Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *out) {
-    Vec3 eye = q->eye->position;
-    double ahead = gate_ahead(gate, eye);
+Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, double ahead, ViewPart *out) {
     q->result.portals_tested++;
     out->distance = 0;
     if (ahead < -ON_PLANE) return PASSAGE_NONE;  // one would come back through it
     if (!gate->is_wall || ahead < ON_PLANE) return clip_polygon(q, cone, gate, ahead < ON_PLANE, out);
     out->upright = true;
-    if (!query_slot_clip(cone, gate, eye, ahead, &out->slot)) return PASSAGE_NONE;
+    if (!query_slot_clip(cone, gate, q->eye->position, ahead, &out->slot)) return PASSAGE_NONE;
     out->distance = query_slot_distance(&out->slot, ahead);
     return PASSAGE_PART;
 }

@@ -31,6 +31,7 @@ static void raise_gate(VisQuery *q, int gate) {
     for (; at > 0 && nearer(q, gate, q->queue[(at - 1) / 2]); at = (at - 1) / 2)
         place(q, at, q->queue[(at - 1) / 2]);
     place(q, at, gate);
+    __builtin_prefetch(&q->of_cell[q->gates[gate].cell]);
 }
 
 static int take_nearest(VisQuery *q) {
@@ -145,7 +146,8 @@ static void take_whole(VisQuery *q, PortalView *view, const Gate *gate) {
     ViewPart whole;
     view->whole = true;
     // But for slack it sees something.
-    if (query_clip(q, &q->cones[0], gate, &whole) != PASSAGE_NONE) take(q, view, gate, &whole);
+    double ahead = gate_ahead(gate, q->eye->position);
+    if (query_clip(q, &q->cones[0], gate, ahead, &whole) != PASSAGE_NONE) take(q, view, gate, &whole);
 }
 
 // The portal is seen a second time: takes what is new into what is in view of it; false where nothing is.
@@ -187,22 +189,27 @@ static bool widen(VisQuery *q, PortalView *view, const Gate *gate, Passage passa
     return true;
 }
 
-static void look_through(VisQuery *q, const Cone *cone, int gate) {
+static void look_through(VisQuery *q, const Cone *cone, int gate, double ahead) {
+    ViewPart part;
+    Passage passage = query_clip(q, cone, &q->gates[gate], ahead, &part);
+    if (passage == PASSAGE_NONE) return;
     PortalView *view = view_of(q, gate);
     if (view->passage == PASSAGE_ALL || view->whole) return;
-    ViewPart part;
-    Passage passage = query_clip(q, cone, &q->gates[gate], &part);
-    if (passage != PASSAGE_NONE && widen(q, view, &q->gates[gate], passage, &part)) raise_gate(q, gate);
+    if (widen(q, view, &q->gates[gate], passage, &part)) raise_gate(q, gate);
 }
 
 // Through all portals of a cell but the one come by.
 static void look_around(VisQuery *q, const Cone *cone, int cell, unsigned but) {
-    const CellView *here = &q->of_cell[cell];
-    for (int i = here->first_gate; i < here->first_gate + here->gate_count; i++) {
-        const Gate *gate = &q->gates[i];
-        bool hidden = q->limit && !(q->limit[gate->cell / 64] >> (gate->cell % 64) & 1);
-        if (hidden || gate->portal == but || gate_ahead(gate, q->eye->position) < -ON_PLANE) continue;
-        look_through(q, cone, i);
+    const Gate *gates = q->gates;
+    const uint64_t *limit = q->limit;
+    Vec3 eye = q->eye->position;
+    int first = q->of_cell[cell].first_gate, end = first + q->of_cell[cell].gate_count;
+    for (int i = first; i < end; i++) {
+        const Gate *gate = &gates[i];
+        double ahead = gate_ahead(gate, eye);
+        bool seen = limit[gate->cell / 64] >> (gate->cell % 64) & 1;
+        // One branch for all three: the processor cannot foretell any of them.
+        if ((ahead >= -ON_PLANE) & (gate->portal != but) & seen) look_through(q, cone, i, ahead);
     }
 }
 

@@ -293,7 +293,8 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
         q->frame = 1;
         q->cone_serial = 0;
     }
-    if (cell >= 0 && !clear_of_walls(q->graph, cell, eye->position)) q->result.eye_cell = cell = -1;
+    if (cell >= 0 && !eye->on_surface && !clear_of_walls(q->graph, cell, eye->position))
+        q->result.eye_cell = cell = -1;
     if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
         draw_all(q, method == VIS_FRUSTUM);
     } else {

@@ -160,6 +160,9 @@ typedef struct Eye {
     Vec3 position;
     Plane frustum[6];   // keep the positive side; all planes but the far one may pass through the eye
     int frustum_count;  // 0: all directions
+    // A point of a surface, exactly: it is before that surface however near. Otherwise an eye too near a wall for a
+    // rasteriser to tell its sides sees all.
+    bool on_surface;
 } Eye;
 
 typedef struct VisibleCell {

@@ -1,0 +1,70 @@
+// form_factor.h - the row of form factors of a point: which share of the light that leaves it diffusely arrives where.
+//
+// A projective method is a set of directions with weights that sum to 1 and the face seen along each (its items); the
+// element is where the direction meets the face. Others make rows in ways of their own.
+#ifndef RADIOSITY_FORM_FACTOR_H
+#define RADIOSITY_FORM_FACTOR_H
+
+#include "radiosity/view.h"
+
+typedef struct FormFactorOptions {
+    int resolution;  // pixels across the hemicube's top or the hemisphere's base, 8 .. 2000; lines of scan-line
+                     // methods, rays across of `ray`
+    double edge_threshold;  // of hemisphere-polyline: an edge is cut until its parts span less, radians
+    const char *hidden;     // of hemicube: the hidden-surface method that fills its sides; NULL: its own
+} FormFactorOptions;
+FormFactorOptions form_factor_default_options(void);
+
+// One row. Shares: of all that leaves the point, `back` falls on the backs of faces and `escaped` meets nothing.
+typedef struct Row {
+    int count;
+    int *element;   // [count] increasing
+    float *factor;  // [count] above 0; their sum, back and escaped make 1
+    double back, escaped;
+} Row;
+
+// What it took, for tables.
+typedef struct FormFactorWork {
+    long long faces_drawn, elements_drawn;  // faces given; the elements they have (Oki's count)
+    long long samples, tests;               // samples or crossings found; edge, box or ray tests made
+} FormFactorWork;
+
+typedef struct FormFactorSamples {
+    int count;
+    float *x, *y, *z;  // [count] unit directions in the view's axes
+    float *weight;     // [count] sum 1 (to rounding)
+} FormFactorSamples;
+
+typedef struct RowSum RowSum;  // row.h
+
+// A method at work in one thread: its tables and buffers.
+typedef struct FormFactor FormFactor;
+
+typedef struct FormFactorMethod {
+    const char *name, *summary;
+    bool projective;
+    // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
+    void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
+    void (*stop)(void *self);  // what is not in the arena; NULL: nothing
+    // Of projective methods. Items are indices of view->faces, -1 where nothing is seen; a pair of faces at the same
+    // distance is decided by the lower ViewFace.face, so that the order of the list does not show.
+    const FormFactorSamples *(*samples)(void *self);
+    void (*items)(void *self, const View *view, int32_t *item, FormFactorWork *work);
+    // Of the others: adds shares with row_add and friends (row.h).
+    void (*row)(void *self, const View *view, RowSum *sum, FormFactorWork *work);
+} FormFactorMethod;
+
+extern const FormFactorMethod *const FORM_FACTOR_METHODS[];  // ends with NULL
+const FormFactorMethod *form_factor_method(const char *name);
+
+FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
+                            const FormFactorOptions *options, Arena *arena);
+void form_factor_end(FormFactor *self);
+// The row of a view; valid until the next one.
+const Row *form_factor_row(FormFactor *self, const View *view);
+// What each sample of a projective method sees, and where to look for the samples: for tests and pictures.
+const FormFactorSamples *form_factor_samples(FormFactor *self);
+const int32_t *form_factor_items(FormFactor *self, const View *view);
+FormFactorWork form_factor_work(const FormFactor *self);  // of all rows so far
+
+#endif

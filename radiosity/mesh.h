@@ -1,0 +1,78 @@
+// mesh.h - the polygons of a building cut into elements, which receive light, and into patches of elements, which shoot it
+// (Cohen, Greenberg, Immel & Brock 1986).
+//
+// Light is reflected and emitted at the front of a polygon; its back hides and absorbs. Glass is not there.
+#ifndef RADIOSITY_MESH_H
+#define RADIOSITY_MESH_H
+
+#include "visibility/vis.h"
+
+typedef struct MeshOptions {
+    double element;  // edge length aimed at, metres, 0.01 .. 100
+    int per_patch;   // elements along the side of a patch, 1 .. 16
+} MeshOptions;
+MeshOptions mesh_default_options(void);  // 0.33 m, 2
+
+// A polygon as light sees it. It has a grid of nx x ny squares (parallelograms where it is clipped to fit): the point
+// p of its plane lies at x = dot(gx, p - origin), y = dot(gy, p - origin), in square (floor x, floor y).
+typedef struct Face {
+    int polygon, object;  // in CellGraph
+    int material;         // in Building
+    Plane plane;          // pointing to the front
+    int first_vertex,
+        vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
+                          // face that lies on an edge among them, so that neighbours share whole edges
+    Vec3 origin, gx, gy;  // 1 / metres
+    int nx, ny, first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not
+    int first_element, element_count;
+    int first_patch, patch_count;
+} Face;
+
+// A convex piece of a face.
+typedef struct Element {
+    int face, patch;
+    int first_corner,
+        corner_count;  // in Mesh.corners, counter-clockwise, vertices of neighbours on its edges included
+    double area;       // m^2
+} Element;
+
+// Elements first_element .. + element_count - 1.
+typedef struct Patch {
+    int face, first_element, element_count;
+    int cell;     // of the graph, that its front looks into; -1: none (inside a wall)
+    double area;  // m^2
+    Vec3 centre;  // of its area, a point of the polygon
+} Patch;
+
+typedef struct Mesh {
+    const CellGraph *graph;
+    MeshOptions options;
+    Face *faces;
+    Element *elements;
+    Patch *patches;
+    Vec3 *vertices;  // each place once
+    int *outline;    // of faces, indices of vertices
+    int *corners;    // of elements, indices of vertices
+    int *squares;
+    int *
+        face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area
+    int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count;
+    // What was not taken as it is, for reports.
+    int dropped_faces;    // without area
+    int merged_elements;  // slivers that became part of their neighbours
+    int lost_patches;     // whose centres lie in no cell
+} Mesh;
+
+// `vertices` are the graph's as the doors stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
+// Fails, with a sentence, where nothing is left to receive light.
+bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
+                const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
+
+// The element of a face at a point of its plane; the nearest square's where the point is a rounding outside.
+int mesh_element_at(const Mesh *mesh, int face, Vec3 point);
+
+static inline const Material *mesh_material(const Mesh *mesh, int face) {
+    return &mesh->graph->building->materials[mesh->faces[face].material];
+}
+
+#endif

@@ -1,0 +1,27 @@
+// row.h - how methods sum a row: shares of elements, in any order.
+#ifndef RADIOSITY_ROW_H
+#define RADIOSITY_ROW_H
+
+#include "radiosity/form_factor.h"
+
+struct RowSum {
+    const Mesh *mesh;
+    double *share;  // [element_count] 0 but for those touched
+    int *touched;   // [element_count]
+    int touched_count;
+    double back, escaped;
+    Row row;
+};
+
+void row_start(RowSum *sum, const Mesh *mesh, Arena *arena);
+static inline void row_add(RowSum *sum, int element, double share) {
+    if (sum->share[element] == 0) sum->touched[sum->touched_count++] = element;
+    sum->share[element] += share;
+}
+// The row, its elements in order; the sum is empty then. Shares are divided by their total, so that they sum to 1.
+const Row *row_finish(RowSum *sum);
+
+// Sums what samples see: the elements where they meet their faces.
+void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item);
+
+#endif

@@ -1,0 +1,58 @@
+// shoot.h - progressive refinement: the patch with most unshot power shoots, until little is left (Cohen, Chen, Wallace &
+// Greenberg 1988).
+#ifndef RADIOSITY_SHOOT_H
+#define RADIOSITY_SHOOT_H
+
+#include "engine/core/progress.h"
+#include "radiosity/form_factor.h"
+
+typedef struct RadOptions {
+    const FormFactorMethod *method;
+    FormFactorOptions form_factor;
+    ViewCulling culling;
+    double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
+    long long shots;   // or after so many, 0: no limit
+    double seconds;    // or then, 0: no limit
+    int threads;       // 0: all cores; the result is the same on any number
+    size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
+} RadOptions;
+RadOptions rad_default_options(void);
+
+// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b.
+typedef struct RadSolution {
+    int element_count, patch_count;
+    double (*radiosity)[3];  // [element_count] B = E + what is reflected of what has arrived so far
+    double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
+    // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
+    double emitted[3], absorbed[3], escaped[3];
+    long long shots;
+} RadSolution;
+
+typedef struct RadReport {
+    double residual;  // unshot power / emitted power, all channels
+    long long shots, rows_made, rows_kept;
+    double faces_drawn_mean, elements_drawn_mean;  // of rows made
+    double seconds, seconds_visibility;            // wall; of all threads
+    size_t row_bytes;
+    bool stopped;  // progress asked to
+} RadReport;
+
+// What is emitted, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
+bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
+// Goes on from `solution`, which is valid whenever it stops.
+RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                    const RadOptions *options, const Progress *progress, RadSolution *solution);
+
+// The light that arrives at a point with a normal, W/m^2 a channel: what it sees by `form_factor`'s rows.
+void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]);
+
+// The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and
+// the doors' states, and is refused where they differ.
+bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
+              Error *error);
+bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
+              Error *error);
+// Of a file: how its mesh was made, before there is one.
+bool rad_load_options(const char *path, MeshOptions *out, Error *error);
+
+#endif

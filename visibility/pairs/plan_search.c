@@ -20,8 +20,8 @@
 
 #include <omp.h>
 
-#include "visibility/pairs/ways.h"
 #include "visibility/sightline.h"
+#include "visibility/ways.h"
 
 // Tried from one cell: some seconds at most over a large map, and not reached in plans of homes and offices.
 enum { MOST_SEQUENCES = 50000 };

@@ -1,7 +1,7 @@
 // ways.c - directed portals, and the flood through one of them.
 //
 // The flood is the base pass of Quake's vis (J. Carmack, 1996).
-#include "visibility/pairs/ways.h"
+#include "visibility/ways.h"
 
 // A portal of more corners is replaced by a rectangle around it, so that a winding has room to be clipped.
 enum { MOST_CORNERS = WINDING_MAX / 2 };

@@ -1,11 +1,11 @@
 // ways.h - a cell graph as the methods in three dimensions want it: each portal twice, once for each direction.
-#ifndef VISIBILITY_PAIRS_WAYS_H
-#define VISIBILITY_PAIRS_WAYS_H
+#ifndef VISIBILITY_WAYS_H
+#define VISIBILITY_WAYS_H
 
 #include <string.h>
 
-#include "visibility/pairs/pairs.h"
-#include "visibility/pairs/winding.h"
+#include "visibility/vis.h"
+#include "visibility/winding.h"
 
 // Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse, way ^ 1) comes back.
 typedef struct Way {

@@ -85,6 +85,18 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
     }
 }
 
+bool way_is_segment(const CellGraph *graph, int way, double epsilon) {
+    const Portal *portal = &graph->portals[way / 2];
+    if (portal->horizontal) return false;
+    Vec2 along = vec2_sub(portal->right, portal->left);
+    for (int i = portal->first_vertex; i < portal->first_vertex + portal->vertex_count; i++) {
+        Vec3 v = graph->portal_vertices[i];
+        double aside = vec2_cross(along, vec2_sub(vec2(v.x, v.y), portal->left));
+        if (fabs(aside) > epsilon * vec2_length(along)) return false;
+    }
+    return true;
+}
+
 // Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`?
 static bool reaches(const Way *way, Plane plane, int side, double slack) {
     for (int i = 0; i < way->corner_count; i++) {

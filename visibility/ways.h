@@ -38,6 +38,9 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out);
 // partly beyond the first one, and the first one before it. `stack` [cell_count] is scratch. Returns the portals tried.
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
 
+// Is the portal a segment in plan: upright, with all its corners on the line between its ends, within `epsilon` metres?
+bool way_is_segment(const CellGraph *graph, int way, double epsilon);
+
 static inline void way_winding(const Way *way, Winding *out) {
     out->facet = way->facet;
     out->count = way->corner_count;

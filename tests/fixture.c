@@ -206,6 +206,19 @@ bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, 
     }
 }
 
+bool fixture_in_tree(const StabForest *forest, const Trace *trace) {
+    int node = forest->root[trace->cells[0]];
+    for (int i = 1; i < trace->count; i++) {
+        int child = node + 1;
+        if (child >= forest->node_count || forest->nodes[child].parent != node) return false;
+        while (child >= 0 && forest->nodes[child].portal != trace->portals[i - 1])
+            child = forest->nodes[child].next;
+        if (child < 0) return false;
+        node = child;
+    }
+    return true;
+}
+
 Vec3 fixture_point(const CellGraph *graph, Random *random, int c) {
     const Cell *cell = &graph->cells[c];
     const Vec2 *plan = graph->plan + cell->first_edge;

@@ -22,6 +22,9 @@ typedef struct Trace {
 bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, const float *door_open,
                    Trace *out);
 
+// Is the way the line took a path of the tree of the cell it began in?
+bool fixture_in_tree(const StabForest *forest, const Trace *trace);
+
 Vec3 fixture_point(const CellGraph *graph, Random *random, int cell);  // inside the cell
 Vec3 fixture_direction(Random *random);                                // uniform on the sphere
 

@@ -267,19 +267,6 @@ Test(cells, have_no_t_vertices) {
     arena_free(&m.arena);
 }
 
-static bool tree_has_path(const Made *m, const Trace *trace) {
-    int node = m->forest.root[trace->cells[0]];
-    for (int i = 1; i < trace->count; i++) {
-        int child = node + 1;
-        if (child >= m->forest.node_count || m->forest.nodes[child].parent != node) return false;
-        while (child >= 0 && m->forest.nodes[child].portal != trace->portals[i - 1])
-            child = m->forest.nodes[child].next;
-        if (child < 0) return false;
-        node = child;
-    }
-    return true;
-}
-
 // Proves that stab trees are conservative: whatever way a straight line takes through portals is a path of the tree,
 // and the visible sets hold its cells; the sets are symmetric; bounded trees keep the visible sets whole.
 Test(forest, holds_every_sightline) {
@@ -301,7 +288,7 @@ Test(forest, holds_every_sightline) {
                           (unsigned long long)seed, cell, trace.cells[k]);
             }
             if (!m.forest.bounded[cell])
-                cr_assert(tree_has_path(&m, &trace), "seed %llu", (unsigned long long)seed);
+                cr_assert(fixture_in_tree(&m.forest, &trace), "seed %llu", (unsigned long long)seed);
         }
         for (int a = 0; a < m.graph.cell_count; a++) {
             for (int b = 0; b < a; b++) cr_assert_eq(vis_sees(&m.forest, a, b), vis_sees(&m.forest, b, a));

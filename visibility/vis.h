@@ -119,8 +119,9 @@ static inline bool vis_sees(const StabForest *forest, int from, int to) {
     return forest->seen[(size_t)from * (size_t)forest->words + (size_t)to / 64] >> (to % 64) & 1;
 }
 
-// Conservative: a cell that a straight line from anywhere in c reaches through portals is in c's tree. All doors
-// open. The same result on any number of threads. Returns false only when progress asked to stop.
+// Conservative: the way that a straight line from anywhere in c takes through portals is a path of c's tree. All doors
+// open. A tree that is estimated at several times max_nodes is dropped before it has so many. The same result on any
+// number of threads. Returns false only when progress asked to stop.
 bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const Progress *progress,
                       Arena *arena, StabForest *out);
 

@@ -1,13 +1,11 @@
 // flow.h - depth-first through portals, within separating planes, towards the cells that are still in doubt.
 //
-// A chain is a sequence of ways, each leading out of the cell where the one before leads in. All lines that come through
-// a chain lie, behind its last portal, in the beam: the separators of what is left of its first portal (the source) and
-// of its last (the pass). Each further portal is clipped by the beam, and the source by the separators of the new
-// portal and the pass. A chain ends when nothing is left, or when no cell in doubt lies in the beam.
+// A chain (beam.h) ends when nothing is left of it, or when no cell in doubt lies in its beam.
 #ifndef VISIBILITY_PAIRS_FLOW_H
 #define VISIBILITY_PAIRS_FLOW_H
 
-#include "visibility/pairs/ways.h"
+#include "visibility/beam.h"
+#include "visibility/pairs/pairs.h"
 
 // The words of a row of bits that are not zero: of thousands of cells a chain looks for a few.
 typedef struct CellList {
@@ -17,10 +15,7 @@ typedef struct CellList {
 } CellList;
 
 typedef struct FlowStep {
-    int way;               // crossed last
-    Winding source, pass;  // what is left of the chain's first portal, and of this way's
-    Separator beam[2 * WINDING_MAX];
-    int beam_count;
+    Beam beam;
     CellList wanted;  // cells in doubt that the beam may reach
 } FlowStep;
 
@@ -51,18 +46,12 @@ bool flow_search(Flow *flow, int way);
 // `arrive` for cells in doubt; the cone stands in for the beam, the source is the point.
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth));
 
-// The half-spaces that hold, beyond `pass`, every line that comes through `source` and then `pass`. Returns how many.
-int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out);
-
 // Planes through the eye and the edges of a winding ahead of it, which keep its inside. Returns how many.
 int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out);
 
-// What lies on the given side of a way's portal (+1 in front), to clip the portal of `other`.
-Separator flow_side(const Way *way, int side, const Way *other, double epsilon);
-
 // The cell that chain steps[0 .. depth] leads into.
 static inline int flow_cell(const Flow *flow, int depth) {
-    return flow->ways->ways[flow->steps[depth]->way].to;
+    return flow->ways->ways[flow->steps[depth]->beam.way].to;
 }
 
 #endif

@@ -1,9 +1,7 @@
 // flow_search.c - see flow.h.
 //
-// Source: the chains, separators and the clipping of source and pass are those of Quake's vis (J. Carmack, 1996);
-// separating planes bound what a chain lets through from outside (Teller 1992). It departs from that program in three
-// ways: cells already decided are not looked for, a chain is given up as soon as no cell in doubt touches its beam, and
-// separators are tangents found in one pass.
+// Source: the search along chains is that of Quake's vis (J. Carmack, 1996). It departs from that program in that cells
+// already decided are not looked for, and a chain is given up as soon as no cell in doubt touches its beam.
 #include "visibility/pairs/flow.h"
 
 void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
@@ -14,11 +12,6 @@ void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
 }
 
 void flow_end(Flow *flow) { arena_free(&flow->arena); }
-
-int flow_beam(const Winding *source, const Winding *pass, double epsilon, Separator *out) {
-    int count = winding_tangents(source, pass, 1, KEEP_OTHER, epsilon, out);
-    return count + winding_tangents(pass, source, -1, KEEP_EDGES, epsilon, out + count);
-}
 
 static FlowStep *step_at(Flow *flow, int depth) {
     if (!flow->steps[depth]) {
@@ -31,8 +24,8 @@ static FlowStep *step_at(Flow *flow, int depth) {
 }
 
 static bool box_in_beam(Box box, const FlowStep *step) {
-    for (int i = 0; i < step->beam_count; i++) {
-        const Separator *s = &step->beam[i];
+    for (int i = 0; i < step->beam.plane_count; i++) {
+        const Separator *s = &step->beam.planes[i];
         double x = s->n.x > 0 ? box.max.x : box.min.x, y = s->n.y > 0 ? box.max.y : box.min.y,
                z = s->n.z > 0 ? box.max.z : box.min.z;
         if (s->n.x * x + s->n.y * y + s->n.z * z - s->d <= s->slack) return false;
@@ -81,48 +74,16 @@ static void want_unknown(const Flow *flow, CellList *out) {
     }
 }
 
-Separator flow_side(const Way *way, int side, const Way *other, double epsilon) {
-    Plane plane = way->facet.plane;
-    return (Separator){vec3_scale(plane.n, side), side * plane.d - way_doubt(way, other), epsilon};
-}
-
-// A quick answer by the ball around the portal: -1 outside one of the half-spaces, +1 inside all of them, else 0.
-static int ball_against(const Way *way, const Separator *planes, int count, uint64_t *cutting) {
-    *cutting = 0;
-    for (int i = 0; i < count; i++) {
-        // The slack's measure bounds the normal's length from above (separator_of).
-        double at = vec3_dot(planes[i].n, way->facet.middle) - planes[i].d;
-        double length = fabs(planes[i].n.x) + fabs(planes[i].n.y) + fabs(planes[i].n.z);
-        double reach = way->radius * length;
-        if (at < -reach) return -1;
-        if (at <= reach + planes[i].slack) *cutting |= (uint64_t)1 << i;
-    }
-    return *cutting == 0;
-}
-
-// Clips the portal of `step` and the source through which it is seen. False when nothing is left.
-static bool narrow(Flow *flow, const FlowStep *from, int depth, FlowStep *step) {
-    const WayGraph *ways = flow->ways;
-    const Way *way = &ways->ways[step->way], *first = &ways->ways[flow->steps[0]->way];
+// Clips the portal of the way and the source through which it is seen. False when nothing is left.
+static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     uint64_t cutting;
-    if (ball_against(way, from->beam, from->beam_count, &cutting) < 0) return false;
-    way_winding(way, &step->pass);
-    flow->work.clips++;
-    if (!winding_clip(&step->pass, flow_side(first, 1, way, ways->epsilon))) return false;
-    for (; cutting; cutting &= cutting - 1) {
-        if (!winding_clip(&step->pass, from->beam[__builtin_ctzll(cutting)])) return false;
-    }
-    winding_copy(&step->source, &from->source);
-    if (!winding_clip(&step->source, flow_side(way, -1, first, ways->epsilon))) return false;
-    if (depth == 1) return true;
-    Separator back[2 * WINDING_MAX];
-    // Planes through the edges of the new portal would narrow the source hardly more (1 % fewer chains).
-    int count = winding_tangents(&from->pass, &step->pass, 1, KEEP_EDGES, ways->epsilon, back);
-    flow->work.separators += count;
-    for (int i = 0; i < count; i++) {
-        if (!winding_clip(&step->source, back[i])) return false;
-    }
-    return true;
+    if (beam_ball(&flow->ways->ways[way], from->beam.planes, from->beam.plane_count, &cutting) < 0)
+        return false;
+    BeamWork work = {0};
+    bool left = beam_narrow(flow->ways, &flow->steps[0]->beam, &from->beam, way, cutting, &step->beam, &work);
+    flow->work.clips += work.clips;
+    flow->work.separators += work.separators;
+    return left;
 }
 
 static void follow(Flow *flow, int depth) {
@@ -130,28 +91,26 @@ static void follow(Flow *flow, int depth) {
     FlowStep *step = flow->steps[depth];
     int cell = flow_cell(flow, depth);
     if (row_has(flow->unknown, cell)) flow->arrive(flow, depth);
-    step->beam_count = depth == 0 ? 0 : flow_beam(&step->source, &step->pass, ways->epsilon, step->beam);
-    flow->work.separators += step->beam_count;
+    Beam *beam = &step->beam;
+    if (depth > 0) beam->plane_count = beam_planes(&beam->source, &beam->pass, ways->epsilon, beam->planes);
+    flow->work.separators += beam->plane_count;
     if (!keep_in_beam(flow, step)) return;
     FlowStep *next = step_at(flow, depth + 1);
     flow->on_path[cell] = 1;
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0; i++) {
-        next->way = ways->list[i];
-        if (flow->on_path[ways->ways[next->way].to]) continue;
-        if (!want(flow, &step->wanted, next->way, &next->wanted)) continue;
+        int way = ways->list[i];
+        if (flow->on_path[ways->ways[way].to]) continue;
+        if (!want(flow, &step->wanted, way, &next->wanted)) continue;
         flow->left--;
         flow->work.chains++;
-        if (narrow(flow, step, depth + 1, next)) follow(flow, depth + 1);
+        if (narrow(flow, step, way, next)) follow(flow, depth + 1);
     }
     flow->on_path[cell] = 0;
 }
 
 static FlowStep *first_step(Flow *flow, int way) {
     FlowStep *step = step_at(flow, 0);
-    step->way = way;
-    step->beam_count = 0;
-    way_winding(&flow->ways->ways[way], &step->source);
-    way_winding(&flow->ways->ways[way], &step->pass);
+    beam_begin(flow->ways, way, &step->beam);
     want_unknown(flow, &step->wanted);
     return step;
 }
@@ -176,19 +135,21 @@ int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) 
     return through->count;
 }
 
-// What of the portal of `step` is seen from the point; false when that is nothing.
-static bool narrow_cone(const Flow *flow, const FlowStep *from, FlowStep *step) {
-    const Way *way = &flow->ways->ways[step->way];
+// What of the portal of the way is seen from the point; false when that is nothing.
+static bool narrow_cone(const Flow *flow, const FlowStep *from, int way, FlowStep *step) {
+    const Way *here = &flow->ways->ways[way];
     double epsilon = flow->ways->epsilon;
     Vec3 point = flow->point;
-    if (plane_distance(way->facet.plane, point) > -epsilon - facet_doubt(&way->facet, point)) return false;
+    Beam *beam = &step->beam;
+    beam->way = way;
+    if (plane_distance(here->facet.plane, point) > -epsilon - facet_doubt(&here->facet, point)) return false;
     uint64_t cutting;
-    if (ball_against(way, from->beam, from->beam_count, &cutting) < 0) return false;
-    way_winding(way, &step->pass);
+    if (beam_ball(here, from->beam.planes, from->beam.plane_count, &cutting) < 0) return false;
+    way_winding(here, &beam->pass);
     for (; cutting; cutting &= cutting - 1) {
-        if (!winding_clip(&step->pass, from->beam[__builtin_ctzll(cutting)])) return false;
+        if (!winding_clip(&beam->pass, from->beam.planes[__builtin_ctzll(cutting)])) return false;
     }
-    step->beam_count = flow_cone(point, &step->pass, epsilon, step->beam);
+    beam->plane_count = flow_cone(point, &beam->pass, epsilon, beam->planes);
     return true;
 }
 
@@ -201,11 +162,11 @@ static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
     FlowStep *next = step_at(flow, depth + 1);
     flow->on_path[cell] = 1;
     for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
-        next->way = ways->list[i];
-        if (flow->on_path[ways->ways[next->way].to]) continue;
-        if (!want(flow, &step->wanted, next->way, &next->wanted)) continue;
+        int way = ways->list[i];
+        if (flow->on_path[ways->ways[way].to]) continue;
+        if (!want(flow, &step->wanted, way, &next->wanted)) continue;
         flow->work.chains++;
-        if (narrow_cone(flow, step, next)) look(flow, depth + 1, arrive);
+        if (narrow_cone(flow, step, way, next)) look(flow, depth + 1, arrive);
     }
     flow->on_path[cell] = 0;
 }

@@ -20,8 +20,8 @@
 
 #include <omp.h>
 
-#include "visibility/pairs/ways.h"
 #include "visibility/sightline.h"
+#include "visibility/ways.h"
 
 // Tried from one cell: some seconds at most over a large map, and not reached in plans of homes and offices.
 enum { MOST_SEQUENCES = 50000 };
@@ -61,18 +61,6 @@ static const uint64_t *flood_of(const PlanGraph *graph, int way) {
     return graph->flood + (size_t)way * (size_t)graph->ways.words;
 }
 
-// Do all corners lie on the segment of the portal's plan ends?
-static bool is_segment(const CellGraph *graph, const Portal *portal, double epsilon) {
-    if (portal->horizontal) return false;
-    Vec2 along = vec2_sub(portal->right, portal->left);
-    for (int i = portal->first_vertex; i < portal->first_vertex + portal->vertex_count; i++) {
-        Vec3 v = graph->portal_vertices[i];
-        double aside = vec2_cross(along, vec2_sub(vec2(v.x, v.y), portal->left));
-        if (fabs(aside) > epsilon * vec2_length(along)) return false;
-    }
-    return true;
-}
-
 static void make_plan(const CellGraph *graph, Arena *scratch, PlanGraph *out) {
     ways_build(graph, scratch, &out->ways);
     out->plan = ARENA_ARRAY(scratch, PlanWay, out->ways.way_count);
@@ -80,7 +68,7 @@ static void make_plan(const CellGraph *graph, Arena *scratch, PlanGraph *out) {
         const Portal *portal = &graph->portals[i / 2];
         PlanWay *plan = &out->plan[i];
         *plan =
-            (PlanWay){is_segment(graph, portal, out->ways.epsilon), portal->left, portal->right, box_empty()};
+            (PlanWay){way_is_segment(graph, i, out->ways.epsilon), portal->left, portal->right, box_empty()};
         if (i % 2) plan->left = portal->right, plan->right = portal->left;
         const Vec3 *v = graph->portal_vertices + portal->first_vertex;
         for (int k = 0; k < portal->vertex_count; k++) plan->box = box_add(plan->box, v[k]);

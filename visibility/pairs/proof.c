@@ -9,7 +9,7 @@
 
 static void arrive(Flow *flow, int depth) {
     Sight sight;
-    if (sight_through(flow, depth, &flow->steps[depth]->source, &sight)) {
+    if (sight_through(flow, depth, &flow->steps[depth]->beam.source, &sight)) {
         sight_record(flow, depth, sight);
         return;
     }

@@ -35,16 +35,16 @@ typedef struct Cutter {
 static bool shrink(const Flow *flow, int depth, Winding *source) {
     double epsilon = flow->ways->epsilon;
     Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
-    const Way *first = &flow->ways->ways[flow->steps[0]->way];
+    const Way *first = &flow->ways->ways[flow->steps[0]->beam.way];
     Winding pass, next;
     int planes = 0;
     for (int i = 1; i <= depth; i++) {
-        const Way *way = &flow->ways->ways[flow->steps[i]->way];
-        winding_copy(&next, &flow->steps[i]->pass);
+        const Way *way = &flow->ways->ways[flow->steps[i]->beam.way];
+        winding_copy(&next, &flow->steps[i]->beam.pass);
         for (int k = 0; k < planes; k++) {
             if (!winding_clip(&next, beam[k])) return false;
         }
-        if (!winding_clip(source, flow_side(way, -1, first, epsilon))) return false;
+        if (!winding_clip(source, beam_side(way, -1, first, epsilon))) return false;
         int count = 0;
         if (i > 1) {
             count = winding_tangents(&next, &pass, -1, KEEP_OTHER, epsilon, back);
@@ -53,7 +53,7 @@ static bool shrink(const Flow *flow, int depth, Winding *source) {
         for (int k = 0; k < count; k++) {
             if (!winding_clip(source, back[k])) return false;
         }
-        planes = flow_beam(source, &next, epsilon, beam);
+        planes = beam_planes(source, &next, epsilon, beam);
         winding_copy(&pass, &next);
     }
     return true;
@@ -109,7 +109,7 @@ static void arrive(Flow *flow, int depth) {
     Case *c = (Case *)((char *)finding - offsetof(Case, finding));
     Cutter cutter = {.flow = flow, .depth = depth};
     Winding source;
-    winding_copy(&source, &flow->steps[depth]->source);
+    winding_copy(&source, &flow->steps[depth]->beam.source);
     Verdict verdict = depth == 0 ? PROVEN : try_piece(&cutter, &source);
     if (verdict == EXCLUDED) return;
     c->verdict = verdict;

@@ -28,7 +28,8 @@ bool sight_passes(const Way *way, Sight sight, double epsilon) {
 
 static bool passes(const Flow *flow, int depth, Sight sight) {
     for (int i = 0; i <= depth; i++) {
-        if (!sight_passes(&flow->ways->ways[flow->steps[i]->way], sight, flow->ways->epsilon)) return false;
+        if (!sight_passes(&flow->ways->ways[flow->steps[i]->beam.way], sight, flow->ways->epsilon))
+            return false;
     }
     return true;
 }
@@ -38,9 +39,9 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
     Winding left = {.count = 0};
     double epsilon = flow->ways->epsilon;
     int planes = 0;
-    if (flow->ways->ways[flow->steps[0]->way].coarse) return false;
+    if (flow->ways->ways[flow->steps[0]->beam.way].coarse) return false;
     for (int i = 1; i <= depth; i++) {
-        const Way *way = &flow->ways->ways[flow->steps[i]->way];
+        const Way *way = &flow->ways->ways[flow->steps[i]->beam.way];
         // Flat against a portal there is no telling.
         if (way->coarse || plane_distance(way->facet.plane, from) >
                                -SIGHT_MARGIN * (epsilon + facet_doubt(&way->facet, from)))
@@ -57,9 +58,9 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
 
 bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out) {
     for (int i = 0; i <= depth; i++) {
-        if (flow->ways->ways[flow->steps[i]->way].coarse) return false;
+        if (flow->ways->ways[flow->steps[i]->beam.way].coarse) return false;
     }
-    *out = (Sight){from, winding_middle(&flow->steps[depth]->pass)};
+    *out = (Sight){from, winding_middle(&flow->steps[depth]->beam.pass)};
     return depth > 0 && passes(flow, depth, *out);
 }
 
@@ -83,20 +84,20 @@ static Vec3 place_in_cell(const Flow *flow, int depth, Sight sight, int leaves) 
     const Way *ways = flow->ways->ways;
     if (leaves == 0) return sight.from;
     if (leaves > depth) return sight.to;
-    Vec3 in = crossing(&ways[flow->steps[leaves - 1]->way], sight);
-    return vec3_lerp(in, crossing(&ways[flow->steps[leaves]->way], sight), 0.5);
+    Vec3 in = crossing(&ways[flow->steps[leaves - 1]->beam.way], sight);
+    return vec3_lerp(in, crossing(&ways[flow->steps[leaves]->beam.way], sight), 0.5);
 }
 
 void sight_record(Flow *flow, int depth, Sight sight) {
     const Way *ways = flow->ways->ways;
     Finding *finding = flow->context;
     for (int j = 0; j <= depth; j++) {
-        int last = ways[flow->steps[j]->way].to;
+        int last = ways[flow->steps[j]->beam.way].to;
         row_add(finding->kept, last);
         row_drop(flow->unknown, last);
         Vec3 to = place_in_cell(flow, depth, sight, j + 1);
         for (int i = 0; i < j; i++) {
-            int first = ways[flow->steps[i]->way].from;
+            int first = ways[flow->steps[i]->beam.way].from;
             finding_add(finding, first, last, place_in_cell(flow, depth, sight, i), to);
         }
     }

@@ -1,11 +1,11 @@
 // ways.h - a cell graph as the methods in three dimensions want it: each portal twice, once for each direction.
-#ifndef VISIBILITY_PAIRS_WAYS_H
-#define VISIBILITY_PAIRS_WAYS_H
+#ifndef VISIBILITY_WAYS_H
+#define VISIBILITY_WAYS_H
 
 #include <string.h>
 
-#include "visibility/pairs/pairs.h"
-#include "visibility/pairs/winding.h"
+#include "visibility/vis.h"
+#include "visibility/winding.h"
 
 // Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse, way ^ 1) comes back.
 typedef struct Way {
@@ -37,6 +37,9 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out);
 // Marks in `row` [words] the cells that a flood through the way reaches in which each further portal must lie at least
 // partly beyond the first one, and the first one before it. `stack` [cell_count] is scratch. Returns the portals tried.
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
+
+// Is the portal a segment in plan: upright, with all its corners on the line between its ends, within `epsilon` metres?
+bool way_is_segment(const CellGraph *graph, int way, double epsilon);
 
 static inline void way_winding(const Way *way, Winding *out) {
     out->facet = way->facet;

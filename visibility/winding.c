@@ -3,7 +3,7 @@
 // Source: S. J. Teller, Computing the antipenumbra of an area light source, 1992, for what separating planes bound;
 // their use on chains of portals is J. Carmack's (Quake, 1996), who tries all pairs of an edge and a corner. Here each
 // edge finds its tangent corner in one pass.
-#include "visibility/pairs/winding.h"
+#include "visibility/winding.h"
 
 #include <string.h>
 

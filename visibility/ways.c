@@ -1,7 +1,7 @@
 // ways.c - directed portals, and the flood through one of them.
 //
 // The flood is the base pass of Quake's vis (J. Carmack, 1996).
-#include "visibility/pairs/ways.h"
+#include "visibility/ways.h"
 
 // A portal of more corners is replaced by a rectangle around it, so that a winding has room to be clipped.
 enum { MOST_CORNERS = WINDING_MAX / 2 };
@@ -83,6 +83,18 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
         int cell = out->ways[i].from;
         out->list[out->first[cell] + fill[cell]++] = i;
     }
+}
+
+bool way_is_segment(const CellGraph *graph, int way, double epsilon) {
+    const Portal *portal = &graph->portals[way / 2];
+    if (portal->horizontal) return false;
+    Vec2 along = vec2_sub(portal->right, portal->left);
+    for (int i = portal->first_vertex; i < portal->first_vertex + portal->vertex_count; i++) {
+        Vec3 v = graph->portal_vertices[i];
+        double aside = vec2_cross(along, vec2_sub(vec2(v.x, v.y), portal->left));
+        if (fabs(aside) > epsilon * vec2_length(along)) return false;
+    }
+    return true;
 }
 
 // Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`?

@@ -1,6 +1,6 @@
 // winding.h - convex polygons while they are clipped a thousand times: what is left of a portal as seen through others.
-#ifndef VISIBILITY_PAIRS_WINDING_H
-#define VISIBILITY_PAIRS_WINDING_H
+#ifndef VISIBILITY_WINDING_H
+#define VISIBILITY_WINDING_H
 
 #include "engine/core/vec.h"
 

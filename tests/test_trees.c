@@ -1,0 +1,172 @@
+// test_trees.c - stab trees in three dimensions: they hold every sequence of portals that a line crosses, and where heights
+// part what the plan shows together, they leave it out.
+#include <criterion/criterion.h>
+
+#include "maps/maps.h"
+#include "tests/fixture.h"
+#include "tests/prt_scene.h"
+#include "tests/support.h"
+#include "visibility/pairs/pairs.h"
+
+typedef struct Grown {
+    Arena arena;
+    Building building;
+    CellGraph graph;
+    PairSet set;
+    StabForest forest;
+} Grown;
+
+static void read_cells(const char *path, Grown *g) {
+    Error error;
+    VisOptions options = vis_default_options();
+    *g = (Grown){.arena = {0}};
+    cr_assert(maps_read(path, &g->arena, &g->building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&g->building, &options, &g->arena, &g->graph, &error), "%s", error.text);
+    pair_method("proof")->find(&g->graph, &(PairOptions){0}, NULL, &g->arena, &g->set);
+}
+
+static void grow(Grown *g, int threads, bool known) {
+    VisOptions options = vis_default_options();
+    options.threads = threads;
+    options.known = known ? g->set.seen : NULL;
+    cr_assert(vis_build_forest(&g->graph, &options, NULL, &g->arena, &g->forest));
+}
+
+static Vec3 on_portal(const CellGraph *graph, int portal, Random *random) {
+    const Portal *p = &graph->portals[portal];
+    Vec3 sum = {0, 0, 0};
+    double total = 0;
+    for (int i = 0; i < p->vertex_count; i++) {
+        double weight = 1e-3 + random_unit(random);
+        sum = vec3_add(sum, vec3_scale(graph->portal_vertices[p->first_vertex + i], weight));
+        total += weight;
+    }
+    return vec3_scale(sum, 1 / total);
+}
+
+// A place in the cell, between two of its portals.
+static Vec3 in_cell(const CellGraph *graph, int c, Random *random) {
+    const Cell *cell = &graph->cells[c];
+    const Contact *contacts = graph->contacts + cell->first_contact;
+    Vec3 a = on_portal(graph, contacts[random_index(random, cell->contact_count)].portal, random);
+    Vec3 b = on_portal(graph, contacts[random_index(random, cell->contact_count)].portal, random);
+    return vec3_lerp(a, b, random_between(random, 0.2, 0.8));
+}
+
+typedef struct Lines {
+    long walked, far;  // of these through five portals or more
+} Lines;
+
+// Lines from a cell towards portals that it sees, so that they go far; each way that one takes is a path of the tree.
+static void walk_lines(const char *path, const Grown *g, int cell, Random *random, Lines *lines) {
+    const StabForest *f = &g->forest;
+    if (f->bounded[cell] || f->root[cell + 1] - f->root[cell] < 2) return;
+    for (int i = 0; i < 40; i++) {
+        int node = f->root[cell] + 1 + random_index(random, f->root[cell + 1] - f->root[cell] - 1);
+        Vec3 from = in_cell(&g->graph, cell, random);
+        Vec3 along = vec3_sub(on_portal(&g->graph, f->nodes[node].portal, random), from);
+        Trace trace;
+        if (vec3_length(along) < 1e-3) continue;
+        if (!fixture_trace(&g->graph, cell, from, vec3_normalize(along), NULL, &trace)) continue;
+        cr_assert(fixture_in_tree(f, &trace),
+                  "%s: a line from cell %d to cell %d takes a way that its tree lacks", path, cell,
+                  trace.cells[trace.count - 1]);
+        lines->walked++;
+        lines->far += trace.count > 5;
+    }
+}
+
+static void check_lines(const char *path, bool known) {
+    Grown g;
+    Lines lines = {0};
+    Random random = {9};
+    read_cells(path, &g);
+    grow(&g, 0, known);
+    for (int i = 0; i < support_count(2000, 50000); i++) {
+        int cell = random_index(&random, g.graph.cell_count);
+        if (g.graph.cells[cell].contact_count > 0) walk_lines(path, &g, cell, &random, &lines);
+    }
+    cr_expect(lines.far > 1000, "%s: %ld lines, %ld through five portals or more", path, lines.walked,
+              lines.far);
+    arena_free(&g.arena);
+}
+
+// Proves that no sequence that a line crosses is lost: brute force by lines walked from cell to cell.
+Test(trees, hold_every_line_of_plans) {
+    check_lines("build/maps/house.plan", true);
+    check_lines("build/maps/office.plan", false);
+}
+
+Test(trees, hold_every_line_of_portal_files, .timeout = 120) {
+    check_lines(support_shared("prt/lqdm2_omitdetail.prt"), true);
+    check_lines(support_shared("prt/lqdm2_omitdetail.prt"), false);
+    check_lines(support_shared("prt/dm4.prt"), true);
+}
+
+Test(trees, hold_every_line_of_doom_maps, .timeout = 120) {
+    check_lines(support_shared("doom/freedoom_dm18.wad"), true);
+}
+
+// Doorways that stand behind each other in plan, the middle one higher than any line through the others: of four rooms the
+// first sees the third and not the fourth. With the middle one no higher than the others, it sees them all.
+Test(trees, heights_end_a_sequence) {
+    for (int high = 0; high < 2; high++) {
+        Arena arena = {0};
+        Row row = {.room_count = 4, .wall = {64, 128, 192, 256}};
+        for (int k = 0; k < 3; k++) row.doorway[k] = (Doorway){{0, 32}, {0, 40}};
+        if (high) row.doorway[1] = (Doorway){{0, 32}, {48, 88}};
+        VisOptions options = vis_default_options();
+        StabForest forest;
+        cr_assert(vis_build_forest(row_graph(&arena, &row), &options, NULL, &arena, &forest));
+        for (int c = 0; c < 4; c++) cr_expect(!forest.bounded[c]);
+        cr_expect(vis_sees(&forest, 0, 2));
+        cr_expect_eq(vis_sees(&forest, 0, 3), !high);
+        cr_expect_eq(forest.node_count, high ? 14 : 16);
+        arena_free(&arena);
+    }
+}
+
+// The same of random rows, whose visibility is known in whole numbers: what is seen is in the tree, and what is not is
+// hardly ever.
+Test(trees, know_a_row_of_rooms) {
+    Random random = {21};
+    int hidden = 0, kept = 0;
+    for (int n = 0; n < support_count(300, 5000); n++) {
+        Arena arena = {0};
+        Row row = row_random(&random, 3 + n % 6);
+        VisOptions options = vis_default_options();
+        StabForest forest;
+        cr_assert(vis_build_forest(row_graph(&arena, &row), &options, NULL, &arena, &forest));
+        for (int a = 0; a < row.room_count; a++) {
+            for (int b = a + 1; b < row.room_count; b++) {
+                RowSight sight = row_sight(&row, a, b, true);
+                bool only_heights = sight == ROW_HIDDEN && row_sight(&row, a, b, false) == ROW_SEEN;
+                bool in_tree = vis_sees(&forest, a, b);
+                cr_assert(sight != ROW_SEEN || in_tree, "seed 21, row %d: room %d sees room %d", n, a, b);
+                hidden += only_heights;
+                kept += only_heights && in_tree;
+            }
+        }
+        arena_free(&arena);
+    }
+    cr_expect(hidden > 100 && kept == 0, "%d rows hidden by heights alone, %d of them kept", hidden, kept);
+}
+
+// Proves determinism where trees are large, given up and trimmed: the same nodes on 1, 2 and 7 threads.
+Test(trees, are_the_same_on_any_number_of_threads, .timeout = 120) {
+    static const int THREADS[] = {1, 2, 7};
+    Grown g;
+    read_cells(support_shared("prt/dm4.prt"), &g);
+    StabForest first = {0};
+    for (int i = 0; i < 3; i++) {
+        grow(&g, THREADS[i], true);
+        if (i == 0) first = g.forest;
+        cr_assert_eq(g.forest.node_count, first.node_count);
+        cr_expect_eq(memcmp(g.forest.nodes, first.nodes, sizeof *first.nodes * (size_t)first.node_count), 0);
+        cr_expect_eq(memcmp(g.forest.bounded, first.bounded, (size_t)first.cell_count), 0);
+        cr_expect_eq(memcmp(g.forest.seen, first.seen,
+                            sizeof *first.seen * (size_t)first.cell_count * (size_t)first.words),
+                     0);
+    }
+    arena_free(&g.arena);
+}

@@ -1,0 +1,21 @@
+// forest.h - what the two files that make stab trees share.
+#ifndef VISIBILITY_FOREST_H
+#define VISIBILITY_FOREST_H
+
+#include "visibility/vis.h"
+
+// What all trees of a building are grown from; read only, on any number of threads.
+typedef struct TreeSource TreeSource;
+TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, Arena *arena);
+
+typedef struct Tree {
+    StabNode *nodes;  // malloc'd; of this tree alone, depth-first, numbered from 0
+    int count;
+    bool bounded;
+} Tree;
+
+// Returns the tree of a cell, or the root alone where it is too large, and marks in `row` [words] the cells that may be
+// seen from it.
+Tree tree_grow(const TreeSource *source, int cell, uint64_t *row);
+
+#endif

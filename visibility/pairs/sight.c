@@ -8,18 +8,22 @@ static Vec3 crossing(const Way *way, Sight sight) {
     return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
 }
 
-// How far inside the portal the line passes, metres, whatever surface its bent corners span; negative outside.
+// How near the line comes to an edge of the portal it pierces, metres, whatever surface its bent corners span; negative
+// outside, or when it is too flat to tell. Between the lines, not within the portal's plane: one that grazes the plane
+// may cross it far from an edge and yet miss that edge by a hair.
 static double margin(const Way *way, Sight sight) {
     Vec3 p = crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
     double least = INFINITY, steepness = fabs(vec3_dot(direction, way->facet.plane.n));
+    if (!(steepness >= SIGHT_FLATTEST)) return -INFINITY;
     for (int i = 0; i < way->corner_count; i++) {
         Vec3 corner = way->corners[i],
              edge = vec3_sub(way->corners[i + 1 == way->corner_count ? 0 : i + 1], corner);
-        double length = vec3_length(edge);
-        if (length == 0) continue;
-        least = fmin(least, vec3_dot(vec3_cross(way->facet.plane.n, edge), vec3_sub(p, corner)) / length);
+        double across = vec3_length(vec3_cross(edge, direction));
+        if (across == 0) continue;
+        double inwards = vec3_dot(vec3_cross(way->facet.plane.n, edge), vec3_sub(p, corner));
+        least = fmin(least, (inwards * steepness - way->facet.bend * vec3_length(edge)) / across);
     }
-    return least - way->facet.bend / fmax(steepness, 1e-12);
+    return least;
 }
 
 bool sight_passes(const Way *way, Sight sight, double epsilon) {

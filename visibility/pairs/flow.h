@@ -22,6 +22,7 @@ typedef struct FlowStep {
     Separator beam[2 * WINDING_MAX];
     int beam_count;
     CellList wanted;  // cells in doubt that the beam may reach
+    Vec3 place;       // of sight_record: on a sightline, in the cell that the way leaves
 } FlowStep;
 
 // One thread's search. Give it back with flow_free.

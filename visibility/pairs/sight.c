@@ -80,28 +80,28 @@ bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *ou
     return false;
 }
 
-// A place on the line inside the cell that it leaves by step `leaves`: half-way from where it came in. Lines between such
-// places are as long as can be, so that walking them again is sure of their direction. Before the first portal and
-// beyond the last (leaves = depth + 1) the line is not followed: there its ends stand.
-static Vec3 place_in_cell(const Flow *flow, int depth, Sight sight, int leaves) {
-    const Way *ways = flow->ways->ways;
-    if (leaves == 0) return sight.from;
-    if (leaves > depth) return sight.to;
-    Vec3 in = crossing(&ways[flow->steps[leaves - 1]->way], sight);
-    return vec3_lerp(in, crossing(&ways[flow->steps[leaves]->way], sight), 0.5);
+// Places on the line inside the cells that the steps leave: half-way from where it came in. Lines between such places are
+// as long as can be, so that walking them again is sure of their direction. Before the first portal and beyond the last
+// the line is not followed: there its ends stand.
+static void set_places(Flow *flow, int depth, Sight sight) {
+    Vec3 in = sight.from;
+    for (int i = 0; i <= depth; i++) {
+        Vec3 out = crossing(&flow->ways->ways[flow->steps[i]->way], sight);
+        flow->steps[i]->place = i == 0 ? sight.from : vec3_lerp(in, out, 0.5);
+        in = out;
+    }
 }
 
 void sight_record(Flow *flow, int depth, Sight sight) {
     const Way *ways = flow->ways->ways;
     Finding *finding = flow->context;
+    set_places(flow, depth, sight);
     for (int j = 0; j <= depth; j++) {
         int last = ways[flow->steps[j]->way].to;
         row_add(finding->kept, last);
         row_drop(flow->unknown, last);
-        Vec3 to = place_in_cell(flow, depth, sight, j + 1);
-        for (int i = 0; i < j; i++) {
-            int first = ways[flow->steps[i]->way].from;
-            finding_add(finding, first, last, place_in_cell(flow, depth, sight, i), to);
-        }
+        Vec3 to = j < depth ? flow->steps[j + 1]->place : sight.to;
+        for (int i = 0; i < j; i++)
+            finding_add(finding, ways[flow->steps[i]->way].from, last, flow->steps[i]->place, to);
     }
 }

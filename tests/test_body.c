@@ -206,6 +206,13 @@ Test(body, apartment, .timeout = 1800) {
 Test(body, four_bedrooms, .timeout = 3600) {
     expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 100000, 29);
 }
+// Polygons alone, with a roof to stand on as far as the border of the world, which runs along the outer walls.
+Test(body, two_rooms_of_polygons, .timeout = 1800) {
+    expect_no_fault(support_shared("radiosity/twoRoom.quads"), 20000, 1);
+}
+Test(body, box_of_polygons, .timeout = 1800) {
+    expect_no_fault(support_shared("radiosity/boxA.quads"), 20000, 1);
+}
 
 // Proves that the check above can fail: a body that is moved into a wall, through a wall and into a leaf is noticed.
 Test(body, check_notices) {

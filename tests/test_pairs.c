@@ -131,6 +131,20 @@ Test(pairs, nothing_known_is_missed, .timeout = 300) {
     free(prt);
 }
 
+// Maps with slopes, where cells touch along portals that lines graze: each sightline of the proof holds nevertheless.
+Test(pairs, sightlines_hold_among_slopes, .timeout = 300) {
+    static const char *const MAPS[] = {"lq_e1m5_omitdetail", "e1m1", "lq_e2m2_nodetail", "lqdm13_omitdetail"};
+    for (int k = 0; k < support_count(2, 4); k++) {
+        Arena arena = {0};
+        char *name = arena_format(&arena, "prt/%s.prt", MAPS[k]);
+        CellGraph *graph = read_graph(&arena, arena_format(&arena, "%s", support_shared(name)));
+        PairSet set = find(graph, pair_method("proof"), 2, NULL, &arena);
+        cr_expect_gt(set.witness_count, 10 * graph->cell_count);
+        expect_sound(graph, pair_method("proof"), &set);
+        arena_free(&arena);
+    }
+}
+
 // Nor in the sample buildings, whose portals have doubled corners among others.
 Test(pairs, nothing_is_missed_in_the_samples, .timeout = 300) {
     static const char *const MAPS[] = {"two-rooms", "house", "office-plain"};

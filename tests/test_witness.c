@@ -4,6 +4,7 @@
 
 #include "tests/fixture.h"
 #include "tests/prt_scene.h"
+#include "visibility/pairs/sight.h"
 #include "visibility/pairs/witness.h"
 
 // Three rooms along x with doorways of 2 x 2 m at x = 2 m (y 0 to 2) and x = 4 m (y 3 to 5), and a fourth above the
@@ -153,4 +154,31 @@ Test(witness, agrees_with_a_ray_through_the_walls) {
         arena_free(&arena);
     }
     cr_expect_gt(agreed, 1000, "only %d lines came anywhere", agreed);
+}
+
+// Whatever the finder of sightlines takes for a sightline holds when it is walked, also where it grazes the portal or
+// passes close to an edge: lines of all angles down to 1e-8, at all distances from an edge down to 1e-9 m.
+Test(witness, holds_what_is_found) {
+    Rooms r = rooms();
+    Random random = {21};
+    Arena arena = {0};
+    WayGraph ways;
+    ways_build(r.graph, &arena, &ways);
+    int found = 0, near = 0, flat = 0;
+    for (int k = 0; k < 20000; k++) {
+        double sine = pow(10, random_between(&random, -8, 0)),
+               inwards = pow(10, random_between(&random, -9, 0));
+        double turn = random_between(&random, 0, 6.3);
+        Vec3 through = vec3(2, inwards, 1), along = vec3(sine, cos(turn), sin(turn));
+        Vec3 from = vec3_sub(through, along), to = vec3_add(through, along);
+        Sight sight = {vec3_sub(from, ways.origin), vec3_sub(to, ways.origin)};
+        if (!sight_passes(&ways.ways[0], sight, ways.epsilon)) continue;
+        cr_expect(proves(&r, 0, 1, from, to), "sine %g, %g m inwards, turned by %g", sine, inwards, turn);
+        found++;
+        near += inwards < 1e-6;
+        flat += sine < 1e-4;
+    }
+    cr_expect(near > 100 && flat > 1000, "%d, of which %d near and %d flat", found, near, flat);
+    arena_free(&arena);
+    arena_free(&r.arena);
 }

@@ -33,6 +33,7 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
     arena_free(&scratch);
     q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
+    q->joined = ARENA_ARRAY(arena, uint64_t, forest->words);
     memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
     q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
@@ -177,33 +178,43 @@ static bool near_boundary(const CellGraph *graph, const Cell *cell, Vec3 eye) {
     return false;
 }
 
-static bool near_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
-    if (fabs(plane_distance(portal->plane, eye)) >= EYE_CLEARANCE) return false;
+static bool near_portal(const CellGraph *graph, const Portal *portal, Vec3 eye, double distance) {
+    if (fabs(plane_distance(portal->plane, eye)) >= distance) return false;
     Box box = box_empty();
     for (int i = 0; i < portal->vertex_count; i++)
         box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
-    return box_contains(box_grow(box, EYE_CLEARANCE), eye);
+    return box_contains(box_grow(box, distance), eye);
 }
 
-// Is the eye farther than EYE_CLEARANCE from all walls of its cell, and of the cells that it is as near to through
-// portals? Of given cells no walls are known.
-static bool clear_of_walls(const CellGraph *graph, int cell, Vec3 eye) {
-    enum { MOST = 64 };  // that meet in one place; where more do, the eye counts as at a wall
-    if (graph->building->form == FORM_CELLS || !near_boundary(graph, &graph->cells[cell], eye)) return true;
-    int cells[MOST] = {cell}, count = 1;
+enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
+
+// The cells that the eye is nearer to than `distance`, through portals, its own first. Returns how many, or 0 where there
+// are too many.
+static int cells_around(const CellGraph *graph, int cell, Vec3 eye, double distance, int cells[MOST_AROUND]) {
+    int count = 0;
+    cells[count++] = cell;
     for (int i = 0; i < count; i++) {
         const Cell *c = &graph->cells[cells[i]];
-        if (near_wall(graph, cells[i], eye)) return false;
         for (int k = c->first_contact; k < c->first_contact + c->contact_count; k++) {
             Contact contact = graph->contacts[k];
             int known = 0;
             while (known < count && cells[known] != contact.cell) known++;
-            if (known < count || !near_portal(graph, &graph->portals[contact.portal], eye)) continue;
-            if (count == MOST) return false;
+            if (known < count || !near_portal(graph, &graph->portals[contact.portal], eye, distance))
+                continue;
+            if (count == MOST_AROUND) return 0;
             cells[count++] = contact.cell;
         }
     }
-    return true;
+    return count;
+}
+
+// Is the eye farther than EYE_CLEARANCE from the walls of all these cells? Of given cells no walls are known.
+static bool clear_of_walls(const CellGraph *graph, const int *cells, int count, Vec3 eye) {
+    if (graph->building->form == FORM_CELLS) return true;
+    for (int i = 0; i < count; i++) {
+        if (near_wall(graph, cells[i], eye)) return false;
+    }
+    return count > 0;
 }
 
 // ---- results
@@ -219,11 +230,11 @@ static void draw_all(VisQuery *q, bool by_frustum) {
     }
 }
 
-// Every object of every cell in the eye's visible set.
-static void draw_visible_set(VisQuery *q, int cell) {
+// Every object of every cell that may be entered.
+static void draw_visible_set(VisQuery *q) {
     Cone everything = {.all_around = true};
     for (int c = 0; c < q->graph->cell_count; c++) {
-        if (vis_sees(q->forest, cell, c)) visit_cell(q, c, 0, &everything);
+        if (q->limit[c / 64] >> (c % 64) & 1) visit_cell(q, c, 0, &everything);
     }
 }
 
@@ -265,17 +276,32 @@ static void sort_cells(VisQuery *q) {
     q->result.cells = q->cells;
 }
 
-static void walk(VisQuery *q, int cell) {
+// Through which an eye in `cell` may look. At a portal it may look through the cells beyond it as well: rounding may put
+// it there, and a line from there along the portal's plane is no line from here.
+static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
+    size_t words = (size_t)q->forest->words;
+    const uint64_t *seen = q->forest->seen + (size_t)around[0] * words;
+    if (count < 2) return seen;
+    memcpy(q->joined, seen, words * sizeof *q->joined);
+    for (int i = 1; i < count; i++) {
+        seen = q->forest->seen + (size_t)around[i] * words;
+        for (size_t k = 0; k < words; k++) q->joined[k] |= seen[k];
+    }
+    return q->joined;
+}
+
+static void walk(VisQuery *q, const int *around, int count) {
+    int cell = around[0];
     query_first_cone(q, &q->cones[0]);
     visit_cell(q, cell, 0, &q->cones[0]);
     bool trees = q->method != VIS_PORTALS;
-    q->limit = trees ? q->forest->seen + (size_t)cell * (size_t)q->forest->words : q->every_cell;
-    if (trees && !q->forest->bounded[cell]) {
+    q->limit = trees ? visible_set(q, around, count) : q->every_cell;
+    if (trees && count == 1 && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
     } else {
         query_walk(q, cell);
     }
-    if (q->result.overflow) draw_visible_set(q, cell);
+    if (q->result.overflow) draw_visible_set(q);
 }
 
 VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {
@@ -293,12 +319,18 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
         q->frame = 1;
         q->cone_serial = 0;
     }
-    if (cell >= 0 && !eye->on_surface && !clear_of_walls(q->graph, cell, eye->position))
-        q->result.eye_cell = cell = -1;
+    int around[MOST_AROUND] = {cell}, count = 1;
+    if (cell >= 0 && near_boundary(q->graph, &q->graph->cells[cell], eye->position)) {
+        count = cells_around(q->graph, cell, eye->position, EYE_CLEARANCE, around);
+        bool clear = eye->on_surface || clear_of_walls(q->graph, around, count, eye->position);
+        if (!clear || count == 0) q->result.eye_cell = cell = -1;
+        if (cell >= 0 && count > 1)
+            count = cells_around(q->graph, cell, eye->position, POSITION_SLACK, around);
+    }
     if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
         draw_all(q, method == VIS_FRUSTUM);
     } else {
-        walk(q, cell);
+        walk(q, around, count);
     }
     collect_objects(q);
     sort_cells(q);

@@ -97,8 +97,10 @@ bool way_is_segment(const CellGraph *graph, int way, double epsilon) {
     return true;
 }
 
-// Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`?
+// Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`? One does if
+// their middle does.
 static bool reaches(const Way *way, Plane plane, int side, double slack) {
+    if (side * plane_distance(plane, way->facet.middle) > slack) return true;
     for (int i = 0; i < way->corner_count; i++) {
         if (side * plane_distance(plane, way->corners[i]) > slack) return true;
     }

@@ -199,15 +199,19 @@ static void spread(Flooder *f, int from) {
     }
 }
 
-static void lay(CollisionFlood *flood, const CellGraph *graph, Arena *arena) {
+static void lay(CollisionFlood *flood, const CellGraph *graph, const FloodRules *rules, Arena *arena) {
     Box box = box_empty();
     for (int c = 0; c < graph->cell_count; c++) {
         if (vis_region(graph, c)->kind != REGION_OUTDOORS) box = box_union(box, graph->cells[c].box);
     }
     box = box_is_empty(box) ? graph->box : box_grow(box, FLOOD_OUTDOORS);
+    // Nobody comes nearer to the border of the world: that of a soup runs along its outer walls, its roof within.
+    Box world = box_grow(graph->building->world, -rules->radius - rules->spare);
+    box.min.x = fmax(box.min.x, world.min.x), box.max.x = fmin(box.max.x, world.max.x - FLOOD_APART);
+    box.min.y = fmax(box.min.y, world.min.y), box.max.y = fmin(box.max.y, world.max.y - FLOOD_APART);
     flood->origin = vec2(box.min.x, box.min.y);
-    flood->nx = (int)ceil((box.max.x - box.min.x) / FLOOD_APART) + 1;
-    flood->ny = (int)ceil((box.max.y - box.min.y) / FLOOD_APART) + 1;
+    flood->nx = (int)ceil(fmax(0, box.max.x - box.min.x) / FLOOD_APART) + 1;
+    flood->ny = (int)ceil(fmax(0, box.max.y - box.min.y) / FLOOD_APART) + 1;
     flood->column = ARENA_ARRAY(arena, int, flood->nx * flood->ny);
     for (int i = 0; i < flood->nx * flood->ny; i++) flood->column[i] = -1;
 }
@@ -229,7 +233,7 @@ CollisionFlood collision_flood(CollisionCheck *check, const CellGraph *graph, co
                                Arena *arena) {
     CollisionFlood flood = {0};
     Flooder f = {.check = check, .graph = graph, .rules = rules, .out = &flood, .arena = arena};
-    lay(&flood, graph, arena);
+    lay(&flood, graph, rules, arena);
     f.last = ARENA_ARRAY(arena, Stand, flood.nx * flood.ny);
     for (int c = 0; c < graph->cell_count; c++) seed(&f, c);
     for (int i = 0; i < flood.place_count; i++) spread(&f, i);

@@ -17,6 +17,7 @@ typedef struct CellList {
 typedef struct FlowStep {
     Beam beam;
     CellList wanted;  // cells in doubt that the beam may reach
+    Vec3 place;       // of sight_record: on a sightline, in the cell that the way leaves
 } FlowStep;
 
 // One thread's search. Give it back with flow_free.

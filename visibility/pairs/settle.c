@@ -8,11 +8,12 @@
 #include "engine/core/parallel.h"
 #include "visibility/pairs/sight.h"
 
-// Of one chain; beyond it the pair stays undecided. Doubling it settles few pairs more (a tenth of what is left).
-enum { MOST_PIECES = 64 };
+// Of one chain; beyond it the pair stays undecided.
+enum { MOST_PIECES = 96 };
 // A piece takes as long as so many chains.
-enum { PIECE_CHAINS = 30 };
-// A piece shorter than this many epsilons lies within what rounding leaves open.
+enum { PIECE_CHAINS = 15 };
+// A piece shorter than this many epsilons, or narrower in the mean, lies within what rounding leaves open: lines that only
+// touch an edge on their way leave a strip of the source that is never used up.
 static const double SHORTEST_PIECE = 1e4;
 
 typedef enum Verdict { EXCLUDED, PROVEN, OPEN } Verdict;
@@ -27,34 +28,40 @@ typedef struct Case {
 typedef struct Cutter {
     Flow *flow;
     int depth, pieces;
+    // What a piece of each level of halving leaves of the chain's portals; level 0 is the chain as the search left it.
+    Winding *portals[MOST_PIECES + 1];  // [depth + 1] or NULL
+    Arena arena;
     Sight sight;
 } Cutter;
 
-// Shrinks `source` to what may see through the whole chain, from the steps' portals as the search left them; false when
-// nothing can.
-static bool shrink(const Flow *flow, int depth, Winding *source) {
+// Shrinks `source` to what may see through the whole chain, whose portals are as the level above left them, and these to
+// what it sees; false when that is nothing.
+static bool shrink(const Cutter *cutter, int level, Winding *source) {
+    const Flow *flow = cutter->flow;
+    const Winding *above = cutter->portals[level - 1];
+    Winding *portals = cutter->portals[level];
     double epsilon = flow->ways->epsilon;
     Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
     const Way *first = &flow->ways->ways[flow->steps[0]->beam.way];
-    Winding pass, next;
     int planes = 0;
-    for (int i = 1; i <= depth; i++) {
+    for (int i = 1; i <= cutter->depth; i++) {
         const Way *way = &flow->ways->ways[flow->steps[i]->beam.way];
-        winding_copy(&next, &flow->steps[i]->beam.pass);
+        Winding *next = &portals[i];
+        const Winding *pass = &portals[i - 1];
+        winding_copy(next, &above[i]);
         for (int k = 0; k < planes; k++) {
-            if (!winding_clip(&next, beam[k])) return false;
+            if (!winding_clip(next, beam[k])) return false;
         }
         if (!winding_clip(source, beam_side(way, -1, first, epsilon))) return false;
         int count = 0;
         if (i > 1) {
-            count = winding_tangents(&next, &pass, -1, KEEP_OTHER, epsilon, back);
-            count += winding_tangents(&pass, &next, 1, KEEP_EDGES, epsilon, back + count);
+            count = winding_tangents(next, pass, -1, KEEP_OTHER, epsilon, back);
+            count += winding_tangents(pass, next, 1, KEEP_EDGES, epsilon, back + count);
         }
         for (int k = 0; k < count; k++) {
             if (!winding_clip(source, back[k])) return false;
         }
-        planes = beam_planes(source, &next, epsilon, beam);
-        winding_copy(&pass, &next);
+        planes = beam_planes(source, next, epsilon, beam);
     }
     return true;
 }
@@ -74,43 +81,51 @@ static double longest(const Winding *w, Vec3 *a, Vec3 *b) {
     return best;
 }
 
-static Verdict try_piece(Cutter *cutter, Winding *piece);
+static Verdict try_piece(Cutter *cutter, int level, Winding *piece);
 
-static Verdict try_halves(Cutter *cutter, const Winding *piece) {
+static Verdict try_halves(Cutter *cutter, int level, const Winding *piece) {
     Vec3 a = {0, 0, 0}, b = {0, 0, 0};
-    double length = longest(piece, &a, &b);
-    if (length < SHORTEST_PIECE * cutter->flow->ways->epsilon) return OPEN;
+    double length = longest(piece, &a, &b), shortest = SHORTEST_PIECE * cutter->flow->ways->epsilon;
+    if (length < shortest || polygon_area(piece->p, piece->count) < length * shortest) return OPEN;
     Vec3 along = vec3_scale(vec3_sub(b, a), 1 / length), middle = vec3_lerp(a, b, 0.5);
     Verdict worst = EXCLUDED;
     for (int side = -1; side <= 1; side += 2) {
         Winding half;
         winding_copy(&half, piece);
         if (!winding_clip(&half, separator_of(vec3_scale(along, side), middle, 0))) continue;
-        Verdict verdict = try_piece(cutter, &half);
+        Verdict verdict = try_piece(cutter, level + 1, &half);
         if (verdict == PROVEN) return PROVEN;
         if (verdict == OPEN) worst = OPEN;
     }
     return worst;
 }
 
-static Verdict try_piece(Cutter *cutter, Winding *piece) {
+static Verdict try_piece(Cutter *cutter, int level, Winding *piece) {
     if (cutter->pieces++ >= MOST_PIECES || cutter->flow->left <= 0) return OPEN;
     cutter->flow->left -= PIECE_CHAINS;
-    // Twice: what the first pass takes from the source narrows the beams of the second.
-    for (int pass = 0; pass < 2; pass++) {
-        if (!shrink(cutter->flow, cutter->depth, piece)) return EXCLUDED;
-    }
+    if (!cutter->portals[level])
+        cutter->portals[level] = ARENA_ARRAY(&cutter->arena, Winding, cutter->depth + 1);
+    if (!shrink(cutter, level, piece)) return EXCLUDED;
     if (sight_from_point(cutter->flow, cutter->depth, winding_middle(piece), &cutter->sight)) return PROVEN;
-    return try_halves(cutter, piece);
+    return try_halves(cutter, level, piece);
+}
+
+static Verdict try_chain(Cutter *cutter) {
+    Winding source;
+    winding_copy(&source, &cutter->flow->steps[cutter->depth]->beam.source);
+    cutter->portals[0] = ARENA_ARRAY(&cutter->arena, Winding, cutter->depth + 1);
+    for (int i = 1; i <= cutter->depth; i++)
+        winding_copy(&cutter->portals[0][i], &cutter->flow->steps[i]->beam.pass);
+    Verdict verdict = try_piece(cutter, 1, &source);
+    arena_free(&cutter->arena);
+    return verdict;
 }
 
 static void arrive(Flow *flow, int depth) {
     Finding *finding = flow->context;
     Case *c = (Case *)((char *)finding - offsetof(Case, finding));
     Cutter cutter = {.flow = flow, .depth = depth};
-    Winding source;
-    winding_copy(&source, &flow->steps[depth]->beam.source);
-    Verdict verdict = depth == 0 ? PROVEN : try_piece(&cutter, &source);
+    Verdict verdict = depth == 0 ? PROVEN : try_chain(&cutter);
     if (verdict == EXCLUDED) return;
     c->verdict = verdict;
     if (verdict == PROVEN) {
@@ -201,9 +216,9 @@ static void settle_run(Cases *run) {
     for (int i = 0; i < run->count; i++) take(run->rounds, &run->doubts[i], &run->cases[i]);
 }
 
-// Chains that one case may follow: so many in all take a minute or two of one core.
+// Chains that one case may follow: so many in all take half a minute of one core.
 static long long patience(int cases) {
-    static const long long ALL = 60000000, MOST = 50000;
+    static const long long ALL = 25000000, MOST = 50000;
     long long share = ALL / (cases + 1);
     return share < 1 ? 1 : share > MOST ? MOST : share;
 }

@@ -8,18 +8,22 @@ static Vec3 crossing(const Way *way, Sight sight) {
     return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
 }
 
-// How far inside the portal the line passes, metres, whatever surface its bent corners span; negative outside.
+// How near the line comes to an edge of the portal it pierces, metres, whatever surface its bent corners span; negative
+// outside, or when it is too flat to tell. Between the lines, not within the portal's plane: one that grazes the plane
+// may cross it far from an edge and yet miss that edge by a hair.
 static double margin(const Way *way, Sight sight) {
     Vec3 p = crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
     double least = INFINITY, steepness = fabs(vec3_dot(direction, way->facet.plane.n));
+    if (!(steepness >= SIGHT_FLATTEST)) return -INFINITY;
     for (int i = 0; i < way->corner_count; i++) {
         Vec3 corner = way->corners[i],
              edge = vec3_sub(way->corners[i + 1 == way->corner_count ? 0 : i + 1], corner);
-        double length = vec3_length(edge);
-        if (length == 0) continue;
-        least = fmin(least, vec3_dot(vec3_cross(way->facet.plane.n, edge), vec3_sub(p, corner)) / length);
+        double across = vec3_length(vec3_cross(edge, direction));
+        if (across == 0) continue;
+        double inwards = vec3_dot(vec3_cross(way->facet.plane.n, edge), vec3_sub(p, corner));
+        least = fmin(least, (inwards * steepness - way->facet.bend * vec3_length(edge)) / across);
     }
-    return least - way->facet.bend / fmax(steepness, 1e-12);
+    return least;
 }
 
 bool sight_passes(const Way *way, Sight sight, double epsilon) {
@@ -77,28 +81,28 @@ bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *ou
     return false;
 }
 
-// A place on the line inside the cell that it leaves by step `leaves`: half-way from where it came in. Lines between such
-// places are as long as can be, so that walking them again is sure of their direction. Before the first portal and
-// beyond the last (leaves = depth + 1) the line is not followed: there its ends stand.
-static Vec3 place_in_cell(const Flow *flow, int depth, Sight sight, int leaves) {
-    const Way *ways = flow->ways->ways;
-    if (leaves == 0) return sight.from;
-    if (leaves > depth) return sight.to;
-    Vec3 in = crossing(&ways[flow->steps[leaves - 1]->beam.way], sight);
-    return vec3_lerp(in, crossing(&ways[flow->steps[leaves]->beam.way], sight), 0.5);
+// Places on the line inside the cells that the steps leave: half-way from where it came in. Lines between such places are
+// as long as can be, so that walking them again is sure of their direction. Before the first portal and beyond the last
+// the line is not followed: there its ends stand.
+static void set_places(Flow *flow, int depth, Sight sight) {
+    Vec3 in = sight.from;
+    for (int i = 0; i <= depth; i++) {
+        Vec3 out = crossing(&flow->ways->ways[flow->steps[i]->beam.way], sight);
+        flow->steps[i]->place = i == 0 ? sight.from : vec3_lerp(in, out, 0.5);
+        in = out;
+    }
 }
 
 void sight_record(Flow *flow, int depth, Sight sight) {
     const Way *ways = flow->ways->ways;
     Finding *finding = flow->context;
+    set_places(flow, depth, sight);
     for (int j = 0; j <= depth; j++) {
         int last = ways[flow->steps[j]->beam.way].to;
         row_add(finding->kept, last);
         row_drop(flow->unknown, last);
-        Vec3 to = place_in_cell(flow, depth, sight, j + 1);
-        for (int i = 0; i < j; i++) {
-            int first = ways[flow->steps[i]->beam.way].from;
-            finding_add(finding, first, last, place_in_cell(flow, depth, sight, i), to);
-        }
+        Vec3 to = j < depth ? flow->steps[j + 1]->place : sight.to;
+        for (int i = 0; i < j; i++)
+            finding_add(finding, ways[flow->steps[i]->beam.way].from, last, flow->steps[i]->place, to);
     }
 }

@@ -9,7 +9,10 @@ typedef struct Sight {
     Vec3 from, to;
 } Sight;
 
-// Does the line pass the portal by SIGHT_MARGIN epsilons or more from its edges?
+// Does the line pass the portal by SIGHT_MARGIN epsilons or more from its edges, and not flatter than SIGHT_FLATTEST? Both
+// are several times what a check by other means would ask for, so that rounding stands between neither and its proof.
+#define SIGHT_MARGIN 4
+#define SIGHT_FLATTEST 4e-6  // sine
 bool sight_passes(const Way *way, Sight sight, double epsilon);
 
 // Looks from a point of the first portal of the chain steps[0 .. depth] through all its portals; exact but for rounding,
@@ -21,8 +24,6 @@ bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out);
 
 // The same from several points of `source`, a part of the first portal.
 bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out);
-
-#define SIGHT_MARGIN 4
 
 // Records that all cells along the chain see each other along `sight`, and takes them from the cells in doubt; the
 // flow's context is a Finding.

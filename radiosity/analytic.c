@@ -32,22 +32,21 @@ double analytic_point(const Vec3 *polygon, int count) {
     return fabs(sum) / (2 * M_PI);
 }
 
-bool analytic_occluder(const Vec3 *polygon, int count, int rank, AnalyticOccluder *out) {
-    assert(count <= ANALYTIC_CORNERS);
+bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, AnalyticOccluder *out) {
     Plane plane = plane_of_polygon(polygon, count);
     if (plane.d == 0) return false;  // no area (n = 0), or the origin on it
     bool towards = plane.d < 0;      // the front
-    out->beyond = towards ? (Plane){vec3_scale(plane.n, -1), -plane.d} : plane;
-    out->rank = rank;
-    out->edge_count = 0;
+    int kept = 0;
     for (int i = 0; i < count; i++) {
         Vec3 a = polygon[i], b = polygon[i + 1 < count ? i + 1 : 0];
         Vec3 n = vec3_normalize(towards ? vec3_cross(b, a) : vec3_cross(a, b));
         // Vertices on an edge repeat its plane.
-        bool same = out->edge_count > 0 && vec3_dot(n, out->edge[out->edge_count - 1].n) > 1 - 1e-15;
-        if (!same && vec3_dot(n, n) > 0) out->edge[out->edge_count++] = (Plane){n, 0};
+        bool same = kept > 0 && vec3_dot(n, edge[kept - 1].n) > 1 - 1e-15;
+        if (!same && vec3_dot(n, n) > 0) edge[kept++] = (Plane){n, 0};
     }
-    return out->edge_count > 2;
+    Plane beyond = towards ? (Plane){vec3_scale(plane.n, -1), -plane.d} : plane;
+    *out = (AnalyticOccluder){.beyond = beyond, .edge = edge, .edge_count = kept, .rank = rank};
+    return kept > 2;
 }
 
 typedef struct Subtraction {
@@ -97,7 +96,7 @@ static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next
 
 // The polygon less occluders `next` on. Depth-first: as deep as occluders that cut it.
 static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next) {
-    bool in_plane;
+    bool in_plane = false;
     while (next < s->occluder_count && !may_hide(&s->occluder[next], polygon, count, s->rank, &in_plane))
         next++;
     if (next == s->occluder_count) {
@@ -108,7 +107,8 @@ static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next) {
     Vec3 inside[ANALYTIC_CORNERS + 1];
     for (int i = 0; i < count; i++) inside[i] = polygon[i];
     if (!in_plane) count = split(s, inside, count, o->beyond, next + 1);
-    for (int e = 0; e < o->edge_count && count >= 3; e++) count = split(s, inside, count, o->edge[e], next + 1);
+    for (int e = 0; e < o->edge_count && count >= 3; e++)
+        count = split(s, inside, count, o->edge[e], next + 1);
 }
 
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,

@@ -14,14 +14,15 @@ double analytic_point(const Vec3 *polygon, int count);
 
 // What hides: the cone over a convex polygon seen from the origin, from the polygon's plane on.
 typedef struct AnalyticOccluder {
-    Plane beyond;                  // keep: what lies behind the polygon
-    Plane edge[ANALYTIC_CORNERS];  // keep: inside; through the origin
+    Plane beyond;       // keep: what lies behind the polygon
+    const Plane *edge;  // [edge_count] keep: inside; through the origin
     int edge_count;
     int rank;  // of polygons in one plane the lower one is seen
 } AnalyticOccluder;
 
-// Occluder of a convex polygon, either way round. False where it has no cone: no area, or the origin in its plane.
-bool analytic_occluder(const Vec3 *polygon, int count, int rank, AnalyticOccluder *out);
+// Occluder of a convex polygon, either way round; `edge` has room for `count`. False where it has no cone: no area, or
+// the origin in its plane.
+bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, AnalyticOccluder *out);
 
 // Takes a convex piece of what is left in sight.
 typedef void AnalyticPiece(void *context, const Vec3 *polygon, int count);

@@ -7,8 +7,7 @@
 // through each other.
 #include "radiosity/analytic.h"
 
-#include <assert.h>
-
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
 // What lies less than this behind a polygon touches it and is not hidden by it, metres: above the noise of coordinates
@@ -24,7 +23,7 @@ static double edge_share(Vec3 a, Vec3 b) {
 }
 
 double analytic_point(const Vec3 *polygon, int count) {
-    assert(count <= ANALYTIC_CORNERS);
+    CORE_ASSERT(count <= ANALYTIC_CORNERS);
     Vec3 above[ANALYTIC_CORNERS + 1];
     int left = polygon_clip(polygon, count, (Plane){vec3(0, 0, 1), 0}, 0, above);
     double sum = 0;
@@ -83,7 +82,7 @@ static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next);
 
 // Hands on what lies outside `bound`, and leaves in `polygon` what lies inside.
 static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next) {
-    assert(count < ANALYTIC_CORNERS);
+    CORE_ASSERT(count < ANALYTIC_CORNERS);
     Vec3 part[ANALYTIC_CORNERS + 1];
     Plane outside = {vec3_scale(bound.n, -1), -bound.d};
     int left = polygon_clip(polygon, count, outside, 0, part);
@@ -113,7 +112,7 @@ static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next) {
 
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
                            int occluder_count, AnalyticPiece *piece, void *context) {
-    assert(count < ANALYTIC_CORNERS);
+    CORE_ASSERT(count < ANALYTIC_CORNERS);
     Subtraction s = {occluder, occluder_count, rank, piece, context, 0};
     Vec3 above[ANALYTIC_CORNERS + 1];
     int left = polygon_clip(polygon, count, (Plane){vec3(0, 0, 1), 0}, 0, above);

@@ -38,6 +38,4 @@ double analytic_point_visible(const Vec3 *polygon, int count, const AnalyticOccl
 // the last bit; both counter-clockwise seen from their fronts, nothing between them.
 double analytic_exchange(const Vec3 *a, int a_count, const Vec3 *b, int b_count);
 
-extern const FormFactorMethod FORM_FACTOR_ANALYTIC;
-
 #endif

@@ -4,8 +4,8 @@
 // The inner integral along an edge is done in closed form, the outer one by adaptive Gauss quadrature; the mean of the
 // two orders makes the result the same both ways. Schroeder & Hanrahan's closed form of the outer one, by
 // dilogarithms, is left out.
-#include <assert.h>
 
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/analytic.h"
 
@@ -69,7 +69,7 @@ static int before(const Vec3 *polygon, int count, const Vec3 *other, int other_c
 }
 
 double analytic_exchange(const Vec3 *a, int a_count, const Vec3 *b, int b_count) {
-    assert(a_count <= ANALYTIC_CORNERS && b_count <= ANALYTIC_CORNERS);
+    CORE_ASSERT(a_count <= ANALYTIC_CORNERS && b_count <= ANALYTIC_CORNERS);
     // Boundaries know nothing of fronts: only what is before the other's plane takes part.
     Vec3 p[ANALYTIC_CORNERS + 1], q[ANALYTIC_CORNERS + 1];
     int n = before(a, a_count, b, b_count, p), m = before(b, b_count, a, a_count, q);

@@ -1,7 +1,7 @@
 // analytic_row.c - the row of a point without samples: each face less all that hides it, cut along its grid, each
 // piece by Lambert's formula (analytic.c). Exact but for rounding, and slow: what other methods are measured against.
-#include <assert.h>
 
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/analytic.h"
 #include "radiosity/face_grid.h"
@@ -64,7 +64,7 @@ static void add_piece(void *context, const Vec3 *polygon, int count) {
     self->total += share;
     if (self->back) self->sum->back += share;
     if (self->back) return;
-    assert(count + 4 <= ANALYTIC_CORNERS);
+    CORE_ASSERT(count + 4 <= ANALYTIC_CORNERS);
     Vec3 row[ANALYTIC_CORNERS], square[ANALYTIC_CORNERS];
     int i0, i1, j0, j1;
     extent(polygon, count, g->gy, g->y0, g->ny, &j0, &j1);
@@ -98,8 +98,6 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
         self->back = f->d > 0;
         work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count, f->face,
                                         self->occluder, occluders, add_piece, self);
-        work->faces_drawn++;
-        work->elements_drawn += self->mesh->faces[f->face].element_count;
     }
     if (1 - self->total > ANALYTIC_CLOSED) sum->escaped += 1 - self->total;
 }

@@ -9,11 +9,9 @@
 //
 // Departs in that elements are clipped at the horizon, and that the item buffer holds faces: the element of a pixel is
 // where its direction meets the face.
-#include "radiosity/hemisphere_polyline.h"
-
-#include <assert.h>
-
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
+#include "radiosity/form_factor.h"
 
 enum {
     LINE_CROSSINGS = 32,  // of a triangle with a line of pixels: 6, and some for rounding
@@ -101,7 +99,7 @@ static void add_edge(Polyline *self, Vec3 a, Vec3 b) {
         add_edge(self, middle, b);
         return;
     }
-    assert(self->point_count < self->point_capacity);
+    CORE_ASSERT(self->point_count < self->point_capacity);
     self->point[self->point_count++] = vec2(b.x / b_length, b.y / b_length);
 }
 
@@ -118,7 +116,7 @@ static void cross_lines(Polyline *self, Vec2 a, Vec2 b) {
     for (int j = first; j < end; j++) {
         double x = a.x + (pixel_at(j, n) - a.y) / (b.y - a.y) * (b.x - a.x);
         int k = self->crossing_count[j]++;
-        assert(k < LINE_CROSSINGS);
+        CORE_ASSERT(k < LINE_CROSSINGS);
         for (; k > 0 && self->crossing[j][k - 1] > x; k--) self->crossing[j][k] = self->crossing[j][k - 1];
         self->crossing[j][k] = x;
     }
@@ -204,9 +202,7 @@ static void items(void *context, const View *view, int32_t *item, FormFactorWork
         Fill fill = {.face = i, .rank = view->faces[i].face, .view = view, .item = item};
         for (int e = 0; e < face->element_count; e++)
             draw_element(self, &self->mesh->elements[face->first_element + e], &fill);
-        work->elements_drawn += face->element_count;
     }
-    work->faces_drawn += view->face_count;
     work->samples += self->samples.count;
 }
 

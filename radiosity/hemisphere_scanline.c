@@ -9,8 +9,7 @@
 // with their number.
 #include "radiosity/hemisphere_scanline.h"
 
-#include <assert.h>
-
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
 // Visible spans of less than this length are rounding where edges meet, and count to the span before them.
@@ -110,7 +109,7 @@ static void find_faces(Scan *self, const View *view, bool turn) {
         }
         self->face_count++;
     }
-    assert(arcs <= self->arc_capacity);
+    CORE_ASSERT(arcs <= self->arc_capacity);
     int *crossings = self->crossings;
     for (int k = 0; k <= self->lines; k++) crossings[k] = 0;
     for (int i = 0; i < arcs; i++) crossings[self->arcs[i].first]++, crossings[self->arcs[i].end]--;
@@ -126,7 +125,7 @@ static int next_band(Scan *self, int k0) {
         self->span_count[k - k0] = 0;
         spans += self->crossings[k] / 2;
     }
-    assert(k > k0);
+    CORE_ASSERT(k > k0);
     return k;
 }
 
@@ -235,9 +234,6 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
     Scan *self = context;
     see_all_lines(self, view, false, sum, work);
     see_all_lines(self, view, true, sum, work);
-    work->faces_drawn += view->face_count;
-    for (int i = 0; i < view->face_count; i++)
-        work->elements_drawn += self->mesh->faces[view->faces[i].face].element_count;
 }
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE = {

@@ -66,6 +66,4 @@ void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line, 
 // Adds the elements along a span of a face to the sum. Returns how many pieces.
 int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *span, RowSum *sum);
 
-extern const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE;
-
 #endif

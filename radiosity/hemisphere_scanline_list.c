@@ -3,8 +3,8 @@
 //
 // Two faces compare by the inverse distances of their planes, whose difference along a line, with z = sqrt(R^2 - x^2), is
 // alpha x + gamma z + t: exact, with at most two changes of sign.
-#include <assert.h>
 
+#include "engine/core/error.h"
 #include "radiosity/hemisphere_scanline.h"
 
 // Two inverse distances that differ by less, as a share, are the same: above the noise of doubles, below sheets 2e-7 m
@@ -12,7 +12,7 @@
 #define SCAN_SAME 1e-12
 
 static int new_span(ScanList *list, ScanSpan span, int next) {
-    assert(list->count < list->capacity);
+    CORE_ASSERT(list->count < list->capacity);
     list->span[list->count] = span;
     list->next[list->count] = next;
     return list->count++;

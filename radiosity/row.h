@@ -11,6 +11,10 @@ struct RowSum {
     int touched_count;
     double back, escaped;
     Row row;
+    uint64_t *marked;       // [word_count] scratch: a bit for each element
+    struct RowFace *faces;  // [face_count] scratch: of the view
+    int word_count;
+    unsigned stamp;
 };
 
 void row_start(RowSum *sum, const Mesh *mesh, Arena *arena);

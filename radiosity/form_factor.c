@@ -6,7 +6,12 @@
 #include "engine/core/error.h"
 #include "radiosity/row.h"
 
-const FormFactorMethod *const FORM_FACTOR_METHODS[] = {NULL};
+extern const FormFactorMethod FORM_FACTOR_HEMISPHERE, FORM_FACTOR_HEMICUBE;
+const FormFactorMethod *const FORM_FACTOR_METHODS[] = {
+    &FORM_FACTOR_HEMISPHERE,
+    &FORM_FACTOR_HEMICUBE,
+    NULL,
+};
 
 struct FormFactor {
     const FormFactorMethod *method;

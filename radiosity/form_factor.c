@@ -6,7 +6,14 @@
 #include "engine/core/error.h"
 #include "radiosity/row.h"
 
-const FormFactorMethod *const FORM_FACTOR_METHODS[] = {NULL};
+extern const FormFactorMethod FORM_FACTOR_HEMICUBE;
+extern const FormFactorMethod FORM_FACTOR_HEMISPHERE;
+extern const FormFactorMethod FORM_FACTOR_RAY;
+extern const FormFactorMethod FORM_FACTOR_RAY_HEMICUBE;
+
+const FormFactorMethod *const FORM_FACTOR_METHODS[] = {
+    &FORM_FACTOR_HEMISPHERE, &FORM_FACTOR_HEMICUBE, &FORM_FACTOR_RAY, &FORM_FACTOR_RAY_HEMICUBE, NULL,
+};
 
 struct FormFactor {
     const FormFactorMethod *method;
@@ -64,7 +71,7 @@ const int32_t *form_factor_items(FormFactor *self, const View *view) {
 }
 
 const Row *form_factor_row(FormFactor *self, const View *view) {
-    if (self->method->projective) {
+    if (!self->method->row) {
         const int32_t *item = form_factor_items(self, view);
         row_of_items(&self->sum, view, self->method->samples(self->self), item);
     } else {

@@ -5,6 +5,9 @@
 // each other by their exact distances, and elements begin where the line crosses the face's grid. The only error left is
 // that of the strips between lines. A line's length counts with the exact area of its strip, so that rows sum to 1.
 //
+// Lines run at 45 degrees to the view's axes: what is built is mostly aligned with these, and a line that runs along an
+// edge sees it all or not at all. It halves the error in an office.
+//
 // Lines are taken in bands, so that the crossings of a face with several lines are found together and memory does not grow
 // with their number.
 #include "radiosity/hemisphere_scanline.h"
@@ -68,6 +71,9 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *ar
     return self;
 }
 
+// From the view's axes to those of the lines.
+static Vec3 to_lines(Vec3 v) { return vec3((v.x - v.y) * M_SQRT1_2, (v.x + v.y) * M_SQRT1_2, v.z); }
+
 // The corners of a face's part above the horizon.
 static int find_corners(Scan *self, const View *view, const ViewFace *face, ScanCorner *out) {
     const Vec3 *v = view->vertices + face->first_vertex;
@@ -78,10 +84,11 @@ static int find_corners(Scan *self, const View *view, const ViewFace *face, Scan
         count = polygon_clip(v, count, (Plane){vec3(0, 0, 1), 0}, 0, self->clipped);
         v = self->clipped;
     }
-    for (int i = 0; i < count; i++)
-        out[i] = (ScanCorner){.at = v[i],
-                              .normal = vec3_cross(v[i], v[i + 1 < count ? i + 1 : 0]),
-                              .inverse = 1 / vec3_length(v[i])};
+    for (int i = 0; i < count; i++) {
+        out[i].at = to_lines(v[i]);
+        out[i].inverse = 1 / vec3_length(v[i]);
+    }
+    for (int i = 0; i < count; i++) out[i].normal = vec3_cross(out[i].at, out[i + 1 < count ? i + 1 : 0].at);
     return count;
 }
 
@@ -102,8 +109,11 @@ static int find_arcs(const Scan *self, int face, bool turn, ScanArc *out) {
     return arcs;
 }
 
-// Of lines the other way.
-static Vec3 turned(Vec3 v, bool turn) { return turn ? vec3(v.y, v.x, v.z) : v; }
+// The same, of lines the other way.
+static Vec3 turned(Vec3 v, bool turn) {
+    Vec3 w = to_lines(v);
+    return turn ? vec3(w.y, w.x, w.z) : w;
+}
 
 static void find_faces(Scan *self, const View *view, bool turn) {
     int arcs = 0;

@@ -76,19 +76,16 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
 // A block whose first sample is (i, j) of the grid.
 static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        int first = 0, count = 0;
+        unsigned mask = 0;
         for (int lane = 0; lane < LANES; lane++) {
-            if (!add_sample(s, grid, i + lane, j + row, block, row, lane, extent)) continue;
-            if (count == 0) first = lane;
-            count++;
-            assert(first + count == lane + 1);  // no gaps in a row
-        }
-        for (int lane = 0; lane < LANES; lane++) {
-            bool sample = lane >= first && lane < first + count;
+            bool sample = add_sample(s, grid, i + lane, j + row, block, row, lane, extent);
             s->nothing[block].near[row][lane] = sample ? 0 : INFINITY;
             s->nothing[block].face[row][lane] = -1;
+            mask |= (unsigned)sample << lane;
         }
-        s->runs[block * SAMPLER_BLOCK + row] = (unsigned char)(first | count << 4);
+        unsigned filled = mask | (mask - 1);
+        assert((filled & (filled + 1)) == 0);  // no gaps in a row
+        s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
     }
 }
 
@@ -112,7 +109,7 @@ static void scale_weights(Sampler *s) {
         least = fminf(least, s->samples.weight[i]);
         most = fmaxf(most, s->samples.weight[i]);
     }
-    s->equal = least == most;
+    s->each = least == most ? (float)(least / sum) : 0;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
     for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
@@ -125,7 +122,9 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
     s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->chosen = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
+    s->in_group = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
+    s->in_block = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
+    s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
@@ -138,7 +137,7 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
     s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);
-    s->runs = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
+    s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
     s->block_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count * 2);
     s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count / LANES + 1);

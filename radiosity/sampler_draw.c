@@ -16,17 +16,22 @@
 // coefficients: a few units in the last place of a float.
 #define FORM_NOISE 1e-6f
 
-// A face on its way through the hierarchy.
+// A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
 typedef struct Drawing {
     Form near;
+    int face;
     const DrawnEdge *edges;
-    int edge_count, face;
+    int edge_count;
+    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
     long long tests;
 } Drawing;
 
 static Form form_of(double x, double y, double z) {
-    Form f = {(float)x, (float)y, (float)z, 0};
-    f.noise = FORM_NOISE * (fabsf(f.x) + fabsf(f.y) + fabsf(f.z));
+    Form f = {.x = (float)x, .y = (float)y, .z = (float)z};
+    f.abs_x = fabsf(f.x);
+    f.abs_y = fabsf(f.y);
+    f.abs_z = fabsf(f.z);
+    f.noise = FORM_NOISE * (f.abs_x + f.abs_y + f.abs_z);
     return f;
 }
 
@@ -35,13 +40,13 @@ static Form form_in_axes(const View *view, Vec3 v) {
 }
 
 // The plane through the eye and a line; its length says nothing.
-static Form line_form(Sampler *s, const View *view, int line) {
+static const Form *line_form(Sampler *s, const View *view, int line) {
     if (s->line_stamp[line] != s->stamp) {
         const Line *l = &s->outlines.lines[line];
         s->line_stamp[line] = s->stamp;
         s->line_forms[line] = form_in_axes(view, vec3_cross(vec3_sub(l->point, view->eye), l->along));
     }
-    return s->line_forms[line];
+    return &s->line_forms[line];
 }
 
 static int make_edges(Sampler *s, const View *view, const ViewFace *face) {
@@ -49,90 +54,97 @@ static int make_edges(Sampler *s, const View *view, const ViewFace *face) {
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
     for (int i = 0; i < count; i++) {
         FaceEdge edge = o->edges[first + i];
-        Form f = line_form(s, view, edge.line);
-        bool along = (edge.sign > 0) == (face->d > 0);  // seen from behind, edges go counter-clockwise
-        if (along)
-            s->edges[i] = (DrawnEdge){f, 0};
-        else
-            s->edges[i] = (DrawnEdge){{-f.x, -f.y, -f.z, f.noise}, FLT_TRUE_MIN};
+        DrawnEdge *out = &s->edges[i];
+        out->form = *line_form(s, view, edge.line);
+        out->least = 0;
+        // Seen from behind, edges go counter-clockwise.
+        if ((edge.sign > 0) == (face->d > 0)) continue;
+        out->form.x = -out->form.x;
+        out->form.y = -out->form.y;
+        out->form.z = -out->form.z;
+        out->least = FLT_TRUE_MIN;
     }
     return count;
 }
 
 // A form's value in the middle of each box, and how far it may be from that anywhere in it.
-static inline Lane middle_in(const SampleBoxes *b, Form f) { return f.x * b->x + f.y * b->y + f.z * b->z; }
-static inline Lane spread_in(const SampleBoxes *b, Form f) {
-    return fabsf(f.x) * b->half_x + fabsf(f.y) * b->half_y + fabsf(f.z) * b->half_z + f.noise;
+static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
+    return f->x * b->x + f->y * b->y + f->z * b->z;
+}
+static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
+    return f->abs_x * b->half_x + f->abs_y * b->half_y + f->abs_z * b->half_z + f->noise;
 }
 
-// The boxes that the face may be seen in.
+// The boxes that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
 static inline unsigned boxes_reached(const SampleBoxes *b, const Drawing *d) {
-    Lane nearest = middle_in(b, d->near) + spread_in(b, d->near);
+    Lane nearest = middle_in(b, &d->near) + spread_in(b, &d->near);
     LaneInt in = (nearest >= b->far) & (nearest > 0);
-    for (int i = 0; i < d->edge_count; i++) {
-        Form f = d->edges[i].form;
-        in &= middle_in(b, f) + spread_in(b, f) >= 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        Lane middle = middle_in(b, &d->edges[e].form), spread = spread_in(b, &d->edges[e].form);
+        in &= middle >= -spread;
+        d->crossed[e] = lane_mask(middle <= spread);
     }
     return lane_mask(in);
 }
 
-static inline void draw_row(const SampleBlock *b, ItemBlock *items, int row, const Drawing *d,
-                            const DrawnEdge *edges, int edge_count) {
-    Lane x = b->x[row], y = b->y[row], z = b->z[row];
-    LaneInt in = ~(LaneInt){0};
-    for (int i = 0; i < edge_count; i++) {
-        Form f = edges[i].form;
-        in &= f.x * x + f.y * y + f.z * z >= edges[i].least;
+// Of the edges, those that cross box `lane`.
+static inline int choose_edges(const Drawing *d, int lane, DrawnEdge *out) {
+    int count = 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        out[count] = d->edges[e];
+        count += (int)(d->crossed[e] >> lane & 1);
     }
-    Lane value = d->near.x * x + d->near.y * y + d->near.z * z, old = items->near[row];
-    in &= (value > old) | ((value == old) & (items->face[row] > d->face));
-    items->near[row] = lane_choose(in, value, old);
-    items->face[row] = lane_choose_int(in, lane_int_of(d->face), items->face[row]);
+    return count;
 }
 
 // Returns the least 1 / distance now seen in the block.
-static float draw_block(const SampleBlock *b, ItemBlock *items, Drawing *d, const DrawnEdge *edges,
-                        int edge_count) {
+static inline float draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                               const DrawnEdge *edges, int edge_count) {
     Lane far = lane_of(INFINITY);
+    LaneInt face = lane_int_of(d->face);
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        draw_row(b, items, row, d, edges, edge_count);
-        far = lane_least(far, items->near[row]);
+        Lane x = b->x[row], y = b->y[row], z = b->z[row], old = items->near[row];
+        Lane value = d->near.x * x + d->near.y * y + d->near.z * z;
+        LaneInt before = items->face[row];
+        LaneInt in = (value > old) | ((value == old) & (before > face));
+        for (int e = 0; e < edge_count; e++) {
+            const Form *f = &edges[e].form;
+            in &= f->x * x + f->y * y + f->z * z >= edges[e].least;
+        }
+        Lane now = lane_choose(in, value, old);
+        items->near[row] = now;
+        items->face[row] = lane_choose_int(in, face, before);
+        far = lane_least(far, now);
     }
-    d->tests += SAMPLER_BLOCK * LANES;
     return lane_least_of(far);
 }
 
-// Which edges cross the boxes: bit i of crossed[e], box i is not wholly inside edge e.
-static inline void edges_crossing(const SampleBoxes *b, const Drawing *d, unsigned *crossed) {
-    for (int e = 0; e < d->edge_count; e++) {
-        Form f = d->edges[e].form;
-        crossed[e] = lane_mask(middle_in(b, f) - spread_in(b, f) <= 0);
-    }
-}
-
+// Eight blocks of a group.
 static void draw_eight(Sampler *s, int first_block, SampleBoxes *boxes, Drawing *d) {
-    unsigned reached = boxes_reached(boxes, d);
-    if (reached == 0) return;
-    edges_crossing(boxes, d, s->crossed);
-    for (; reached; reached &= reached - 1) {
-        int lane = __builtin_ctz(reached), block = first_block + lane, count = 0;
-        for (int e = 0; e < d->edge_count; e++)
-            if (s->crossed[e] >> lane & 1) s->chosen[count++] = s->edges[e];
-        boxes->far[lane] = draw_block(&s->blocks[block], &s->items[block], d, s->chosen, count);
+    for (unsigned reached = boxes_reached(boxes, d); reached; reached &= reached - 1) {
+        int lane = __builtin_ctz(reached), block = first_block + lane;
+        int count = choose_edges(d, lane, s->in_block);
+        boxes->far[lane] = draw_block(&s->blocks[block], &s->items[block], d, s->in_block, count);
+        d->tests += SAMPLER_BLOCK * LANES;
     }
 }
 
-static void draw_face(Sampler *s, Drawing *d) {
+static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
+    Drawing part = *d;
+    part.edges = s->in_group;
+    part.crossed = s->crossed_blocks;
     for (int k = 0; k * LANES < s->group_count; k++) {
         SampleBoxes *groups = &s->group_boxes[k];
         for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
             int lane = __builtin_ctz(reached), group = k * LANES + lane;
             SampleBoxes *boxes = &s->block_boxes[group * 2];
-            draw_eight(s, group * GROUP_BLOCKS, &boxes[0], d);
-            draw_eight(s, group * GROUP_BLOCKS + LANES, &boxes[1], d);
+            part.edge_count = choose_edges(d, lane, s->in_group);
+            draw_eight(s, group * GROUP_BLOCKS, &boxes[0], &part);
+            draw_eight(s, group * GROUP_BLOCKS + LANES, &boxes[1], &part);
             groups->far[lane] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
         }
     }
+    work->tests += part.tests;
 }
 
 static void clear(Sampler *s) {
@@ -149,13 +161,14 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     clear(s);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
+        double scale = 1 / face->d;
         s->view_index[face->face] = i;
-        Drawing d = {.near = form_of(face->n.x / face->d, face->n.y / face->d, face->n.z / face->d),
+        Drawing d = {.near = form_of(face->n.x * scale, face->n.y * scale, face->n.z * scale),
                      .edges = s->edges,
                      .edge_count = make_edges(s, view, face),
+                     .crossed = s->crossed,
                      .face = face->face};
-        draw_face(s, &d);
-        work->tests += d.tests;
+        draw_face(s, &d, work);
     }
     work->samples += s->samples.count;
 }

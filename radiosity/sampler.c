@@ -7,8 +7,9 @@
 
 #include "radiosity/sampler_part.h"
 
-// A float's rounding on the way to a box's bounds, unit directions.
-#define BOX_ROUNDING 2e-7f
+// Boxes are larger by this than their unit directions: a form's value at a direction or a box's corner is right to a few
+// units in the last place of a float, as a share of the sum of its coefficients.
+#define BOX_ROUNDING 1e-6f
 
 typedef struct Extent {
     float low[3], high[3];
@@ -122,8 +123,10 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
     s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->in_group = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->in_block = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
+    s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    s->block = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    for (int e = 0; e < s->outlines.most_edges; e++) s->all[e] = &s->edges[e];
     s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
@@ -140,13 +143,13 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
     s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
     s->block_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count * 2);
-    s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count / LANES + 1);
+    int pairs = (s->group_count + 2 * LANES - 1) / (2 * LANES);
+    s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, pairs * 2);
     s->samples.x = ARENA_ARRAY(arena, float, places);
     s->samples.y = ARENA_ARRAY(arena, float, places);
     s->samples.z = ARENA_ARRAY(arena, float, places);
     s->samples.weight = ARENA_ARRAY(arena, float, places);
-    for (int lane = 0; lane < LANES; lane++)
-        put_box(&s->group_boxes[s->group_count / LANES], lane, &EXTENT_EMPTY);
+    for (int i = 0; i < pairs * 2 * LANES; i++) put_box(&s->group_boxes[i / LANES], i % LANES, &EXTENT_EMPTY);
     int group = 0, side = SAMPLER_BLOCK * GROUP_SIDE;
     for (int g = 0; g < grid_count; g++)
         for (int j = 0; j < grids[g].height; j += side)

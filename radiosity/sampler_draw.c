@@ -12,50 +12,58 @@
 
 #include "radiosity/sampler_part.h"
 
-// Above the rounding of a form's value at a unit direction or at a box's corner, as a share of the sum of its
-// coefficients: a few units in the last place of a float.
-#define FORM_NOISE 1e-6f
+typedef double Four __attribute__((vector_size(32)));
+
+// Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
+typedef struct ViewFrame {
+    Four x, y, z;
+    Vec3 eye;
+} ViewFrame;
 
 // A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
 typedef struct Drawing {
     Form near;
     int face;
-    const DrawnEdge *edges;
+    const DrawnEdge *const *edges;
     int edge_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
-    long long tests;
 } Drawing;
 
-static Form form_of(double x, double y, double z) {
-    Form f = {.x = (float)x, .y = (float)y, .z = (float)z};
-    f.abs_x = fabsf(f.x);
-    f.abs_y = fabsf(f.y);
-    f.abs_z = fabsf(f.z);
-    f.noise = FORM_NOISE * (f.abs_x + f.abs_y + f.abs_z);
-    return f;
+static ViewFrame frame_of(const View *view) {
+    Vec3 x = view->x, y = view->y, z = view->z;
+    return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
 }
 
-static Form form_in_axes(const View *view, Vec3 v) {
-    return form_of(vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v));
+static inline Form form_of(Four v) {
+    typedef float FourFloats __attribute__((vector_size(16)));
+    typedef int32_t FourInts __attribute__((vector_size(16)));
+    union {
+        Form form;
+        FourFloats part[2];
+    } u;
+    u.part[0] = __builtin_convertvector(v, FourFloats);
+    u.part[1] = (FourFloats)((FourInts)u.part[0] & 0x7fffffff);
+    return u.form;
 }
 
-// The plane through the eye and a line; its length says nothing.
-static const Form *line_form(Sampler *s, const View *view, int line) {
+// The plane through the eye and a line, in the view's axes; its length says nothing.
+static const Form *line_form(Sampler *s, const ViewFrame *frame, int line) {
     if (s->line_stamp[line] != s->stamp) {
         const Line *l = &s->outlines.lines[line];
         s->line_stamp[line] = s->stamp;
-        s->line_forms[line] = form_in_axes(view, vec3_cross(vec3_sub(l->point, view->eye), l->along));
+        Vec3 n = vec3_cross(vec3_sub(l->point, frame->eye), l->along);
+        s->line_forms[line] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
     }
     return &s->line_forms[line];
 }
 
-static int make_edges(Sampler *s, const View *view, const ViewFace *face) {
+static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
     for (int i = 0; i < count; i++) {
         FaceEdge edge = o->edges[first + i];
         DrawnEdge *out = &s->edges[i];
-        out->form = *line_form(s, view, edge.line);
+        out->form = *line_form(s, frame, edge.line);
         out->least = 0;
         // Seen from behind, edges go counter-clockwise.
         if ((edge.sign > 0) == (face->d > 0)) continue;
@@ -67,50 +75,70 @@ static int make_edges(Sampler *s, const View *view, const ViewFace *face) {
     return count;
 }
 
+// ---- boxes
+
 // A form's value in the middle of each box, and how far it may be from that anywhere in it.
 static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
-    return f->x * b->x + f->y * b->y + f->z * b->z;
+    return lane_multiply_add(lane_of(f->x), b->x,
+                             lane_multiply_add(lane_of(f->y), b->y, lane_of(f->z) * b->z));
 }
 static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
-    return f->abs_x * b->half_x + f->abs_y * b->half_y + f->abs_z * b->half_z + f->noise;
+    return lane_multiply_add(lane_of(f->abs_x), b->half_x,
+                             lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
 }
 
-// The boxes that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
-static inline unsigned boxes_reached(const SampleBoxes *b, const Drawing *d) {
-    Lane nearest = middle_in(b, &d->near) + spread_in(b, &d->near);
-    LaneInt in = (nearest >= b->far) & (nearest > 0);
+static inline LaneInt boxes_before(const SampleBoxes *b, const Form *near) {
+    Lane nearest = middle_in(b, near) + spread_in(b, near);
+    return (nearest >= b->far) & (nearest > 0);
+}
+
+static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
+    Lane middle = middle_in(b, edge), spread = spread_in(b, edge);
+    *crossed = middle <= spread;
+    return middle + spread >= 0;
+}
+
+// Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
+    LaneInt low = boxes_before(&b[0], &d->near), high = boxes_before(&b[1], &d->near);
+    if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
-        Lane middle = middle_in(b, &d->edges[e].form), spread = spread_in(b, &d->edges[e].form);
-        in &= middle >= -spread;
-        d->crossed[e] = lane_mask(middle <= spread);
+        LaneInt crossed_low, crossed_high;
+        low &= boxes_at_edge(&b[0], &d->edges[e]->form, &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e]->form, &crossed_high);
+        d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
     }
-    return lane_mask(in);
+    return lane_mask(low) | lane_mask(high) << LANES;
 }
 
-// Of the edges, those that cross box `lane`.
-static inline int choose_edges(const Drawing *d, int lane, DrawnEdge *out) {
+// Of the edges, those that cross box i.
+static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
         out[count] = d->edges[e];
-        count += (int)(d->crossed[e] >> lane & 1);
+        count += (int)(d->crossed[e] >> i & 1);
     }
     return count;
 }
 
-// Returns the least 1 / distance now seen in the block.
-static inline float draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d,
-                               const DrawnEdge *edges, int edge_count) {
+// ---- directions
+
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
+    return lane_multiply_add(lane_of(f->x), b->x[row],
+                             lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
+}
+
+// What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
+// least 1 / distance now seen in the block.
+static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                const LaneInt inside[SAMPLER_BLOCK]) {
     Lane far = lane_of(INFINITY);
     LaneInt face = lane_int_of(d->face);
+    LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane x = b->x[row], y = b->y[row], z = b->z[row], old = items->near[row];
-        Lane value = d->near.x * x + d->near.y * y + d->near.z * z;
+        Lane value = form_at(&d->near, b, row), old = items->near[row];
         LaneInt before = items->face[row];
-        LaneInt in = (value > old) | ((value == old) & (before > face));
-        for (int e = 0; e < edge_count; e++) {
-            const Form *f = &edges[e].form;
-            in &= f->x * x + f->y * y + f->z * z >= edges[e].least;
-        }
+        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
         items->face[row] = lane_choose_int(in, face, before);
@@ -119,32 +147,48 @@ static inline float draw_block(const SampleBlock *b, ItemBlock *items, const Dra
     return lane_least_of(far);
 }
 
-// Eight blocks of a group.
-static void draw_eight(Sampler *s, int first_block, SampleBoxes *boxes, Drawing *d) {
-    for (unsigned reached = boxes_reached(boxes, d); reached; reached &= reached - 1) {
-        int lane = __builtin_ctz(reached), block = first_block + lane;
-        int count = choose_edges(d, lane, s->in_block);
-        boxes->far[lane] = draw_block(&s->blocks[block], &s->items[block], d, s->in_block, count);
-        d->tests += SAMPLER_BLOCK * LANES;
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far) {
+    LaneInt inside[SAMPLER_BLOCK], any = {0};
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) inside[row] = ~(LaneInt){0};
+    for (int e = 0; e < d->edge_count; e++) {
+        const DrawnEdge *edge = d->edges[e];
+        LANE_UNROLL
+        for (int row = 0; row < SAMPLER_BLOCK; row++)
+            inside[row] &= form_at(&edge->form, b, row) >= edge->least;
     }
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) any |= inside[row];
+    if (lane_mask(any) != 0) *far = draw_inside(b, items, d, inside);
+}
+
+// Returns how many blocks were looked at.
+static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
+    Drawing d = {whole->near, whole->face, s->group, edge_count, s->crossed_blocks};
+    SampleBoxes *boxes = &s->block_boxes[group * 2];
+    unsigned reached = boxes_reached(boxes, &d);
+    int count = __builtin_popcount(reached);
+    for (; reached; reached &= reached - 1) {
+        int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
+        Drawing in_block = {d.near, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        draw_block(&s->blocks[block], &s->items[block], &in_block,
+                   (float *)&boxes[i / LANES].far + i % LANES);
+    }
+    return count;
 }
 
 static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
-    Drawing part = *d;
-    part.edges = s->in_group;
-    part.crossed = s->crossed_blocks;
-    for (int k = 0; k * LANES < s->group_count; k++) {
-        SampleBoxes *groups = &s->group_boxes[k];
+    for (int first = 0; first < s->group_count; first += 2 * LANES) {
+        SampleBoxes *groups = &s->group_boxes[first / LANES];
         for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
-            int lane = __builtin_ctz(reached), group = k * LANES + lane;
-            SampleBoxes *boxes = &s->block_boxes[group * 2];
-            part.edge_count = choose_edges(d, lane, s->in_group);
-            draw_eight(s, group * GROUP_BLOCKS, &boxes[0], &part);
-            draw_eight(s, group * GROUP_BLOCKS + LANES, &boxes[1], &part);
-            groups->far[lane] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+            int i = __builtin_ctz(reached), group = first + i;
+            int blocks = draw_group(s, group, d, choose_edges(d, i, s->group));
+            if (blocks == 0) continue;
+            work->tests += blocks * SAMPLER_BLOCK * LANES;
+            const SampleBoxes *boxes = &s->block_boxes[group * 2];
+            groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
         }
     }
-    work->tests += part.tests;
 }
 
 static void clear(Sampler *s) {
@@ -159,13 +203,14 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
+    ViewFrame frame = frame_of(view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
-        double scale = 1 / face->d;
         s->view_index[face->face] = i;
-        Drawing d = {.near = form_of(face->n.x * scale, face->n.y * scale, face->n.z * scale),
-                     .edges = s->edges,
-                     .edge_count = make_edges(s, view, face),
+        double scale = 1 / face->d;
+        Drawing d = {.near = form_of((Four){face->n.x, face->n.y, face->n.z, 0} * scale),
+                     .edges = s->all,
+                     .edge_count = make_edges(s, &frame, face),
                      .crossed = s->crossed,
                      .face = face->face};
         draw_face(s, &d, work);

@@ -43,7 +43,8 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
 }
 
 static inline Lane form_at(GridForm f, const SampleBlock *b, int row) {
-    return f.x * b->x[row] + f.y * b->y[row] + f.z * b->z[row];
+    return lane_multiply_add(lane_of(f.x), b->x[row],
+                             lane_multiply_add(lane_of(f.y), b->y[row], lane_of(f.z) * b->z[row]));
 }
 
 // Of eight numbers, whole ones in 0 .. count - 1.
@@ -71,9 +72,7 @@ static inline LaneInt elements_on(Sampler *s, const View *view, int face, int bl
     Lane distance = 1 / form_at(grid->near, b, row);
     LaneInt column = whole(form_at(grid->column, b, row) * distance, grid->nx);
     LaneInt line = whole(form_at(grid->row, b, row) * distance, grid->ny);
-    LaneInt square = grid->first_square + line * grid->nx + column, element;
-    const int *squares = s->mesh->squares;
-    for (int lane = 0; lane < LANES; lane++) element[lane] = squares[square[lane]];
+    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + line * grid->nx + column);
     for (unsigned lost = lane_mask(element) & mask; lost; lost &= lost - 1) {
         int lane = __builtin_ctz(lost);
         element[lane] = element_beside(s, view, face, b, row, lane);

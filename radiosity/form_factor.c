@@ -6,11 +6,11 @@
 #include "engine/core/error.h"
 #include "radiosity/row.h"
 
-extern const FormFactorMethod FORM_FACTOR_HEMISPHERE, FORM_FACTOR_HEMICUBE;
+extern const FormFactorMethod FORM_FACTOR_HEMISPHERE, FORM_FACTOR_HEMICUBE, FORM_FACTOR_HEMISPHERE_SCANLINE,
+    FORM_FACTOR_HEMISPHERE_POLYLINE, FORM_FACTOR_ANALYTIC;
 const FormFactorMethod *const FORM_FACTOR_METHODS[] = {
-    &FORM_FACTOR_HEMISPHERE,
-    &FORM_FACTOR_HEMICUBE,
-    NULL,
+    &FORM_FACTOR_HEMISPHERE,          &FORM_FACTOR_HEMICUBE, &FORM_FACTOR_HEMISPHERE_SCANLINE,
+    &FORM_FACTOR_HEMISPHERE_POLYLINE, &FORM_FACTOR_ANALYTIC, NULL,
 };
 
 struct FormFactor {
@@ -69,7 +69,7 @@ const int32_t *form_factor_items(FormFactor *self, const View *view) {
 }
 
 const Row *form_factor_row(FormFactor *self, const View *view) {
-    if (self->method->projective) {
+    if (!self->method->row) {
         const int32_t *item = form_factor_items(self, view);
         row_of_items(&self->sum, view, self->method->samples(self->self), item);
     } else {

@@ -1,0 +1,69 @@
+// hemisphere_scanline.h - the parts of the scan-line method: crossings of edges with lines, what is visible along a
+// line, and the elements along a visible span.
+//
+// A line is y = const on the hemisphere's base, x the place along it, z = sqrt(1 - x^2 - y^2) the height above it. Of the
+// lines the other way x and y have changed places in all that is given here. Of whatever plane through the eye, with
+// normal e, the line crosses it where ex x + ey y + ez z = 0.
+#ifndef RADIOSITY_HEMISPHERE_SCANLINE_H
+#define RADIOSITY_HEMISPHERE_SCANLINE_H
+
+#include "radiosity/face_grid.h"
+#include "radiosity/row.h"
+
+// A piece of an edge's great circle along which y only grows or only falls: it is at x = ay + bs, z = cy + es, where
+// s = sqrt(l2 - y^2), for lines first .. end - 1.
+typedef struct ScanArc {
+    double a, b, c, e, l2;
+    int first, end;
+} ScanArc;
+
+typedef struct ScanPoint {
+    double x, z;
+} ScanPoint;
+
+// A stretch of a line where a face is. Faces by their index in ScanFaces.
+typedef struct ScanSpan {
+    ScanPoint from, to;
+    int face;
+} ScanSpan;
+
+typedef struct ScanFace {
+    Vec3 inverse;  // 1 / distance along direction w is dot(inverse, w)
+    int face;      // in View.faces
+    int rank;      // ViewFace.face
+    int first_arc, arc_count, first_line, end_line;
+    bool back, has_grid;
+    FaceGrid grid;  // once asked for
+} ScanFace;
+
+typedef struct ScanLine {
+    double y, radius2, radius;  // radius: of the half-circle above the line
+    double weight;              // of a unit of length
+} ScanLine;
+
+// The first line at or above y, of `lines` evenly spaced: 0 .. lines.
+static inline int scan_line_above(double y, int lines) {
+    double k = ceil((y + 1) * (0.5 * lines) - 0.5);
+    return k < 0 ? 0 : k > lines ? lines : (int)k;
+}
+// Appends the arcs of the edge from a to b (above the horizon; distances |a|, |b|). Returns how many, up to 2.
+int scan_arcs_of_edge(Vec3 a, double a_length, Vec3 b, double b_length, int lines, ScanArc *out);
+
+// Where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
+int scan_roots(double alpha, double gamma, double t, const ScanLine *line, ScanPoint from, ScanPoint to,
+               ScanPoint root[2]);
+
+// The visible spans of a line, as a list in x.
+typedef struct ScanList {
+    ScanSpan *span;  // [capacity]
+    int *next;       // [capacity] -1: last
+    int first, count, capacity;
+    long long tests;
+} ScanList;
+// Adds a span where it is nearer than what is there.
+void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line, const ScanSpan *span);
+
+// Adds the elements along a span of a face to the sum. Returns how many pieces.
+int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *span, RowSum *sum);
+
+#endif

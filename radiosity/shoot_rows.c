@@ -133,7 +133,7 @@ static void make_row(void *context, int index, int thread) {
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
     const Row *row = form_factor_row(maker->form_factor, view);
-    if (row->count > slot->capacity) {
+    if (!slot->row || row->count > slot->capacity) {
         arena_free(&slot->arena);
         slot->capacity = row->count + row->count / 2;
         slot->row = arena_alloc(&slot->arena, row_bytes(slot->capacity, slot->capacity), 1);

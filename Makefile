@@ -31,7 +31,7 @@ flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lm
+libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
@@ -43,9 +43,10 @@ maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d bu
         build/maps/office-plain.plan
 
 to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
-            libxxhash-dev libosmesa6-dev libcglm-dev libstb-dev libglfw3-dev fonts-dejavu-core
+            libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
+            fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
-to_test := $(to_walk) libcriterion-dev libembree-dev libglm-dev g++ zip xvfb xauth xdotool python3
+to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_fuzz := clang libclang-rt-14-dev libomp-dev
@@ -70,7 +71,7 @@ check-packages:
 $(dir)/enfilade: $(objects)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 -lstdc++ $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
 $(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
 $(dir)/tests/fuzz_wad $(dir)/tests/try_fuzz_wad: $(dir)/tests/wad_builder.o

@@ -4,8 +4,6 @@
 //
 // Departs from them: a pixel is decided by its direction's side of each edge's plane, so nothing is projected or clipped
 // (sampler.h).
-#include <math.h>
-
 #include "radiosity/row.h"
 #include "radiosity/sampler.h"
 
@@ -13,33 +11,10 @@ typedef struct Hemicube {
     Sampler *sampler;
 } Hemicube;
 
-enum { TOP = 4 };
-
-// Sides look along x, y, -x, -y, each from the horizon up.
-static bool on_cube(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
-    double u = 2 * (i + 0.5) / grid->width - 1;
-    if (grid->which == TOP) {
-        double v = 2 * (j + 0.5) / grid->height - 1, s = u * u + v * v + 1;
-        w[0] = u, w[1] = v, w[2] = 1;
-        *weight = 2.0 / grid->width / (s * s);
-        return true;
-    }
-    static const double AHEAD[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    double z = (j + 0.5) / grid->height, s = u * u + z * z + 1;
-    const double *a = AHEAD[grid->which];
-    w[0] = a[0] - u * a[1];
-    w[1] = a[1] + u * a[0];
-    w[2] = z;
-    *weight = z / grid->height / (s * s);
-    return true;
-}
-
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    int r = options->resolution;
-    SampleGrid grids[5] = {{r, r, TOP, on_cube}};
-    for (int side = 0; side < 4; side++) grids[side + 1] = (SampleGrid){r, (r + 1) / 2, side, on_cube};
+    SampleGrid grids[MOST_GRIDS];
     Hemicube *self = ARENA_ARRAY(arena, Hemicube, 1);
-    self->sampler = sampler_new(mesh, grids, 5, arena);
+    self->sampler = sampler_new(mesh, grids, grids_of_hemicube(options->resolution, grids), arena);
     return self;
 }
 

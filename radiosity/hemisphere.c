@@ -3,24 +3,12 @@
 // centres of R x R pixels over the disc, those inside it, with equal weights.
 //
 // Departs from Doi & Itoh: edges are exact great circles, not polylines, and depth is exact, not interpolated (sampler.h).
-#include <math.h>
-
 #include "radiosity/row.h"
 #include "radiosity/sampler.h"
 
-static bool over_disc(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
-    w[0] = 2 * (i + 0.5) / grid->width - 1;
-    w[1] = 2 * (j + 0.5) / grid->height - 1;
-    double left = 1 - w[0] * w[0] - w[1] * w[1];
-    if (left <= 0) return false;
-    w[2] = sqrt(left);
-    *weight = 1;
-    return true;
-}
-
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    SampleGrid grid = {options->resolution, options->resolution, 0, over_disc};
-    return sampler_new(mesh, &grid, 1, arena);
+    SampleGrid grids[MOST_GRIDS];
+    return sampler_new(mesh, grids, grids_of_disc(options->resolution, grids), arena);
 }
 
 static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }

@@ -6,17 +6,11 @@
 #define RADIOSITY_SAMPLER_H
 
 #include "radiosity/form_factor.h"
+#include "radiosity/sample_grids.h"
 
 enum { SAMPLER_BLOCK = 8 };  // samples along the side of a block
 
 typedef struct Sampler Sampler;
-
-// A rectangle of directions: `at` gives the direction (need not be a unit vector) and weight of place (i, j), 0 <= i < width,
-// 0 <= j < height; false where there is none.
-typedef struct SampleGrid {
-    int width, height, which;  // which: of several grids, for `at`
-    bool (*at)(const struct SampleGrid *grid, int i, int j, double direction[3], double *weight);
-} SampleGrid;
 
 // The samples of all grids; weights are scaled to sum 1.
 Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, Arena *arena);

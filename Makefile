@@ -160,6 +160,9 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
+	[ ! -e build/bench/breaks.csv ] || \
+	    { gnuplot -e "csv='build/bench/breaks.csv'; out='build/pictures/breaks'" tests/plots/breaks.gp && \
+	    cp build/pictures/breaks.png tests/pictures; }
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

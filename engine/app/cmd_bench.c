@@ -41,7 +41,13 @@ static const char HELP[] =
     "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
     "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
     "    --quick             20 shooters, 300000 rays\n"
-    "    --csv OUT           as above\n";
+    "    --csv OUT           as above\n\n"
+    "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
+    "the "
+    "distance\n"
+    "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
+    "own\n"
+    "    --seed N            of their turns\n";
 
 static const struct {
     const char *name;
@@ -49,7 +55,8 @@ static const struct {
 } BENCHES[] = {{"walk", bench_walk},
                {"collision", bench_collision},
                {"visibility", bench_visibility},
-               {"formfactors", bench_formfactors}};
+               {"formfactors", bench_formfactors},
+               {"breaks", bench_breaks}};
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -191,7 +198,8 @@ int cmd_bench(int argc, char **argv) {
         if (code != APP_GOOD) return code;
     }
     if (optind == argc)
-        return app_misuse("bench", "bench: which one? (allowed: walk, collision, visibility, formfactors)");
+        return app_misuse("bench",
+                          "bench: which one? (allowed: walk, collision, visibility, formfactors, breaks)");
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -200,7 +208,8 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse("bench",
-                      "bench: there is no benchmark `%s` (allowed: walk, collision, visibility, formfactors)",
-                      argv[optind]);
+    return app_misuse(
+        "bench",
+        "bench: there is no benchmark `%s` (allowed: walk, collision, visibility, formfactors, breaks)",
+        argv[optind]);
 }

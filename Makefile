@@ -172,6 +172,9 @@ charts:
 	for chart in rooms radiosity; do [ ! -e build/bench/$$chart.csv ] || \
 	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
+	[ ! -e build/bench/breaks.csv ] || \
+	    { gnuplot -e "csv='build/bench/breaks.csv'; out='build/pictures/breaks'" tests/plots/breaks.gp && \
+	    cp build/pictures/breaks.png tests/pictures; }
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

@@ -9,8 +9,10 @@
 
 // A row that misses 1 by less is closed: what is missing is rounding, not sky.
 #define ANALYTIC_CLOSED 1e-9
-// Smaller pieces are rounding where edges meet, through which nothing may leak.
+// Smaller pieces are rounding where edges meet, through which nothing may leak: of the row, and of the coordinates, a
+// share of the eye's distance from the origin in metres.
 #define ANALYTIC_SLIT 1e-13
+#define ANALYTIC_SLIT_FAR 4e-15
 
 typedef struct Analytic {
     const Mesh *mesh;
@@ -19,7 +21,7 @@ typedef struct Analytic {
     // Of the face at hand.
     FaceGrid grid;
     RowSum *sum;
-    double total;
+    double total, slit;
     bool back;
 } Analytic;
 
@@ -60,7 +62,7 @@ static void add_piece(void *context, const Vec3 *polygon, int count) {
     Analytic *self = context;
     const FaceGrid *g = &self->grid;
     double share = analytic_point(polygon, count);
-    if (!(share > ANALYTIC_SLIT)) return;
+    if (!(share > self->slit)) return;
     self->total += share;
     if (self->back) self->sum->back += share;
     if (self->back) return;
@@ -83,6 +85,7 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
     Analytic *self = context;
     self->sum = sum;
     self->total = 0;
+    self->slit = ANALYTIC_SLIT + ANALYTIC_SLIT_FAR * vec3_length(view->eye);
     int occluders = 0;
     Plane *edge = self->edge;
     for (int i = 0; i < view->face_count; i++) {

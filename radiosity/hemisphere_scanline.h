@@ -10,10 +10,16 @@
 #include "radiosity/face_grid.h"
 #include "radiosity/row.h"
 
+// A corner of a face above the horizon, and the edge from it to the next one.
+typedef struct ScanCorner {
+    Vec3 at, normal;  // normal: of the plane through the edge and the eye, at x next
+    double inverse;   // 1 / distance
+} ScanCorner;
+
 // A piece of an edge's great circle along which y only grows or only falls: it is at x = ay + bs, z = cy + es, where
-// s = sqrt(l2 - y^2), for lines first .. end - 1.
+// s = sqrt(h2 - e2 y^2), for lines first .. end - 1.
 typedef struct ScanArc {
-    double a, b, c, e, l2;
+    double a, b, c, e, h2, e2;
     int first, end;
 } ScanArc;
 
@@ -27,13 +33,23 @@ typedef struct ScanSpan {
     int face;
 } ScanSpan;
 
+// One coordinate of a face's grid along direction w: dot(g, w) / dot(inverse, w) + offset.
+typedef struct ScanAxis {
+    Vec3 g;
+    double offset;
+    int count;
+    Vec3 across;      // g x inverse: the way the grid's lines run
+    double vanishes;  // y^2 where their vanishing point is
+} ScanAxis;
+ScanAxis scan_axis(Vec3 g, double offset, int count, Vec3 inverse);
+
 typedef struct ScanFace {
     Vec3 inverse;  // 1 / distance along direction w is dot(inverse, w)
-    int face;      // in View.faces
     int rank;      // ViewFace.face
     int first_arc, arc_count, first_line, end_line;
     bool back, has_grid;
-    FaceGrid grid;  // once asked for
+    FaceGrid grid;     // once asked for
+    ScanAxis axis[2];  // likewise
 } ScanFace;
 
 typedef struct ScanLine {
@@ -46,8 +62,9 @@ static inline int scan_line_above(double y, int lines) {
     double k = ceil((y + 1) * (0.5 * lines) - 0.5);
     return k < 0 ? 0 : k > lines ? lines : (int)k;
 }
-// Appends the arcs of the edge from a to b (above the horizon; distances |a|, |b|). Returns how many, up to 2.
-int scan_arcs_of_edge(Vec3 a, double a_length, Vec3 b, double b_length, int lines, ScanArc *out);
+// Appends the arcs of the edge from a corner to the next one. `turn`: for lines the other way, along which x and y have
+// changed places. Returns how many, up to 2.
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, bool turn, int lines, ScanArc *out);
 
 // Where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
 int scan_roots(double alpha, double gamma, double t, const ScanLine *line, ScanPoint from, ScanPoint to,

@@ -1,39 +1,44 @@
 // hemisphere_scanline_arcs.c - where the great circle of an edge crosses lines y = const of the hemisphere's base: the
 // root of a quadratic, in closed form.
 //
-// With the unit normal e of the edge's plane and l2 = ex^2 + ez^2, the half-circle above the line meets the plane at
-//     (x, z) = (-ex ey y +- ez s, -ez ey y -+ ex s) / l2,    s = sqrt(l2 - y^2),
+// With the normal e of the edge's plane and h2 = ex^2 + ez^2, the half-circle above the line meets the plane at
+//     (x, z) = (-ex ey y +- ez s, -ez ey y -+ ex s) / h2,    s = sqrt(h2 - |e|^2 y^2),
 // with the upper sign where y grows along the edge. An edge taken the other way round gives the same numbers to the last
 // bit, so faces that share it leave neither a gap nor an overlap.
 #include "radiosity/hemisphere_scanline.h"
 
-static ScanArc arc(Vec3 e, double l2, bool grows, int k0, int k1) {
-    double side = (grows ? 1 : -1) / l2;
-    return (ScanArc){.a = -(e.x * e.y) / l2,
+static ScanArc arc(Vec3 e, double h2, double e2, bool grows, int k0, int k1) {
+    double scale = 1 / h2, side = grows ? scale : -scale;
+    return (ScanArc){.a = -(e.x * e.y) * scale,
                      .b = e.z * side,
-                     .c = -(e.z * e.y) / l2,
+                     .c = -(e.z * e.y) * scale,
                      .e = -(e.x * side),
-                     .l2 = l2,
+                     .h2 = h2,
+                     .e2 = e2,
                      .first = k0 < k1 ? k0 : k1,
                      .end = k0 < k1 ? k1 : k0};
 }
 
-int scan_arcs_of_edge(Vec3 a, double a_length, Vec3 b, double b_length, int lines, ScanArc *out) {
-    int ka = scan_line_above(a.y / a_length, lines), kb = scan_line_above(b.y / b_length, lines);
-    Vec3 e = vec3_normalize(vec3_cross(a, b));
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, bool turn, int lines, ScanArc *out) {
+    Vec3 a = from->at, b = to->at, n = from->normal;
+    // To exchange x and y is a reflection, which turns the normal round.
+    Vec3 e = turn ? vec3(-n.y, -n.x, -n.z) : n;
+    double ya = turn ? a.x : a.y, yb = turn ? b.x : b.y, xa = turn ? a.y : a.x, xb = turn ? b.y : b.x;
+    int ka = scan_line_above(ya * from->inverse, lines), kb = scan_line_above(yb * to->inverse, lines);
     // How y changes on the way, at either end.
-    double at_a = e.z * a.x - e.x * a.z, at_b = e.z * b.x - e.x * b.z;
-    double l2 = e.x * e.x + e.z * e.z;
+    double at_a = e.z * xa - e.x * a.z, at_b = e.z * xb - e.x * b.z;
     bool turns = (at_a > 0) != (at_b > 0);
+    if (!turns && ka == kb) return 0;
+    double h2 = e.x * e.x + e.z * e.z, e2 = h2 + e.y * e.y;
     if (!turns) {
-        if (ka == kb) return 0;
-        out[0] = arc(e, l2, at_a > 0, ka, kb);
+        out[0] = arc(e, h2, e2, at_a > 0, ka, kb);
         return 1;
     }
     // Over the top of the circle, or through its bottom.
-    int top = scan_line_above(at_a > 0 ? sqrt(l2) : -sqrt(l2), lines), count = 0;
-    if (ka != top) out[count++] = arc(e, l2, at_a > 0, ka, top);
-    if (kb != top) out[count++] = arc(e, l2, at_b > 0, kb, top);
+    double highest = sqrt(h2 / e2);
+    int top = scan_line_above(at_a > 0 ? highest : -highest, lines), count = 0;
+    if (ka != top) out[count++] = arc(e, h2, e2, at_a > 0, ka, top);
+    if (kb != top) out[count++] = arc(e, h2, e2, at_b > 0, kb, top);
     return count;
 }
 

@@ -6,43 +6,40 @@
 // walked in one direction.
 #include "radiosity/hemisphere_scanline.h"
 
-// One coordinate of the grid: i = dot(g, w) / dot(inverse, w) + offset.
-typedef struct GridAxis {
-    Vec3 g;
-    double offset;
-    int count;
-} GridAxis;
+ScanAxis scan_axis(Vec3 g, double offset, int count, Vec3 inverse) {
+    Vec3 across = vec3_cross(g, inverse);
+    double y2 = across.y * across.y;
+    return (ScanAxis){g, offset, count, across, y2 / (across.x * across.x + y2 + across.z * across.z)};
+}
 
 typedef struct GridWalk {
     int at, end, step;
     double next;  // x of the next crossing, INFINITY: no more
 } GridWalk;
 
-static double coordinate(const GridAxis *axis, Vec3 inverse, double y, ScanPoint p) {
-    double along = axis->g.x * p.x + axis->g.y * y + axis->g.z * p.z;
-    return along / (inverse.x * p.x + inverse.y * y + inverse.z * p.z) + axis->offset;
-}
+static double along(Vec3 v, double y, ScanPoint p) { return v.x * p.x + v.y * y + v.z * p.z; }
 
 // Where the walk leaves its square. Along it the coordinate grows with `step`, which tells the two roots apart.
-static double crossing(const GridAxis *axis, Vec3 inverse, const ScanLine *line, const GridWalk *walk) {
+static double crossing(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, const GridWalk *walk) {
     double i = walk->at + (walk->step > 0) - axis->offset;
     Vec3 e = vec3_sub(axis->g, vec3_scale(inverse, i));
     double t = e.y * line->y, h2 = e.x * e.x + e.z * e.z, s2 = h2 * line->radius2 - t * t;
     return (-e.x * t - walk->step * e.z * sqrt(s2 > 0 ? s2 : 0)) / h2;
 }
 
-static GridWalk walk_from(const GridAxis *axis, Vec3 inverse, const ScanLine *line, ScanPoint from,
-                          ScanPoint to) {
+// From a point to another; the distances of the face there.
+static GridWalk walk_from(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, ScanPoint from,
+                          double from_distance, ScanPoint to, double to_distance) {
     GridWalk walk = {.next = INFINITY};
     if (axis->count == 1) return walk;
-    walk.at = face_grid_clamp(coordinate(axis, inverse, line->y, from), axis->count);
-    walk.end = face_grid_clamp(coordinate(axis, inverse, line->y, to), axis->count);
+    walk.at = face_grid_clamp(along(axis->g, line->y, from) * from_distance + axis->offset, axis->count);
+    walk.end = face_grid_clamp(along(axis->g, line->y, to) * to_distance + axis->offset, axis->count);
     walk.step = walk.end > walk.at ? 1 : -1;
     if (walk.at != walk.end) walk.next = crossing(axis, inverse, line, &walk);
     return walk;
 }
 
-static void walk_on(GridWalk *walk, const GridAxis *axis, Vec3 inverse, const ScanLine *line) {
+static void walk_on(GridWalk *walk, const ScanAxis *axis, Vec3 inverse, const ScanLine *line) {
     walk->at += walk->step;
     walk->next = walk->at != walk->end ? crossing(axis, inverse, line, walk) : INFINITY;
 }
@@ -53,10 +50,11 @@ static void add(const FaceGrid *grid, int i, int j, double share, RowSum *sum) {
 }
 
 // A part of a span along which neither coordinate turns.
-static int walk_grid(const ScanFace *face, const GridAxis axis[2], const ScanLine *line, ScanPoint from,
-                     ScanPoint to, RowSum *sum) {
-    GridWalk x = walk_from(&axis[0], face->inverse, line, from, to);
-    GridWalk y = walk_from(&axis[1], face->inverse, line, from, to);
+static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from, ScanPoint to, RowSum *sum) {
+    const ScanAxis *axis = face->axis;
+    double d0 = 1 / along(face->inverse, line->y, from), d1 = 1 / along(face->inverse, line->y, to);
+    GridWalk x = walk_from(&axis[0], face->inverse, line, from, d0, to, d1);
+    GridWalk y = walk_from(&axis[1], face->inverse, line, from, d0, to, d1);
     double at = from.x;
     int pieces = 1;
     for (; x.at != x.end || y.at != y.end; pieces++) {
@@ -75,13 +73,14 @@ static int walk_grid(const ScanFace *face, const GridAxis axis[2], const ScanLin
     return pieces;
 }
 
-// Where the coordinate turns: the scan line's tangent, its point and the grid's direction lie in one plane.
-static int turns(const GridAxis *axis, Vec3 inverse, const ScanLine *line, const ScanSpan *span,
-                 ScanPoint turn[2]) {
-    if (axis->count == 1) return 0;
-    Vec3 q = vec3_cross(axis->g, inverse);
+// Where the coordinate turns: the scan line's tangent, its point and the grid's lines are in one plane.
+static int turns(const ScanAxis *axis, const ScanLine *line, const ScanSpan *span, ScanPoint turn[2]) {
+    if (axis->count == 1 || axis->vanishes >= line->y * line->y) return 0;
+    Vec3 q = axis->across;
     double qx = q.x * line->y, qz = q.z * line->y, t = -q.y * line->radius2;
-    if (t * t >= (qx * qx + qz * qz) * line->radius2) return 0;
+    double a = qx * span->from.x + qz * span->from.z + t, b = qx * span->to.x + qz * span->to.z + t;
+    // Of one sign at both ends, and curved away from 0 between them.
+    if (a * b > 0 && a * qz >= 0) return 0;
     return scan_roots(qx, qz, t, line, span->from, span->to, turn);
 }
 
@@ -91,10 +90,9 @@ int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *sp
         add(g, 0, 0, (span->to.x - span->from.x) * line->weight, sum);
         return 1;
     }
-    const GridAxis axis[2] = {{g->gx, g->x0, g->nx}, {g->gy, g->y0, g->ny}};
     ScanPoint cut[6] = {span->from};
-    int count = 1 + turns(&axis[0], face->inverse, line, span, cut + 1);
-    count += turns(&axis[1], face->inverse, line, span, cut + count);
+    int count = 1 + turns(&face->axis[0], line, span, cut + 1);
+    count += turns(&face->axis[1], line, span, cut + count);
     for (int i = 1; i < count; i++)
         for (int j = i; j > 1 && cut[j].x < cut[j - 1].x; j--) {
             ScanPoint p = cut[j];
@@ -103,6 +101,6 @@ int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *sp
         }
     cut[count] = span->to;
     int pieces = 0;
-    for (int i = 0; i < count; i++) pieces += walk_grid(face, axis, line, cut[i], cut[i + 1], sum);
+    for (int i = 0; i < count; i++) pieces += walk_grid(face, line, cut[i], cut[i + 1], sum);
     return pieces;
 }

@@ -7,8 +7,9 @@
 
 #include "radiosity/sampler_part.h"
 
-// A float's rounding on the way to a box's bounds, unit directions.
-#define BOX_ROUNDING 2e-7f
+// Boxes are larger by this than their unit directions: a form's value at a direction or a box's corner is right to a few
+// units in the last place of a float, as a share of the sum of its coefficients.
+#define BOX_ROUNDING 1e-6f
 
 typedef struct Extent {
     float low[3], high[3];
@@ -76,19 +77,16 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
 // A block whose first sample is (i, j) of the grid.
 static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        int first = 0, count = 0;
+        unsigned mask = 0;
         for (int lane = 0; lane < LANES; lane++) {
-            if (!add_sample(s, grid, i + lane, j + row, block, row, lane, extent)) continue;
-            if (count == 0) first = lane;
-            count++;
-            assert(first + count == lane + 1);  // no gaps in a row
-        }
-        for (int lane = 0; lane < LANES; lane++) {
-            bool sample = lane >= first && lane < first + count;
+            bool sample = add_sample(s, grid, i + lane, j + row, block, row, lane, extent);
             s->nothing[block].near[row][lane] = sample ? 0 : INFINITY;
             s->nothing[block].face[row][lane] = -1;
+            mask |= (unsigned)sample << lane;
         }
-        s->runs[block * SAMPLER_BLOCK + row] = (unsigned char)(first | count << 4);
+        unsigned filled = mask | (mask - 1);
+        assert((filled & (filled + 1)) == 0);  // no gaps in a row
+        s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
     }
 }
 
@@ -112,7 +110,7 @@ static void scale_weights(Sampler *s) {
         least = fminf(least, s->samples.weight[i]);
         most = fmaxf(most, s->samples.weight[i]);
     }
-    s->equal = least == most;
+    s->each = least == most ? (float)(least / sum) : 0;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
     for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
@@ -125,7 +123,11 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
     s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->chosen = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
+    s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    s->block = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    for (int e = 0; e < s->outlines.most_edges; e++) s->all[e] = &s->edges[e];
+    s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
@@ -138,16 +140,16 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
     s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);
-    s->runs = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
+    s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
     s->block_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count * 2);
-    s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count / LANES + 1);
+    int pairs = (s->group_count + 2 * LANES - 1) / (2 * LANES);
+    s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, pairs * 2);
     s->samples.x = ARENA_ARRAY(arena, float, places);
     s->samples.y = ARENA_ARRAY(arena, float, places);
     s->samples.z = ARENA_ARRAY(arena, float, places);
     s->samples.weight = ARENA_ARRAY(arena, float, places);
-    for (int lane = 0; lane < LANES; lane++)
-        put_box(&s->group_boxes[s->group_count / LANES], lane, &EXTENT_EMPTY);
+    for (int i = 0; i < pairs * 2 * LANES; i++) put_box(&s->group_boxes[i / LANES], i % LANES, &EXTENT_EMPTY);
     int group = 0, side = SAMPLER_BLOCK * GROUP_SIDE;
     for (int g = 0; g < grid_count; g++)
         for (int j = 0; j < grids[g].height; j += side)

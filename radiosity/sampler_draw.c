@@ -12,125 +12,181 @@
 
 #include "radiosity/sampler_part.h"
 
-// Above the rounding of a form's value at a unit direction or at a box's corner, as a share of the sum of its
-// coefficients: a few units in the last place of a float.
-#define FORM_NOISE 1e-6f
+typedef double Four __attribute__((vector_size(32)));
 
-// A face on its way through the hierarchy.
+// Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
+typedef struct ViewFrame {
+    Four x, y, z;
+    Vec3 eye;
+} ViewFrame;
+
+// A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
 typedef struct Drawing {
     Form near;
-    const DrawnEdge *edges;
-    int edge_count, face;
-    long long tests;
+    int face;
+    const DrawnEdge *const *edges;
+    int edge_count;
+    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
 } Drawing;
 
-static Form form_of(double x, double y, double z) {
-    Form f = {(float)x, (float)y, (float)z, 0};
-    f.noise = FORM_NOISE * (fabsf(f.x) + fabsf(f.y) + fabsf(f.z));
-    return f;
+static ViewFrame frame_of(const View *view) {
+    Vec3 x = view->x, y = view->y, z = view->z;
+    return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
 }
 
-static Form form_in_axes(const View *view, Vec3 v) {
-    return form_of(vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v));
+static inline Form form_of(Four v) {
+    typedef float FourFloats __attribute__((vector_size(16)));
+    typedef int32_t FourInts __attribute__((vector_size(16)));
+    union {
+        Form form;
+        FourFloats part[2];
+    } u;
+    u.part[0] = __builtin_convertvector(v, FourFloats);
+    u.part[1] = (FourFloats)((FourInts)u.part[0] & 0x7fffffff);
+    return u.form;
 }
 
-// The plane through the eye and a line; its length says nothing.
-static Form line_form(Sampler *s, const View *view, int line) {
+// The plane through the eye and a line, in the view's axes; its length says nothing.
+static const Form *line_form(Sampler *s, const ViewFrame *frame, int line) {
     if (s->line_stamp[line] != s->stamp) {
         const Line *l = &s->outlines.lines[line];
         s->line_stamp[line] = s->stamp;
-        s->line_forms[line] = form_in_axes(view, vec3_cross(vec3_sub(l->point, view->eye), l->along));
+        Vec3 n = vec3_cross(vec3_sub(l->point, frame->eye), l->along);
+        s->line_forms[line] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
     }
-    return s->line_forms[line];
+    return &s->line_forms[line];
 }
 
-static int make_edges(Sampler *s, const View *view, const ViewFace *face) {
+static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
     for (int i = 0; i < count; i++) {
         FaceEdge edge = o->edges[first + i];
-        Form f = line_form(s, view, edge.line);
-        bool along = (edge.sign > 0) == (face->d > 0);  // seen from behind, edges go counter-clockwise
-        if (along)
-            s->edges[i] = (DrawnEdge){f, 0};
-        else
-            s->edges[i] = (DrawnEdge){{-f.x, -f.y, -f.z, f.noise}, FLT_TRUE_MIN};
+        DrawnEdge *out = &s->edges[i];
+        out->form = *line_form(s, frame, edge.line);
+        out->least = 0;
+        // Seen from behind, edges go counter-clockwise.
+        if ((edge.sign > 0) == (face->d > 0)) continue;
+        out->form.x = -out->form.x;
+        out->form.y = -out->form.y;
+        out->form.z = -out->form.z;
+        out->least = FLT_TRUE_MIN;
     }
     return count;
 }
 
+// ---- boxes
+
 // A form's value in the middle of each box, and how far it may be from that anywhere in it.
-static inline Lane middle_in(const SampleBoxes *b, Form f) { return f.x * b->x + f.y * b->y + f.z * b->z; }
-static inline Lane spread_in(const SampleBoxes *b, Form f) {
-    return fabsf(f.x) * b->half_x + fabsf(f.y) * b->half_y + fabsf(f.z) * b->half_z + f.noise;
+static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->x), b->x,
+                             lane_multiply_add(lane_of(f->y), b->y, lane_of(f->z) * b->z));
+}
+static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->abs_x), b->half_x,
+                             lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
 }
 
-// The boxes that the face may be seen in.
-static inline unsigned boxes_reached(const SampleBoxes *b, const Drawing *d) {
-    Lane nearest = middle_in(b, d->near) + spread_in(b, d->near);
-    LaneInt in = (nearest >= b->far) & (nearest > 0);
-    for (int i = 0; i < d->edge_count; i++) {
-        Form f = d->edges[i].form;
-        in &= middle_in(b, f) + spread_in(b, f) >= 0;
+static inline LaneInt boxes_before(const SampleBoxes *b, const Form *near) {
+    Lane nearest = middle_in(b, near) + spread_in(b, near);
+    return (nearest >= b->far) & (nearest > 0);
+}
+
+static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
+    Lane middle = middle_in(b, edge), spread = spread_in(b, edge);
+    *crossed = middle <= spread;
+    return middle + spread >= 0;
+}
+
+// Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
+    LaneInt low = boxes_before(&b[0], &d->near), high = boxes_before(&b[1], &d->near);
+    if (lane_mask(low | high) == 0) return 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        LaneInt crossed_low, crossed_high;
+        low &= boxes_at_edge(&b[0], &d->edges[e]->form, &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e]->form, &crossed_high);
+        d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
     }
-    return lane_mask(in);
+    return lane_mask(low) | lane_mask(high) << LANES;
 }
 
-static inline void draw_row(const SampleBlock *b, ItemBlock *items, int row, const Drawing *d,
-                            const DrawnEdge *edges, int edge_count) {
-    Lane x = b->x[row], y = b->y[row], z = b->z[row];
-    LaneInt in = ~(LaneInt){0};
-    for (int i = 0; i < edge_count; i++) {
-        Form f = edges[i].form;
-        in &= f.x * x + f.y * y + f.z * z >= edges[i].least;
+// Of the edges, those that cross box i.
+static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
+    int count = 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        out[count] = d->edges[e];
+        count += (int)(d->crossed[e] >> i & 1);
     }
-    Lane value = d->near.x * x + d->near.y * y + d->near.z * z, old = items->near[row];
-    in &= (value > old) | ((value == old) & (items->face[row] > d->face));
-    items->near[row] = lane_choose(in, value, old);
-    items->face[row] = lane_choose_int(in, lane_int_of(d->face), items->face[row]);
+    return count;
 }
 
-// Returns the least 1 / distance now seen in the block.
-static float draw_block(const SampleBlock *b, ItemBlock *items, Drawing *d, const DrawnEdge *edges,
-                        int edge_count) {
+// ---- directions
+
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
+    return lane_multiply_add(lane_of(f->x), b->x[row],
+                             lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
+}
+
+// What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
+// least 1 / distance now seen in the block.
+static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                const LaneInt inside[SAMPLER_BLOCK]) {
     Lane far = lane_of(INFINITY);
+    LaneInt face = lane_int_of(d->face);
+    LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        draw_row(b, items, row, d, edges, edge_count);
-        far = lane_least(far, items->near[row]);
+        Lane value = form_at(&d->near, b, row), old = items->near[row];
+        LaneInt before = items->face[row];
+        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
+        Lane now = lane_choose(in, value, old);
+        items->near[row] = now;
+        items->face[row] = lane_choose_int(in, face, before);
+        far = lane_least(far, now);
     }
-    d->tests += SAMPLER_BLOCK * LANES;
     return lane_least_of(far);
 }
 
-// Which edges cross the boxes: bit i of crossed[e], box i is not wholly inside edge e.
-static inline void edges_crossing(const SampleBoxes *b, const Drawing *d, unsigned *crossed) {
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far) {
+    LaneInt inside[SAMPLER_BLOCK], any = {0};
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) inside[row] = ~(LaneInt){0};
     for (int e = 0; e < d->edge_count; e++) {
-        Form f = d->edges[e].form;
-        crossed[e] = lane_mask(middle_in(b, f) - spread_in(b, f) <= 0);
+        const DrawnEdge *edge = d->edges[e];
+        LANE_UNROLL
+        for (int row = 0; row < SAMPLER_BLOCK; row++)
+            inside[row] &= form_at(&edge->form, b, row) >= edge->least;
     }
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) any |= inside[row];
+    if (lane_mask(any) != 0) *far = draw_inside(b, items, d, inside);
 }
 
-static void draw_eight(Sampler *s, int first_block, SampleBoxes *boxes, Drawing *d) {
-    unsigned reached = boxes_reached(boxes, d);
-    if (reached == 0) return;
-    edges_crossing(boxes, d, s->crossed);
+// Returns how many blocks were looked at.
+static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
+    Drawing d = {whole->near, whole->face, s->group, edge_count, s->crossed_blocks};
+    SampleBoxes *boxes = &s->block_boxes[group * 2];
+    unsigned reached = boxes_reached(boxes, &d);
+    int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
-        int lane = __builtin_ctz(reached), block = first_block + lane, count = 0;
-        for (int e = 0; e < d->edge_count; e++)
-            if (s->crossed[e] >> lane & 1) s->chosen[count++] = s->edges[e];
-        boxes->far[lane] = draw_block(&s->blocks[block], &s->items[block], d, s->chosen, count);
+        int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
+        Drawing in_block = {d.near, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        draw_block(&s->blocks[block], &s->items[block], &in_block,
+                   (float *)&boxes[i / LANES].far + i % LANES);
     }
+    return count;
 }
 
-static void draw_face(Sampler *s, Drawing *d) {
-    for (int k = 0; k * LANES < s->group_count; k++) {
-        SampleBoxes *groups = &s->group_boxes[k];
+static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
+    for (int first = 0; first < s->group_count; first += 2 * LANES) {
+        SampleBoxes *groups = &s->group_boxes[first / LANES];
         for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
-            int lane = __builtin_ctz(reached), group = k * LANES + lane;
-            SampleBoxes *boxes = &s->block_boxes[group * 2];
-            draw_eight(s, group * GROUP_BLOCKS, &boxes[0], d);
-            draw_eight(s, group * GROUP_BLOCKS + LANES, &boxes[1], d);
-            groups->far[lane] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+            int i = __builtin_ctz(reached), group = first + i;
+            int blocks = draw_group(s, group, d, choose_edges(d, i, s->group));
+            if (blocks == 0) continue;
+            work->tests += blocks * SAMPLER_BLOCK * LANES;
+            const SampleBoxes *boxes = &s->block_boxes[group * 2];
+            groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
         }
     }
 }
@@ -147,15 +203,17 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
+    ViewFrame frame = frame_of(view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
-        Drawing d = {.near = form_of(face->n.x / face->d, face->n.y / face->d, face->n.z / face->d),
-                     .edges = s->edges,
-                     .edge_count = make_edges(s, view, face),
+        double scale = 1 / face->d;
+        Drawing d = {.near = form_of((Four){face->n.x, face->n.y, face->n.z, 0} * scale),
+                     .edges = s->all,
+                     .edge_count = make_edges(s, &frame, face),
+                     .crossed = s->crossed,
                      .face = face->face};
-        draw_face(s, &d);
-        work->tests += d.tests;
+        draw_face(s, &d, work);
     }
     work->samples += s->samples.count;
 }

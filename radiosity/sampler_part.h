@@ -20,29 +20,36 @@ typedef struct ItemBlock {
 } ItemBlock;
 
 // For each of eight things, the box about its directions, as middle and half its size, and the least 1 / distance seen
-// in it.
+// in it. The boxes are larger than their directions by what the rounding of a form can amount to.
 typedef struct SampleBoxes {
     Lane x, y, z, half_x, half_y, half_z;
     Lane far;
 } SampleBoxes;
 
-// dot((x, y, z), w) as floats; `noise` is above the error of its value anywhere.
+// dot((x, y, z), w) as floats, and the sizes of the three.
 typedef struct Form {
-    float x, y, z, noise;
+    float x, y, z, unused;
+    float abs_x, abs_y, abs_z, unused_abs;
 } Form;
 
-// A face ready to be drawn: a direction w is inside when every edge's form is at least its threshold, and sees it at
-// 1 / distance = dot(near, w).
+// A direction w is inside a face when every edge's form is at least its threshold.
 typedef struct DrawnEdge {
     Form form;
     float least;  // 0, or just above it: of two faces along a line one only holds it
 } DrawnEdge;
 
+typedef struct GridForm {
+    float x, y, z;
+} GridForm;
+
+// What a direction meets: an element, or
+enum { NOTHING = -1, BACK = -2, MANY = -3 };
+
 // Where on a face a direction meets it: column dot(column, w) / dot(near, w), row alike.
 typedef struct FaceGrid {
-    Form column, row, near;
-    int first_square, nx, ny, one;  // one: the only element, -1: there are more
-    bool front;
+    GridForm column, row, near;
+    int first_square, nx, ny;
+    int one;  // what all of the face is, MANY: look it up
 } FaceGrid;
 
 struct Sampler {
@@ -50,19 +57,20 @@ struct Sampler {
     FaceLines outlines;
     SampleBlock *blocks;         // [group_count * GROUP_BLOCKS]
     ItemBlock *items, *nothing;  // as blocks; before anything is drawn
-    unsigned char *runs;         // [.. * SAMPLER_BLOCK] of each row of 8: first sample | count << 4
+    unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
     float *weights;              // [.. * 64] 0 where there is no sample
-    SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 7) / 8]
+    SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count;
     FormFactorSamples samples;
-    bool equal;  // all weights are the same
+    float each;  // the weight of all samples, 0: they differ
     // Of one view.
     Form *line_forms;  // [line_count] each made when first needed
     int *line_stamp, *grid_stamp;
-    int *view_index;            // [face_count] of the faces in view
-    FaceGrid *grids;            // [face_count]
-    DrawnEdge *edges, *chosen;  // [most_edges] of the face under way; those that cross a block
-    unsigned *crossed;          // [most_edges]
+    int *view_index;                          // [face_count] of the faces in view
+    FaceGrid *grids;                          // [face_count]
+    DrawnEdge *edges;                         // [most_edges] of the face under way
+    const DrawnEdge **all, **group, **block;  // [most_edges] those edges; those that cross a group, a block
+    unsigned *crossed, *crossed_blocks;       // [most_edges]
     int stamp;
 };
 

@@ -9,17 +9,15 @@
 void sampler_items(const Sampler *self, int32_t *item) {
     for (int row = 0; row < self->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; row++) {
         const int32_t *face = (const int32_t *)&self->items[row / SAMPLER_BLOCK].face[row % SAMPLER_BLOCK];
-        int first = self->runs[row] & 15, count = self->runs[row] >> 4;
-        for (int lane = first; lane < first + count; lane++)
-            *item++ = face[lane] < 0 ? -1 : self->view_index[face[lane]];
+        for (unsigned mask = self->masks[row]; mask; mask &= mask - 1) {
+            int seen = face[__builtin_ctz(mask)];
+            *item++ = seen < 0 ? -1 : self->view_index[seen];
+        }
     }
 }
 
-static Form grid_form(const View *view, const ViewFace *face, Vec3 g, Vec3 origin) {
-    double along = vec3_dot(g, vec3_sub(view->eye, origin)) / face->d;
-    return (Form){(float)(vec3_dot(view->x, g) + along * face->n.x),
-                  (float)(vec3_dot(view->y, g) + along * face->n.y),
-                  (float)(vec3_dot(view->z, g) + along * face->n.z), 0};
+static GridForm grid_form(const View *view, Vec3 v) {
+    return (GridForm){(float)vec3_dot(view->x, v), (float)vec3_dot(view->y, v), (float)vec3_dot(view->z, v)};
 }
 
 static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
@@ -28,102 +26,98 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     s->grid_stamp[face] = s->stamp;
     const Face *f = &s->mesh->faces[face];
     const ViewFace *seen = &view->faces[s->view_index[face]];
-    *grid = (FaceGrid){
-        .column = grid_form(view, seen, f->gx, f->origin),
-        .row = grid_form(view, seen, f->gy, f->origin),
-        .near = {(float)(seen->n.x / seen->d), (float)(seen->n.y / seen->d), (float)(seen->n.z / seen->d), 0},
-        .first_square = f->first_square,
-        .nx = f->nx,
-        .ny = f->ny,
-        .one = f->element_count == 1 ? f->first_element : -1,
-        .front = seen->d < 0};
+    // The plane's point along w is w / dot(n / d, w) from the eye.
+    Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
+    Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
+    Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
+    *grid = (FaceGrid){.column = grid_form(view, column),
+                       .row = grid_form(view, row),
+                       .near = grid_form(view, near),
+                       .first_square = f->first_square,
+                       .nx = f->nx,
+                       .ny = f->ny,
+                       .one = seen->d > 0             ? BACK
+                              : f->element_count == 1 ? f->first_element
+                                                      : MANY};
     return grid;
 }
 
-static inline Lane form_at(Form f, const SampleBlock *b, int row) {
-    return f.x * b->x[row] + f.y * b->y[row] + f.z * b->z[row];
+static inline Lane form_at(GridForm f, const SampleBlock *b, int row) {
+    return lane_multiply_add(lane_of(f.x), b->x[row],
+                             lane_multiply_add(lane_of(f.y), b->y[row], lane_of(f.z) * b->z[row]));
 }
 
 // Of eight numbers, whole ones in 0 .. count - 1.
 static inline LaneInt whole(Lane a, int count) {
-    Lane most = lane_of((float)count - 0.5f);
     a = lane_choose(a > 0, a, (Lane){0});  // not a number: 0, too
-    return __builtin_convertvector(lane_least(a, most), LaneInt);
+    return __builtin_convertvector(lane_least(a, lane_of((float)count - 0.5f)), LaneInt);
 }
 
 // Where the polygon is not, by a rounding or beside a slanted edge: the nearest square that has an element.
-static int element_beside(const Sampler *s, const View *view, const FaceGrid *grid, int face,
-                          const float w[3]) {
-    double near = (double)grid->near.x * w[0] + (double)grid->near.y * w[1] + (double)grid->near.z * w[2];
-    Vec3 p = vec3_add(vec3_scale(view->x, w[0] / near),
-                      vec3_add(vec3_scale(view->y, w[1] / near), vec3_scale(view->z, w[2] / near)));
-    return mesh_element_at(s->mesh, face, vec3_add(view->eye, p));
+static int element_beside(const Sampler *s, const View *view, int face, const SampleBlock *b, int row,
+                          int lane) {
+    const GridForm *near = &s->grids[face].near;
+    double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
+    double distance = 1 / ((double)near->x * x + (double)near->y * y + (double)near->z * z);
+    Vec3 w = vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
+    return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
-// The elements at lanes first .. last of a row, all of which see one face.
-static void elements_of_run(const Sampler *s, const View *view, const FaceGrid *grid, int face, int block,
-                            int row, int first, int last, int32_t *element) {
+// The elements, or what there is instead, where a row of directions meets a face; only lanes of `mask` mean anything.
+static inline LaneInt elements_on(Sampler *s, const View *view, int face, int block, int row, unsigned mask) {
+    if (face < 0) return lane_int_of(NOTHING);
+    const FaceGrid *grid = grid_of(s, view, face);
+    if (grid->one != MANY) return lane_int_of(grid->one);
     const SampleBlock *b = &s->blocks[block];
     Lane distance = 1 / form_at(grid->near, b, row);
     LaneInt column = whole(form_at(grid->column, b, row) * distance, grid->nx);
     LaneInt line = whole(form_at(grid->row, b, row) * distance, grid->ny);
-    LaneInt square = grid->first_square + line * grid->nx + column;
-    for (int lane = first; lane <= last; lane++) {
-        element[lane] = s->mesh->squares[square[lane]];
-        if (element[lane] >= 0) continue;
-        float w[3] = {b->x[row][lane], b->y[row][lane], b->z[row][lane]};
-        element[lane] = element_beside(s, view, grid, face, w);
+    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + line * grid->nx + column);
+    for (unsigned lost = lane_mask(element) & mask; lost; lost &= lost - 1) {
+        int lane = __builtin_ctz(lost);
+        element[lane] = element_beside(s, view, face, b, row, lane);
     }
+    return element;
 }
 
-// Shares in the order of the samples; neighbours in one element are added at once.
-typedef struct Adding {
-    RowSum *sum;
-    int element;
-    double share;
-} Adding;
-
-static inline void add(Adding *a, int element, double share) {
-    if (element != a->element && a->element >= 0) {
-        row_add(a->sum, a->element, a->share);
-        a->share = 0;
-    }
-    a->element = element;
-    a->share += share;
+static void add_share(RowSum *sum, int element, double share) {
+    if (element >= 0)
+        row_add(sum, element, share);
+    else if (element == BACK)
+        sum->back += share;
+    else
+        sum->escaped += share;
 }
 
-static void add_run(Sampler *s, const View *view, int block, int row, int first, int last, int face,
-                    Adding *a) {
-    const float *weight = s->weights + ((size_t)block * SAMPLER_BLOCK + (size_t)row) * LANES;
-    double whole_share = 0;
-    const FaceGrid *grid = face < 0 ? NULL : grid_of(s, view, face);
-    if (!grid || !grid->front || grid->one >= 0) {
-        for (int lane = first; lane <= last; lane++) whole_share += weight[lane];
-        if (!grid)
-            a->sum->escaped += whole_share;
-        else if (!grid->front)
-            a->sum->back += whole_share;
-        else
-            add(a, grid->one, whole_share);
-        return;
+// Adds a row of eight, neighbours in one element at once.
+static inline void add_row(const Sampler *s, int at, LaneInt element, unsigned mask, RowSum *sum) {
+    LaneInt next = __builtin_shufflevector(element, element, 1, 2, 3, 4, 5, 6, 7, 7);
+    unsigned last_of_mask = mask & ~(mask >> 1);  // samples of a row follow each other
+    unsigned ends = (~lane_mask(element == next) & mask) | last_of_mask;
+    int from = __builtin_ctz(mask);
+    for (; ends; ends &= ends - 1) {
+        int end = __builtin_ctz(ends) + 1;
+        double share = (double)s->each * (end - from);
+        if (s->each == 0)
+            for (int lane = from; lane < end; lane++) share += (double)s->weights[at * LANES + lane];
+        add_share(sum, element[end - 1], share);
+        from = end;
     }
-    int32_t element[LANES];
-    elements_of_run(s, view, grid, face, block, row, first, last, element);
-    for (int lane = first; lane <= last; lane++) add(a, element[lane], weight[lane]);
 }
 
 void sampler_row(Sampler *s, const View *view, RowSum *sum) {
-    Adding adding = {.sum = sum, .element = -1};
     for (int at = 0; at < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; at++) {
+        unsigned mask = s->masks[at], left = mask;
+        if (mask == 0) continue;
         int block = at / SAMPLER_BLOCK, row = at % SAMPLER_BLOCK;
-        int first = s->runs[at] & 15, end = first + (s->runs[at] >> 4);
-        const int32_t *face = (const int32_t *)&s->items[block].face[row];
-        while (first < end) {
-            int last = first;
-            while (last + 1 < end && face[last + 1] == face[first]) last++;
-            add_run(s, view, block, row, first, last, face[first], &adding);
-            first = last + 1;
+        LaneInt faces = s->items[block].face[row], element = lane_int_of(NOTHING);
+        while (left) {
+            int face = faces[__builtin_ctz(left)];
+            LaneInt here = faces == lane_int_of(face);
+            unsigned seen = lane_mask(here) & mask;
+            element = lane_choose_int(here, elements_on(s, view, face, block, row, seen), element);
+            left &= ~seen;
         }
+        add_row(s, at, element, mask, sum);
     }
-    if (adding.element >= 0) row_add(sum, adding.element, adding.share);
 }

@@ -32,6 +32,7 @@ bool bench_visibility(const BenchArguments *arguments, Error *error);
 bool bench_formfactors(const BenchArguments *arguments, Error *error);
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_rooms(const BenchArguments *arguments, Error *error);
+bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
 
 const char *bench_name(const char *file);  // of a building in the CSV: without its folder
 

@@ -50,7 +50,13 @@ static const char HELP[] =
     "    --csv OUT           as above\n\n"
     "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
     "    --seed N            of the patches that shoot\n"
-    "    --csv OUT           as above\n";
+    "    --csv OUT           as above\n\n"
+    "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
+    "the "
+    "distance\n"
+    "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
+    "own\n"
+    "    --seed N            of their turns\n";
 
 static const struct {
     const char *name;
@@ -60,7 +66,11 @@ static const struct {
                {"visibility", bench_visibility},
                {"formfactors", bench_formfactors},
                {"radiosity", bench_radiosity},
-               {"rooms", bench_rooms}};
+               {"rooms", bench_rooms},
+
+               {"breaks", bench_breaks}};
+
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -205,10 +215,7 @@ int cmd_bench(int argc, char **argv) {
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc)
-        return app_misuse(
-            "bench",
-            "bench: which one? (allowed: walk, collision, visibility, formfactors, radiosity, rooms)");
+    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: %s)", ALLOWED);
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -217,8 +224,5 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse("bench",
-                      "bench: there is no benchmark `%s` (allowed: walk, collision, visibility, formfactors, "
-                      "radiosity, rooms)",
-                      argv[optind]);
+    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: %s)", argv[optind], ALLOWED);
 }

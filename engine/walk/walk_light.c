@@ -6,35 +6,26 @@
 #include "engine/walk/walk_shade.h"
 
 // What a wall of middling brightness becomes, before the shoulder: rooms are mostly light paint.
-static const double MIDDLE = 0.38;
-// What is darker than this share of the mean does not count: a sealed cupboard would make all rooms too bright.
-static const double DARKEST = 1e-3;
+static const double MIDDLE = 0.55;
 // Planes are one where their normals are this near, 1 - cosine.
 static const double SAME_PLANE = 1e-6;
 
 static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 static double brightness(const double b[3]) { return 0.2126 * b[0] + 0.7152 * b[1] + 0.0722 * b[2]; }
 
-// The logarithmic mean of what does not emit, by area, made MIDDLE.
+// The logarithmic mean of what does not emit, made MIDDLE. Each place counts by the light that leaves it: a dark garden
+// or a sealed cupboard would make all rooms too bright.
 static double find_exposure(const WalkLight *light) {
     const Mesh *mesh = light->mesh;
-    double area = 0, mean = 0, logs = 0, lit = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int e = 0; e < mesh->element_count; e++) {
-            const Element *element = &mesh->elements[e];
-            double b = brightness(light->solution->radiosity[e]);
-            if (emits(mesh_material(mesh, element->face))) continue;
-            if (pass == 0) {
-                mean += element->area * b;
-                area += element->area;
-            } else if (b > DARKEST * mean) {
-                logs += element->area * log(b);
-                lit += element->area;
-            }
-        }
-        if (pass == 0) mean = area > 0 ? mean / area : 0;
+    double power = 0, logs = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        double b = brightness(light->solution->radiosity[e]);
+        if (emits(mesh_material(mesh, element->face)) || !(b > 0)) continue;
+        logs += element->area * b * log(b);
+        power += element->area * b;
     }
-    return lit > 0 ? MIDDLE / exp(logs / lit) : 1;
+    return power > 0 ? MIDDLE / exp(logs / power) : 1;
 }
 
 static uint8_t to_screen(double b) {

@@ -24,13 +24,16 @@ struct WalkLit {
     unsigned array, vertex_buffer, list_buffer;
 };
 
-// The back of a face reflects nothing.
-static const Rgba8 BACK = {0, 0, 0, 255};
+// The back of a face reflects nothing, as light is computed. Curtains and leaves are one polygon all the same: they show
+// three quarters of their front's light.
+static Rgba8 back_of(Rgba8 front) {
+    return (Rgba8){(uint8_t)(front.r * 3 / 4), (uint8_t)(front.g * 3 / 4), (uint8_t)(front.b * 3 / 4), 255};
+}
 
 static void put_vertex(const WalkLit *lit, LitVertex *out, Vec3 at, Vec3 n, Rgba8 front) {
     Vec3 p = vec3_sub(at, lit->origin);
-    *out =
-        (LitVertex){{(float)p.x, (float)p.y, (float)p.z}, {(float)n.x, (float)n.y, (float)n.z}, front, BACK};
+    *out = (LitVertex){
+        {(float)p.x, (float)p.y, (float)p.z}, {(float)n.x, (float)n.y, (float)n.z}, front, back_of(front)};
 }
 
 static bool is_leaf(const CellGraph *graph, int object) { return graph->objects[object].leaf >= 0; }

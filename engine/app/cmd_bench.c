@@ -69,6 +69,8 @@ static const struct {
                {"rooms", bench_rooms},
                {"breaks", bench_breaks}};
 
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
+
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
 const char *bench_name(const char *file) {
@@ -212,9 +214,7 @@ int cmd_bench(int argc, char **argv) {
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc)
-        return app_misuse("bench", "bench: which one? (allowed: walk, collision, visibility, formfactors, "
-                                   "radiosity, rooms, breaks)");
+    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: %s)", ALLOWED);
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -223,8 +223,5 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse("bench",
-                      "bench: there is no benchmark `%s` (allowed: walk, collision, visibility, formfactors, "
-                      "radiosity, rooms, breaks)",
-                      argv[optind]);
+    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: %s)", argv[optind], ALLOWED);
 }

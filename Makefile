@@ -6,7 +6,9 @@ PREFIX ?= /usr/local
 fuzz_seconds ?= 60
 bench ?= walk
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
-files ?= $(filter %.plan,$(maps))
+rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
+files ?= $(if $(filter rooms,$(bench)),$(rooms),$(filter %.plan,$(if $(filter radiosity,$(bench)),\
+         $(filter build/maps/office%,$(maps)),$(maps))))
 peer ?=
 ifeq ($(origin CC),default)
 CC := gcc
@@ -98,9 +100,16 @@ build/glad/include/glad/gl.h: | check-packages
 build/generate: maps/buildings/generate.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O2 $(strict) -ffp-contract=off -I. -o $@ $< -lm
+define generate
+@mkdir -p $(@D)
+build/generate $(basename $(@F)) 1 > $@.new && mv $@.new $@
+endef
 build/maps/office%plan: build/generate
-	@mkdir -p $(@D)
-	build/generate $(patsubst build/maps/%.plan,%,$@) 1 > $@.new && mv $@.new $@
+	$(generate)
+build/maps/rooms-%.plan: build/generate
+	$(generate)
+build/maps/enfilade-%.plan: build/generate
+	$(generate)
 build/maps/%: maps/buildings/%
 	@mkdir -p $(@D)
 	cp $< $@
@@ -130,7 +139,7 @@ fuzz:
 	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
 	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
 	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
-bench: all
+bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv
 # The pictures of the README; the charts show the benchmarks as `make bench` left them.
@@ -160,6 +169,9 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
+	for chart in rooms radiosity; do [ ! -e build/bench/$$chart.csv ] || \
+	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
+	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 	[ ! -e build/bench/breaks.csv ] || \
 	    { gnuplot -e "csv='build/bench/breaks.csv'; out='build/pictures/breaks'" tests/plots/breaks.gp && \
 	    cp build/pictures/breaks.png tests/pictures; }

@@ -42,6 +42,15 @@ static const char HELP[] =
     "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
     "    --quick             20 shooters, 300000 rays\n"
     "    --csv OUT           as above\n\n"
+    "  radiosity      the tables of the papers again, on scenes of their sizes: what culling saves of FILE "
+    "(Oki), "
+    "the\n"
+    "                 hemisphere base against the hemicube in a furnished room (Doi & Itoh)\n"
+    "    --pictures DIR      of the room by each method, DIR/doi-itoh-2-hemicube.png and so on\n"
+    "    --csv OUT           as above\n\n"
+    "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
+    "    --seed N            of the patches that shoot\n"
+    "    --csv OUT           as above\n\n"
     "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
     "the "
     "distance\n"
@@ -56,7 +65,12 @@ static const struct {
                {"collision", bench_collision},
                {"visibility", bench_visibility},
                {"formfactors", bench_formfactors},
+               {"radiosity", bench_radiosity},
+               {"rooms", bench_rooms},
+
                {"breaks", bench_breaks}};
+
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -72,7 +86,7 @@ static int parse_look(const char *text, WalkLook *out) {
     return app_misuse("bench", "bench: --look is `%s` (allowed fast, fine)", text);
 }
 
-enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV, RESOLUTIONS, CULLINGS, SHOOTERS, RAYS, QUICK };
+enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV, RESOLUTIONS, CULLINGS, SHOOTERS, RAYS, QUICK, PICTURES };
 
 // Whole numbers, separated by commas.
 static bool parse_resolutions(const char *text, BenchArguments *a) {
@@ -104,6 +118,9 @@ static int parse_form_factor_option(int c, char **argv, BenchArguments *a) {
     case QUICK:
         a->shooters = 20;
         a->rays = 300000;
+        return APP_GOOD;
+    case PICTURES:
+        a->pictures = optarg;
         return APP_GOOD;
     default:
         return app_misuse_option("bench", c, argv);
@@ -177,6 +194,7 @@ int cmd_bench(int argc, char **argv) {
                                             {"shooters", required_argument, NULL, SHOOTERS},
                                             {"rays", required_argument, NULL, RAYS},
                                             {"quick", no_argument, NULL, QUICK},
+                                            {"pictures", required_argument, NULL, PICTURES},
                                             {0}};
     static char office[] = "build/maps/office.plan";
     static char *usual[] = {office};
@@ -197,9 +215,7 @@ int cmd_bench(int argc, char **argv) {
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc)
-        return app_misuse("bench",
-                          "bench: which one? (allowed: walk, collision, visibility, formfactors, breaks)");
+    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: %s)", ALLOWED);
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -208,8 +224,5 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse(
-        "bench",
-        "bench: there is no benchmark `%s` (allowed: walk, collision, visibility, formfactors, breaks)",
-        argv[optind]);
+    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: %s)", argv[optind], ALLOWED);
 }

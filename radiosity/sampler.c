@@ -2,7 +2,6 @@
 //
 // The boxes stand in for bounds of faces: a great circle's extent on the disc or the cube needs care (extrema on arcs, on
 // the rim), while the sign of a form over a box of directions is three multiplications, and serves any set of directions.
-#include <assert.h>
 #include <math.h>
 
 #include "radiosity/sampler_part.h"
@@ -84,8 +83,6 @@ static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int bloc
             s->nothing[block].face[row][lane] = -1;
             mask |= (unsigned)sample << lane;
         }
-        unsigned filled = mask | (mask - 1);
-        assert((filled & (filled + 1)) == 0);  // no gaps in a row
         s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
     }
 }

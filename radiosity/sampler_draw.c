@@ -12,6 +12,9 @@
 
 #include "radiosity/sampler_part.h"
 
+// How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
+#define NEAREST_MARGIN 1e-3
+
 typedef double Four __attribute__((vector_size(32)));
 
 // Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
@@ -23,6 +26,7 @@ typedef struct ViewFrame {
 // A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
 typedef struct Drawing {
     Form near;
+    float nearest;  // 1 / distance of nowhere on the face is above this
     int face;
     const DrawnEdge *const *edges;
     int edge_count;
@@ -75,6 +79,19 @@ static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) 
     return count;
 }
 
+// Of all the face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
+// of a plane that is seen edge-on.
+static float nearest_of(const View *view, const ViewFace *face) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, v[i]);
+    double least = INFINITY;
+    for (int i = 0; i < face->vertex_count; i++) least = fmin(least, vec3_dot(sum, v[i]));
+    double length = vec3_length(sum), away = fabs(face->d);
+    if (least > away * length) away = least / length;
+    return (float)((1 + NEAREST_MARGIN) / away);
+}
+
 // ---- boxes
 
 // A form's value in the middle of each box, and how far it may be from that anywhere in it.
@@ -87,8 +104,8 @@ static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
                              lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
 }
 
-static inline LaneInt boxes_before(const SampleBoxes *b, const Form *near) {
-    Lane nearest = middle_in(b, near) + spread_in(b, near);
+static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
+    Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
     return (nearest >= b->far) & (nearest > 0);
 }
 
@@ -100,7 +117,7 @@ static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, Lane
 
 // Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
 static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
-    LaneInt low = boxes_before(&b[0], &d->near), high = boxes_before(&b[1], &d->near);
+    LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
     if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
         LaneInt crossed_low, crossed_high;
@@ -132,11 +149,11 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
 // least 1 / distance now seen in the block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt inside[SAMPLER_BLOCK]) {
-    Lane far = lane_of(INFINITY);
+    Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
     LaneInt face = lane_int_of(d->face);
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane value = form_at(&d->near, b, row), old = items->near[row];
+        Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
         LaneInt before = items->face[row];
         LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
         Lane now = lane_choose(in, value, old);
@@ -164,13 +181,13 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
 
 // Returns how many blocks were looked at.
 static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
-    Drawing d = {whole->near, whole->face, s->group, edge_count, s->crossed_blocks};
+    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
     SampleBoxes *boxes = &s->block_boxes[group * 2];
     unsigned reached = boxes_reached(boxes, &d);
     int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
         int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
-        Drawing in_block = {d.near, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
         draw_block(&s->blocks[block], &s->items[block], &in_block,
                    (float *)&boxes[i / LANES].far + i % LANES);
     }
@@ -209,6 +226,7 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
         s->view_index[face->face] = i;
         double scale = 1 / face->d;
         Drawing d = {.near = form_of((Four){face->n.x, face->n.y, face->n.z, 0} * scale),
+                     .nearest = nearest_of(view, face),
                      .edges = s->all,
                      .edge_count = make_edges(s, &frame, face),
                      .crossed = s->crossed,

@@ -92,16 +92,16 @@ static void add_share(RowSum *sum, int element, double share) {
 // Adds a row of eight, neighbours in one element at once.
 static inline void add_row(const Sampler *s, int at, LaneInt element, unsigned mask, RowSum *sum) {
     LaneInt next = __builtin_shufflevector(element, element, 1, 2, 3, 4, 5, 6, 7, 7);
-    unsigned last_of_mask = mask & ~(mask >> 1);  // samples of a row follow each other
-    unsigned ends = (~lane_mask(element == next) & mask) | last_of_mask;
-    int from = __builtin_ctz(mask);
-    for (; ends; ends &= ends - 1) {
+    unsigned ends = (~lane_mask(element == next) & 0xff) | 0x80;
+    for (int from = 0; ends; ends &= ends - 1) {
         int end = __builtin_ctz(ends) + 1;
-        double share = (double)s->each * (end - from);
-        if (s->each == 0)
-            for (int lane = from; lane < end; lane++) share += (double)s->weights[at * LANES + lane];
-        add_share(sum, element[end - 1], share);
+        unsigned run = mask & (0xffu >> (LANES - end)) & (0xffu << from);
         from = end;
+        if (run == 0) continue;
+        double share = (double)s->each * __builtin_popcount(run);
+        if (s->each == 0)
+            for (; run; run &= run - 1) share += (double)s->weights[at * LANES + __builtin_ctz(run)];
+        add_share(sum, element[end - 1], share);
     }
 }
 

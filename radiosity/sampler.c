@@ -63,8 +63,8 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     s->blocks[block].z[row][lane] = unit[2];
     s->weights[(block * SAMPLER_BLOCK + row) * LANES + lane] = (float)weight;
     int at = s->samples.count++;
-    s->samples.x[at] = unit[0];
-    s->samples.y[at] = unit[1];
+    s->samples.x[at] = (float)((w[0] * s->cosine - w[1] * s->sine) / length);
+    s->samples.y[at] = (float)((w[0] * s->sine + w[1] * s->cosine) / length);
     s->samples.z[at] = unit[2];
     s->samples.weight[at] = (float)weight;
     Extent one;
@@ -114,8 +114,6 @@ static void scale_weights(Sampler *s) {
 }
 
 static void take_view_memory(Sampler *s, Arena *arena) {
-    s->line_forms = ARENA_ARRAY(arena, Form, s->outlines.line_count + 1);
-    s->line_stamp = ARENA_ARRAY(arena, int, s->outlines.line_count + 1);
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
@@ -128,9 +126,11 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
-Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, Arena *arena) {
+Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena) {
     Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
     s->mesh = mesh;
+    s->cosine = cos(turn);
+    s->sine = sin(turn);
     s->outlines = lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
     int blocks = s->group_count * GROUP_BLOCKS, places = blocks * SAMPLER_BLOCK * LANES;

@@ -33,8 +33,9 @@ typedef struct Drawing {
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
 } Drawing;
 
-static ViewFrame frame_of(const View *view) {
-    Vec3 x = view->x, y = view->y, z = view->z;
+static ViewFrame frame_of(const Sampler *s, const View *view) {
+    Vec3 x, y, z = view->z;
+    sampler_axes(s, view, &x, &y);
     return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
 }
 
@@ -50,31 +51,35 @@ static inline Form form_of(Four v) {
     return u.form;
 }
 
-// The plane through the eye and a line, in the view's axes; its length says nothing.
-static const Form *line_form(Sampler *s, const ViewFrame *frame, int line) {
-    if (s->line_stamp[line] != s->stamp) {
-        const Line *l = &s->outlines.lines[line];
-        s->line_stamp[line] = s->stamp;
-        Vec3 n = vec3_cross(vec3_sub(l->point, frame->eye), l->along);
-        s->line_forms[line] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
-    }
-    return &s->line_forms[line];
+// 1 / distance.
+static Form near_form(const Sampler *s, const ViewFace *face) {
+    double scale = 1 / face->d, x = face->n.x * s->cosine + face->n.y * s->sine,
+           y = face->n.y * s->cosine - face->n.x * s->sine;
+    return form_of((Four){x, y, face->n.z, 0} * scale);
 }
 
+// Faces in advance to ask memory for.
+enum { AHEAD = 4 };
+
+static void fetch_ahead(const Sampler *s, const View *view, int at) {
+    if (at + AHEAD >= view->face_count) return;
+    const FaceLines *o = &s->outlines;
+    int face = view->faces[at + AHEAD].face;
+    const char *first = (const char *)&o->edges[o->first_edge[face]];
+    for (int k = 0; k < 4; k++) __builtin_prefetch(first + 64 * k);
+}
+
+// Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
 static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
+    bool behind = face->d > 0;  // seen from there, edges go counter-clockwise
     for (int i = 0; i < count; i++) {
-        FaceEdge edge = o->edges[first + i];
-        DrawnEdge *out = &s->edges[i];
-        out->form = *line_form(s, frame, edge.line);
-        out->least = 0;
-        // Seen from behind, edges go counter-clockwise.
-        if ((edge.sign > 0) == (face->d > 0)) continue;
-        out->form.x = -out->form.x;
-        out->form.y = -out->form.y;
-        out->form.z = -out->form.z;
-        out->least = FLT_TRUE_MIN;
+        const FaceEdge *edge = &o->edges[first + i];
+        Vec3 n =
+            vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
+        s->edges[i] = (DrawnEdge){form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z),
+                                  (edge->sign > 0) == behind ? 0 : FLT_TRUE_MIN};
     }
     return count;
 }
@@ -220,12 +225,12 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
-    ViewFrame frame = frame_of(view);
+    ViewFrame frame = frame_of(s, view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
-        double scale = 1 / face->d;
-        Drawing d = {.near = form_of((Four){face->n.x, face->n.y, face->n.z, 0} * scale),
+        fetch_ahead(s, view, i);
+        Drawing d = {.near = near_form(s, face),
                      .nearest = nearest_of(view, face),
                      .edges = s->all,
                      .edge_count = make_edges(s, &frame, face),

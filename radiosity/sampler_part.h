@@ -55,6 +55,7 @@ typedef struct FaceGrid {
 struct Sampler {
     const Mesh *mesh;
     FaceLines outlines;
+    double cosine, sine;         // of the turn of the samples' axes from the view's
     SampleBlock *blocks;         // [group_count * GROUP_BLOCKS]
     ItemBlock *items, *nothing;  // as blocks; before anything is drawn
     unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
@@ -64,8 +65,7 @@ struct Sampler {
     FormFactorSamples samples;
     float each;  // the weight of all samples, 0: they differ
     // Of one view.
-    Form *line_forms;  // [line_count] each made when first needed
-    int *line_stamp, *grid_stamp;
+    int *grid_stamp;                          // [face_count]
     int *view_index;                          // [face_count] of the faces in view
     FaceGrid *grids;                          // [face_count]
     DrawnEdge *edges;                         // [most_edges] of the face under way
@@ -73,5 +73,11 @@ struct Sampler {
     unsigned *crossed, *crossed_blocks;       // [most_edges]
     int stamp;
 };
+
+// The samples' axes.
+static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec3 *y) {
+    *x = vec3_add(vec3_scale(view->x, s->cosine), vec3_scale(view->y, s->sine));
+    *y = vec3_sub(vec3_scale(view->y, s->cosine), vec3_scale(view->x, s->sine));
+}
 
 #endif

@@ -16,8 +16,10 @@ void sampler_items(const Sampler *self, int32_t *item) {
     }
 }
 
-static GridForm grid_form(const View *view, Vec3 v) {
-    return (GridForm){(float)vec3_dot(view->x, v), (float)vec3_dot(view->y, v), (float)vec3_dot(view->z, v)};
+static GridForm grid_form(const Sampler *s, const View *view, Vec3 v) {
+    Vec3 x, y;
+    sampler_axes(s, view, &x, &y);
+    return (GridForm){(float)vec3_dot(x, v), (float)vec3_dot(y, v), (float)vec3_dot(view->z, v)};
 }
 
 static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
@@ -30,9 +32,9 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
     Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
-    *grid = (FaceGrid){.column = grid_form(view, column),
-                       .row = grid_form(view, row),
-                       .near = grid_form(view, near),
+    *grid = (FaceGrid){.column = grid_form(s, view, column),
+                       .row = grid_form(s, view, row),
+                       .near = grid_form(s, view, near),
                        .first_square = f->first_square,
                        .nx = f->nx,
                        .ny = f->ny,
@@ -59,7 +61,9 @@ static int element_beside(const Sampler *s, const View *view, int face, const Sa
     const GridForm *near = &s->grids[face].near;
     double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
     double distance = 1 / ((double)near->x * x + (double)near->y * y + (double)near->z * z);
-    Vec3 w = vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
+    Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));
     return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 

@@ -58,15 +58,16 @@ static Form near_form(const Sampler *s, const ViewFace *face) {
     return form_of((Four){x, y, face->n.z, 0} * scale);
 }
 
-// Faces in advance to ask memory for.
-enum { AHEAD = 4 };
+// How many faces ahead memory is asked for: where a face's edges are, then the edges.
+enum { AHEAD = 8, FAR_AHEAD = 16 };
 
 static void fetch_ahead(const Sampler *s, const View *view, int at) {
-    if (at + AHEAD >= view->face_count) return;
     const FaceLines *o = &s->outlines;
-    int face = view->faces[at + AHEAD].face;
-    const char *first = (const char *)&o->edges[o->first_edge[face]];
-    for (int k = 0; k < 4; k++) __builtin_prefetch(first + 64 * k);
+    if (at + FAR_AHEAD < view->face_count)
+        __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
+    if (at + AHEAD >= view->face_count) return;
+    const char *first = (const char *)&o->edges[o->first_edge[view->faces[at + AHEAD].face]];
+    for (int k = 0; k < 5; k++) __builtin_prefetch(first + 64 * k);
 }
 
 // Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
@@ -91,7 +92,10 @@ static float nearest_of(const View *view, const ViewFace *face) {
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, v[i]);
     double least = INFINITY;
-    for (int i = 0; i < face->vertex_count; i++) least = fmin(least, vec3_dot(sum, v[i]));
+    for (int i = 0; i < face->vertex_count; i++) {
+        double along = vec3_dot(sum, v[i]);
+        least = along < least ? along : least;
+    }
     double length = vec3_length(sum), away = fabs(face->d);
     if (least > away * length) away = least / length;
     return (float)((1 + NEAREST_MARGIN) / away);

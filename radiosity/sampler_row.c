@@ -36,6 +36,7 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
                        .row = grid_form(s, view, row),
                        .near = grid_form(s, view, near),
                        .first_square = f->first_square,
+                       .first_element = s->whole[face] ? f->first_element : -1,
                        .nx = f->nx,
                        .ny = f->ny,
                        .one = seen->d > 0             ? BACK
@@ -76,7 +77,9 @@ static inline LaneInt elements_on(Sampler *s, const View *view, int face, int bl
     Lane distance = 1 / form_at(grid->near, b, row);
     LaneInt column = whole(form_at(grid->column, b, row) * distance, grid->nx);
     LaneInt line = whole(form_at(grid->row, b, row) * distance, grid->ny);
-    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + line * grid->nx + column);
+    LaneInt square = line * grid->nx + column;
+    if (grid->first_element >= 0) return grid->first_element + square;
+    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + square);
     for (unsigned lost = lane_mask(element) & mask; lost; lost &= lost - 1) {
         int lane = __builtin_ctz(lost);
         element[lane] = element_beside(s, view, face, b, row, lane);
@@ -102,8 +105,8 @@ static inline void add_row(const Sampler *s, int at, LaneInt element, unsigned m
         unsigned run = mask & (0xffu >> (LANES - end)) & (0xffu << from);
         from = end;
         if (run == 0) continue;
-        double share = (double)s->each * __builtin_popcount(run);
-        if (s->each == 0)
+        double share = s->equal ? s->shares[__builtin_popcount(run)] : 0;
+        if (!s->equal)
             for (; run; run &= run - 1) share += (double)s->weights[at * LANES + __builtin_ctz(run)];
         add_share(sum, element[end - 1], share);
     }

@@ -24,12 +24,19 @@ typedef struct Maker {
 // A row that was just made.
 typedef struct Slot {
     Arena arena;
-    ShootRow row;
-    int patch, capacity;
+    ShootRow *row;
+    int patch, capacity;  // elements
 } Slot;
+
+// What becomes of an element's share.
+typedef struct Taker {
+    int patch;
+    float per_area;  // 1/m^2
+} Taker;
 
 struct ShootRows {
     const Mesh *mesh;
+    Taker *takers;  // [element_count]
     const RadOptions *options;
     int threads, slot_count, slots_used;
     Maker *makers;  // [threads]
@@ -49,6 +56,9 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
     rows->mesh = mesh;
     rows->options = options;
+    rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++)
+        rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     for (int t = 0; t < rows->threads; t++) {
@@ -61,6 +71,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
+    // So that a byte tells which element of its patch one is (patches have 16 x 16 at most).
+    for (int p = 0; p < mesh->patch_count; p++) CORE_ASSERT(mesh->patches[p].element_count <= 256);
     return rows;
 }
 
@@ -81,13 +93,45 @@ const bool *shoot_rows_there(const ShootRows *rows) { return rows->there; }
 
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch) { return rows->of[patch]; }
 
-static void copy_row(const Row *from, int *element, float *factor, ShootRow *to) {
+// The room a row of so many elements takes at most, each in a patch of its own.
+static size_t row_bytes(int runs, int elements) {
+    size_t run = sizeof(ShootRun) + sizeof(uint8_t), element = sizeof(float) + sizeof(uint8_t);
+    size_t bytes = sizeof(ShootRow) + (size_t)runs * run + (size_t)elements * element;
+    return (bytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+}
+
+// Where the parts of a row lie behind it.
+static void place_row(ShootRow *row, int runs, int elements) {
+    row->runs = (ShootRun *)(row + 1);
+    row->density = (float *)(row->runs + runs);
+    row->count = (uint8_t *)(row->density + elements);
+    row->offset = row->count + runs;
+}
+
+static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
+    place_row(to, from->count, from->count);
     double sum = from->back + from->escaped;
-    for (int i = 0; i < from->count; i++) sum += (double)from->factor[i];
+    to->run_count = 0;
+    to->element_count = from->count;
+    for (int i = 0; i < from->count;) {
+        int patch = rows->takers[from->element[i]].patch, first = i;
+        int first_element = rows->mesh->patches[patch].first_element;
+        double share = 0;
+        for (; i < from->count; i++) {
+            const Taker *taker = &rows->takers[from->element[i]];
+            if (taker->patch != patch) break;
+            share += (double)from->factor[i];
+            to->density[i] = from->factor[i] * taker->per_area;
+            to->offset[i] = (uint8_t)(from->element[i] - first_element);
+        }
+        to->count[to->run_count] = (uint8_t)(i - first - 1);
+        to->runs[to->run_count++] = (ShootRun){patch, (float)share};
+        sum += (double)(float)share;
+    }
     CORE_ASSERT(sum > 0.5 && sum < 2);  // a method's row sums to 1
-    *to = (ShootRow){from->count, element, factor, from->back, from->escaped, 1 / sum};
-    memcpy(element, from->element, (size_t)from->count * sizeof *element);
-    memcpy(factor, from->factor, (size_t)from->count * sizeof *factor);
+    to->back = from->back;
+    to->escaped = from->escaped;
+    to->scale = 1 / sum;
 }
 
 static void make_row(void *context, int index, int thread) {
@@ -101,20 +145,17 @@ static void make_row(void *context, int index, int thread) {
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
     const Row *row = form_factor_row(maker->form_factor, view);
-    if (row->count > slot->capacity) {
+    if (!slot->row || row->count > slot->capacity) {
         arena_free(&slot->arena);
         slot->capacity = row->count + row->count / 2;
-        slot->row.element = ARENA_ARRAY(&slot->arena, int, slot->capacity);
-        slot->row.factor = ARENA_ARRAY(&slot->arena, float, slot->capacity);
+        slot->row = arena_alloc(&slot->arena, row_bytes(slot->capacity, slot->capacity), 1);
     }
-    copy_row(row, slot->row.element, slot->row.factor, &slot->row);
+    copy_row(rows, row, slot->row);
 }
 
 // Moves a row out of its slot, if there is room.
 static bool keep(ShootRows *rows, const ShootRow *row, ShootRow **out) {
-    size_t alignment = sizeof(double), count = (size_t)row->count;
-    size_t bytes = sizeof *row + count * (sizeof *row->element + sizeof *row->factor);
-    bytes = (bytes + alignment - 1) / alignment * alignment;
+    size_t bytes = row_bytes(row->run_count, row->element_count), count = (size_t)row->element_count;
     if (bytes > rows->block_left) {
         size_t block = bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES;
         if (rows->kept_bytes + block > rows->options->row_bytes) return false;
@@ -124,10 +165,11 @@ static bool keep(ShootRows *rows, const ShootRow *row, ShootRow **out) {
     }
     ShootRow *kept = (ShootRow *)rows->block;
     *kept = *row;
-    kept->element = (int *)(rows->block + sizeof *kept);
-    kept->factor = (float *)(kept->element + count);
-    memcpy(kept->element, row->element, count * sizeof *row->element);
-    memcpy(kept->factor, row->factor, count * sizeof *row->factor);
+    place_row(kept, row->run_count, row->element_count);
+    memcpy(kept->runs, row->runs, (size_t)row->run_count * sizeof *row->runs);
+    memcpy(kept->density, row->density, count * sizeof *row->density);
+    memcpy(kept->count, row->count, (size_t)row->run_count * sizeof *row->count);
+    memcpy(kept->offset, row->offset, count * sizeof *row->offset);
     rows->block += bytes;
     rows->block_left -= bytes;
     rows->kept_count++;
@@ -139,7 +181,7 @@ void shoot_rows_make(ShootRows *rows, const int *patches, int count) {
     CORE_ASSERT(count <= rows->slot_count);
     for (int i = 0; i < rows->slots_used; i++) {
         int patch = rows->slots[i].patch;
-        if (rows->of[patch] != &rows->slots[i].row) continue;
+        if (rows->of[patch] != rows->slots[i].row) continue;
         rows->of[patch] = NULL;
         rows->there[patch] = false;
     }
@@ -149,8 +191,8 @@ void shoot_rows_make(ShootRows *rows, const int *patches, int count) {
     rows->made += count;
     for (int i = 0; i < count; i++) {
         Slot *slot = &rows->slots[i];
-        rows->full = rows->full || !keep(rows, &slot->row, &rows->of[slot->patch]);
-        if (rows->full) rows->of[slot->patch] = &slot->row;
+        rows->full = rows->full || !keep(rows, slot->row, &rows->of[slot->patch]);
+        if (rows->full) rows->of[slot->patch] = slot->row;
         rows->there[slot->patch] = true;
     }
 }

@@ -4,12 +4,20 @@
 
 #include "radiosity/shoot.h"
 
-// A row as kept. Its shares are floats: `scale` times their sum, back and escaped included, is 1 in doubles, so that
-// no power is lost.
+// What a patch receives of a row.
+typedef struct ShootRun {
+    int patch;
+    float share;
+} ShootRun;
+
+// A row as kept: in runs of elements of one patch, each with what a shot asks for. Shares are floats: `scale` times their
+// sum, back and escaped included, is 1 in doubles, so that no power is lost.
 typedef struct ShootRow {
-    int count;
-    int *element;   // [count] increasing
-    float *factor;  // [count]
+    int run_count, element_count;
+    ShootRun *runs;   // [run_count] patches increasing
+    float *density;   // [element_count] share per area, 1/m^2; run after run
+    uint8_t *count;   // [run_count] elements that receive, less one
+    uint8_t *offset;  // [element_count] which element of its patch
     double back, escaped, scale;
 } ShootRow;
 

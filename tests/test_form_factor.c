@@ -16,8 +16,13 @@ typedef struct Tolerance {
 } Tolerance;
 
 static const Tolerance TOLERANCES[] = {
-    {"hemisphere", 0.4, 2e-7},          {"hemicube", 0.4, 2e-7}, {"hemisphere-scanline", 0.2, 2e-7},
-    {"hemisphere-polyline", 0.4, 2e-7}, {"analytic", 0, 2e-7},   {"ray", 0.4, 2e-7},
+    {"hemisphere", 0.4, 2e-7},
+    {"hemicube", 0.4, 2e-7},
+    {"hemisphere-scanline", 0.2, 2e-7},
+    {"hemisphere-scanlines", 0.2, 2e-7},
+    {"hemisphere-polyline", 0.4, 2e-7},
+    {"analytic", 0, 2e-7},
+    {"ray", 0.4, 2e-7},
     {"ray-hemicube", 0.4, 2e-7},
 };
 

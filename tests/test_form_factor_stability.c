@@ -118,9 +118,9 @@ static double wall_error(const FormFactorMethod *method, double away, double tur
     return error;
 }
 
-// A 1 x 1 m wall from the middle of its foot, all the way round. What shows over it is a sliver 1 and 1/10 pixel wide: pixels
-// have it or not where it runs along them, lines cross it. The mean is held to 3e-4, the worst to 2e-4 where lines or more
-// see it.
+// A 1 x 1 m wall from the middle of its foot, all the way round. What shows over it is a sliver 1 and 1/10 pixel wide:
+// pixels, or lines of one way, have it or not where it runs along them; lines both ways cross it. The mean is held to
+// 3e-4, the worst to 2e-4 where it is always crossed.
 Test(form_factor_stability, near_walls) {
     EACH_METHOD(m) {
         for (int i = 0; i < 2; i++) {
@@ -130,7 +130,7 @@ Test(form_factor_stability, near_walls) {
                 mean += error / 32;
                 worst = fmax(worst, error);
             }
-            double limit = (*m)->projective ? 5e-4 : is(*m, "analytic") ? 1e-6 : 2e-4;
+            double limit = is(*m, "analytic") ? 1e-6 : is(*m, "hemisphere-scanlines") ? 2e-4 : 5e-4;
             cr_log_info("%-20s wall %g m away: mean error %.2g, worst %.2g", (*m)->name, away, mean, worst);
             cr_expect(worst < limit && mean < 3e-4, "%s, wall %g m away: %.2g (limit %g), mean %.2g",
                       (*m)->name, away, worst, limit, mean);

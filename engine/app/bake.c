@@ -157,16 +157,29 @@ static void print_facts(json_t *facts) {
     json_decref(facts);
 }
 
+// Patches in no cell that light reaches all the same; what stands flat on the floor has a bottom that none does.
+static int lost_in_light(const Bake *bake) {
+    int lost = 0;
+    for (int p = 0; p < bake->mesh.patch_count; p++) {
+        const Patch *patch = &bake->mesh.patches[p];
+        double sum = 0;
+        for (int e = 0; e < patch->element_count; e++)
+            sum += sum3(bake->solution.radiosity[patch->first_element + e]);
+        lost += patch->cell < 0 && sum > 0;
+    }
+    return lost;
+}
+
 static void print_warnings(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const Mesh *mesh = &bake->mesh;
     double escaped = sum3(s->escaped) / sum3(s->emitted);
     if (escaped > OPEN)
         fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);
-    if (mesh->lost_patches > 0)
-        fprintf(stderr,
-                "enfilade: %d of %d patches lie in no cell (inside walls): nothing is culled for them\n",
-                mesh->lost_patches, mesh->patch_count);
+    int lost = lost_in_light(bake);
+    if (lost > 0)
+        fprintf(stderr, "enfilade: %d of %d patches are lit but lie in no cell: nothing is culled for them\n",
+                lost, mesh->patch_count);
     if (mesh->dropped_faces > 0)
         fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
 }

@@ -11,8 +11,7 @@
 static const double ON_FACE = 1e-4;
 // And how far its normal may lean from the face's: the cosine of a degree and a half.
 static const double SAME_WAY = 0.9997;
-// Pixels across the base: nine times those that a shooter has.
-enum { RESOLUTION = 400, LONGEST_LINE = 512 };
+enum { LONGEST_LINE = 512 };
 static const size_t LARGEST_FILE = (size_t)64 << 20;
 
 static bool add(const char *where, const double v[6], Arena *arena, Probes *out, Error *error) {
@@ -126,9 +125,8 @@ void bake_probes_gather(const Mesh *mesh, const StabForest *forest, const float 
                         const RadSolution *solution, Probes *probes) {
     Arena scratch = {0};
     FormFactorOptions options = form_factor_default_options();
-    options.resolution = RESOLUTION;
     Viewer *viewer = viewer_new(mesh, forest, door_open, &scratch);
-    FormFactor *rows = form_factor_new(form_factor_method("hemisphere"), mesh, &options, &scratch);
+    FormFactor *rows = form_factor_new(form_factor_method("analytic"), mesh, &options, &scratch);
     for (int i = 0; i < probes->count; i++) {
         Probe *probe = &probes->probes[i];
         ViewPoint from = {probe->place, probe->normal, -1};

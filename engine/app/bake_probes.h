@@ -22,7 +22,8 @@ bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error)
 // A file of them, a line each, numbers with commas or spaces between; `#` begins a remark. Of a .quads file, its points.
 bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error);
 
-// Gathers what each point sees, by a fine row of its own: finer than the rows of shooters, and with nothing culled.
+// Gathers what each point sees, by an exact row of its own (method `analytic`): of the light that arrives at a point, a
+// sliver of a lamp in a doorway's corner may be a third.
 void bake_probes_gather(const Mesh *mesh, const StabForest *forest, const float *door_open,
                         const RadSolution *solution, Probes *probes);
 

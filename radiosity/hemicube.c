@@ -14,7 +14,7 @@ typedef struct Hemicube {
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     Hemicube *self = ARENA_ARRAY(arena, Hemicube, 1);
-    self->sampler = sampler_new(mesh, grids, grids_of_hemicube(options->resolution, grids), arena);
+    self->sampler = sampler_new(mesh, grids, grids_of_hemicube(options->resolution, grids), 0, arena);
     return self;
 }
 

@@ -75,21 +75,21 @@ static int list_visible(const OkiBench *b, const ViewPoint *from, int side) {
 
 static void shoot_once(OkiBench *b, int patch, bool culled, Shots *out) {
     ViewPoint from = point_of(b->mesh, patch);
-    double begin = clock_seconds();
+    double begin = clock_thread_seconds();
     element_buffer_start(b->buffer, &from);
     for (int side = 0; side < element_buffer_sides(b->buffer); side++) {
-        double at = clock_seconds();
+        double at = clock_thread_seconds();
         int count = culled ? list_visible(b, &from, side) : b->mesh->face_count;
-        double listed = clock_seconds();
+        double listed = clock_thread_seconds();
         long long drawn = element_buffer_draw(b->buffer, side, culled ? b->faces : b->all, count);
         out->elements_drawn += (double)drawn / element_buffer_sides(b->buffer);
         if (culled) out->visibility += listed - at;
-        out->drawing += clock_seconds() - listed;
+        out->drawing += clock_thread_seconds() - listed;
     }
     element_buffer_sum(b->buffer, &b->sum);
     const Row *row = row_finish(&b->sum);
     for (int i = 0; i < row->count; i++) b->received[row->element[i]] += (double)row->factor[i];
-    out->seconds += clock_seconds() - begin;
+    out->seconds += clock_thread_seconds() - begin;
 }
 
 // The mesh of the office whose elements are about as many as theirs: larger edges make fewer.
@@ -169,20 +169,20 @@ static void doi_elements(RoomBench *b, const char *table, ElementBufferKind kind
                  .shots = shots};
     ElementBuffer *buffer = element_buffer_new(mesh, kind, RESOLUTION, arena);
     RoomLight state = bench_room_start(b->room, light, arena);
-    double begin = clock_seconds();
+    double begin = clock_thread_seconds();
     for (int i = 0; i < shots; i++) {
         int patch = bench_room_brightest(&state);
         ViewPoint from = point_of(mesh, patch);
         element_buffer_start(buffer, &from);
-        double at = clock_seconds();
+        double at = clock_thread_seconds();
         for (int side = 0; side < element_buffer_sides(buffer); side++)
             out.elements_drawn += (double)element_buffer_draw(buffer, side, b->faces, mesh->face_count) /
                                   element_buffer_sides(buffer) / shots;
-        out.drawing += clock_seconds() - at;
+        out.drawing += clock_thread_seconds() - at;
         element_buffer_sum(buffer, &b->sum);
         bench_room_shoot(&state, patch, row_finish(&b->sum));
     }
-    out.seconds = clock_seconds() - begin;
+    out.seconds = clock_thread_seconds() - begin;
     out.error = bench_room_error(b->room, light, reference);
     add_shots(csv, mesh, &out);
 }
@@ -202,19 +202,19 @@ static void doi_faces(RoomBench *b, const char *table, const char *method, int r
     FormFactor *rows = form_factor_new(form_factor_method(method), mesh, &options, arena);
     Viewer *viewer = viewer_new(mesh, &b->room->forest, NULL, arena);
     RoomLight state = bench_room_start(b->room, light, arena);
-    double begin = clock_seconds();
+    double begin = clock_thread_seconds();
     for (int i = 0; i < shots; i++) {
         int patch = bench_room_brightest(&state);
         ViewPoint from = point_of(mesh, patch);
-        double at = clock_seconds();
+        double at = clock_thread_seconds();
         const View *view = viewer_look(viewer, &from, CULL_NOTHING);
-        double looked = clock_seconds();
+        double looked = clock_thread_seconds();
         const Row *row = form_factor_row(rows, view);
         out.visibility += looked - at;
-        out.drawing += clock_seconds() - looked;
+        out.drawing += clock_thread_seconds() - looked;
         bench_room_shoot(&state, patch, row);
     }
-    out.seconds = clock_seconds() - begin;
+    out.seconds = clock_thread_seconds() - begin;
     out.elements_drawn = (double)form_factor_work(rows).elements_drawn / shots;
     form_factor_end(rows);
     if (!csv) return;

@@ -6,7 +6,6 @@ set datafile separator ','
 get(table, building, method, culling, column) = real(system(sprintf("awk -F, '$1 == \"%s\" && $2 == \"%s\" && $3 == \"%s\" && $4 == \"%s\" { print $%d }' %s", table, building, method, culling, column, csv)))
 hemi(table, kind) = get(table, 'room', 'hemicube' . kind, 'none', 11) / get(table, 'room', 'hemisphere' . kind, 'none', 11)
 oki(building, column) = get('oki', building, 'hemicube-elements', 'none', column) / get('oki', building, 'hemicube-elements', 'plan', column)
-array name[6] = ["elements unculled / culled", "time unculled / culled", "the same, office-plain", "hemicube / hemisphere, 548", "the same, 3,294", "error"]
 array theirs[5] = [76612.0 / 23695, 7332.0 / 3332, NaN, 21.6 / 6.7, 351.4 / 135.9]
 array drawn[5] = [oki('office.plan', 10), oki('office.plan', 11), oki('office-plain.plan', 11), hemi('doi-itoh-1', '-elements'), hemi('doi-itoh-2', '-elements')]
 array today[5] = [NaN, NaN, NaN, hemi('doi-itoh-1', ''), hemi('doi-itoh-2', '')]
@@ -19,7 +18,7 @@ set logscale y
 set yrange [0.5:*]
 set ylabel 'ratio'
 set key top right
-set xtics ("Oki: elements drawn" 1, "Oki: time" 2, "Oki: time, office-plain" 3, "Doi & Itoh 1" 4, "Doi & Itoh 2" 5)
+set xtics ("Oki: elements drawn" 1, "Oki: time" 2, "Oki: time, office-plain" 3, "Doi and Itoh, 548 elements" 4, "3,294 elements" 5)
 do for [format in "svg png"] {
     if (format eq "svg") { set terminal svg size 900,420 font 'DejaVu Sans,11' background '#ffffff' }
     if (format eq "png") { set terminal pngcairo size 900,420 font 'DejaVu Sans,10' background '#ffffff' }

@@ -217,6 +217,35 @@ Test(sampler, samples_on_edges_of_strips) {
     }
 }
 
+// The hemicube drawn by the hidden-surface methods sees what rays see: the sides hang the right way round, and together.
+Test(sampler, hemicube_by_hidden_methods, .timeout = 120) {
+    static const char *const HIDDEN[] = {"raycast", "osmesa"};
+    for (int k = 0; k < 8; k++) {
+        Arena arena = {0};
+        Random random = {5000 + (uint64_t)k};
+        ViewFixture *f = view_fixture_room(&arena, &random, 3, 4, vec3(0, 0, 0));
+        FormFactorOptions options = {.resolution = 32 + k / 2, .hidden = HIDDEN[k % 2]};
+        Method m = {.method = &FORM_FACTOR_HEMICUBE};
+        m.self = m.method->start(&f->mesh, &options, &arena);
+        m.samples = m.method->samples(m.self);
+        m.item = ARENA_ARRAY(&arena, int32_t, m.samples->count);
+        View *view = view_fixture_look_about(&arena, f, &random);
+        see(&m, view);
+        int wrong = 0, sure = 0;
+        for (int i = 0; i < m.samples->count; i++) {
+            // OpenGL's pixels are at 1/256 of their size, and it works in floats: edges are wider.
+            int cast = view_fixture_cast(view, sample(&m, i), k % 2 ? 1e-3 : 1e-6);
+            if (cast == -2) continue;
+            sure++;
+            wrong += m.item[i] != cast;
+        }
+        cr_assert(wrong == 0 && sure > 0.9 * m.samples->count, "%s: %d of %d samples are wrong",
+                  HIDDEN[k % 2], wrong, sure);
+        m.method->stop(m.self);
+        arena_free(&arena);
+    }
+}
+
 // A ceiling that spans 60 or 120 degrees hides an upper floor at twice its distance, everywhere.
 Test(sampler, depth_of_large_polygons) {
     for (int which = 0; which < 2; which++) {

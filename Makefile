@@ -6,7 +6,9 @@ PREFIX ?= /usr/local
 fuzz_seconds ?= 60
 bench ?= walk
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
-files ?= $(filter %.plan,$(maps))
+rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
+files ?= $(if $(filter rooms,$(bench)),$(rooms),$(filter %.plan,$(if $(filter radiosity,$(bench)),\
+         $(filter build/maps/office%,$(maps)),$(maps))))
 peer ?=
 ifeq ($(origin CC),default)
 CC := gcc
@@ -31,7 +33,7 @@ flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lm
+libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
@@ -43,9 +45,10 @@ maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d bu
         build/maps/office-plain.plan
 
 to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
-            libxxhash-dev libosmesa6-dev libcglm-dev libstb-dev libglfw3-dev fonts-dejavu-core
+            libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
+            fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
-to_test := $(to_walk) libcriterion-dev libembree-dev libglm-dev g++ zip xvfb xauth xdotool python3
+to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_fuzz := clang libclang-rt-14-dev libomp-dev
@@ -70,7 +73,7 @@ check-packages:
 $(dir)/enfilade: $(objects)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lembree3 -lstdc++ $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
 $(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
 $(dir)/tests/fuzz_wad $(dir)/tests/try_fuzz_wad: $(dir)/tests/wad_builder.o
@@ -97,9 +100,16 @@ build/glad/include/glad/gl.h: | check-packages
 build/generate: maps/buildings/generate.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O2 $(strict) -ffp-contract=off -I. -o $@ $< -lm
+define generate
+@mkdir -p $(@D)
+build/generate $(basename $(@F)) 1 > $@.new && mv $@.new $@
+endef
 build/maps/office%plan: build/generate
-	@mkdir -p $(@D)
-	build/generate $(patsubst build/maps/%.plan,%,$@) 1 > $@.new && mv $@.new $@
+	$(generate)
+build/maps/rooms-%.plan: build/generate
+	$(generate)
+build/maps/enfilade-%.plan: build/generate
+	$(generate)
 build/maps/%: maps/buildings/%
 	@mkdir -p $(@D)
 	cp $< $@
@@ -129,7 +139,7 @@ fuzz:
 	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
 	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
 	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
-bench: all
+bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv
 # The pictures of the README; the charts show the benchmarks as `make bench` left them.
@@ -159,6 +169,9 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
+	for chart in rooms radiosity breaks formfactors; do [ ! -e build/bench/$$chart.csv ] || \
+	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
+	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

@@ -50,7 +50,7 @@ typedef struct FormFactorMethod {
     // distance is decided by the lower ViewFace.face, so that the order of the list does not show.
     const FormFactorSamples *(*samples)(void *self);
     void (*items)(void *self, const View *view, int32_t *item, FormFactorWork *work);
-    // Of the others: adds shares with row_add and friends (row.h).
+    // Adds shares with row_add and friends (row.h). Of projective methods NULL, or a faster way to what the items give.
     void (*row)(void *self, const View *view, RowSum *sum, FormFactorWork *work);
 } FormFactorMethod;
 

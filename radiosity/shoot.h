@@ -11,7 +11,7 @@ typedef struct RadOptions {
     FormFactorOptions form_factor;
     ViewCulling culling;
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
-    long long shots;   // or after so many, 0: no limit
+    long long shots;   // or when the solution has so many, 0: no limit
     double seconds;    // or then, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
@@ -52,7 +52,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
               Error *error);
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
               Error *error);
-// Of a file: how its mesh was made, before there is one.
-bool rad_load_options(const char *path, MeshOptions *out, Error *error);
+// Of a file: how its mesh was made, before there is one, and how the doors stood, [opening_count].
+bool rad_load_options(const char *path, const Building *building, MeshOptions *out, float *door_open,
+                      Error *error);
 
 #endif

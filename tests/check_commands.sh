@@ -22,7 +22,7 @@ quiet() { [ ! -s "$work/err" ] || fail "standard error should be empty: $(head -
 
 # Help everywhere, on standard output, with exit status 0.
 expect 0 "$program" --help && says out 'usage'
-for command in info vis plan walk bench; do
+for command in info vis plan walk bake bench; do
     expect 0 "$program" $command --help
     says out "usage: enfilade $command"
     quiet
@@ -46,6 +46,13 @@ expect 2 "$program" vis --seconds 0 $maps/two-rooms.plan && says err 'allowed 0.
 expect 2 "$program" vis --pairs "$work/x.seen" -o "$work/x.vis" $maps/two-rooms.plan && says err 'allowed: --pairs'
 expect 2 "$program" bench visibility --samples -1 $maps/two-rooms.plan && says err 'allowed 0 to 1000000'
 expect 2 "$program" bench visibility --methods flood,nonsense $maps/two-rooms.plan && says err '`flood,nonsense`'
+expect 2 "$program" bake && says err 'one building file'
+expect 2 "$program" bake --method nonsense $maps/two-rooms.plan && says err '`nonsense`'
+expect 2 "$program" bake --resolution 7 $maps/two-rooms.plan && says err 'allowed 8 to 2000'
+expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0.01 to 100'
+expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 1e-09 to 1'
+expect 2 "$program" bake --culling most $maps/two-rooms.plan && says err '`most`'
+expect 2 "$program" bake --probe 1,2,3 $maps/two-rooms.plan && says err 'X,Y,Z,NX,NY,NZ'
 # Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
 echo 'nonsense 1' >"$work/bad.plan"
@@ -137,6 +144,63 @@ expect 0 "$program" bench visibility $maps/two-rooms.plan --methods flood,proof 
 [ "$(awk -F, 'NR > 1 { print NF }' "$work/out" | sort -u)" = 21 ] || fail 'rows of different length'
 [ "$(awk -F, '$2 != "peer" && NR > 1 { print $15 }' "$work/out" | sort -u)" = 0 ] || fail 'misses'
 says out 'two-rooms.plan,peer,13,24,skipped,.*no --peer was given'
+
+# Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
+bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
+bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1
+for key in polygons patches elements shots residual elements_drawn_mean polygons_drawn_mean seconds seconds_visibility peak_mb
+do says out "\"$key\": [0-9]"; done
+says out '"probes": \['
+bake 0 -o "$work/2.rad" --threads 2 --row-memory 0
+bake 0 -o "$work/7.rad" --threads 7 --row-memory 1
+bake 0 -o "$work/none.rad" --no-cull
+for rad in 2 7 none; do cmp -s "$work/1.rad" "$work/$rad.rad" || fail ".rad differs: $rad"; done
+printf '# a point\n1 1 0 0 0 1\n' >"$work/points"
+bake 0 -o "$work/1.rad" --probes "$work/points" --probe 1,1,1,0,0,-1
+[ "$(awk 'NF == 12 && $7 > 0' "$work/out" | wc -l)" -eq 2 ] || fail "two probes are $(tail -2 "$work/out")"
+printf '1 1 0 0 1\n' >"$work/points"
+bake 1 -o "$work/1.rad" --probes "$work/points" && says err 'points:1'
+# Broken off and resumed, it ends the same; what does not fit is refused.
+bake 0 -o "$work/part.rad" --shots 100 && says out 'shots  *100'
+bake 0 -o "$work/part.rad" --resume
+cmp -s "$work/1.rad" "$work/part.rad" || fail 'a resumed bake ends otherwise'
+bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
+bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
+bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
+printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
+bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'
+# No light, an open building, an element for each grain of sand.
+printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
+expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
+printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
+expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is open: 100 % of its light escaped'
+expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
+expect 1 "$program" bake $maps/office.plan --element 0.01 -o "$work/x.rad" && says err 'give --element'
+# Whatever happens, an earlier file is kept: no folder, a full disk, killed at any moment.
+bake 1 -o "$work/no/such/folder/x.rad" && says err 'cannot be written'
+(trap '' XFSZ; ulimit -f 1; exec "$program" bake $maps/two-rooms.plan -o "$work/1.rad") >/dev/null 2>"$work/err"
+[ $? -eq 1 ] || fail 'a full disk went unseen'
+says err 'cannot be written'
+cmp -s "$work/1.rad" "$work/2.rad" || fail 'an earlier .rad file was lost'
+for wait in 0.01 0.02 0.03 0.05 0.08 0.12 0.2; do
+    "$program" bake $maps/two-rooms.plan -o "$work/1.rad" --element 0.5 --resolution 50 --residual 0.05 >/dev/null 2>&1 &
+    sleep $wait
+    kill -KILL $! 2>/dev/null
+    wait $! 2>/dev/null
+    cmp -s "$work/1.rad" "$work/2.rad" || fail "killed after $wait s, it left a broken file"
+done
+rm -f "$work"/1.rad.??????
+# Interrupted, it stores what there is.
+"$program" bake $maps/office-plain.plan -o "$work/early.rad" --json >"$work/out" 2>"$work/err" &
+sleep 1.5
+kill -INT $!
+wait $! || fail 'an interrupted bake fails'
+says out '"stopped": '
+expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01
+# Lamps of a home give light.
+expect 0 "$program" bake $maps/house.sh3d -o "$work/x.rad" --element 1 --resolution 50 --residual 0.2
+expect 0 "$program" bake $maps/two-rooms.plan --element 1
+ls "$work"/cache/enfilade/*.rad >/dev/null || fail 'no light in the cache'
 
 # The plan is well-formed SVG with the tree's rooms.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5

@@ -29,7 +29,7 @@ static bool load(void *context, const char *path, Arena *arena, WalkScene *out, 
     if (!maps_read(path, arena, &l->building, error)) return false;
     if (!vis_build_cells(&l->building, &options, arena, &l->graph, error)) return false;
     if (!vis_build_forest(&l->graph, &options, NULL, arena, &l->forest)) return false;
-    *out = (WalkScene){&l->graph, &l->forest};
+    *out = (WalkScene){&l->graph, &l->forest, NULL};
     return true;
 }
 

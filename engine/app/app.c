@@ -10,6 +10,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
+#include "maps/lamp_faces.h"
 #include "maps/maps.h"
 #include "visibility/pairs/pairs.h"
 
@@ -82,7 +83,10 @@ static void find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
     char *folder = NULL, *path = NULL;
     Error reason;
     if ((options->keep || !options->fresh) && file_cache_folder(arena, &folder, &reason)) {
-        path = arena_format(arena, "%s/%016llx.vis", folder, (unsigned long long)scene->building.hash);
+        // Of a soup, every polygon takes part in the making of cells.
+        bool other = scene->lamp_faces > 0 && scene->building.form == FORM_SOUP;
+        path = arena_format(arena, "%s/%016llx%s.vis", folder, (unsigned long long)scene->building.hash,
+                            other ? "-lamps" : "");
     }
     if (path && !options->fresh && access(path, R_OK) == 0) {
         scene->cached = vis_load(path, &scene->graph, arena, &scene->forest, &reason);
@@ -99,6 +103,7 @@ bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, A
     *out = (AppScene){0};
     double start = clock_seconds();
     if (!maps_read_map(path, options->map, arena, &out->building, error)) return false;
+    if (options->lamps) out->lamp_faces = lamp_faces_add(arena, &out->building);
     double read = clock_seconds();
     if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
     out->read_seconds = read - start;

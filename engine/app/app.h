@@ -20,12 +20,14 @@ int cmd_info(int argc, char **argv);
 int cmd_vis(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_walk(int argc, char **argv);
+int cmd_bake(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 
 typedef struct AppOptions {
     VisOptions vis;
     bool fresh;       // make the stab trees anew even if the cache has them
     bool keep;        // store them in the cache
+    bool lamps;       // give lights faces that emit (lamp_faces.h)
     bool stoppable;   // Ctrl-C ends the search early with sets that are too large, never with ones too small
     const char *map;  // of a file that holds several; NULL: the first
 } AppOptions;
@@ -36,8 +38,9 @@ typedef struct AppScene {
     CellGraph graph;
     StabForest forest;
     double read_seconds, cells_seconds, trees_seconds;
-    bool cached;   // the trees came from the cache
-    bool stopped;  // early, as AppOptions allows
+    int lamp_faces;  // objects added for lights
+    bool cached;     // the trees came from the cache
+    bool stopped;    // early, as AppOptions allows
     long long
         undecided;  // pairs of cells, both ways round, that are neither proven to see each other nor excluded
 } AppScene;

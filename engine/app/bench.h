@@ -14,16 +14,25 @@ typedef struct BenchArguments {
     WalkLook look;
     int steps;  // of a walk
     uint64_t seed;
-    const char *methods;  // of those there are, separated by commas; NULL: all
-    int samples;          // points on each portal for the lower bound; 0: none
-    const char *peer;     // an external compiler, or NULL
-    double seconds;       // after which a method is stopped; 0: when done
-    const char *csv;      // where the table goes besides, or NULL
+    const char *methods;   // of those there are, separated by commas; NULL: all
+    int samples;           // points on each portal for the lower bound; 0: none
+    const char *peer;      // an external compiler, or NULL
+    double seconds;        // after which a method is stopped; 0: when done
+    const char *csv;       // where the table goes besides, or NULL
+    const char *cullings;  // of views, separated by commas; NULL: all
+    int resolutions[16], resolution_count;
+    int shooters;
+    int rays;              // of the reference, a shooter
+    const char *pictures;  // a folder for those that go with a table, or NULL
 } BenchArguments;
 
 bool bench_walk(const BenchArguments *arguments, Error *error);
 bool bench_collision(const BenchArguments *arguments, Error *error);
 bool bench_visibility(const BenchArguments *arguments, Error *error);
+bool bench_formfactors(const BenchArguments *arguments, Error *error);
+bool bench_radiosity(const BenchArguments *arguments, Error *error);
+bool bench_rooms(const BenchArguments *arguments, Error *error);
+bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
 
 const char *bench_name(const char *file);  // of a building in the CSV: without its folder
 

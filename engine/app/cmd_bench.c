@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "engine/app/bench.h"
-#include "visibility/pairs/pairs.h"
 
 static const char HELP[] =
     "usage: enfilade bench NAME [FILE ...] [options]\n\n"
@@ -31,12 +30,46 @@ static const char HELP[] =
     "    --seed N        of the samples\n"
     "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
     "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
-    "    --csv OUT       writes the table there besides, whole or not at all\n";
+    "    --csv OUT       writes the table there besides, whole or not at all\n\n"
+    "  formfactors    one shot by each form-factor method: time and error against random rays, what was "
+    "drawn; "
+    "and how\n"
+    "                 much faster than rays it is at equal error\n"
+    "    --methods A,B       some of the methods (default: all)\n"
+    "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
+    "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
+    "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
+    "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
+    "    --quick             20 shooters, 300000 rays\n"
+    "    --csv OUT           as above\n\n"
+    "  radiosity      the tables of the papers again, on scenes of their sizes: what culling saves of FILE "
+    "(Oki), "
+    "the\n"
+    "                 hemisphere base against the hemicube in a furnished room (Doi & Itoh)\n"
+    "    --pictures DIR      of the room by each method, DIR/doi-itoh-2-hemicube.png and so on\n"
+    "    --csv OUT           as above\n\n"
+    "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
+    "    --seed N            of the patches that shoot\n"
+    "    --csv OUT           as above\n\n"
+    "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
+    "the "
+    "distance\n"
+    "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
+    "own\n"
+    "    --seed N            of their turns\n";
 
 static const struct {
     const char *name;
     bool (*run)(const BenchArguments *arguments, Error *error);
-} BENCHES[] = {{"walk", bench_walk}, {"collision", bench_collision}, {"visibility", bench_visibility}};
+} BENCHES[] = {{"walk", bench_walk},
+               {"collision", bench_collision},
+               {"visibility", bench_visibility},
+               {"formfactors", bench_formfactors},
+               {"radiosity", bench_radiosity},
+               {"rooms", bench_rooms},
+               {"breaks", bench_breaks}};
+
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -52,25 +85,52 @@ static int parse_look(const char *text, WalkLook *out) {
     return app_misuse("bench", "bench: --look is `%s` (allowed fast, fine)", text);
 }
 
-// Names of cell-to-cell methods, separated by commas.
-static bool are_methods(const char *names) {
-    char name[32];
-    for (; *names; names += strcspn(names, ","), names += *names == ',') {
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
-        if (!pair_method(name)) return false;
+enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV, RESOLUTIONS, CULLINGS, SHOOTERS, RAYS, QUICK, PICTURES };
+
+// Whole numbers, separated by commas.
+static bool parse_resolutions(const char *text, BenchArguments *a) {
+    char number[16];
+    for (a->resolution_count = 0; *text && a->resolution_count < 16; text += *text == ',') {
+        size_t length = strcspn(text, ",");
+        snprintf(number, sizeof number, "%.*s", (int)length, text);
+        if (!app_parse_int(number, 8, 2000, &a->resolutions[a->resolution_count++])) return false;
+        text += length;
     }
-    return true;
+    return *text == 0 && a->resolution_count > 0;
 }
 
-enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV };
+static int parse_form_factor_option(int c, char **argv, BenchArguments *a) {
+    switch (c) {
+    case RESOLUTIONS:
+        if (parse_resolutions(optarg, a)) return APP_GOOD;
+        return app_misuse("bench", "bench: --resolutions is `%s` (allowed 8 to 2000, 16 of them at most)",
+                          optarg);
+    case CULLINGS:
+        a->cullings = optarg;
+        return APP_GOOD;
+    case SHOOTERS:
+        if (app_parse_int(optarg, 1, 10000, &a->shooters)) return APP_GOOD;
+        return app_misuse("bench", "bench: --shooters is `%s` (allowed 1 to 10000)", optarg);
+    case RAYS:
+        if (app_parse_int(optarg, 1000, 2000000000, &a->rays)) return APP_GOOD;
+        return app_misuse("bench", "bench: --rays is `%s` (allowed 1000 to 2000000000)", optarg);
+    case QUICK:
+        a->shooters = 20;
+        a->rays = 300000;
+        return APP_GOOD;
+    case PICTURES:
+        a->pictures = optarg;
+        return APP_GOOD;
+    default:
+        return app_misuse_option("bench", c, argv);
+    }
+}
 
 static int parse_visibility_option(int c, char **argv, BenchArguments *a) {
     switch (c) {
     case METHODS:
         a->methods = optarg;
-        if (are_methods(optarg)) return APP_GOOD;
-        return app_misuse("bench", "bench: --methods is `%s` (`enfilade vis --help` lists those allowed)",
-                          optarg);
+        return APP_GOOD;
     case SAMPLES:
         if (app_parse_int(optarg, 0, 1000000, &a->samples)) return APP_GOOD;
         return app_misuse("bench", "bench: --samples is `%s` (allowed 0 to 1000000)", optarg);
@@ -84,7 +144,7 @@ static int parse_visibility_option(int c, char **argv, BenchArguments *a) {
         a->csv = optarg;
         return APP_GOOD;
     default:
-        return app_misuse_option("bench", c, argv);
+        return parse_form_factor_option(c, argv, a);
     }
 }
 
@@ -128,19 +188,33 @@ int cmd_bench(int argc, char **argv) {
                                             {"peer", required_argument, NULL, PEER},
                                             {"map", required_argument, NULL, 'm'},
                                             {"csv", required_argument, NULL, CSV},
+                                            {"resolutions", required_argument, NULL, RESOLUTIONS},
+                                            {"cullings", required_argument, NULL, CULLINGS},
+                                            {"shooters", required_argument, NULL, SHOOTERS},
+                                            {"rays", required_argument, NULL, RAYS},
+                                            {"quick", no_argument, NULL, QUICK},
+                                            {"pictures", required_argument, NULL, PICTURES},
                                             {0}};
     static char office[] = "build/maps/office.plan";
     static char *usual[] = {office};
-    BenchArguments a = {
-        .width = 640, .height = 360, .frames = 200, .steps = 100000, .seed = 1, .samples = 12};
+    BenchArguments a = {.width = 640,
+                        .height = 360,
+                        .frames = 200,
+                        .steps = 100000,
+                        .seed = 1,
+                        .samples = 12,
+                        .cullings = "none,portals",
+                        .resolutions = {50, 71, 100, 141, 200},
+                        .resolution_count = 5,
+                        .shooters = 60,
+                        .rays = 4000000};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
         if (c == 'h') return fputs(HELP, stdout) >= 0 ? APP_GOOD : APP_BAD_INPUT;
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc)
-        return app_misuse("bench", "bench: which one? (allowed: walk, collision, visibility)");
+    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: %s)", ALLOWED);
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
@@ -149,6 +223,5 @@ int cmd_bench(int argc, char **argv) {
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }
-    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: walk, collision, visibility)",
-                      argv[optind]);
+    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: %s)", argv[optind], ALLOWED);
 }

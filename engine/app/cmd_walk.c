@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/app/app.h"
+#include "engine/app/app_light.h"
 #include "engine/walk/walk_offscreen.h"
 #include "engine/walk/walk_window.h"
 
@@ -18,8 +18,11 @@ static const char HELP[] =
     "  --map NAME         which one of a file that holds several maps (default: the first)\n"
     "  --size WxH         pixels, 16 to 8192 each (window 1280x720; off-screen 960x540, with --verify "
     "640x360)\n"
-    "  --look NAME        fast or fine (default: off-screen fine; in the window fast where OpenGL is "
-    "software)\n"
+    "  --look NAME        fast, fine or baked (default: baked where there is light, else off-screen fine; in "
+    "the\n"
+    "                     window fast where OpenGL is software)\n"
+    "  --light FILE.rad   the light that `enfilade bake` stored (default: FILE with the suffix .rad, where "
+    "there is one)\n"
     "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
     "  --doors STATE      open (off-screen), closed, drawn (window) or random\n"
     "  --replay PATH      follow a recorded path\n\n"
@@ -49,7 +52,7 @@ static const char HELP[] =
 typedef struct Arguments {
     WalkOptions walk;      // off-screen
     WindowOptions window;  // what both share is in `walk` until all is read
-    const char *file, *map;
+    const char *file, *map, *light;
     bool json, help, sized, off_screen, toured;
 } Arguments;
 
@@ -77,7 +80,8 @@ enum {
     FULL_SCREEN,
     NO_VSYNC,
     TRACE,
-    MAP
+    MAP,
+    LIGHT
 };
 
 static int find_name(const char *const *names, int count, const char *name) {
@@ -161,7 +165,7 @@ static int take_name(Arguments *a, int c, const char *value) {
         return APP_GOOD;
     case LOOK:
         index = find_name(WALK_LOOK_NAMES, WALK_LOOKS, value);
-        if (index < 0) return misuse_number("look", value, "fast, fine");
+        if (index < 0) return misuse_number("look", value, "fast, fine, baked");
         a->walk.look = (WalkLook)index;
         return APP_GOOD;
     default:
@@ -187,6 +191,9 @@ static int take(Arguments *a, int c, char **argv) {
         return APP_GOOD;
     case MAP:
         a->map = optarg;
+        return APP_GOOD;
+    case LIGHT:
+        a->light = optarg;
         return APP_GOOD;
     case REPLAY:
         a->walk.replay = optarg;
@@ -257,6 +264,7 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"no-vsync", no_argument, NULL, NO_VSYNC},
                                             {"trace", required_argument, NULL, TRACE},
                                             {"map", required_argument, NULL, MAP},
+                                            {"light", required_argument, NULL, LIGHT},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
@@ -314,11 +322,35 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
     }
 }
 
-static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
+// The building with its light, if it has any. What lies beside it and does not fit is passed over with a warning; what was
+// asked for must fit.
+static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScene *scene,
+                     const WalkLight **light, Error *error) {
     AppOptions load = app_default_options();
-    AppScene scene;
+    const char *rad = a->walk.verify ? NULL : app_find_light(path, a->light, arena);
     load.map = a->map;
-    if (!app_load(a->file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
+    load.lamps = rad != NULL;
+    *light = NULL;
+    if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
+    if (!rad) return true;
+    WalkLight *found = ARENA_ARRAY(arena, WalkLight, 1);
+    if (app_load_light(rad, scene, arena, found, error)) {
+        *light = found;
+        return true;
+    }
+    if (a->light) return false;
+    fprintf(stderr, "enfilade: passed over: %s\n", error->text);
+    load.lamps = false;
+    return app_load(path, &load, arena, scene, error);
+}
+
+static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
+    AppScene scene;
+    if (!load_lit(a, a->file, arena, &scene, &a->walk.light, error)) return false;
+    if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
+    if (a->walk.look == WALK_BAKED && !a->walk.light)
+        return error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)",
+                         a->file);
     Progress progress = app_progress();
     bool good = walk_offscreen(&scene.graph, &scene.forest, &a->walk, &progress, arena, totals, error);
     app_progress_end();
@@ -333,11 +365,10 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
 
 static bool load_scene(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
     const Arguments *a = context;
-    AppOptions load = app_default_options();
-    load.map = a->map;
     AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
-    *out = (WalkScene){&scene->graph, &scene->forest};
+    const WalkLight *light;
+    if (!load_lit(a, path, arena, scene, &light, error)) return false;
+    *out = (WalkScene){&scene->graph, &scene->forest, light};
     return true;
 }
 
@@ -348,6 +379,7 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     session->replay = a->walk.replay;
     session->method = a->walk.method;
     session->full_screen = a->window.display.full_screen;
+    if (app_find_light(a->file, a->light, arena)) session->look = WALK_BAKED;
     if (a->walk.look != WALK_LOOKS) session->look = a->walk.look;
     if (a->walk.doors != WALK_DOORS) session->doors = a->walk.doors;
     a->window.display.title = arena_format(arena, "%s - Enfilade", a->file);
@@ -380,7 +412,6 @@ int cmd_walk(int argc, char **argv) {
     bool good;
     if (a.off_screen) {
         if (a.walk.verify && !a.sized) a.walk.width = 640, a.walk.height = 360;
-        if (a.walk.look == WALK_LOOKS) a.walk.look = WALK_FINE;
         if (a.walk.doors == WALK_DOORS) a.walk.doors = WALK_DOORS_OPEN;
         good = draw_tour(&a, &arena, &totals, &error);
     } else {

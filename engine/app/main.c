@@ -10,6 +10,7 @@ static const AppCommand COMMANDS[] = {
     {"vis", "make cells, portals and stab trees, and store them", cmd_vis},
     {"plan", "draw the plan with cells, portals, doors and a stab tree, as SVG", cmd_plan},
     {"walk", "walk through a building", cmd_walk},
+    {"bake", "compute the light of a building by radiosity, and store it", cmd_bake},
     {"bench", "measure, as CSV on standard output", cmd_bench},
 };
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS };

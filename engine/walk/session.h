@@ -12,6 +12,7 @@
 typedef struct WalkScene {
     const CellGraph *graph;
     const StabForest *forest;
+    const WalkLight *light;  // baked, or NULL
 } WalkScene;
 
 typedef struct SessionLoader {

@@ -85,6 +85,7 @@ static void show_stab_tree(Session *s, int key) {
 static void change_look(Session *s, int key) {
     (void)key;
     s->look = (WalkLook)((s->look + 1) % WALK_LOOKS);
+    if (s->look == WALK_BAKED && !walk_renderer_is_lit(s->shown->renderer)) s->look = WALK_FAST;
     session_say(s, false, "look: %s", WALK_LOOK_NAMES[s->look]);
 }
 

@@ -26,6 +26,11 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
     set_doors(&shown->doors, graph->building, s->options.doors);
     shown->renderer = walk_renderer_new(graph, &arena, error);
+    const WalkLight *light = shown->scene.light;
+    if (shown->renderer && light && !walk_renderer_light(shown->renderer, light, &arena, error)) {
+        walk_renderer_free(shown->renderer);
+        shown->renderer = NULL;
+    }
     // From here on the arena lives in what it holds.
     shown->arena = arena;
     if (shown->renderer) return shown;

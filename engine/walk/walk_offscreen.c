@@ -231,6 +231,7 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->context) return false;
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
         if (!w->renderer) return false;
+        if (o->light && !walk_renderer_light(w->renderer, o->light, w->arena, error)) return false;
     }
     if (!o->video) return true;
     int usual = w->replay ? RECORDING_TICKS : USUAL_RATE;

@@ -22,6 +22,7 @@ typedef struct WalkOptions {
     WalkDoors doors;
     VisMethod method;
     WalkLook look;
+    const WalkLight *light;  // for WALK_BAKED, or NULL
     TourOptions path;
 } WalkOptions;
 WalkOptions walk_default_options(void);

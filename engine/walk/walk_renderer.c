@@ -5,6 +5,7 @@
 
 #include <glad/gl.h>
 
+#include "engine/walk/walk_lit.h"
 #include "engine/walk/walk_mesh.h"
 #include "engine/walk/walk_shaders.h"
 #include "engine/walk/walk_targets.h"
@@ -19,7 +20,7 @@
 #define WALK_OFFSET_SLOPE (1.0f / 64)
 #define WALK_OFFSET_UNITS 8.0f
 
-const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine"};
+const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
 
 typedef enum SceneShader {
     SCENE_THINGS,    // fast
@@ -39,6 +40,7 @@ typedef struct SceneProgram {
 
 struct WalkRenderer {
     WalkMesh *mesh;
+    WalkLit *lit;  // NULL: no light was baked
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
@@ -106,8 +108,17 @@ WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *err
     return NULL;
 }
 
+bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, Error *error) {
+    CORE_ASSERT(!w->lit);
+    w->lit = walk_lit_new(light, walk_mesh_origin(w->mesh), arena);
+    return gl_check("uploading the light of a building", error);
+}
+
+bool walk_renderer_is_lit(const WalkRenderer *w) { return w->lit != NULL; }
+
 void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
+    walk_lit_free(w->lit);
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
     unsigned programs[] = {w->sky, w->occlusion, w->blur};
@@ -116,7 +127,10 @@ void walk_renderer_free(WalkRenderer *w) {
     glDeleteVertexArrays(1, &w->no_vertices);
 }
 
-void walk_renderer_pose(WalkRenderer *w, const float *door_open) { walk_mesh_pose(w->mesh, door_open); }
+void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
+    walk_mesh_pose(w->mesh, door_open);
+    if (w->lit) walk_lit_pose(w->lit, door_open);
+}
 
 // ---- the scene
 
@@ -224,6 +238,19 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     return true;
 }
 
+static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
+    if (!begin(w, WALK_TARGET_FINE, error)) return false;
+    use_scene(w, SCENE_THINGS, camera);
+    walk_lit_draw(w->lit, false);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
+    walk_lit_draw(w->lit, true);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    draw_sky(w, camera);
+    draw_panes(w, SCENE_PANES, camera);
+    return true;
+}
+
 // All that drawing here relies on: others draw in the same context.
 static void set_state(void) {
     static const unsigned OFF[] = {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST,
@@ -240,11 +267,17 @@ static void set_state(void) {
 
 bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
                         WalkLook look, Error *error) {
-    CORE_ASSERT(look == WALK_FAST || look == WALK_FINE);
+    CORE_ASSERT(look < WALK_LOOKS);
     if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
     set_state();
     walk_mesh_list(w->mesh, camera->eye, objects, object_count);
-    bool good = look == WALK_FAST ? draw_fast(w, camera, error) : draw_fine(w, camera, error);
+    bool baked = look == WALK_BAKED && w->lit, good;
+    if (baked) {
+        walk_lit_list(w->lit, camera->eye, objects, object_count);
+        good = draw_baked(w, camera, error);
+    } else {
+        good = look == WALK_FINE ? draw_fine(w, camera, error) : draw_fast(w, camera, error);
+    }
     return good && gl_check("drawing", error);
 }
 

@@ -5,12 +5,14 @@
 #ifndef WALK_RENDERER_H
 #define WALK_RENDERER_H
 
+#include "engine/walk/walk_light.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/vis.h"
 
 typedef enum WalkLook {
-    WALK_FAST,  // light baked beforehand, one sample a pixel: for a window without a GPU
-    WALK_FINE,  // lamps in the fragment, ambient occlusion of what is in view, four samples a pixel
+    WALK_FAST,   // light baked beforehand, one sample a pixel: for a window without a GPU
+    WALK_FINE,   // lamps in the fragment, ambient occlusion of what is in view, four samples a pixel
+    WALK_BAKED,  // light by radiosity, four samples a pixel; drawn as WALK_FAST where there is none
     WALK_LOOKS
 } WalkLook;
 extern const char *const WALK_LOOK_NAMES[WALK_LOOKS];
@@ -19,6 +21,9 @@ typedef struct WalkRenderer WalkRenderer;
 
 // Bakes the light and uploads all polygons of the graph, once.
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error);
+// Uploads the light that was baked for this graph, once, for WALK_BAKED.
+bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *arena, Error *error);
+bool walk_renderer_is_lit(const WalkRenderer *renderer);
 void walk_renderer_free(WalkRenderer *renderer);  // NULL is allowed
 
 // Puts the leaves of doors where `door_open` has them, as for vis_query; before the first call all are wide open.

@@ -1,7 +1,10 @@
-// generate.c - writes the two offices that figures are measured on, as .plan text on standard output:
+// generate.c - writes the offices that figures are measured on, as .plan text on standard output:
 //   generate office SEED         72 furnished rooms along corridors, about 16,700 polygons, as in the office of
 //                                Shudo, Murata & Matsuyama; doors, some windows; differs with the seed
 //   generate office-plain SEED   6 x 11 equal rooms of 4 x 4 m, 7,454 polygons; the same for every seed
+//   generate enfilade-N SEED     N rooms of that kind in a square, 1 to 10000, their doorways in line: one sees through all
+//                                of a row
+//   generate rooms-N SEED        the same with doorways anywhere along their walls: one sees a few rooms; differs with the seed
 // The same seed gives the same text on every machine: all coordinates are whole millimetres held in integers.
 #include <errno.h>
 #include <math.h>
@@ -67,7 +70,8 @@ enum {
     PLAIN_NY = 6,
     PLAIN_SIZE = 4000,
     PLAIN_WALL = 100,
-    PLAIN_PITCH = PLAIN_SIZE + PLAIN_WALL
+    PLAIN_PITCH = PLAIN_SIZE + PLAIN_WALL,
+    FARTHEST_ASIDE = 1200  // of a doorway's middle from that of its wall
 };
 
 static void plain_models(void) {
@@ -83,7 +87,8 @@ static void plain_models(void) {
     end();
 }
 
-static void plain_room(int i, int j) {
+// A room with doorways to the right and upwards, where there are rooms; `aside` of the middle of their walls, mm.
+static void plain_room(int i, int j, bool right, bool up, int aside_right, int aside_up) {
     static const int DESKS[4][2] = {{300, 300}, {2500, 300}, {300, 3000}, {2500, 3000}};
     double x = i * PLAIN_PITCH / 1e3, y = j * PLAIN_PITCH / 1e3, s = PLAIN_SIZE / 1e3;
     printf("\nroom r%d-%d %.1f,%.1f %.1f,%.1f %.1f,%.1f %.1f,%.1f floor floor ceiling ceiling walls wall "
@@ -91,27 +96,49 @@ static void plain_room(int i, int j) {
            j, i, x, y, x + s, y, x + s, y + s, x, y + s);
     printf("inlay lamp ceiling %.1f,%.1f %.1f,%.1f %.1f,%.1f %.1f,%.1f\n", x + 1.5, y + 1.5, x + 2.5, y + 1.5,
            x + 2.5, y + 2.5, x + 1.5, y + 2.5);
-    if (i + 1 < PLAIN_NX)
+    if (right)
         printf("passage x%d-%d %.2f,%.2f angle 90 width 0.9 height 2.1 material jamb\n", j, i, x + s + 0.05,
-               y + 2);
-    if (j + 1 < PLAIN_NY)
-        printf("passage y%d-%d %.2f,%.2f width 0.9 height 2.1 material jamb\n", j, i, x + 2, y + s + 0.05);
+               y + 2 + aside_right / 1e3);
+    if (up)
+        printf("passage y%d-%d %.2f,%.2f width 0.9 height 2.1 material jamb\n", j, i, x + 2 + aside_up / 1e3,
+               y + s + 0.05);
     for (int k = 0; k < 4; k++)
         printf("place desk %.1f,%.1f\n", x + DESKS[k][0] / 1e3, y + DESKS[k][1] / 1e3);
     printf("place cabinet %.1f,%.2f\n", x + 0.3, y + 0.02);
 }
 
-static void office_plain(void) {
-    printf(
-        "# office-plain: 6 x 11 rooms of 4 x 4 x 2.7 m, 7,454 polygons. Made by maps/buildings/generate.c.\n"
-        "plan 1\n\n"
-        "material floor reflectance 0.3\nmaterial ceiling reflectance 0.8\nmaterial wall reflectance 0.6\n"
-        "material jamb reflectance 0.5\nmaterial slab reflectance 0.5\nmaterial panel reflectance 0.4\n"
-        "material block reflectance 0.2\nmaterial lamp reflectance 0 emission 10\n");
+static void plain_begin(const char *what) {
+    printf("# %s Made by maps/buildings/generate.c.\n"
+           "plan 1\n\n"
+           "material floor reflectance 0.3\nmaterial ceiling reflectance 0.8\nmaterial wall reflectance 0.6\n"
+           "material jamb reflectance 0.5\nmaterial slab reflectance 0.5\nmaterial panel reflectance 0.4\n"
+           "material block reflectance 0.2\nmaterial lamp reflectance 0 emission 10\n",
+           what);
     plain_models();
     printf("\nstorey office floor 0 height 2.7\n");
+}
+
+static void office_plain(void) {
+    plain_begin("office-plain: 6 x 11 rooms of 4 x 4 x 2.7 m, 7,454 polygons.");
     for (int j = 0; j < PLAIN_NY; j++)
-        for (int i = 0; i < PLAIN_NX; i++) plain_room(i, j);
+        for (int i = 0; i < PLAIN_NX; i++) plain_room(i, j, i + 1 < PLAIN_NX, j + 1 < PLAIN_NY, 0, 0);
+    printf("\nstart 2,2 yaw 45\n");
+}
+
+// Row by row; the last row may be short. The doorways lie up to `aside` mm from the middle of their walls.
+static void rooms(int count, int aside, unsigned long long seed) {
+    enum { STEP = 50 };  // mm
+    Random random = {seed};
+    char what[64];
+    int nx = 1;
+    while (nx * nx < count) nx++;
+    snprintf(what, sizeof what, "%d rooms as those of office-plain.", count);
+    plain_begin(what);
+    for (int k = 0; k < count; k++) {
+        int right = STEP * random_index(&random, 2 * aside / STEP + 1) - aside;
+        int up = STEP * random_index(&random, 2 * aside / STEP + 1) - aside;
+        plain_room(k % nx, k / nx, (k + 1) % nx != 0 && k + 1 < count, k + nx < count, right, up);
+    }
     printf("\nstart 2,2 yaw 45\n");
 }
 
@@ -489,12 +516,17 @@ int main(int argc, char **argv) {
     unsigned long long seed = argc == 3 ? strtoull(argv[2], &rest, 10) : 0;
     bool plain = argc == 3 && strcmp(argv[1], "office-plain") == 0,
          full = argc == 3 && strcmp(argv[1], "office") == 0;
-    if ((!plain && !full) || *rest || errno || argv[2][0] == '-' || !argv[2][0]) {
-        fprintf(stderr, "usage: generate office|office-plain SEED (a whole number)\n");
+    int count = 0, end = 0;
+    bool in_line = argc == 3 && sscanf(argv[1], "enfilade-%d%n", &count, &end) == 1 && !argv[1][end];
+    bool many = in_line || (argc == 3 && sscanf(argv[1], "rooms-%d%n", &count, &end) == 1 && !argv[1][end]);
+    if (many && (count < 1 || count > 10000)) many = false;
+    if ((!plain && !full && !many) || *rest || errno || argv[2][0] == '-' || !argv[2][0]) {
+        fprintf(stderr, "usage: generate office|office-plain|rooms-N|enfilade-N SEED (a whole number)\n");
         return 2;
     }
     if (plain) office_plain();
     if (full) office(seed);
+    if (many) rooms(count, in_line ? 0 : FARTHEST_ASIDE, seed);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         perror("generate: standard output");
         return 1;

@@ -1,0 +1,213 @@
+// bake.c - a bake from a building's file to a .rad file: cells and stab trees, mesh, shooting, what to say of it.
+#include "engine/app/bake.h"
+
+#include <stdio.h>
+#include <sys/resource.h>
+
+#include "engine/core/clock.h"
+#include "engine/core/file.h"
+
+// An element for every grain of sand: what was asked for is surely a mistake.
+static const double MOST_ELEMENTS = 30e6;
+// A share of light that escapes of less than this is rounding at the seams, not an open building.
+static const double OPEN = 1e-6;
+
+const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};
+
+typedef struct Bake {
+    const BakeArguments *a;
+    AppScene scene;
+    float *doors;  // [opening_count]
+    Mesh mesh;
+    RadSolution solution;
+    RadReport report;
+    const char *out;
+    double mesh_seconds, seconds;
+} Bake;
+
+BakeArguments bake_default_arguments(void) {
+    BakeArguments a = {
+        .load = app_default_options(), .mesh = mesh_default_options(), .rad = rad_default_options()};
+    a.load.lamps = true;
+    return a;
+}
+
+static float *make_doors(const Building *b, int state, Arena *arena) {
+    float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        bool leaf = o->kind == OPENING_DOOR;
+        doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
+    }
+    return doors;
+}
+
+static bool check_size(const Bake *bake, Error *error) {
+    const CellGraph *graph = &bake->scene.graph;
+    double area = 0, side = bake->a->mesh.element;
+    for (int i = 0; i < graph->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
+    }
+    if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
+    return error_set(error,
+                     "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
+                     bake->a->file, area, side, area / side / side, MOST_ELEMENTS);
+}
+
+static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
+    const CellGraph *graph = &bake->scene.graph;
+    if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
+    double start = clock_seconds();
+    Arena scratch = {0};
+    Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
+    if (graph->vertex_count > 0)
+        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
+    bake->doors = make_doors(&bake->scene.building, bake->a->doors, arena);
+    vis_pose(graph, bake->doors, vertices);
+    bool good = mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
+    arena_free(&scratch);
+    bake->mesh_seconds = clock_seconds() - start;
+    return good;
+}
+
+// In the cache there is one for each building.
+static bool find_place(Bake *bake, Arena *arena, Error *error) {
+    bake->out = bake->a->out;
+    char *folder;
+    if (bake->out) return true;
+    if (!file_cache_folder(arena, &folder, error)) return false;
+    bake->out = arena_format(arena, "%s/%016llx.rad", folder, (unsigned long long)bake->scene.building.hash);
+    return true;
+}
+
+static bool begin(Bake *bake, Arena *arena, Error *error) {
+    if (bake->a->resume) return rad_load(bake->out, &bake->mesh, bake->doors, arena, &bake->solution, error);
+    if (rad_start(&bake->mesh, arena, &bake->solution, error)) return true;
+    Error reason = *error;
+    return error_set(error, "%s: %.900s", bake->a->file, reason.text);
+}
+
+// The bar with the time that is left, as the stage goes on at its mean speed.
+typedef struct Timed {
+    Progress bar;
+    double start;
+} Timed;
+
+static bool report_timed(void *context, const char *stage, double done) {
+    const Timed *timed = context;
+    double seconds = clock_seconds() - timed->start;
+    char line[96];
+    if (done > 0.02)
+        snprintf(line, sizeof line, "%s, %.0f s left", stage, seconds * (1 - done) / done);
+    else
+        snprintf(line, sizeof line, "%s", stage);
+    return progress_report(&timed->bar, line, done);
+}
+
+static bool compute(Bake *bake, Arena *arena, Error *error) {
+    const BakeArguments *a = bake->a;
+    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !make_mesh(bake, arena, error) ||
+        !find_place(bake, arena, error) || !begin(bake, arena, error))
+        return false;
+    Timed timed = {app_progress_stoppable(0), clock_seconds()};
+    Progress progress = {report_timed, &timed};
+    bake->report =
+        rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &a->rad, &progress, &bake->solution);
+    app_progress_end();
+    return rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error);
+}
+
+static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
+
+static double peak_mb(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)usage.ru_maxrss / 1024;
+}
+
+static json_t *facts_of(const Bake *bake) {
+    const RadReport *r = &bake->report;
+    const RadSolution *s = &bake->solution;
+    const RadOptions *rad = &bake->a->rad;
+    double emitted = sum3(s->emitted);
+    return json_pack(
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:s s:i s:s s:s s:b}",
+        "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
+        bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
+        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
+        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
+        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
+        sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds,
+        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
+        r->seconds_visibility, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
+        rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "file", bake->out,
+        "stopped", (int)r->stopped);
+}
+
+static void print_facts(json_t *facts) {
+    const char *key;
+    json_t *value;
+    json_object_foreach(facts, key, value) {
+        if (json_is_integer(value)) printf("%-20s %lld\n", key, (long long)json_integer_value(value));
+        if (json_is_real(value)) printf("%-20s %.6g\n", key, json_real_value(value));
+        if (json_is_string(value)) printf("%-20s %s\n", key, json_string_value(value));
+        if (json_is_boolean(value)) printf("%-20s %s\n", key, json_is_true(value) ? "yes" : "no");
+    }
+    json_decref(facts);
+}
+
+// Patches in no cell that light reaches all the same; what stands flat on the floor has a bottom that none does.
+static int lost_in_light(const Bake *bake) {
+    int lost = 0;
+    for (int p = 0; p < bake->mesh.patch_count; p++) {
+        const Patch *patch = &bake->mesh.patches[p];
+        double sum = 0;
+        for (int e = 0; e < patch->element_count; e++)
+            sum += sum3(bake->solution.radiosity[patch->first_element + e]);
+        lost += patch->cell < 0 && sum > 0;
+    }
+    return lost;
+}
+
+static void print_warnings(const Bake *bake) {
+    const RadSolution *s = &bake->solution;
+    const Mesh *mesh = &bake->mesh;
+    double escaped = sum3(s->escaped) / sum3(s->emitted);
+    if (escaped > OPEN)
+        fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);
+    int lost = lost_in_light(bake);
+    if (lost > 0)
+        fprintf(stderr, "enfilade: %d of %d patches are lit but lie in no cell: nothing is culled for them\n",
+                lost, mesh->patch_count);
+    if (mesh->dropped_faces > 0)
+        fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
+}
+
+static void print_result(Bake *bake) {
+    BakeArguments a = *bake->a;
+    json_t *facts = facts_of(bake);
+    CORE_ASSERT(facts);
+    if (a.probes.count > 0)
+        bake_probes_gather(&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &a.probes);
+    if (a.json) {
+        if (a.probes.count > 0) json_object_set_new(facts, "probes", bake_probes_json(&a.probes));
+        app_print_json(facts);
+    } else {
+        print_facts(facts);
+        bake_probes_print(&a.probes);
+    }
+    print_warnings(bake);
+}
+
+int bake(BakeArguments *arguments) {
+    Bake b = {.a = arguments};
+    Arena arena = {0};
+    Error error;
+    double start = clock_seconds();
+    bool good = compute(&b, &arena, &error);
+    b.seconds = clock_seconds() - start;
+    if (good) print_result(&b);
+    arena_free(&arena);
+    return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+}

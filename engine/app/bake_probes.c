@@ -1,0 +1,167 @@
+// bake_probes.c - irradiance at points, gathered from the elements they see; and the radiosity of the face they lie on,
+// B = E + rho H.
+#include "engine/app/bake_probes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "engine/core/file.h"
+
+// How far a point may lie off a face, metres: what is left of decimals written by hand.
+static const double ON_FACE = 1e-4;
+// And how far its normal may lean from the face's: the cosine of a degree and a half.
+static const double SAME_WAY = 0.9997;
+enum { LONGEST_LINE = 512 };
+static const size_t LARGEST_FILE = (size_t)64 << 20;
+
+static bool add(const char *where, const double v[6], Arena *arena, Probes *out, Error *error) {
+    Probe probe = {.place = vec3(v[0], v[1], v[2]), .normal = vec3(v[3], v[4], v[5])};
+    double length = vec3_length(probe.normal);
+    for (int i = 0; i < 6; i++) {
+        if (!(fabs(v[i]) <= MAPS_LIMIT))
+            return error_set(error, "%s: a probe has the number %g (allowed: within %g)", where, v[i],
+                             MAPS_LIMIT);
+    }
+    if (!(length > 1e-6))
+        return error_set(error, "%s: a probe has no normal (allowed: above 1e-6 long)", where);
+    probe.normal = vec3_scale(probe.normal, 1 / length);
+    *ARENA_PUSH(arena, out->probes, out->count, out->capacity) = probe;
+    return true;
+}
+
+// Six numbers and no more; commas count as spaces.
+static bool read_numbers(const char *text, double v[6], const char **rest) {
+    char line[LONGEST_LINE];
+    int length = snprintf(line, sizeof line, "%s", text);
+    if (length < 0 || length >= (int)sizeof line) return false;
+    for (char *c = line; *c; c++) *c = *c == ',' ? ' ' : *c;
+    char *at = line;
+    for (int i = 0; i < 6; i++) {
+        char *end;
+        v[i] = strtod(at, &end);
+        if (end == at) return false;
+        at = end;
+    }
+    *rest = text + (at - line);
+    return true;
+}
+
+bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error) {
+    double v[6];
+    const char *rest;
+    if (!read_numbers(text, v, &rest) || *rest)
+        return error_set(error, "a probe is `%.60s` (expected X,Y,Z,NX,NY,NZ)", text);
+    return add("--probe", v, arena, out, error);
+}
+
+static bool read_line(const char *where, char *line, Arena *arena, Probes *out, Error *error) {
+    char *remark = strchr(line, '#');
+    if (remark) *remark = 0;
+    line += strspn(line, " \t\r");
+    if (*line == 0 || strncmp(line, "quad ", 5) == 0) return true;
+    bool named = strncmp(line, "point ", 6) == 0;
+    if (named) {  // point NAME, six numbers, QUAD
+        line += 6;
+        line += strspn(line, " \t");
+        line += strcspn(line, " \t");
+    }
+    double v[6];
+    const char *rest;
+    if (!read_numbers(line, v, &rest) || (!named && rest[strspn(rest, " \t\r")] != 0))
+        return error_set(error, "%s: is `%.60s` (expected x y z nx ny nz)", where, line);
+    return add(where, v, arena, out, error);
+}
+
+bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error) {
+    Bytes bytes;
+    if (!file_read(path, LARGEST_FILE, arena, &bytes, error)) return false;
+    char *line = (char *)bytes.data;
+    for (int number = 1; line; number++) {
+        char *end = strchr(line, '\n'), where[300];
+        if (end) *end = 0;
+        snprintf(where, sizeof where, "%.250s:%d", path, number);
+        if (!read_line(where, line, arena, out, error)) return false;
+        line = end ? end + 1 : NULL;
+    }
+    return true;
+}
+
+static bool is_inside(const Mesh *mesh, const Face *face, Vec3 p) {
+    for (int i = 0; i < face->vertex_count; i++) {
+        const int *outline = mesh->outline + face->first_vertex;
+        Vec3 a = mesh->vertices[outline[i]], b = mesh->vertices[outline[(i + 1) % face->vertex_count]];
+        Vec3 inwards = vec3_normalize(vec3_cross(face->plane.n, vec3_sub(b, a)));
+        if (vec3_dot(inwards, vec3_sub(p, a)) < -ON_FACE) return false;
+    }
+    return true;
+}
+
+// The nearest face that has the point on its front; -1: none.
+static int face_at(const Mesh *mesh, const Probe *probe) {
+    int best = -1;
+    double nearest = ON_FACE;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        double off = fabs(plane_distance(face->plane, probe->place));
+        if (off > nearest || (best >= 0 && off == nearest)) continue;
+        if (vec3_dot(face->plane.n, probe->normal) < SAME_WAY || !is_inside(mesh, face, probe->place))
+            continue;
+        best = f;
+        nearest = off;
+    }
+    return best;
+}
+
+static void set_radiosity(const Mesh *mesh, Probe *probe) {
+    int face = face_at(mesh, probe);
+    if (face < 0) return;
+    const Material *m = mesh_material(mesh, face);
+    const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+    const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
+    for (int c = 0; c < 3; c++) probe->radiosity[c] = (double)e[c] + (double)rho[c] * probe->irradiance[c];
+}
+
+void bake_probes_gather(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                        const RadSolution *solution, Probes *probes) {
+    Arena scratch = {0};
+    FormFactorOptions options = form_factor_default_options();
+    Viewer *viewer = viewer_new(mesh, forest, door_open, &scratch);
+    FormFactor *rows = form_factor_new(form_factor_method("analytic"), mesh, &options, &scratch);
+    for (int i = 0; i < probes->count; i++) {
+        Probe *probe = &probes->probes[i];
+        ViewPoint from = {probe->place, probe->normal, -1};
+        rad_gather(solution, form_factor_row(rows, viewer_look(viewer, &from, CULL_NOTHING)),
+                   probe->irradiance);
+        set_radiosity(mesh, probe);
+    }
+    form_factor_end(rows);
+    arena_free(&scratch);
+}
+
+static void numbers_of(const Probe *p, double out[12]) {
+    double v[12] = {p->place.x,       p->place.y,      p->place.z,       p->normal.x,
+                    p->normal.y,      p->normal.z,     p->irradiance[0], p->irradiance[1],
+                    p->irradiance[2], p->radiosity[0], p->radiosity[1],  p->radiosity[2]};
+    memcpy(out, v, sizeof v);
+}
+
+void bake_probes_print(const Probes *probes) {
+    for (int i = 0; i < probes->count; i++) {
+        double v[12];
+        numbers_of(&probes->probes[i], v);
+        for (int k = 0; k < 12; k++) printf("%s%.9g", k ? " " : "", v[k]);
+        putchar('\n');
+    }
+}
+
+json_t *bake_probes_json(const Probes *probes) {
+    json_t *list = json_array();
+    for (int i = 0; i < probes->count; i++) {
+        double v[12];
+        numbers_of(&probes->probes[i], v);
+        json_t *row = json_array();
+        for (int k = 0; k < 12; k++) json_array_append_new(row, json_real(v[k]));
+        json_array_append_new(list, row);
+    }
+    return list;
+}

@@ -1,0 +1,320 @@
+// bench_formfactors.c - one shot by each form-factor method, at each resolution and with each culling: time, and error
+// against a great many independent random rays.
+//
+// The error is L1 = sum |F - F_ref| over all elements, the mean of the shooters: patches spread evenly over the mesh. Times
+// are of one thread, the look at what is in view included (rays need none); the least of several passes for each shooter, so
+// that what else the machine does shows little.
+#include <math.h>
+#include <stdio.h>
+
+#include "engine/app/bench.h"
+#include "engine/core/clock.h"
+#include "engine/core/file.h"
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "engine/core/text.h"
+#include "radiosity/form_factor.h"
+#include "radiosity/ray_caster.h"
+
+static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
+                           "elements_drawn,samples,tests,rays_of_reference,front\n";
+
+enum { MOST_RUNS = 1024, PASSES = 9, RUN_SECONDS = 2 };
+
+// A row of the table.
+typedef struct Run {
+    const FormFactorMethod *method;
+    ViewCulling culling;
+    int resolution;
+    double ms, look_ms, l1;
+    FormFactorWork work;  // of all shooters once
+    Arena arena;
+    FormFactor *rows;
+    double *least, *least_look;  // [shooter_count] seconds
+    double spent;                // in all passes
+} Run;
+
+typedef struct ShotBench {
+    const char *file;
+    const BenchArguments *arguments;
+    AppScene scene;
+    Mesh mesh;
+    Viewer *viewer;
+    int *shooters;        // [shooter_count] patches
+    uint32_t **arrivals;  // [shooter_count][element_count] random rays that met each element
+    int shooter_count;
+    long long rays;
+    Run runs[MOST_RUNS];
+    int run_count;
+} ShotBench;
+
+static ViewPoint point_of(const ShotBench *b, int shooter) {
+    const Patch *patch = &b->mesh.patches[b->shooters[shooter]];
+    return (ViewPoint){patch->centre, b->mesh.faces[patch->face].plane.n, patch->cell};
+}
+
+static void choose_shooters(ShotBench *b, Arena *arena) {
+    int wanted = b->arguments->shooters;
+    b->shooters = ARENA_ARRAY(arena, int, wanted);
+    for (int i = 0; i < wanted; i++) {
+        int patch = (int)((i + 0.5) * b->mesh.patch_count / wanted);
+        if (b->mesh.patches[patch].cell >= 0) b->shooters[b->shooter_count++] = patch;
+    }
+}
+
+// ---- the reference
+
+typedef struct Reference {
+    ShotBench *bench;
+    RayCaster *casters[64];  // of each thread
+} Reference;
+
+// Eight directions, cosine-distributed about `z`: points of the disc, lifted.
+static RayEight random_rays(Random *random, Vec3 x, Vec3 y, Vec3 z) {
+    RayEight rays;
+    for (int i = 0; i < LANES; i++) {
+        double r2 = random_unit(random), angle = 2 * M_PI * random_unit(random), r = sqrt(r2);
+        Vec3 w = vec3_add(vec3_add(vec3_scale(x, r * cos(angle)), vec3_scale(y, r * sin(angle))),
+                          vec3_scale(z, sqrt(1 - r2)));
+        rays.x[i] = (float)w.x;
+        rays.y[i] = (float)w.y;
+        rays.z[i] = (float)w.z;
+    }
+    return rays;
+}
+
+static void cast_shooter(void *context, int shooter, int thread) {
+    const Reference *reference = context;
+    ShotBench *b = reference->bench;
+    Random random = {b->arguments->seed * 1000003 + (uint64_t)shooter};
+    ViewPoint from = point_of(b, shooter);
+    Vec3 x, y;
+    view_axes(from.normal, &x, &y);
+    uint32_t *arrivals = b->arrivals[shooter];
+    for (long long i = 0; i < b->rays / LANES; i++) {
+        RayEight rays = random_rays(&random, x, y, from.normal);
+        int32_t face[LANES], element[LANES];
+        ray_caster_cast(reference->casters[thread], from.eye, from.normal, &rays, ~(LaneInt){0}, false, face,
+                        element);
+        for (int k = 0; k < LANES; k++)
+            if (element[k] >= 0) arrivals[element[k]]++;
+    }
+}
+
+static void make_reference(ShotBench *b, Arena *arena) {
+    b->rays = b->arguments->rays / LANES * LANES;
+    b->arrivals = ARENA_ARRAY(arena, uint32_t *, b->shooter_count);
+    for (int s = 0; s < b->shooter_count; s++)
+        b->arrivals[s] = ARENA_ARRAY(arena, uint32_t, b->mesh.element_count);
+    Reference reference = {.bench = b};
+    int threads = parallel_threads(0);
+    if (threads > 64) threads = 64;
+    for (int t = 0; t < threads; t++) reference.casters[t] = ray_caster_new(&b->mesh, arena);
+    parallel_for(threads, b->shooter_count, cast_shooter, &reference);
+    for (int t = 0; t < threads; t++) ray_caster_end(reference.casters[t]);
+}
+
+static double l1_of(const ShotBench *b, int shooter, const Row *row) {
+    const uint32_t *arrivals = b->arrivals[shooter];
+    double sum = 0;
+    int at = 0;
+    for (int e = 0; e < b->mesh.element_count; e++) {
+        double f = 0;
+        if (at < row->count && row->element[at] == e) f = (double)row->factor[at++];
+        sum += fabs(f - arrivals[e] / (double)b->rays);
+    }
+    return sum;
+}
+
+// ---- the methods
+
+static bool is_ray(const FormFactorMethod *method) { return strncmp(method->name, "ray", 3) == 0; }
+
+static void shoot(ShotBench *b, Run *run, int s, bool first) {
+    ViewPoint from = point_of(b, s);
+    View axes = {.eye = from.eye, .z = from.normal};
+    const View *view = &axes;
+    view_axes(axes.z, &axes.x, &axes.y);
+    double start = clock_thread_seconds();
+    if (!is_ray(run->method)) view = viewer_look(b->viewer, &from, run->culling);
+    double looked = clock_thread_seconds();
+    const Row *row = form_factor_row(run->rows, view);
+    double end = clock_thread_seconds();
+    run->spent += end - start;
+    if (first) run->l1 += l1_of(b, s, row) / b->shooter_count;
+    if (first || end - start < run->least[s]) run->least[s] = end - start;
+    if (first || looked - start < run->least_look[s]) run->least_look[s] = looked - start;
+}
+
+static void begin_run(ShotBench *b, Run *run) {
+    FormFactorOptions options = form_factor_default_options();
+    options.resolution = run->resolution;
+    run->rows = form_factor_new(run->method, &b->mesh, &options, &run->arena);
+    run->least = ARENA_ARRAY(&run->arena, double, b->shooter_count);
+    run->least_look = ARENA_ARRAY(&run->arena, double, b->shooter_count);
+}
+
+static void end_run(ShotBench *b, Run *run) {
+    for (int s = 0; s < b->shooter_count; s++) {
+        run->ms += 1000 * run->least[s] / b->shooter_count;
+        run->look_ms += 1000 * run->least_look[s] / b->shooter_count;
+    }
+    form_factor_end(run->rows);
+    arena_free(&run->arena);
+}
+
+// All runs in turn, pass after pass: a spell in which the machine is slow falls on all of them.
+static void measure_all(ShotBench *b) {
+    for (int i = 0; i < b->run_count; i++) begin_run(b, &b->runs[i]);
+    for (int pass = 0; pass < PASSES; pass++) {
+        for (int i = 0; i < b->run_count; i++) {
+            Run *run = &b->runs[i];
+            if (run->spent > RUN_SECONDS) continue;
+            for (int s = 0; s < b->shooter_count; s++) shoot(b, run, s, pass == 0);
+            if (pass == 0) run->work = form_factor_work(run->rows);
+        }
+    }
+    for (int i = 0; i < b->run_count; i++) end_run(b, &b->runs[i]);
+}
+
+// Is no other run both as fast and as right: does it lie on the Pareto front?
+static bool on_front(const ShotBench *b, const Run *run) {
+    for (int i = 0; i < b->run_count; i++) {
+        const Run *other = &b->runs[i];
+        if (other->ms <= run->ms && other->l1 <= run->l1 && (other->ms < run->ms || other->l1 < run->l1))
+            return false;
+    }
+    return true;
+}
+
+static void add_row(const ShotBench *b, const Run *run, Text *table) {
+    double n = b->shooter_count;
+    text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
+                run->method->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count,
+                run->ms, run->look_ms, run->l1, (double)run->work.faces_drawn / n,
+                (double)run->work.elements_drawn / n, (double)run->work.samples / n,
+                (double)run->work.tests / n, b->rays, on_front(b, run));
+}
+
+// ---- what to run
+
+// Is the word among the comma-separated `list` (NULL: anything is)?
+static bool listed(const char *list, const char *word) {
+    size_t length = strlen(word);
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        if (strcspn(at, ",") == length && strncmp(at, word, length) == 0) return true;
+    return !list;
+}
+
+static void choose_runs(ShotBench *b) {
+    const BenchArguments *a = b->arguments;
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        const FormFactorMethod *method = FORM_FACTOR_METHODS[m];
+        if (!listed(a->methods, method->name)) continue;
+        for (int c = 0; c < VIEW_CULLINGS; c++) {
+            // Rays are culled by their own tree.
+            if (is_ray(method) ? c != CULL_NOTHING : !listed(a->cullings, VIEW_CULLING_NAMES[c])) continue;
+            for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++)
+                b->runs[b->run_count++] =
+                    (Run){.method = method, .resolution = a->resolutions[r], .culling = (ViewCulling)c};
+        }
+    }
+}
+
+static void print_runs(const ShotBench *b, Text *table) {
+    size_t start = table->size;
+    for (int i = 0; i < b->run_count; i++) add_row(b, &b->runs[i], table);
+    if (b->run_count > 0) fputs(table->data + start, stdout);
+    fflush(stdout);
+}
+
+// ---- equal error
+
+// The time a method takes to an error, on the straight line between its points in logarithms; beyond them, along the
+// nearest two. Negative: it has less than two points.
+static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCulling culling, double l1) {
+    const Run *low = NULL, *high = NULL;
+    for (int i = 0; i + 1 < b->run_count; i++) {
+        const Run *p = &b->runs[i], *q = &b->runs[i + 1];
+        if (p->method != method || q->method != method || p->culling != culling || q->culling != culling ||
+            p->l1 == q->l1)
+            continue;
+        if (!low || q->l1 >= l1 || p->l1 >= l1) low = p, high = q;
+    }
+    if (!low) return -1;
+    double t = (log(l1) - log(low->l1)) / (log(high->l1) - log(low->l1));
+    return exp(log(low->ms) + t * (log(high->ms) - log(low->ms)));
+}
+
+static const Run *find_run(const ShotBench *b, const char *method, int resolution, ViewCulling culling) {
+    for (int i = 0; i < b->run_count; i++)
+        if (strcmp(b->runs[i].method->name, method) == 0 && b->runs[i].resolution == resolution &&
+            b->runs[i].culling == culling)
+            return &b->runs[i];
+    return NULL;
+}
+
+// How much faster each method is at the error of Embree's hemicube of 100 rays a side.
+static void print_ratios(const ShotBench *b) {
+    const Run *goal = find_run(b, "ray-hemicube", 100, CULL_NOTHING);
+    if (!goal) return;
+    double best = goal->ms;
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        double ms =
+            is_ray(FORM_FACTOR_METHODS[m]) ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NOTHING, goal->l1) : -1;
+        if (ms > 0 && ms < best) best = ms;
+    }
+    fprintf(stderr,
+            "%s: at the error of ray-hemicube 100, L1 %.4f (%.3f ms a shot, the best rays %.3f ms):\n",
+            bench_name(b->file), goal->l1, goal->ms, best);
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        for (int c = 0; c < VIEW_CULLINGS; c++) {
+            double ms = ms_at(b, FORM_FACTOR_METHODS[m], (ViewCulling)c, goal->l1);
+            if (ms <= 0) continue;
+            fprintf(stderr,
+                    "  %-22s %-8s %8.3f ms a shot: %5.2f times as fast as that, %5.2f as the best rays\n",
+                    FORM_FACTOR_METHODS[m]->name, VIEW_CULLING_NAMES[c], ms, goal->ms / ms, best / ms);
+        }
+    }
+}
+
+static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
+    Arena arena = {0};
+    ShotBench *b = ARENA_ARRAY(&arena, ShotBench, 1);
+    b->file = file;
+    b->arguments = a;
+    AppOptions options = app_default_options();
+    options.map = a->map;
+    MeshOptions mesh = mesh_default_options();
+    bool good = app_load(file, &options, &arena, &b->scene, error) && app_has_walls(&b->scene, error) &&
+                mesh_build(&b->scene.graph, NULL, NULL, &mesh, &arena, &b->mesh, error);
+    if (good) {
+        b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
+        choose_shooters(b, &arena);
+        make_reference(b, &arena);
+        choose_runs(b);
+        measure_all(b);
+        print_runs(b, table);
+        print_ratios(b);
+    }
+    arena_free(&arena);
+    return good;
+}
+
+bool bench_formfactors(const BenchArguments *a, Error *error) {
+    for (const char *at = a->methods; at && *at; at += strcspn(at, ","), at += *at == ',') {
+        char name[40];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
+        if (!form_factor_method(name))
+            return error_set(error, "bench: there is no form-factor method `%s`", name);
+    }
+    Arena arena = {0};
+    Text table = {.arena = &arena};
+    text_append(&table, "%s", HEAD);
+    fputs(HEAD, stdout);
+    bool good = true;
+    for (int i = 0; i < a->file_count && good; i++) good = bench_file(a->files[i], a, &table, error);
+    if (good && a->csv) good = file_write(a->csv, table.data, table.size, error);
+    arena_free(&arena);
+    return good;
+}

@@ -1,0 +1,216 @@
+// cmd_bake.c - `enfilade bake FILE`: computes the light of a building by radiosity, and stores it.
+#include <getopt.h>
+#include <stdio.h>
+
+#include "engine/app/app.h"
+#include "engine/app/bake.h"
+
+static const char HELP[] =
+    "usage: enfilade bake FILE [-o OUT.rad] [OPTIONS]\n\n"
+    "Computes the light of a building by radiosity: its polygons are cut into elements, patches of elements "
+    "shoot\n"
+    "the light they have, the strongest first, until little is left. Only what the stab tree of a patch's "
+    "cell "
+    "lets\n"
+    "it see is looked at. The light is stored in OUT.rad, or in the user's cache. The same bytes come out on "
+    "any\n"
+    "number of threads, and with culling or without. Ctrl-C stops early and stores what there is.\n\n"
+    "  --map NAME        which one of a file that holds several maps (default: the first)\n"
+    "  -o OUT.rad        where to write\n"
+    "  --resume          go on from what is there, made with the same elements and doors\n"
+    "  --doors STATE     drawn (default), open or closed\n"
+    "  --element M       edge of an element aimed at, metres, 0.01 to 100 (default 0.33)\n"
+    "  --per-patch K     elements along the side of a patch, 1 to 16 (default 2)\n"
+    "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001)\n"
+    "  --shots N         stop when so many were shot, those of a run that is resumed included\n"
+    "  --seconds S       stop after S seconds of shooting, 0.001 to 1e6\n"
+    "  --method NAME     how form factors are found (default hemisphere); below\n"
+    "  --resolution R    pixels or rays across, 8 to 2000 (default 100)\n"
+    "  --culling NAME    what is left out: none, cells, plan (Oki's), portals (default); the result is the "
+    "same\n"
+    "  --no-cull         --culling none\n"
+    "  --threads N       1 to 256 (default: all cores)\n"
+    "  --row-memory MB   rows of form factors kept for patches that shoot again, 0 to 1000000 (default 128)\n"
+    "  --probe P         X,Y,Z,NX,NY,NZ: the light at a point, on a line `x y z nx ny nz HR HG HB BR BG BB`: "
+    "what\n"
+    "                    arrives, W/m^2, and what leaves the face it lies on; may be given several times\n"
+    "  --probes FILE     as many as there are lines in FILE, or points in a .quads file\n"
+    "  --json            one JSON object on standard output\n\n"
+    "Lights are polygons that emit. A lamp whose model has none gets a square beneath it, or above where its "
+    "light\n"
+    "sits in its upper half; a light without a lamp becomes a small cube.\n\n"
+    "form factors:\n";
+
+enum {
+    RESUME = 256,
+    DOORS,
+    ELEMENT,
+    PER_PATCH,
+    RESIDUAL,
+    SHOTS,
+    SECONDS,
+    METHOD,
+    RESOLUTION,
+    CULLING,
+    NO_CULL,
+    ROW_MEMORY,
+    PROBE,
+    PROBES,
+};
+
+static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
+                                        {"help", no_argument, NULL, 'h'},
+                                        {"map", required_argument, NULL, 'm'},
+                                        {"threads", required_argument, NULL, 't'},
+                                        {"resume", no_argument, NULL, RESUME},
+                                        {"doors", required_argument, NULL, DOORS},
+                                        {"element", required_argument, NULL, ELEMENT},
+                                        {"per-patch", required_argument, NULL, PER_PATCH},
+                                        {"residual", required_argument, NULL, RESIDUAL},
+                                        {"shots", required_argument, NULL, SHOTS},
+                                        {"seconds", required_argument, NULL, SECONDS},
+                                        {"method", required_argument, NULL, METHOD},
+                                        {"resolution", required_argument, NULL, RESOLUTION},
+                                        {"culling", required_argument, NULL, CULLING},
+                                        {"no-cull", no_argument, NULL, NO_CULL},
+                                        {"row-memory", required_argument, NULL, ROW_MEMORY},
+                                        {"probe", required_argument, NULL, PROBE},
+                                        {"probes", required_argument, NULL, PROBES},
+                                        {0}};
+
+typedef struct Arguments {
+    BakeArguments bake;
+    Arena arena;
+    bool help;
+} Arguments;
+
+static int parse_index(const char *option, const char *const *names, int count, int *out) {
+    for (int i = 0; i < count; i++) {
+        if (strcmp(optarg, names[i]) != 0) continue;
+        *out = i;
+        return APP_GOOD;
+    }
+    return app_misuse("bake", "bake: %s is `%s` (see --help for those allowed)", option, optarg);
+}
+
+static int parse_number(const char *option, double low, double high, double *out) {
+    if (app_parse_number(optarg, low, high, out)) return APP_GOOD;
+    return app_misuse("bake", "bake: %s is `%s` (allowed %g to %g)", option, optarg, low, high);
+}
+
+static int parse_whole(const char *option, int low, int high, int *out) {
+    if (app_parse_int(optarg, low, high, out)) return APP_GOOD;
+    return app_misuse("bake", "bake: %s is `%s` (allowed %d to %d)", option, optarg, low, high);
+}
+
+static int parse_probes(bool file, Arguments *a) {
+    Error error;
+    bool good = file ? bake_probes_read(optarg, &a->arena, &a->bake.probes, &error)
+                     : bake_probe_parse(optarg, &a->arena, &a->bake.probes, &error);
+    if (good) return APP_GOOD;
+    return file ? app_fail(APP_BAD_INPUT, "%s", error.text) : app_misuse("bake", "bake: %s", error.text);
+}
+
+static int parse_method(RadOptions *rad) {
+    rad->method = form_factor_method(optarg);
+    if (rad->method) return APP_GOOD;
+    return app_misuse("bake", "bake: --method is `%s` (see --help for those allowed)", optarg);
+}
+
+// What says how light is found.
+static int parse_light(int c, char **argv, Arguments *a) {
+    BakeArguments *b = &a->bake;
+    RadOptions *rad = &b->rad;
+    int number = 0, code = APP_GOOD;
+    switch (c) {
+    case METHOD:
+        return parse_method(rad);
+    case RESOLUTION:
+        return parse_whole("--resolution", 8, 2000, &rad->form_factor.resolution);
+    case CULLING:
+        code = parse_index("--culling", VIEW_CULLING_NAMES, VIEW_CULLINGS, &number);
+        if (code == APP_GOOD) rad->culling = (ViewCulling)number;
+        return code;
+    case NO_CULL:
+        rad->culling = CULL_NOTHING;
+        return code;
+    case RESIDUAL:
+        return parse_number("--residual", 1e-9, 1, &rad->residual);
+    case SHOTS:
+        code = parse_whole("--shots", 1, INT32_MAX, &number);
+        rad->shots = number;
+        return code;
+    case SECONDS:
+        return parse_number("--seconds", 0.001, 1e6, &rad->seconds);
+    case ROW_MEMORY:
+        code = parse_whole("--row-memory", 0, 1000000, &number);
+        rad->row_bytes = (size_t)number << 20;
+        return code;
+    default:
+        return app_misuse_option("bake", c, argv);
+    }
+}
+
+static int parse_option(int c, char **argv, Arguments *a) {
+    BakeArguments *b = &a->bake;
+    switch (c) {
+    case 'j':
+        b->json = true;
+        return APP_GOOD;
+    case 'h':
+        a->help = true;
+        return APP_GOOD;
+    case 'm':
+        b->load.map = optarg;
+        return APP_GOOD;
+    case 'o':
+        b->out = optarg;
+        return APP_GOOD;
+    case 't':
+        b->rad.threads = b->load.vis.threads = 1;
+        if (parse_whole("--threads", 1, 256, &b->rad.threads) != APP_GOOD) return APP_BAD_USE;
+        b->load.vis.threads = b->rad.threads;
+        return APP_GOOD;
+    case RESUME:
+        b->resume = true;
+        return APP_GOOD;
+    case DOORS:
+        return parse_index("--doors", BAKE_DOORS_NAMES, BAKE_DOORS, &b->doors);
+    case ELEMENT:
+        return parse_number("--element", 0.01, 100, &b->mesh.element);
+    case PER_PATCH:
+        return parse_whole("--per-patch", 1, 16, &b->mesh.per_patch);
+    case PROBE:
+    case PROBES:
+        return parse_probes(c == PROBES, a);
+    default:
+        return parse_light(c, argv, a);
+    }
+}
+
+static int parse(int argc, char **argv, Arguments *a) {
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, ":ho:", OPTIONS, NULL)) != -1;) {
+        int code = parse_option(c, argv, a);
+        if (code != APP_GOOD || a->help) return code;
+    }
+    if (argc - optind != 1)
+        return app_misuse("bake", "bake: one building file is needed, %d were given", argc - optind);
+    a->bake.file = argv[optind];
+    return APP_GOOD;
+}
+
+static void print_help(void) {
+    fputs(HELP, stdout);
+    for (int i = 0; FORM_FACTOR_METHODS[i]; i++)
+        printf("  %-20s %s\n", FORM_FACTOR_METHODS[i]->name, FORM_FACTOR_METHODS[i]->summary);
+}
+
+int cmd_bake(int argc, char **argv) {
+    Arguments a = {.bake = bake_default_arguments()};
+    int code = parse(argc, argv, &a);
+    if (code == APP_GOOD && a.help) print_help();
+    if (code == APP_GOOD && !a.help) code = bake(&a.bake);
+    arena_free(&a.arena);
+    return code;
+}

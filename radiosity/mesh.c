@@ -1,0 +1,234 @@
+// mesh.c - the polygons of a building as light sees them: faces whose neighbours share whole edges, cut into elements and
+// patches (Cohen, Greenberg, Immel & Brock 1986; T-vertices anchored: Baum, Mann, Smith & Winget 1991).
+#include "radiosity/mesh.h"
+
+#include "engine/core/error.h"
+#include "maps/building.h"
+#include "radiosity/mesh_parts.h"
+
+// More elements than this are refused: a row of doubles for each thread must fit in memory.
+static const double MOST_ELEMENTS = 2e7;
+// How far in front of its face a patch is looked for among the cells, metres: more than rounding, less than any gap that
+// a building has.
+static const double IN_FRONT = 1e-6;
+
+MeshOptions mesh_default_options(void) { return (MeshOptions){.element = 0.33, .per_patch = 2}; }
+
+// ---- faces
+
+// The corners of a polygon, each place once; returns how many there are.
+static int weld_corners(MeshBuilder *builder, const Vec3 *v, int count, int *corner) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        int place = places_add(&builder->places, v[i]);
+        if (kept == 0 || corner[kept - 1] != place) corner[kept++] = place;
+    }
+    while (kept > 1 && corner[kept - 1] == corner[0]) kept--;
+    return kept;
+}
+
+// About a corner, so that far from the origin no digits are lost.
+static Plane face_plane(const Vec3 *points, const int *corner, int count, Vec3 *local, double *area) {
+    for (int i = 0; i < count; i++) local[i] = vec3_sub(points[corner[i]], points[corner[0]]);
+    Plane plane = plane_of_polygon(local, count);
+    *area = polygon_area(local, count);
+    plane.d += vec3_dot(plane.n, points[corner[0]]);
+    return plane;
+}
+
+typedef struct FaceList {
+    int *corner;  // of all faces, places
+    int corner_count, corner_capacity, face_capacity;
+    double elements;  // there will be about
+    int *now;         // corners of the polygon at hand
+    Vec3 *local;      // and these from the first
+} FaceList;
+
+static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Vec3 *vertices) {
+    Mesh *mesh = builder->mesh;
+    const Polygon *p = &mesh->graph->polygons[polygon];
+    int *corner = list->now;
+    int count = weld_corners(builder, vertices + p->first_vertex, p->vertex_count, corner);
+    double area = 0;
+    Plane plane = {{0, 0, 0}, 0};
+    if (count >= 3) plane = face_plane(builder->places.points, corner, count, list->local, &area);
+    if (area < MAPS_SMALLEST_AREA || vec3_dot(plane.n, plane.n) == 0) {
+        mesh->dropped_faces++;
+        return;
+    }
+    mesh->face_of[polygon] = mesh->face_count;
+    Face *face = ARENA_PUSH(builder->arena, mesh->faces, mesh->face_count, list->face_capacity);
+    *face = (Face){.polygon = polygon,
+                   .object = object,
+                   .material = p->material,
+                   .plane = plane,
+                   .first_vertex = list->corner_count,
+                   .vertex_count = count};
+    mesh_lay_grid(builder, face, corner, count);
+    list->elements += (double)face->nx * face->ny;
+    for (int i = 0; i < count; i++)
+        *ARENA_PUSH(&builder->scratch, list->corner, list->corner_count, list->corner_capacity) = corner[i];
+}
+
+static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices, const float *door_open) {
+    Mesh *mesh = builder->mesh;
+    const CellGraph *graph = mesh->graph;
+    mesh->face_of = ARENA_ARRAY(builder->arena, int, graph->polygon_count);
+    int most = 0;
+    for (int i = 0; i < graph->polygon_count; i++) {
+        mesh->face_of[i] = -1;
+        if (graph->polygons[i].vertex_count > most) most = graph->polygons[i].vertex_count;
+    }
+    list->now = ARENA_ARRAY(&builder->scratch, int, most);
+    list->local = ARENA_ARRAY(&builder->scratch, Vec3, most);
+    for (int o = 0; o < graph->object_count; o++) {
+        const Object *object = &graph->objects[o];
+        if (!vis_shown(object, door_open)) continue;
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
+            if (!vis_is_glass(graph, p)) add_face(builder, list, o, p, vertices);
+    }
+}
+
+// ---- vertices of neighbours on edges
+
+static double mean_edge(const Vec3 *points, const int *corner, const int *ring_end, int ring_count) {
+    double length = 0;
+    int first = 0, edges = 0;
+    for (int r = 0; r < ring_count; first = ring_end[r++]) {
+        for (int i = first; i < ring_end[r]; i++) {
+            int next = i + 1 == ring_end[r] ? first : i + 1;
+            length += vec3_length(vec3_sub(points[corner[next]], points[corner[i]]));
+            edges++;
+        }
+    }
+    return edges > 0 ? length / edges : 1;
+}
+
+// Rings of corners, and the same with every one of `point_count` places that lies on an edge put in. `ring_end` becomes
+// that of the new ones.
+static int *anchor(MeshBuilder *builder, const int *corner, int *ring_end, int ring_count, int point_count,
+                   int *out_count) {
+    const Vec3 *points = builder->places.points;
+    Arena scratch = {0};
+    PlaceGrid grid =
+        place_grid(points, point_count, mean_edge(points, corner, ring_end, ring_count), &scratch);
+    PlacesFound on_edge = {.arena = &scratch};
+    int *out = NULL, count = 0, capacity = 0, first = 0;
+    for (int r = 0; r < ring_count; r++) {
+        int end = ring_end[r];
+        for (int i = first; i < end; i++) {
+            *ARENA_PUSH(builder->arena, out, count, capacity) = corner[i];
+            int found = place_grid_on_edge(&grid, corner[i], corner[i + 1 == end ? first : i + 1], &on_edge);
+            for (int k = 0; k < found; k++)
+                *ARENA_PUSH(builder->arena, out, count, capacity) = on_edge.found[k].point;
+        }
+        first = end;
+        ring_end[r] = count;
+    }
+    arena_free(&scratch);
+    *out_count = count;
+    return out;
+}
+
+static void anchor_outlines(MeshBuilder *builder, const FaceList *list) {
+    Mesh *mesh = builder->mesh;
+    Arena scratch = {0};
+    int *ring_end = ARENA_ARRAY(&scratch, int, mesh->face_count);
+    for (int f = 0; f < mesh->face_count; f++)
+        ring_end[f] = mesh->faces[f].first_vertex + mesh->faces[f].vertex_count;
+    mesh->outline = anchor(builder, list->corner, ring_end, mesh->face_count, builder->places.count,
+                           &mesh->outline_count);
+    for (int f = 0, first = 0; f < mesh->face_count; first = ring_end[f++]) {
+        mesh->faces[f].first_vertex = first;
+        mesh->faces[f].vertex_count = ring_end[f] - first;
+    }
+    arena_free(&scratch);
+}
+
+static void anchor_elements(MeshBuilder *builder) {
+    Mesh *mesh = builder->mesh;
+    Arena scratch = {0};
+    int *ring_end = ARENA_ARRAY(&scratch, int, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++)
+        ring_end[e] = mesh->elements[e].first_corner + mesh->elements[e].corner_count;
+    mesh->corners = anchor(builder, mesh->corners, ring_end, mesh->element_count, builder->places.count,
+                           &mesh->corner_count);
+    for (int e = 0, first = 0; e < mesh->element_count; first = ring_end[e++]) {
+        mesh->elements[e].first_corner = first;
+        mesh->elements[e].corner_count = ring_end[e] - first;
+    }
+    arena_free(&scratch);
+}
+
+// ---- cells of patches
+
+static void find_cells(Mesh *mesh) {
+    const CellGraph *graph = mesh->graph;
+    Arena scratch = {0};
+    int *cell_of = ARENA_ARRAY(&scratch, int, graph->object_count), hint = -1;
+    for (int o = 0; o < graph->object_count; o++) cell_of[o] = -1;
+    for (int c = 0; c < graph->cell_count; c++)
+        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++) cell_of[o] = c;
+    for (int i = 0; i < mesh->patch_count; i++) {
+        Patch *patch = &mesh->patches[i];
+        const Face *face = &mesh->faces[patch->face];
+        patch->cell = cell_of[face->object];
+        if (patch->cell < 0)
+            patch->cell =
+                vis_locate(graph, vec3_add(patch->centre, vec3_scale(face->plane.n, IN_FRONT)), hint);
+        if (patch->cell < 0)
+            mesh->lost_patches++;
+        else
+            hint = patch->cell;
+    }
+    arena_free(&scratch);
+}
+
+bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
+                const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
+    CORE_ASSERT(options->element >= 0.01 && options->element <= 100);
+    CORE_ASSERT(options->per_patch >= 1 && options->per_patch <= 16);
+    *out = (Mesh){.graph = graph, .options = *options};
+    const char *source = graph->building->source;
+    MeshBuilder builder = {.mesh = out, .arena = arena};
+    FaceList list = {0};
+    places_start(&builder.places, arena);
+    add_faces(&builder, &list, vertices ? vertices : graph->vertices, door_open);
+    bool fits = list.elements <= MOST_ELEMENTS;
+    if (fits && out->face_count > 0) {
+        anchor_outlines(&builder, &list);
+        for (int f = 0; f < out->face_count; f++) mesh_cut_face(&builder, f);
+        anchor_elements(&builder);
+        out->vertices = builder.places.points;
+        out->vertex_count = builder.places.count;
+        find_cells(out);
+    }
+    arena_free(&builder.scratch);
+    if (!fits)
+        return error_set(error, "%s: elements of %g m would be %.0f (limit %.0f): take larger ones", source,
+                         options->element, list.elements, MOST_ELEMENTS);
+    if (out->patch_count == 0)
+        return error_set(error, "%s: no polygon with a front to receive light", source);
+    return true;
+}
+
+int mesh_element_at(const Mesh *mesh, int index, Vec3 point) {
+    const Face *face = &mesh->faces[index];
+    Vec3 p = vec3_sub(point, face->origin);
+    double x = vec3_dot(face->gx, p), y = vec3_dot(face->gy, p);
+    int i = x < 0 ? 0 : x >= face->nx ? face->nx - 1 : (int)x;
+    int j = y < 0 ? 0 : y >= face->ny ? face->ny - 1 : (int)y;
+    const int *square = mesh->squares + face->first_square;
+    if (square[j * face->nx + i] >= 0) return square[j * face->nx + i];
+    // A rounding outside the outline: the nearest square that holds something.
+    double nearest = INFINITY;
+    int best = -1;
+    for (int k = 0; k < face->nx * face->ny; k++) {
+        double dx = k % face->nx + 0.5 - x, dy = k / face->nx + 0.5 - y;
+        if (square[k] < 0 || dx * dx + dy * dy >= nearest) continue;
+        nearest = dx * dx + dy * dy;
+        best = square[k];
+    }
+    CORE_ASSERT(best >= 0);
+    return best;
+}

@@ -1,0 +1,50 @@
+// mesh_places.h - points of a mesh, each place once, and which of them lie on an edge.
+#ifndef RADIOSITY_MESH_PLACES_H
+#define RADIOSITY_MESH_PLACES_H
+
+#include "engine/core/arena.h"
+#include "engine/core/vec.h"
+
+// Points nearer than this are one place, metres: above the rounding of georeferenced coordinates (1.5e-8 at MAPS_LIMIT),
+// below the distance at which two sheets are still told apart (2e-7).
+#define MESH_WELD 1e-7
+
+typedef struct Places {
+    Arena *arena;
+    Vec3 *points;
+    int count, capacity;
+    int *next, next_capacity;  // [count] in the same slot of the table
+    int *slots;                // [slot_count] a power of two; the last point that came there, -1
+    int slot_count;
+} Places;
+
+void places_start(Places *places, Arena *arena);
+// The place of a point: the first that came within MESH_WELD of it.
+int places_add(Places *places, Vec3 point);
+
+// Points sorted into cubes of side `size`.
+typedef struct PlaceGrid {
+    const Vec3 *points;
+    double size;
+    unsigned slot_count;  // a power of two
+    int *first;           // [slot_count + 1] in `index`
+    int *index;           // [point_count]
+} PlaceGrid;
+
+PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena);
+
+typedef struct PlaceOnEdge {
+    double t;  // 0 at the edge's beginning .. 1
+    int point;
+} PlaceOnEdge;
+
+// The points within MESH_WELD of the edge a -> b but its ends, in order along it; returns how many there are. `found`
+// grows in the arena.
+typedef struct PlacesFound {
+    PlaceOnEdge *found;
+    int count, capacity;
+    Arena *arena;
+} PlacesFound;
+int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *out);
+
+#endif

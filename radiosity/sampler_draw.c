@@ -1,0 +1,246 @@
+// sampler_draw.c - finds the face seen along each direction.
+//
+// A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
+// at 1 / distance = dot(n, w) / d, which is linear in w (design.md). The forms are made in doubles from the eye; they are
+// floats when they meet directions. Two faces along one line share its form to the last bit, and only one of them holds the
+// directions on it, so nothing falls between them.
+//
+// Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
+// its edges do not reach, and over what lies wholly behind things already seen.
+#include <float.h>
+#include <math.h>
+
+#include "radiosity/sampler_part.h"
+
+// How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
+#define NEAREST_MARGIN 1e-3
+
+typedef double Four __attribute__((vector_size(32)));
+
+// Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
+typedef struct ViewFrame {
+    Four x, y, z;
+    Vec3 eye;
+} ViewFrame;
+
+// A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
+typedef struct Drawing {
+    Form near;
+    float nearest;  // 1 / distance of nowhere on the face is above this
+    int face;
+    const DrawnEdge *const *edges;
+    int edge_count;
+    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
+} Drawing;
+
+static ViewFrame frame_of(const Sampler *s, const View *view) {
+    Vec3 x, y, z = view->z;
+    sampler_axes(s, view, &x, &y);
+    return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
+}
+
+static inline Form form_of(Four v) {
+    typedef float FourFloats __attribute__((vector_size(16)));
+    typedef int32_t FourInts __attribute__((vector_size(16)));
+    union {
+        Form form;
+        FourFloats part[2];
+    } u;
+    u.part[0] = __builtin_convertvector(v, FourFloats);
+    u.part[1] = (FourFloats)((FourInts)u.part[0] & 0x7fffffff);
+    return u.form;
+}
+
+// 1 / distance.
+static Form near_form(const Sampler *s, const ViewFace *face) {
+    double scale = 1 / face->d, x = face->n.x * s->cosine + face->n.y * s->sine,
+           y = face->n.y * s->cosine - face->n.x * s->sine;
+    return form_of((Four){x, y, face->n.z, 0} * scale);
+}
+
+// How many faces ahead memory is asked for: where a face's edges are, then the edges.
+enum { AHEAD = 8, FAR_AHEAD = 16 };
+
+static void fetch_ahead(const Sampler *s, const View *view, int at) {
+    const FaceLines *o = &s->outlines;
+    if (at + FAR_AHEAD < view->face_count)
+        __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
+    if (at + AHEAD >= view->face_count) return;
+    const char *first = (const char *)&o->edges[o->first_edge[view->faces[at + AHEAD].face]];
+    for (int k = 0; k < 5; k++) __builtin_prefetch(first + 64 * k);
+}
+
+// Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
+static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
+    const FaceLines *o = &s->outlines;
+    int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
+    bool behind = face->d > 0;  // seen from there, edges go counter-clockwise
+    for (int i = 0; i < count; i++) {
+        const FaceEdge *edge = &o->edges[first + i];
+        Vec3 n =
+            vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
+        s->edges[i] = (DrawnEdge){form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z),
+                                  (edge->sign > 0) == behind ? 0 : FLT_TRUE_MIN};
+    }
+    return count;
+}
+
+// Of all the face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
+// of a plane that is seen edge-on.
+static float nearest_of(const View *view, const ViewFace *face) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, v[i]);
+    double least = INFINITY;
+    for (int i = 0; i < face->vertex_count; i++) {
+        double along = vec3_dot(sum, v[i]);
+        least = along < least ? along : least;
+    }
+    double length = vec3_length(sum), away = fabs(face->d);
+    if (least > away * length) away = least / length;
+    return (float)((1 + NEAREST_MARGIN) / away);
+}
+
+// ---- boxes
+
+// A form's value in the middle of each box, and how far it may be from that anywhere in it.
+static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->x), b->x,
+                             lane_multiply_add(lane_of(f->y), b->y, lane_of(f->z) * b->z));
+}
+static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->abs_x), b->half_x,
+                             lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
+}
+
+static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
+    Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
+    return (nearest >= b->far) & (nearest > 0);
+}
+
+static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
+    Lane middle = middle_in(b, edge), spread = spread_in(b, edge);
+    *crossed = middle <= spread;
+    return middle + spread >= 0;
+}
+
+// Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
+    LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
+    if (lane_mask(low | high) == 0) return 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        LaneInt crossed_low, crossed_high;
+        low &= boxes_at_edge(&b[0], &d->edges[e]->form, &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e]->form, &crossed_high);
+        d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
+    }
+    return lane_mask(low) | lane_mask(high) << LANES;
+}
+
+// Of the edges, those that cross box i.
+static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
+    int count = 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        out[count] = d->edges[e];
+        count += (int)(d->crossed[e] >> i & 1);
+    }
+    return count;
+}
+
+// ---- directions
+
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
+    return lane_multiply_add(lane_of(f->x), b->x[row],
+                             lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
+}
+
+// What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
+// least 1 / distance now seen in the block.
+static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                const LaneInt inside[SAMPLER_BLOCK]) {
+    Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
+    LaneInt face = lane_int_of(d->face);
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
+        LaneInt before = items->face[row];
+        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
+        Lane now = lane_choose(in, value, old);
+        items->near[row] = now;
+        items->face[row] = lane_choose_int(in, face, before);
+        far = lane_least(far, now);
+    }
+    return lane_least_of(far);
+}
+
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far) {
+    LaneInt inside[SAMPLER_BLOCK], any = {0};
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) inside[row] = ~(LaneInt){0};
+    for (int e = 0; e < d->edge_count; e++) {
+        const DrawnEdge *edge = d->edges[e];
+        LANE_UNROLL
+        for (int row = 0; row < SAMPLER_BLOCK; row++)
+            inside[row] &= form_at(&edge->form, b, row) >= edge->least;
+    }
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) any |= inside[row];
+    if (lane_mask(any) != 0) *far = draw_inside(b, items, d, inside);
+}
+
+// Returns how many blocks were looked at.
+static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
+    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
+    SampleBoxes *boxes = &s->block_boxes[group * 2];
+    unsigned reached = boxes_reached(boxes, &d);
+    int count = __builtin_popcount(reached);
+    for (; reached; reached &= reached - 1) {
+        int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
+        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        draw_block(&s->blocks[block], &s->items[block], &in_block,
+                   (float *)&boxes[i / LANES].far + i % LANES);
+    }
+    return count;
+}
+
+static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
+    for (int first = 0; first < s->group_count; first += 2 * LANES) {
+        SampleBoxes *groups = &s->group_boxes[first / LANES];
+        for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
+            int i = __builtin_ctz(reached), group = first + i;
+            int blocks = draw_group(s, group, d, choose_edges(d, i, s->group));
+            if (blocks == 0) continue;
+            work->tests += blocks * SAMPLER_BLOCK * LANES;
+            const SampleBoxes *boxes = &s->block_boxes[group * 2];
+            groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+        }
+    }
+}
+
+static void clear(Sampler *s) {
+    memcpy(s->items, s->nothing, (size_t)s->group_count * GROUP_BLOCKS * sizeof *s->items);
+    Lane none = lane_of(INFINITY);
+    for (int k = 0; k < s->group_count * 2; k++)
+        s->block_boxes[k].far = lane_choose(s->block_boxes[k].half_x > 0, (Lane){0}, none);
+    for (int k = 0; k * LANES < s->group_count; k++)
+        s->group_boxes[k].far = lane_choose(s->group_boxes[k].half_x > 0, (Lane){0}, none);
+}
+
+void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
+    s->stamp++;
+    clear(s);
+    ViewFrame frame = frame_of(s, view);
+    for (int i = 0; i < view->face_count; i++) {
+        const ViewFace *face = &view->faces[i];
+        s->view_index[face->face] = i;
+        fetch_ahead(s, view, i);
+        Drawing d = {.near = near_form(s, face),
+                     .nearest = nearest_of(view, face),
+                     .edges = s->all,
+                     .edge_count = make_edges(s, &frame, face),
+                     .crossed = s->crossed,
+                     .face = face->face};
+        draw_face(s, &d, work);
+    }
+    work->samples += s->samples.count;
+}

@@ -1,0 +1,241 @@
+// shoot.c - radiosity by progressive refinement: the patch with most unshot power shoots to all elements, again and again.
+//
+// Source: M. F. Cohen, S. E. Chen, J. R. Wallace & D. P. Greenberg, A Progressive Refinement Approach to Fast Radiosity
+// Image Generation, 1988: elements receive, patches shoot the mean of their elements, the strongest first.
+// Departures: rows are made ahead, for several patches at a time, but shots happen one after the other in the order of
+// power, as if each row had been made when it was needed. So neither threads, nor the memory for rows, nor where a run
+// was broken off and resumed show in the result. What is unshot is what was emitted less what was absorbed and what
+// escaped: no sum over all patches is needed to know when to stop.
+#include "radiosity/shoot.h"
+
+#include <stdio.h>
+
+#include "engine/core/clock.h"
+#include "radiosity/shoot_queue.h"
+#include "radiosity/shoot_rows.h"
+
+// Shots between two looks at the clock.
+enum { SHOTS_A_LOOK = 64 };
+// Rows are made ahead of patches with at least this share of the strongest one's power.
+static const double WORTH_MAKING = 1.0 / 16;
+
+RadOptions rad_default_options(void) {
+    return (RadOptions){.method = form_factor_method("hemisphere"),
+                        .form_factor = form_factor_default_options(),
+                        .culling = CULL_PORTALS,
+                        .residual = 0.001,
+                        .row_bytes = (size_t)128 << 20};
+}
+
+static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
+
+static void rgb3(Rgb c, double out[3]) {
+    out[0] = (double)c.r;
+    out[1] = (double)c.g;
+    out[2] = (double)c.b;
+}
+
+static bool check_material(const Material *m, int face, Error *error) {
+    double rho[3], e[3];
+    rgb3(m->reflectance, rho);
+    rgb3(m->emission, e);
+    for (int c = 0; c < 3; c++) {
+        if (!(rho[c] >= 0 && rho[c] < 1)) {
+            return error_set(error,
+                             "polygon %d has material %s of reflectance %g (allowed: at least 0, below 1)",
+                             face, m->name ? m->name : "", rho[c]);
+        }
+        if (!(e[c] >= 0 && isfinite(e[c]))) {
+            return error_set(error, "polygon %d has material %s of exitance %g W/m^2 (allowed: at least 0)",
+                             face, m->name ? m->name : "", e[c]);
+        }
+    }
+    return true;
+}
+
+bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+    *out = (RadSolution){.element_count = mesh->element_count, .patch_count = mesh->patch_count};
+    out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
+    out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
+    for (int f = 0; f < mesh->face_count; f++) {
+        if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
+    }
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        double e[3];
+        rgb3(mesh_material(mesh, patch->face)->emission, e);
+        for (int c = 0; c < 3; c++) {
+            out->unshot[p][c] = e[c];
+            out->emitted[c] += e[c] * patch->area;
+            for (int i = 0; i < patch->element_count; i++) out->radiosity[patch->first_element + i][c] = e[c];
+        }
+    }
+    if (sum3(out->emitted) > 0) return true;
+    return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
+}
+
+// Three channels and one unused, W/m^2: one register.
+typedef double Channels __attribute__((vector_size(32)));
+
+// All that a shot asks of a patch, in one line of the cache.
+typedef struct Receiver {
+    Channels unshot;
+    float reflectance[3];
+    int first_element;
+    double area, per_area;
+} Receiver;
+
+// The solution, as shots like it.
+typedef struct Shooter {
+    const RadOptions *options;
+    RadSolution *solution;
+    Channels *radiosity;  // [element_count]
+    Receiver *receivers;  // [patch_count]
+    Channels absorbed, escaped;
+    ShootQueue queue;
+    ShootRows *rows;
+    int *next;  // [shoot_rows_wanted, as it is at first]
+    double start;
+} Shooter;
+
+static Channels channels_of(const double v[3]) { return (Channels){v[0], v[1], v[2], 0}; }
+
+static Channels spread(double x) { return (Channels){x, x, x, x}; }
+
+static void store(Channels from, double out[3]) {
+    for (int c = 0; c < 3; c++) out[c] = from[c];
+}
+
+// Computed from the solution alone, however it came about: a run that is resumed goes on just so.
+static double unshot_power(const Receiver *r) {
+    return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
+}
+
+static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
+                  const RadOptions *options, RadSolution *solution, Arena *arena) {
+    *s = (Shooter){.options = options, .solution = solution, .start = clock_seconds()};
+    s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
+    s->next = ARENA_ARRAY(arena, int, shoot_rows_wanted(s->rows));
+    s->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
+    s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
+    s->absorbed = channels_of(solution->absorbed);
+    s->escaped = channels_of(solution->escaped);
+    for (int e = 0; e < mesh->element_count; e++) s->radiosity[e] = channels_of(solution->radiosity[e]);
+    shoot_queue_start(&s->queue, mesh->patch_count, arena);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        Rgb rho = mesh_material(mesh, patch->face)->reflectance;
+        s->receivers[p] = (Receiver){channels_of(solution->unshot[p]),
+                                     {rho.r, rho.g, rho.b},
+                                     patch->first_element,
+                                     patch->area,
+                                     1 / patch->area};
+        shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
+    }
+}
+
+// Back into the solution.
+static void finish(const Shooter *s) {
+    RadSolution *out = s->solution;
+    for (int e = 0; e < out->element_count; e++) store(s->radiosity[e], out->radiosity[e]);
+    for (int p = 0; p < out->patch_count; p++) store(s->receivers[p].unshot, out->unshot[p]);
+    store(s->absorbed, out->absorbed);
+    store(s->escaped, out->escaped);
+}
+
+// Receivers lie all over memory, but it is known long before which come: runs ahead to fetch a patch, and its elements,
+// two to a line of the cache.
+enum { PATCH_AHEAD = 12, ELEMENTS_AHEAD = 6 };
+
+static void shoot(Shooter *s, int patch, const ShootRow *row) {
+    Receiver *from = &s->receivers[patch];
+    Channels power = from->unshot * spread(from->area * row->scale), absorbed = power * spread(row->back);
+    const float *density = row->density;
+    const uint8_t *offset = row->offset;
+    from->unshot = spread(0);
+    shoot_queue_clear(&s->queue, patch);
+    for (int r = 0; r < row->run_count; r++) {
+        const ShootRun *run = &row->runs[r];
+        Receiver *to = &s->receivers[run->patch];
+        if (r + PATCH_AHEAD < row->run_count) {
+            __builtin_prefetch(&s->receivers[run[PATCH_AHEAD].patch]);
+            const Channels *soon = s->radiosity + s->receivers[run[ELEMENTS_AHEAD].patch].first_element;
+            __builtin_prefetch(soon, 1);
+            __builtin_prefetch(soon + 2, 1);
+        }
+        Channels rho = {(double)to->reflectance[0], (double)to->reflectance[1], (double)to->reflectance[2],
+                        0};
+        Channels reflected = power * rho, *elements = s->radiosity + to->first_element;
+        double share = (double)run->share;
+        for (int i = 0; i <= row->count[r]; i++)
+            elements[*offset++] += reflected * spread((double)*density++);
+        to->unshot += reflected * spread(share * to->per_area);
+        absorbed += (power - reflected) * spread(share);
+        shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
+    }
+    s->absorbed += absorbed;
+    s->escaped += power * spread(row->escaped);
+    s->solution->shots++;
+}
+
+static const ShootRow *row_of(Shooter *s, int patch) {
+    const ShootRow *row = shoot_rows_of(s->rows, patch);
+    if (row) return row;
+    double least = s->queue.power[patch] * WORTH_MAKING;
+    int count =
+        shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, shoot_rows_wanted(s->rows), s->next);
+    shoot_rows_make(s->rows, s->next, count);
+    return shoot_rows_of(s->rows, patch);
+}
+
+static double residual_of(const Shooter *s) {
+    double emitted = sum3(s->solution->emitted), gone[3];
+    store(s->absorbed + s->escaped, gone);
+    return (emitted - sum3(gone)) / emitted;
+}
+
+// Residuals fall about exponentially, once the lamps have shot.
+static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
+    const RadOptions *o = s->options;
+    double residual = residual_of(s), done = 0;
+    if (o->residual > 0 && o->residual < 1) done = log(fmax(residual, o->residual)) / log(o->residual);
+    if (o->shots > 0) done = fmax(done, (double)s->solution->shots / (double)o->shots);
+    double seconds = clock_seconds() - s->start;
+    if (o->seconds > 0) done = fmax(done, seconds / o->seconds);
+    char stage[64];
+    snprintf(stage, sizeof stage, "residual %.2g %%", 100 * residual);
+    *stopped = !progress_report(progress, stage, fmin(fmax(done, 0), 1));
+    return !*stopped && (o->seconds <= 0 || seconds < o->seconds);
+}
+
+RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                    const RadOptions *options, const Progress *progress, RadSolution *solution) {
+    Arena arena = {0};
+    Shooter s;
+    RadReport report = {0};
+    start(&s, mesh, forest, door_open, options, solution, &arena);
+    long long first = solution->shots;
+    while (residual_of(&s) > options->residual) {
+        if (options->shots > 0 && solution->shots >= options->shots) break;
+        if ((solution->shots - first) % SHOTS_A_LOOK == 0 && !go_on(&s, progress, &report.stopped)) break;
+        int patch = shoot_queue_top(&s.queue);
+        if (patch < 0) break;
+        shoot(&s, patch, row_of(&s, patch));
+    }
+    finish(&s);
+    report.residual = residual_of(&s);
+    report.shots = solution->shots - first;
+    shoot_rows_report(s.rows, &report);
+    report.seconds = clock_seconds() - s.start;
+    shoot_rows_end(s.rows);
+    arena_free(&arena);
+    return report;
+}
+
+void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]) {
+    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (int i = 0; i < row->count; i++) {
+        for (int c = 0; c < 3; c++)
+            irradiance[c] += (double)row->factor[i] * solution->radiosity[row->element[i]][c];
+    }
+}

@@ -175,6 +175,9 @@ charts:
 	[ ! -e build/bench/breaks.csv ] || \
 	    { gnuplot -e "csv='build/bench/breaks.csv'; out='build/pictures/breaks'" tests/plots/breaks.gp && \
 	    cp build/pictures/breaks.png tests/pictures; }
+	[ ! -e build/bench/formfactors.csv ] || \
+	    { gnuplot -e "csv='build/bench/formfactors.csv'; out='build/pictures/formfactors'" tests/plots/formfactors.gp && \
+	    cp build/pictures/formfactors.png tests/pictures; }
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

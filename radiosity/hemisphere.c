@@ -8,7 +8,7 @@
 
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return sampler_new(mesh, grids, grids_of_disc(options->resolution, grids), arena);
+    return sampler_new(mesh, grids, grids_of_disc(options->resolution, grids), GRIDS_TURN, arena);
 }
 
 static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }

@@ -58,7 +58,13 @@ static inline LaneInt lane_look_up(const int32_t *table, LaneInt index) {
 #endif
 }
 
-static inline Lane lane_least(Lane a, Lane b) { return lane_choose(a < b, a, b); }
+static inline Lane lane_least(Lane a, Lane b) {
+#ifdef __AVX2__
+    return (Lane)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    return lane_choose(a < b, a, b);
+#endif
+}
 
 // Bit i: lane i of the mask.
 static inline unsigned lane_mask(LaneInt mask) {

@@ -8,6 +8,10 @@
 
 #include <stdlib.h>
 
+typedef struct Line {
+    Vec3 point, along;  // a point of it, and unit direction
+} Line;
+
 // An edge of an outline; `low` and `high` are its vertices in increasing order.
 typedef struct OutlineEdge {
     int low, high, at;  // at: in Mesh.outline, that it starts from
@@ -121,18 +125,20 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
         if (f->bent[root[i]]) f->parent[i] = root_of(shared.parent, i);
 }
 
-static void add_edges(const Finder *f, const int *number, FaceLines *out) {
+static void add_edges(const Finder *f, const Line *lines, const int *number, FaceLines *out) {
     const Mesh *mesh = f->mesh;
     for (int k = 0; k < mesh->face_count; k++) {
         const Face *face = &mesh->faces[k];
         out->first_edge[k] = out->edge_count;
         for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++) {
-            int line = number[root_of(f->parent, i)], first = out->first_edge[k];
+            int root = root_of(f->parent, i), line = number[root], first = out->first_edge[k];
             Vec3 step = vec3_sub(vertex(f, f->next[i]), vertex(f, i));
-            int sign = vec3_dot(step, out->lines[line].along) > 0 ? 1 : -1;
+            int sign = vec3_dot(step, lines[root].along) > 0 ? 1 : -1;
             bool known = false;
             for (int e = first; e < out->edge_count && !known; e++) known = out->edges[e].line == line;
-            if (!known) out->edges[out->edge_count++] = (FaceEdge){line, sign};
+            if (known) continue;
+            out->edges[out->edge_count++] =
+                (FaceEdge){lines[root].point, vec3_scale(lines[root].along, sign), line, sign};
         }
         int edges = out->edge_count - out->first_edge[k];
         if (edges > out->most_edges) out->most_edges = edges;
@@ -164,10 +170,7 @@ FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
     int *number = ARENA_ARRAY(&scratch, int, count + 1);
     for (int i = 0; i < count; i++)
         if (root_of(f.parent, i) == i) number[i] = out.line_count++;
-    out.lines = ARENA_ARRAY(arena, Line, out.line_count + 1);
-    for (int i = 0; i < count; i++)
-        if (root_of(f.parent, i) == i) out.lines[number[i]] = line[i];
-    add_edges(&f, number, &out);
+    add_edges(&f, line, number, &out);
     arena_free(&scratch);
     return out;
 }

@@ -9,18 +9,15 @@
 // far from the origin, below all that could show.
 #define RAD_STRAIGHT 1e-7
 
-typedef struct Line {
-    Vec3 point, along;  // a point of it, and unit direction
-} Line;
-
-// An edge of a face, counter-clockwise from its front.
+// An edge of a face, counter-clockwise from its front: a point of its line, and the direction along it, unit. Of the same line
+// they are the same to the last bit, or `along` is the exact opposite.
 typedef struct FaceEdge {
+    Vec3 point, along;
     int line;
     int sign;  // 1: it goes along the line, -1: against it
 } FaceEdge;
 
 typedef struct FaceLines {
-    Line *lines;
     FaceEdge *edges;
     int *first_edge;  // [face_count + 1] face f has edges[first_edge[f]] .. ; each line at most once
     int line_count, edge_count, face_count;

@@ -1,5 +1,7 @@
 // ray.c - form factors by rays (Embree): the baseline that the others are measured against. The directions are those of the
 // hemisphere's base or of the hemicube, cast eight at a time, 4 x 2 neighbours together.
+#include <math.h>
+
 #include "radiosity/ray_caster.h"
 #include "radiosity/row.h"
 #include "radiosity/sample_grids.h"
@@ -14,21 +16,21 @@ typedef struct RayMethod {
     int *stamp, look;
 } RayMethod;
 
-static void add_tile(const SampleGrid *grid, int i0, int j0, FormFactorSamples *s, double *sum) {
+static void add_tile(const SampleGrid *grid, double turn, int i0, int j0, FormFactorSamples *s, double *sum) {
     for (int k = 0; k < TILE_WIDTH * TILE_HEIGHT; k++) {
         int i = i0 + k % TILE_WIDTH, j = j0 + k / TILE_WIDTH;
         double w[3], weight;
         if (i >= grid->width || j >= grid->height || !grid->at(grid, i, j, w, &weight)) continue;
         double length = vec3_length(vec3(w[0], w[1], w[2]));
-        s->x[s->count] = (float)(w[0] / length);
-        s->y[s->count] = (float)(w[1] / length);
+        s->x[s->count] = (float)((w[0] * cos(turn) - w[1] * sin(turn)) / length);
+        s->y[s->count] = (float)((w[0] * sin(turn) + w[1] * cos(turn)) / length);
         s->z[s->count] = (float)(w[2] / length);
         s->weight[s->count++] = (float)weight;
         *sum += weight;
     }
 }
 
-static FormFactorSamples samples_of(const SampleGrid *grids, int grid_count, Arena *arena) {
+static FormFactorSamples samples_of(const SampleGrid *grids, int grid_count, double turn, Arena *arena) {
     int most = LANES;
     for (int g = 0; g < grid_count; g++) most += grids[g].width * grids[g].height;
     FormFactorSamples s = {.x = ARENA_ARRAY(arena, float, most),
@@ -38,16 +40,17 @@ static FormFactorSamples samples_of(const SampleGrid *grids, int grid_count, Are
     double sum = 0;
     for (int g = 0; g < grid_count; g++)
         for (int j = 0; j < grids[g].height; j += TILE_HEIGHT)
-            for (int i = 0; i < grids[g].width; i += TILE_WIDTH) add_tile(&grids[g], i, j, &s, &sum);
+            for (int i = 0; i < grids[g].width; i += TILE_WIDTH) add_tile(&grids[g], turn, i, j, &s, &sum);
     for (int i = 0; i < s.count; i++) s.weight[i] = (float)((double)s.weight[i] / sum);
     return s;
 }
 
-static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_count, Arena *arena) {
+static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn,
+                        Arena *arena) {
     RayMethod *self = ARENA_ARRAY(arena, RayMethod, 1);
     self->mesh = mesh;
     self->scene = ray_caster_new(mesh, arena);
-    self->samples = samples_of(grids, grid_count, arena);
+    self->samples = samples_of(grids, grid_count, turn, arena);
     self->item_of = ARENA_ARRAY(arena, int, mesh->face_count + 1);
     self->stamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
     return self;
@@ -55,12 +58,12 @@ static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_coun
 
 static void *start_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return start(mesh, grids, grids_of_disc(options->resolution, grids), arena);
+    return start(mesh, grids, grids_of_disc(options->resolution, grids), GRIDS_TURN, arena);
 }
 
 static void *start_hemicube(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return start(mesh, grids, grids_of_hemicube(options->resolution, grids), arena);
+    return start(mesh, grids, grids_of_hemicube(options->resolution, grids), 0, arena);
 }
 
 static void stop(void *self) { ray_caster_end(((RayMethod *)self)->scene); }
@@ -127,6 +130,23 @@ static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work)
     work->samples += self->samples.count;
     work->tests += self->samples.count;
 }
+
+static void *start_plain_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+    SampleGrid grids[MOST_GRIDS];
+    return start(mesh, grids, grids_of_disc(options->resolution, grids), 0, arena);
+}
+
+// As rays are usually cast: the grid lies as the axes do.
+const FormFactorMethod FORM_FACTOR_RAY_DISC = {
+    .name = "ray-disc",
+    .summary = "the same, the pixels not turned",
+    .projective = true,
+    .start = start_plain_disc,
+    .stop = stop,
+    .samples = samples,
+    .items = items,
+    .row = row,
+};
 
 const FormFactorMethod FORM_FACTOR_RAY = {
     .name = "ray",

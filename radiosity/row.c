@@ -18,7 +18,7 @@ typedef struct RowFace {
 void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
     *sum = (RowSum){.mesh = mesh};
     sum->share = ARENA_ARRAY(arena, double, mesh->element_count);
-    sum->touched = ARENA_ARRAY(arena, int, mesh->element_count);
+    sum->touched = ARENA_ARRAY(arena, int, mesh->element_count + 1);
     sum->row.element = ARENA_ARRAY(arena, int, mesh->element_count);
     sum->row.factor = ARENA_ARRAY(arena, float, mesh->element_count);
     sum->word_count = mesh->element_count / 64 + 1;

@@ -7,7 +7,7 @@
 struct RowSum {
     const Mesh *mesh;
     double *share;  // [element_count] 0 but for those touched
-    int *touched;   // [element_count]
+    int *touched;   // [element_count + 1]
     int touched_count;
     double back, escaped;
     Row row;
@@ -19,7 +19,9 @@ struct RowSum {
 
 void row_start(RowSum *sum, const Mesh *mesh, Arena *arena);
 static inline void row_add(RowSum *sum, int element, double share) {
-    if (sum->share[element] == 0) sum->touched[sum->touched_count++] = element;
+    // No branch, which would wait for the share to come from far memory.
+    sum->touched[sum->touched_count] = element;
+    sum->touched_count += sum->share[element] == 0;
     sum->share[element] += share;
 }
 // The row, its elements in order; the sum is empty then. Shares are divided by their total, so that they sum to 1.

@@ -2,7 +2,6 @@
 //
 // The boxes stand in for bounds of faces: a great circle's extent on the disc or the cube needs care (extrema on arcs, on
 // the rim), while the sign of a form over a box of directions is three multiplications, and serves any set of directions.
-#include <assert.h>
 #include <math.h>
 
 #include "radiosity/sampler_part.h"
@@ -64,8 +63,8 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     s->blocks[block].z[row][lane] = unit[2];
     s->weights[(block * SAMPLER_BLOCK + row) * LANES + lane] = (float)weight;
     int at = s->samples.count++;
-    s->samples.x[at] = unit[0];
-    s->samples.y[at] = unit[1];
+    s->samples.x[at] = (float)((w[0] * s->cosine - w[1] * s->sine) / length);
+    s->samples.y[at] = (float)((w[0] * s->sine + w[1] * s->cosine) / length);
     s->samples.z[at] = unit[2];
     s->samples.weight[at] = (float)weight;
     Extent one;
@@ -84,8 +83,6 @@ static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int bloc
             s->nothing[block].face[row][lane] = -1;
             mask |= (unsigned)sample << lane;
         }
-        unsigned filled = mask | (mask - 1);
-        assert((filled & (filled + 1)) == 0);  // no gaps in a row
         s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
     }
 }
@@ -110,18 +107,26 @@ static void scale_weights(Sampler *s) {
         least = fminf(least, s->samples.weight[i]);
         most = fmaxf(most, s->samples.weight[i]);
     }
-    s->each = least == most ? (float)(least / sum) : 0;
+    s->equal = least == most;
+    for (int i = 0; i <= LANES; i++) s->shares[i] = i * (double)most / sum;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
     for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
 }
 
+static bool is_whole(const Mesh *mesh, const Face *face) {
+    const int *square = mesh->squares + face->first_square;
+    for (int i = 0; i < face->nx * face->ny; i++)
+        if (square[i] != face->first_element + i) return false;
+    return true;
+}
+
 static void take_view_memory(Sampler *s, Arena *arena) {
-    s->line_forms = ARENA_ARRAY(arena, Form, s->outlines.line_count + 1);
-    s->line_stamp = ARENA_ARRAY(arena, int, s->outlines.line_count + 1);
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
+    s->whole = ARENA_ARRAY(arena, unsigned char, s->mesh->face_count + 1);
+    for (int f = 0; f < s->mesh->face_count; f++) s->whole[f] = is_whole(s->mesh, &s->mesh->faces[f]);
     s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
     s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
     s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
@@ -131,9 +136,11 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
-Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, Arena *arena) {
+Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena) {
     Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
     s->mesh = mesh;
+    s->cosine = cos(turn);
+    s->sine = sin(turn);
     s->outlines = lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
     int blocks = s->group_count * GROUP_BLOCKS, places = blocks * SAMPLER_BLOCK * LANES;

@@ -12,8 +12,8 @@ enum { SAMPLER_BLOCK = 8 };  // samples along the side of a block
 
 typedef struct Sampler Sampler;
 
-// The samples of all grids; weights are scaled to sum 1.
-Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, Arena *arena);
+// The samples of all grids, turned about z by `turn`, radians; weights are scaled to sum 1.
+Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena);
 const FormFactorSamples *sampler_samples(const Sampler *self);
 
 // Draws what is in view. Of View it takes the eye, the axes and the list of faces; the outlines come from the mesh.

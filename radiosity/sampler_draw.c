@@ -12,6 +12,9 @@
 
 #include "radiosity/sampler_part.h"
 
+// How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
+#define NEAREST_MARGIN 1e-3
+
 typedef double Four __attribute__((vector_size(32)));
 
 // Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
@@ -23,14 +26,16 @@ typedef struct ViewFrame {
 // A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
 typedef struct Drawing {
     Form near;
+    float nearest;  // 1 / distance of nowhere on the face is above this
     int face;
     const DrawnEdge *const *edges;
     int edge_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
 } Drawing;
 
-static ViewFrame frame_of(const View *view) {
-    Vec3 x = view->x, y = view->y, z = view->z;
+static ViewFrame frame_of(const Sampler *s, const View *view) {
+    Vec3 x, y, z = view->z;
+    sampler_axes(s, view, &x, &y);
     return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
 }
 
@@ -46,33 +51,54 @@ static inline Form form_of(Four v) {
     return u.form;
 }
 
-// The plane through the eye and a line, in the view's axes; its length says nothing.
-static const Form *line_form(Sampler *s, const ViewFrame *frame, int line) {
-    if (s->line_stamp[line] != s->stamp) {
-        const Line *l = &s->outlines.lines[line];
-        s->line_stamp[line] = s->stamp;
-        Vec3 n = vec3_cross(vec3_sub(l->point, frame->eye), l->along);
-        s->line_forms[line] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
-    }
-    return &s->line_forms[line];
+// 1 / distance.
+static Form near_form(const Sampler *s, const ViewFace *face) {
+    double scale = 1 / face->d, x = face->n.x * s->cosine + face->n.y * s->sine,
+           y = face->n.y * s->cosine - face->n.x * s->sine;
+    return form_of((Four){x, y, face->n.z, 0} * scale);
 }
 
+// How many faces ahead memory is asked for: where a face's edges are, then the edges.
+enum { AHEAD = 8, FAR_AHEAD = 16 };
+
+static void fetch_ahead(const Sampler *s, const View *view, int at) {
+    const FaceLines *o = &s->outlines;
+    if (at + FAR_AHEAD < view->face_count)
+        __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
+    if (at + AHEAD >= view->face_count) return;
+    const char *first = (const char *)&o->edges[o->first_edge[view->faces[at + AHEAD].face]];
+    for (int k = 0; k < 5; k++) __builtin_prefetch(first + 64 * k);
+}
+
+// Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
 static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
+    bool behind = face->d > 0;  // seen from there, edges go counter-clockwise
     for (int i = 0; i < count; i++) {
-        FaceEdge edge = o->edges[first + i];
-        DrawnEdge *out = &s->edges[i];
-        out->form = *line_form(s, frame, edge.line);
-        out->least = 0;
-        // Seen from behind, edges go counter-clockwise.
-        if ((edge.sign > 0) == (face->d > 0)) continue;
-        out->form.x = -out->form.x;
-        out->form.y = -out->form.y;
-        out->form.z = -out->form.z;
-        out->least = FLT_TRUE_MIN;
+        const FaceEdge *edge = &o->edges[first + i];
+        Vec3 n =
+            vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
+        s->edges[i] = (DrawnEdge){form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z),
+                                  (edge->sign > 0) == behind ? 0 : FLT_TRUE_MIN};
     }
     return count;
+}
+
+// Of all the face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
+// of a plane that is seen edge-on.
+static float nearest_of(const View *view, const ViewFace *face) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, v[i]);
+    double least = INFINITY;
+    for (int i = 0; i < face->vertex_count; i++) {
+        double along = vec3_dot(sum, v[i]);
+        least = along < least ? along : least;
+    }
+    double length = vec3_length(sum), away = fabs(face->d);
+    if (least > away * length) away = least / length;
+    return (float)((1 + NEAREST_MARGIN) / away);
 }
 
 // ---- boxes
@@ -87,8 +113,8 @@ static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
                              lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
 }
 
-static inline LaneInt boxes_before(const SampleBoxes *b, const Form *near) {
-    Lane nearest = middle_in(b, near) + spread_in(b, near);
+static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
+    Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
     return (nearest >= b->far) & (nearest > 0);
 }
 
@@ -100,7 +126,7 @@ static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, Lane
 
 // Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
 static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
-    LaneInt low = boxes_before(&b[0], &d->near), high = boxes_before(&b[1], &d->near);
+    LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
     if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
         LaneInt crossed_low, crossed_high;
@@ -132,11 +158,11 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
 // least 1 / distance now seen in the block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt inside[SAMPLER_BLOCK]) {
-    Lane far = lane_of(INFINITY);
+    Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
     LaneInt face = lane_int_of(d->face);
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane value = form_at(&d->near, b, row), old = items->near[row];
+        Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
         LaneInt before = items->face[row];
         LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
         Lane now = lane_choose(in, value, old);
@@ -164,13 +190,13 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
 
 // Returns how many blocks were looked at.
 static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
-    Drawing d = {whole->near, whole->face, s->group, edge_count, s->crossed_blocks};
+    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
     SampleBoxes *boxes = &s->block_boxes[group * 2];
     unsigned reached = boxes_reached(boxes, &d);
     int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
         int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
-        Drawing in_block = {d.near, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
         draw_block(&s->blocks[block], &s->items[block], &in_block,
                    (float *)&boxes[i / LANES].far + i % LANES);
     }
@@ -203,12 +229,13 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
-    ViewFrame frame = frame_of(view);
+    ViewFrame frame = frame_of(s, view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
-        double scale = 1 / face->d;
-        Drawing d = {.near = form_of((Four){face->n.x, face->n.y, face->n.z, 0} * scale),
+        fetch_ahead(s, view, i);
+        Drawing d = {.near = near_form(s, face),
+                     .nearest = nearest_of(view, face),
                      .edges = s->all,
                      .edge_count = make_edges(s, &frame, face),
                      .crossed = s->crossed,

@@ -48,13 +48,14 @@ enum { NOTHING = -1, BACK = -2, MANY = -3 };
 // Where on a face a direction meets it: column dot(column, w) / dot(near, w), row alike.
 typedef struct FaceGrid {
     GridForm column, row, near;
-    int first_square, nx, ny;
-    int one;  // what all of the face is, MANY: look it up
+    int first_square, first_element, nx, ny;  // first_element -1: by the squares
+    int one;                                  // what all of the face is, MANY: look it up
 } FaceGrid;
 
 struct Sampler {
     const Mesh *mesh;
     FaceLines outlines;
+    double cosine, sine;         // of the turn of the samples' axes from the view's
     SampleBlock *blocks;         // [group_count * GROUP_BLOCKS]
     ItemBlock *items, *nothing;  // as blocks; before anything is drawn
     unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
@@ -62,10 +63,11 @@ struct Sampler {
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count;
     FormFactorSamples samples;
-    float each;  // the weight of all samples, 0: they differ
+    bool equal;                // all weights are the same,
+    double shares[LANES + 1];  // and so many of them weigh this
     // Of one view.
-    Form *line_forms;  // [line_count] each made when first needed
-    int *line_stamp, *grid_stamp;
+    int *grid_stamp;                          // [face_count]
+    unsigned char *whole;                     // [face_count] each square has an element, one after the other
     int *view_index;                          // [face_count] of the faces in view
     FaceGrid *grids;                          // [face_count]
     DrawnEdge *edges;                         // [most_edges] of the face under way
@@ -73,5 +75,11 @@ struct Sampler {
     unsigned *crossed, *crossed_blocks;       // [most_edges]
     int stamp;
 };
+
+// The samples' axes.
+static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec3 *y) {
+    *x = vec3_add(vec3_scale(view->x, s->cosine), vec3_scale(view->y, s->sine));
+    *y = vec3_sub(vec3_scale(view->y, s->cosine), vec3_scale(view->x, s->sine));
+}
 
 #endif

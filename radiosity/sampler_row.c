@@ -16,8 +16,10 @@ void sampler_items(const Sampler *self, int32_t *item) {
     }
 }
 
-static GridForm grid_form(const View *view, Vec3 v) {
-    return (GridForm){(float)vec3_dot(view->x, v), (float)vec3_dot(view->y, v), (float)vec3_dot(view->z, v)};
+static GridForm grid_form(const Sampler *s, const View *view, Vec3 v) {
+    Vec3 x, y;
+    sampler_axes(s, view, &x, &y);
+    return (GridForm){(float)vec3_dot(x, v), (float)vec3_dot(y, v), (float)vec3_dot(view->z, v)};
 }
 
 static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
@@ -30,10 +32,11 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
     Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
-    *grid = (FaceGrid){.column = grid_form(view, column),
-                       .row = grid_form(view, row),
-                       .near = grid_form(view, near),
+    *grid = (FaceGrid){.column = grid_form(s, view, column),
+                       .row = grid_form(s, view, row),
+                       .near = grid_form(s, view, near),
                        .first_square = f->first_square,
+                       .first_element = s->whole[face] ? f->first_element : -1,
                        .nx = f->nx,
                        .ny = f->ny,
                        .one = seen->d > 0             ? BACK
@@ -59,7 +62,9 @@ static int element_beside(const Sampler *s, const View *view, int face, const Sa
     const GridForm *near = &s->grids[face].near;
     double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
     double distance = 1 / ((double)near->x * x + (double)near->y * y + (double)near->z * z);
-    Vec3 w = vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
+    Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));
     return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
@@ -72,7 +77,9 @@ static inline LaneInt elements_on(Sampler *s, const View *view, int face, int bl
     Lane distance = 1 / form_at(grid->near, b, row);
     LaneInt column = whole(form_at(grid->column, b, row) * distance, grid->nx);
     LaneInt line = whole(form_at(grid->row, b, row) * distance, grid->ny);
-    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + line * grid->nx + column);
+    LaneInt square = line * grid->nx + column;
+    if (grid->first_element >= 0) return grid->first_element + square;
+    LaneInt element = lane_look_up(s->mesh->squares, grid->first_square + square);
     for (unsigned lost = lane_mask(element) & mask; lost; lost &= lost - 1) {
         int lane = __builtin_ctz(lost);
         element[lane] = element_beside(s, view, face, b, row, lane);
@@ -92,16 +99,16 @@ static void add_share(RowSum *sum, int element, double share) {
 // Adds a row of eight, neighbours in one element at once.
 static inline void add_row(const Sampler *s, int at, LaneInt element, unsigned mask, RowSum *sum) {
     LaneInt next = __builtin_shufflevector(element, element, 1, 2, 3, 4, 5, 6, 7, 7);
-    unsigned last_of_mask = mask & ~(mask >> 1);  // samples of a row follow each other
-    unsigned ends = (~lane_mask(element == next) & mask) | last_of_mask;
-    int from = __builtin_ctz(mask);
-    for (; ends; ends &= ends - 1) {
+    unsigned ends = (~lane_mask(element == next) & 0xff) | 0x80;
+    for (int from = 0; ends; ends &= ends - 1) {
         int end = __builtin_ctz(ends) + 1;
-        double share = (double)s->each * (end - from);
-        if (s->each == 0)
-            for (int lane = from; lane < end; lane++) share += (double)s->weights[at * LANES + lane];
-        add_share(sum, element[end - 1], share);
+        unsigned run = mask & (0xffu >> (LANES - end)) & (0xffu << from);
         from = end;
+        if (run == 0) continue;
+        double share = s->equal ? s->shares[__builtin_popcount(run)] : 0;
+        if (!s->equal)
+            for (; run; run &= run - 1) share += (double)s->weights[at * LANES + __builtin_ctz(run)];
+        add_share(sum, element[end - 1], share);
     }
 }
 

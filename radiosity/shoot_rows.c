@@ -28,8 +28,15 @@ typedef struct Slot {
     int patch, capacity;  // elements
 } Slot;
 
+// What becomes of an element's share.
+typedef struct Taker {
+    int patch;
+    float per_area;  // 1/m^2
+} Taker;
+
 struct ShootRows {
     const Mesh *mesh;
+    Taker *takers;  // [element_count]
     const RadOptions *options;
     int threads, slot_count, slots_used;
     Maker *makers;  // [threads]
@@ -49,6 +56,9 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
     rows->mesh = mesh;
     rows->options = options;
+    rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++)
+        rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     for (int t = 0; t < rows->threads; t++) {
@@ -98,19 +108,21 @@ static void place_row(ShootRow *row, int runs, int elements) {
     row->offset = row->count + runs;
 }
 
-static void copy_row(const Mesh *mesh, const Row *from, ShootRow *to) {
+static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
     place_row(to, from->count, from->count);
     double sum = from->back + from->escaped;
     to->run_count = 0;
     to->element_count = from->count;
     for (int i = 0; i < from->count;) {
-        int patch = mesh->elements[from->element[i]].patch, first = i;
+        int patch = rows->takers[from->element[i]].patch, first = i;
+        int first_element = rows->mesh->patches[patch].first_element;
         double share = 0;
-        for (; i < from->count && mesh->elements[from->element[i]].patch == patch; i++) {
-            int element = from->element[i];
+        for (; i < from->count; i++) {
+            const Taker *taker = &rows->takers[from->element[i]];
+            if (taker->patch != patch) break;
             share += (double)from->factor[i];
-            to->density[i] = (float)((double)from->factor[i] / mesh->elements[element].area);
-            to->offset[i] = (uint8_t)(element - mesh->patches[patch].first_element);
+            to->density[i] = from->factor[i] * taker->per_area;
+            to->offset[i] = (uint8_t)(from->element[i] - first_element);
         }
         to->count[to->run_count] = (uint8_t)(i - first - 1);
         to->runs[to->run_count++] = (ShootRun){patch, (float)share};
@@ -138,7 +150,7 @@ static void make_row(void *context, int index, int thread) {
         slot->capacity = row->count + row->count / 2;
         slot->row = arena_alloc(&slot->arena, row_bytes(slot->capacity, slot->capacity), 1);
     }
-    copy_row(rows->mesh, row, slot->row);
+    copy_row(rows, row, slot->row);
 }
 
 // Moves a row out of its slot, if there is room.

@@ -23,6 +23,7 @@ static const Tolerance TOLERANCES[] = {
     {"hemisphere-polyline", 0.4, 2e-7},
     {"analytic", 0, 2e-7},
     {"ray", 0.4, 2e-7},
+    {"ray-disc", 0.4, 2e-7},
     {"ray-hemicube", 0.4, 2e-7},
 };
 

@@ -70,6 +70,32 @@ Test(sampler, samples) {
     }
 }
 
+// Walls in strips of random widths between a floor and a ceiling of one polygon each: their outlines have a vertex at each
+// strip, which no float, and hardly a double, puts on the straight line.
+static ViewFixture *strips(Arena *arena, Random *random, int count, Vec3 shift) {
+    ViewFixture *f = view_fixture_new(arena);
+    ViewPose pose = view_fixture_pose(random, shift);
+    static const double CORNERS[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
+    Vec3 *low = ARENA_ARRAY(arena, Vec3, 4 * count), *high = ARENA_ARRAY(arena, Vec3, 4 * count);
+    for (int side = 0; side < 4; side++) {
+        const double *a = CORNERS[side], *b = CORNERS[(side + 1) % 4];
+        for (int i = 0; i < count; i++) {
+            double t = i == 0 ? 0 : (i + random_between(random, -0.4, 0.4)) / count;
+            double x = a[0] + (b[0] - a[0]) * t, y = a[1] + (b[1] - a[1]) * t;
+            low[side * count + i] = view_fixture_place(&pose, vec3(x, y, 0));
+            high[4 * count - 1 - side * count - i] = view_fixture_place(&pose, vec3(x, y, 2.5));
+        }
+    }
+    int n = 4 * count;
+    view_fixture_face(arena, f, low, n);
+    view_fixture_face(arena, f, high, n);
+    for (int i = 0; i < n; i++) {
+        int j = (i + 1) % n;
+        view_fixture_face(arena, f, (Vec3[]){low[j], low[i], high[n - 1 - i], high[n - 1 - j]}, 4);
+    }
+    return f;
+}
+
 static void check_against_rays(const Method *m, const View *view, uint64_t seed, int *sure) {
     for (int i = 0; i < m->samples->count; i++) {
         int cast = view_fixture_cast(view, sample(m, i), DOUBT);
@@ -103,32 +129,6 @@ Test(sampler, sees_what_rays_see, .timeout = 120) {
     cr_assert(sure > 0.999 * all, "%d of %d samples were sure", sure, all);
 }
 
-// Walls in strips of random widths between a floor and a ceiling of one polygon each: their outlines have a vertex at each
-// strip, which no float, and hardly a double, puts on the straight line.
-static ViewFixture *strips(Arena *arena, Random *random, int count, Vec3 shift) {
-    ViewFixture *f = view_fixture_new(arena);
-    ViewPose pose = view_fixture_pose(random, shift);
-    static const double CORNERS[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
-    Vec3 *low = ARENA_ARRAY(arena, Vec3, 4 * count), *high = ARENA_ARRAY(arena, Vec3, 4 * count);
-    for (int side = 0; side < 4; side++) {
-        const double *a = CORNERS[side], *b = CORNERS[(side + 1) % 4];
-        for (int i = 0; i < count; i++) {
-            double t = i == 0 ? 0 : (i + random_between(random, -0.4, 0.4)) / count;
-            double x = a[0] + (b[0] - a[0]) * t, y = a[1] + (b[1] - a[1]) * t;
-            low[side * count + i] = view_fixture_place(&pose, vec3(x, y, 0));
-            high[4 * count - 1 - side * count - i] = view_fixture_place(&pose, vec3(x, y, 2.5));
-        }
-    }
-    int n = 4 * count;
-    view_fixture_face(arena, f, low, n);
-    view_fixture_face(arena, f, high, n);
-    for (int i = 0; i < n; i++) {
-        int j = (i + 1) % n;
-        view_fixture_face(arena, f, (Vec3[]){low[j], low[i], high[n - 1 - i], high[n - 1 - j]}, 4);
-    }
-    return f;
-}
-
 static void check_closed(Arena *arena, const ViewFixture *f, Random *random, uint64_t seed, int shots) {
     for (int which = 0; which < 2; which++) {
         Method m = method_of(arena, which, f, 64);
@@ -158,21 +158,90 @@ Test(sampler, closed_rooms_have_no_holes, .timeout = 300) {
     }
 }
 
-// Edges that run exactly through samples: one face holds them.
+// Edges that run exactly through samples: one face holds them. (The hemisphere's are turned out of any such place.)
 Test(sampler, samples_on_edges) {
-    for (int which = 0; which < 2; which++) {
-        Arena arena = {0};
-        ViewFixture *f = view_fixture_new(&arena);
-        view_fixture_box(&arena, f, vec3(-1, -1, 0), vec3(1, 1, 1), 2, true, NULL);
-        Method m = method_of(&arena, which, f, 65);
-        View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
-        see(&m, view);
-        int on_edge = 0;
-        for (int i = 0; i < m.samples->count; i++) {
-            cr_assert(m.item[i] >= 0, "%s: sample %d falls through", m.method->name, i);
-            on_edge += m.samples->x[i] == 0 || m.samples->y[i] == 0;
+    Arena arena = {0};
+    ViewFixture *f = view_fixture_new(&arena);
+    view_fixture_box(&arena, f, vec3(-1, -1, 0), vec3(1, 1, 1), 2, true, NULL);
+    Method m = method_of(&arena, 1, f, 65);
+    View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
+    see(&m, view);
+    int on_edge = 0;
+    for (int i = 0; i < m.samples->count; i++) {
+        cr_assert(m.item[i] >= 0, "%s: sample %d falls through", m.method->name, i);
+        on_edge += m.samples->x[i] == 0 || m.samples->y[i] == 0;
+    }
+    cr_assert(on_edge > 100);
+    arena_free(&arena);
+}
+
+// Turns the view so that x = 0 is the plane through the eye and the middle of a line.
+static void turn_to(View *view, const ViewFixture *f, Vec3 p, Vec3 q) {
+    Vec3 a = vec3_sub(p, view->eye), b = vec3_sub(q, view->eye);
+    view->x = vec3_normalize(vec3_cross(a, b));
+    view->z = vec3_normalize(vec3_add(a, b));
+    view->y = vec3_cross(view->z, view->x);
+    for (int i = 0; i < view->face_count; i++) {
+        ViewFace *face = &view->faces[i];
+        const Face *from = &f->mesh.faces[face->face];
+        Vec3 n = from->plane.n;
+        face->n = vec3(vec3_dot(view->x, n), vec3_dot(view->y, n), vec3_dot(view->z, n));
+        for (int k = 0; k < face->vertex_count; k++) {
+            Vec3 v = vec3_sub(f->mesh.vertices[f->mesh.outline[from->first_vertex + k]], view->eye);
+            view->vertices[face->first_vertex + k] =
+                vec3(vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v));
         }
-        cr_assert(on_edge > 100);
+    }
+}
+
+// The edge between a floor and a wall of many strips, with a column of samples on it: each is decided by a rounding, and
+// falls to the floor or to a strip.
+Test(sampler, samples_on_edges_of_strips) {
+    for (int round = 0; round < 200; round++) {
+        Arena arena = {0};
+        Random random = {4000 + (uint64_t)round};
+        int count = 2 + round % 11;
+        ViewFixture *f = strips(&arena, &random, count, vec3(0, 0, 0));
+        const Mesh *mesh = &f->mesh;
+        const int *floor = &mesh->outline[mesh->faces[0].first_vertex];
+        Vec3 p = mesh->vertices[floor[0]], q = mesh->vertices[floor[count]], middle = {0, 0, 0};
+        for (int i = 0; i < mesh->vertex_count; i++)
+            middle = vec3_add(middle, vec3_scale(mesh->vertices[i], 1.0 / mesh->vertex_count));
+        View *view = view_fixture_look(&arena, f, middle, vec3_sub(vec3_lerp(p, q, 0.5), middle));
+        turn_to(view, f, p, q);
+        Method m = method_of(&arena, 1, f, 65);
+        see(&m, view);
+        for (int i = 0; i < m.samples->count; i++)
+            cr_assert(m.item[i] >= 0, "seed %d: sample %d falls through", 4000 + round, i);
+        arena_free(&arena);
+    }
+}
+
+// The hemicube drawn by the hidden-surface methods sees what rays see: the sides hang the right way round, and together.
+Test(sampler, hemicube_by_hidden_methods, .timeout = 120) {
+    static const char *const HIDDEN[] = {"raycast", "osmesa"};
+    for (int k = 0; k < 8; k++) {
+        Arena arena = {0};
+        Random random = {5000 + (uint64_t)k};
+        ViewFixture *f = view_fixture_room(&arena, &random, 3, 4, vec3(0, 0, 0));
+        FormFactorOptions options = {.resolution = 32 + k / 2, .hidden = HIDDEN[k % 2]};
+        Method m = {.method = &FORM_FACTOR_HEMICUBE};
+        m.self = m.method->start(&f->mesh, &options, &arena);
+        m.samples = m.method->samples(m.self);
+        m.item = ARENA_ARRAY(&arena, int32_t, m.samples->count);
+        View *view = view_fixture_look_about(&arena, f, &random);
+        see(&m, view);
+        int wrong = 0, sure = 0;
+        for (int i = 0; i < m.samples->count; i++) {
+            // OpenGL's pixels are at 1/256 of their size, and it works in floats: edges are wider.
+            int cast = view_fixture_cast(view, sample(&m, i), k % 2 ? 1e-3 : 1e-6);
+            if (cast == -2) continue;
+            sure++;
+            wrong += m.item[i] != cast;
+        }
+        cr_assert(wrong == 0 && sure > 0.9 * m.samples->count, "%s: %d of %d samples are wrong",
+                  HIDDEN[k % 2], wrong, sure);
+        m.method->stop(m.self);
         arena_free(&arena);
     }
 }

@@ -17,7 +17,7 @@
 #include "radiosity/ray_caster.h"
 
 static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
-                           "elements_drawn,samples,tests,rays_of_reference\n";
+                           "elements_drawn,samples,tests,rays_of_reference,front\n";
 
 enum { MOST_RUNS = 1024, PASSES = 9, RUN_SECONDS = 2 };
 
@@ -177,13 +177,23 @@ static void measure_all(ShotBench *b) {
     for (int i = 0; i < b->run_count; i++) end_run(b, &b->runs[i]);
 }
 
+// Is no other run both as fast and as right: does it lie on the Pareto front?
+static bool on_front(const ShotBench *b, const Run *run) {
+    for (int i = 0; i < b->run_count; i++) {
+        const Run *other = &b->runs[i];
+        if (other->ms <= run->ms && other->l1 <= run->l1 && (other->ms < run->ms || other->l1 < run->l1))
+            return false;
+    }
+    return true;
+}
+
 static void add_row(const ShotBench *b, const Run *run, Text *table) {
     double n = b->shooter_count;
-    text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld\n", bench_name(b->file),
+    text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
                 run->method->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count,
                 run->ms, run->look_ms, run->l1, (double)run->work.faces_drawn / n,
                 (double)run->work.elements_drawn / n, (double)run->work.samples / n,
-                (double)run->work.tests / n, b->rays);
+                (double)run->work.tests / n, b->rays, on_front(b, run));
 }
 
 // ---- what to run

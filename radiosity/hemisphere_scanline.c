@@ -96,11 +96,7 @@ static int find_corners(Scan *self, const View *view, const ViewFace *face, Scan
         count = polygon_clip(v, count, (Plane){vec3(0, 0, 1), 0}, 0, self->clipped);
         v = self->clipped;
     }
-    for (int i = 0; i < count; i++) {
-        out[i].at = to_lines(v[i]);
-        out[i].inverse = 1 / vec3_length(v[i]);
-    }
-    for (int i = 0; i < count; i++) out[i].normal = vec3_cross(out[i].at, out[i + 1 < count ? i + 1 : 0].at);
+    for (int i = 0; i < count; i++) out[i] = (ScanCorner){to_lines(v[i]), 1 / vec3_length(v[i]), 0};
     return count;
 }
 
@@ -113,12 +109,24 @@ static void find_all_corners(Scan *self, const View *view) {
     self->first_corner[view->face_count] = corners;
 }
 
-static int find_arcs(const Scan *self, int face, bool turn, ScanArc *out) {
+static int find_arcs(const Scan *self, int face, ScanArc *out) {
     int first = self->first_corner[face], end = self->first_corner[face + 1], arcs = 0;
-    for (int i = first; i < end; i++)
-        arcs += scan_arcs_of_edge(&self->corner[i], &self->corner[i + 1 < end ? i + 1 : first], turn,
-                                  self->lines, out + arcs);
+    for (int i = first, last = end - 1; i < end; last = i++)
+        arcs += scan_arcs_of_edge(&self->corner[last], &self->corner[i], self->lines, out + arcs);
     return arcs;
+}
+
+// Turns all corners to lines the other way.
+static void turn_corners(Scan *self, int count) {
+    for (int i = 0; i < count; i++) {
+        Vec3 p = self->corner[i].at;
+        self->corner[i].at = vec3(p.y, p.x, p.z);
+    }
+}
+
+static void find_lines(Scan *self, int count) {
+    for (ScanCorner *c = self->corner; c < self->corner + count; c++)
+        c->line = scan_line_above(c->at.y * c->inverse, self->lines);
 }
 
 // The same, of lines the other way.
@@ -128,12 +136,14 @@ static Vec3 turned(Vec3 v, bool turn) {
 }
 
 static void find_faces(Scan *self, const View *view, bool turn) {
-    int arcs = 0;
+    int arcs = 0, corners = self->first_corner[view->face_count];
+    if (turn) turn_corners(self, corners);
+    find_lines(self, corners);
     self->face_count = 0;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         ScanFace *f = &self->faces[self->face_count];
-        int count = find_arcs(self, i, turn, self->arcs + arcs);
+        int count = find_arcs(self, i, self->arcs + arcs);
         if (count == 0) continue;
         f->rank = face->face;
         f->first_arc = arcs, f->arc_count = count;
@@ -177,20 +187,20 @@ static void sort_points(ScanPoint *p, int count) {
         }
 }
 
-// Where a face is on the lines of a band, k0 .. k1 - 1.
-static void cross_face(Scan *self, int face, int k0, int k1) {
+// Where a face is on the lines of a band, which begins with line k0; of these, first .. end - 1.
+static void cross_face(Scan *self, int face, int k0, int first, int end) {
     const ScanFace *f = &self->faces[face];
-    int stride = 2 * self->corners + 2, found[SCAN_BAND] = {0};
+    int stride = 2 * self->corners + 2, found[SCAN_BAND];
+    for (int k = first; k < end; k++) found[k - k0] = 0;
     for (const ScanArc *a = self->arcs + f->first_arc; a < self->arcs + f->first_arc + f->arc_count; a++) {
-        int first = a->first > k0 ? a->first : k0, end = a->end < k1 ? a->end : k1;
-        for (int k = first; k < end; k++) {
+        int a_first = a->first > first ? a->first : first, a_end = a->end < end ? a->end : end;
+        for (int k = a_first; k < a_end; k++) {
             double y = self->line[k].y, s2 = a->h2 - a->e2 * y * y, s = s2 > 0 ? sqrt(s2) : 0;
-            int line = k - k0;
-            self->crossing[line * stride + found[line]++] =
+            self->crossing[(k - k0) * stride + found[k - k0]++] =
                 (ScanPoint){a->a * y + a->b * s, a->c * y + a->e * s};
         }
     }
-    for (int line = 0; line < k1 - k0; line++) {
+    for (int line = first - k0; line < end - k0; line++) {
         ScanPoint *p = self->crossing + line * stride;
         sort_points(p, found[line]);
         for (int i = 0; i + 1 < found[line]; i += 2)
@@ -262,8 +272,12 @@ static void see_all_lines(Scan *self, const View *view, bool turn, RowSum *sum, 
     find_faces(self, view, turn);
     for (int k0 = 0, k1; k0 < self->lines; k0 = k1) {
         k1 = next_band(self, k0);
-        for (int f = 0; f < self->face_count; f++)
-            if (self->faces[f].first_line < k1 && self->faces[f].end_line > k0) cross_face(self, f, k0, k1);
+        for (int f = 0; f < self->face_count; f++) {
+            const ScanFace *face = &self->faces[f];
+            int first = face->first_line > k0 ? face->first_line : k0;
+            int end = face->end_line < k1 ? face->end_line : k1;
+            if (first < end) cross_face(self, f, k0, first, end);
+        }
         for (int k = k0; k < k1; k++)
             see_line(self, view, k, self->span + self->span_first[k - k0], self->span_count[k - k0], turn,
                      sum, work);

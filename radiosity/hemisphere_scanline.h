@@ -10,10 +10,11 @@
 #include "radiosity/face_grid.h"
 #include "radiosity/row.h"
 
-// A corner of a face above the horizon, and the edge from it to the next one.
+// A corner of a face above the horizon.
 typedef struct ScanCorner {
-    Vec3 at, normal;  // normal: of the plane through the edge and the eye, at x next
-    double inverse;   // 1 / distance
+    Vec3 at;
+    double inverse;  // 1 / distance
+    int line;        // the first at or above it
 } ScanCorner;
 
 // A piece of an edge's great circle along which y only grows or only falls: it is at x = ay + bs, z = cy + es, where
@@ -62,9 +63,8 @@ static inline int scan_line_above(double y, int lines) {
     double k = ceil((y + 1) * (0.5 * lines) - 0.5);
     return k < 0 ? 0 : k > lines ? lines : (int)k;
 }
-// Appends the arcs of the edge from a corner to the next one. `turn`: for lines the other way, along which x and y have
-// changed places. Returns how many, up to 2.
-int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, bool turn, int lines, ScanArc *out);
+// Appends the arcs of the edge between two corners. Returns how many, up to 2.
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, int lines, ScanArc *out);
 
 // Where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
 int scan_roots(double alpha, double gamma, double t, const ScanLine *line, ScanPoint from, ScanPoint to,

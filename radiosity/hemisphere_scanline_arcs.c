@@ -19,14 +19,11 @@ static ScanArc arc(Vec3 e, double h2, double e2, bool grows, int k0, int k1) {
                      .end = k0 < k1 ? k1 : k0};
 }
 
-int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, bool turn, int lines, ScanArc *out) {
-    Vec3 a = from->at, b = to->at, n = from->normal;
-    // To exchange x and y is a reflection, which turns the normal round.
-    Vec3 e = turn ? vec3(-n.y, -n.x, -n.z) : n;
-    double ya = turn ? a.x : a.y, yb = turn ? b.x : b.y, xa = turn ? a.y : a.x, xb = turn ? b.y : b.x;
-    int ka = scan_line_above(ya * from->inverse, lines), kb = scan_line_above(yb * to->inverse, lines);
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, int lines, ScanArc *out) {
+    Vec3 a = from->at, b = to->at, e = vec3_cross(a, b);
+    int ka = from->line, kb = to->line;
     // How y changes on the way, at either end.
-    double at_a = e.z * xa - e.x * a.z, at_b = e.z * xb - e.x * b.z;
+    double at_a = e.z * a.x - e.x * a.z, at_b = e.z * b.x - e.x * b.z;
     bool turns = (at_a > 0) != (at_b > 0);
     if (!turns && ka == kb) return 0;
     double h2 = e.x * e.x + e.z * e.z, e2 = h2 + e.y * e.y;

@@ -305,6 +305,45 @@ static void spread(const Mesh *mesh, const Row *row, double *into) {
     for (int i = 0; i < row->count; i++) into[row->element[i]] = (double)row->factor[i];
 }
 
+// Which element of a grid: each against Lambert's formula of its own corners. Parallelograms near and far, through the
+// horizon, seen from both sides; on the disc the lines of their grids are curves that turn.
+static double grid_error(const FormFactorMethod *method, Random *random) {
+    Arena arena = {0};
+    ViewFixture *f = view_fixture_new(&arena);
+    ViewPose pose = view_fixture_pose(random, vec3(0, 0, random_between(random, 0.2, 1)));
+    Vec3 a = view_fixture_place(&pose, vec3(-2, -1, 0)), b = view_fixture_place(&pose, vec3(2, -1.5, 0)),
+         d = view_fixture_place(&pose, vec3(-1, 2, 0));
+    view_fixture_quad(&arena, f, a, b, vec3_add(b, vec3_sub(d, a)), d, 7, 5);
+    FormFactorOptions options = form_factor_default_options();
+    options.resolution = 400;
+    FormFactor *maker = form_factor_new(method, &f->mesh, &options, &arena);
+    View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
+    double *found = ARENA_ARRAY(&arena, double, f->mesh.element_count), worst = 0;
+    spread(&f->mesh, form_factor_row(maker, view), found);
+    for (int e = 0; e < f->mesh.element_count; e++) {
+        Vec3 p[4];
+        for (int k = 0; k < 4; k++) {
+            Vec3 q = f->mesh.vertices[f->mesh.corners[f->mesh.elements[e].first_corner + k]];
+            p[k] = vec3(vec3_dot(view->x, q), vec3_dot(view->y, q), vec3_dot(view->z, q));
+        }
+        double exact = f->mesh.faces[0].plane.d < 0 ? analytic_point(p, 4) : 0;
+        worst = fmax(worst, fabs(found[e] - exact));
+    }
+    form_factor_end(maker);
+    arena_free(&arena);
+    return worst;
+}
+
+Test(form_factor, elements_of_a_grid) {
+    for (const FormFactorMethod *const *m = FORM_FACTOR_METHODS; *m; m++) {
+        Random random = {71};
+        double worst = 0;
+        for (int n = 0; n < 15; n++) worst = fmax(worst, grid_error(*m, &random));
+        cr_log_info("%-20s elements of a grid at 400: worst %.2g", (*m)->name, worst);
+        cr_expect(worst < tolerance(*m, 400), "%s, seed 71: an element is off by %.2g", (*m)->name, worst);
+    }
+}
+
 // What is hidden is hidden: the L1 distance of each method's row to the exact one, the mean over furnished rooms, falls
 // as resolution grows. Polylines are held to less: their depth is wrong.
 Test(form_factor, rows_converge_to_the_exact_one) {

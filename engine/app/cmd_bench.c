@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "engine/app/bench.h"
+#include "radiosity/form_factor.h"
+#include "visibility/pairs/pairs.h"
 
 static const char HELP[] =
     "usage: enfilade bench NAME [FILE ...] [options]\n\n"
@@ -58,17 +60,20 @@ static const char HELP[] =
     "own\n"
     "    --seed N            of their turns\n";
 
+static bool is_pair_method(const char *name) { return pair_method(name) != NULL; }
+static bool is_form_factor_method(const char *name) { return form_factor_method(name) != NULL; }
+
 static const struct {
     const char *name;
     bool (*run)(const BenchArguments *arguments, Error *error);
-} BENCHES[] = {{"walk", bench_walk},
-               {"collision", bench_collision},
-               {"visibility", bench_visibility},
-               {"formfactors", bench_formfactors},
-               {"radiosity", bench_radiosity},
-               {"rooms", bench_rooms},
-
-               {"breaks", bench_breaks}};
+    bool (*knows)(const char *method);  // of --methods; NULL: takes none
+} BENCHES[] = {{"walk", bench_walk, NULL},
+               {"collision", bench_collision, NULL},
+               {"visibility", bench_visibility, is_pair_method},
+               {"formfactors", bench_formfactors, is_form_factor_method},
+               {"radiosity", bench_radiosity, NULL},
+               {"rooms", bench_rooms, NULL},
+               {"breaks", bench_breaks, NULL}};
 
 static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
@@ -176,6 +181,16 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
     }
 }
 
+// Names separated by commas.
+static bool are_known(const char *names, bool (*knows)(const char *method)) {
+    char name[40];
+    for (; *names; names += strcspn(names, ","), names += *names == ',') {
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
+        if (!knows(name)) return false;
+    }
+    return true;
+}
+
 int cmd_bench(int argc, char **argv) {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, 's'},
@@ -221,6 +236,10 @@ int cmd_bench(int argc, char **argv) {
     a.file_count = given ? argc - optind - 1 : 1;
     for (int i = 0; i < BENCH_COUNT; i++) {
         if (strcmp(BENCHES[i].name, argv[optind]) != 0) continue;
+        if (a.methods && BENCHES[i].knows && !are_known(a.methods, BENCHES[i].knows))
+            return app_misuse("bench",
+                              "bench: --methods is `%s` (see `enfilade %s --help` for those allowed)",
+                              a.methods, BENCHES[i].knows == is_pair_method ? "vis" : "bake");
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }

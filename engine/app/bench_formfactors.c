@@ -302,12 +302,6 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
 }
 
 bool bench_formfactors(const BenchArguments *a, Error *error) {
-    for (const char *at = a->methods; at && *at; at += strcspn(at, ","), at += *at == ',') {
-        char name[40];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
-        if (!form_factor_method(name))
-            return error_set(error, "bench: there is no form-factor method `%s`", name);
-    }
     Arena arena = {0};
     Text table = {.arena = &arena};
     text_append(&table, "%s", HEAD);

@@ -261,20 +261,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     return good;
 }
 
-// Names of cell-to-cell methods, separated by commas.
-static bool are_methods(const char *names) {
-    char name[32];
-    for (; *names; names += strcspn(names, ","), names += *names == ',') {
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
-        if (!pair_method(name)) return false;
-    }
-    return true;
-}
-
 bool bench_visibility(const BenchArguments *a, Error *error) {
-    if (a->methods && !are_methods(a->methods))
-        return error_set(error, "bench: --methods is `%s` (`enfilade vis --help` lists those allowed)",
-                         a->methods);
     Arena arena = {0};
     Text table = {.arena = &arena};
     text_append(&table, "%s", HEAD);

@@ -255,6 +255,7 @@ static void see_line(Scan *self, const View *view, int k, const ScanSpan *span, 
                      RowSum *sum, FormFactorWork *work) {
     const ScanLine *line = &self->line[k];
     self->list.first = -1;
+    self->list.free = -1;
     self->list.count = 0;
     self->list.tests = 0;
     for (int i = 0; i < count; i++) scan_list_add(&self->list, self->faces, line, &span[i]);

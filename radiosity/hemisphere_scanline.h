@@ -75,6 +75,7 @@ typedef struct ScanList {
     ScanSpan *span;  // [capacity]
     int *next;       // [capacity] -1: last
     int first, count, capacity;
+    int free;  // spans no longer used, -1: none
     long long tests;
 } ScanList;
 // Adds a span where it is nearer than what is there.

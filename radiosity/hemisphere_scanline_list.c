@@ -12,10 +12,28 @@
 #define SCAN_SAME 1e-12
 
 static int new_span(ScanList *list, ScanSpan span, int next) {
-    CORE_ASSERT(list->count < list->capacity);
-    list->span[list->count] = span;
-    list->next[list->count] = next;
-    return list->count++;
+    int at = list->free;
+    if (at >= 0)
+        list->free = list->next[at];
+    else
+        at = list->count++;
+    CORE_ASSERT(at < list->capacity);
+    list->span[at] = span;
+    list->next[at] = next;
+    return at;
+}
+
+// Joins what faces that pass through each other have cut and left in one. What remains is no more than the outline of all
+// spans, about as many as there are ends; an addition cuts each of them into a few.
+static void join(ScanList *list) {
+    for (int s = list->first; s >= 0; s = list->next[s])
+        for (int n; (n = list->next[s]) >= 0 && list->span[n].face == list->span[s].face &&
+                    list->span[n].from.x == list->span[s].to.x;) {
+            list->span[s].to = list->span[n].to;
+            list->next[s] = list->next[n];
+            list->next[n] = list->free;
+            list->free = n;
+        }
 }
 
 static ScanPoint between(const ScanLine *line, ScanPoint a, ScanPoint b) {
@@ -102,6 +120,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
 void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line, const ScanSpan *added) {
     ScanPoint from = added->from, to = added->to;
     int *link = &list->first;
+    if (list->count > list->capacity / 4) join(list);
     while (*link >= 0 && list->span[*link].to.x <= from.x) link = &list->next[*link];
     while (from.x < to.x) {
         int s = *link;

@@ -66,8 +66,8 @@ static double compare(Made *m, ElementBufferKind kind, const char *method, int r
     return total / shots;
 }
 
-// Tolerance: pixels on edges of elements, which the two round apart, are few where both are exact; of polylines, edges are
-// chords of a degree.
+// Tolerance: pixels on edges of elements, which the two round apart, are few where both have the same directions. The exact
+// hemisphere's grid is turned about its axis, so other pixels are inside: an element of p pixels differs by about sqrt(p).
 Test(element_buffer, agrees_with_exact_directions) {
     Made m = {0};
     make(&m);
@@ -75,6 +75,6 @@ Test(element_buffer, agrees_with_exact_directions) {
     double sphere = compare(&m, ELEMENT_HEMISPHERE, "hemisphere", 100);
     printf("hemicube %.4f, hemisphere %.4f\n", cube, sphere);
     cr_expect_lt(cube, 0.004);
-    cr_expect_lt(sphere, 0.02);
+    cr_expect_lt(sphere, 0.03);
     arena_free(&m.arena);
 }

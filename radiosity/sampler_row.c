@@ -112,7 +112,29 @@ static inline void add_row(const Sampler *s, int at, LaneInt element, unsigned m
     }
 }
 
+// Bytes of a table asked for ahead at most.
+enum { MOST_FETCHED = 4096 };
+
+static void fetch(const void *from, size_t bytes) {
+    for (size_t i = 0; i < bytes && i < MOST_FETCHED; i += 64) __builtin_prefetch((const char *)from + i);
+}
+
+// What most of the row will ask for, while the first of it is on its way: the faces in the corners of the blocks' halves.
+static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
+    for (int at = 0; at < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
+        if (s->masks[at] == 0) continue;
+        int face = s->items[at / SAMPLER_BLOCK].face[at % SAMPLER_BLOCK][__builtin_ctz(s->masks[at])];
+        if (face < 0 || s->grid_stamp[face] == s->stamp) continue;
+        const FaceGrid *grid = grid_of(s, view, face);
+        if (grid->one == BACK) continue;
+        size_t elements = (size_t)s->mesh->faces[face].element_count;
+        fetch(sum->share + s->mesh->faces[face].first_element, elements * sizeof *sum->share);
+        fetch(s->mesh->squares + grid->first_square, (size_t)grid->nx * (size_t)grid->ny * sizeof(int));
+    }
+}
+
 void sampler_row(Sampler *s, const View *view, RowSum *sum) {
+    fetch_faces(s, view, sum);
     for (int at = 0; at < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; at++) {
         unsigned mask = s->masks[at], left = mask;
         if (mask == 0) continue;

@@ -37,7 +37,7 @@ static const char HELP[] =
     "drawn; "
     "and how\n"
     "                 much faster than rays it is at equal error\n"
-    "    --methods A,B       some of the methods (default: all)\n"
+    "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them)\n"
     "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
     "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
     "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
@@ -61,19 +61,25 @@ static const char HELP[] =
     "    --seed N            of their turns\n";
 
 static bool is_pair_method(const char *name) { return pair_method(name) != NULL; }
+static bool is_culling(const char *name) {
+    for (int c = 0; c < VIEW_CULLINGS; c++)
+        if (strcmp(VIEW_CULLING_NAMES[c], name) == 0) return true;
+    return false;
+}
 static bool is_form_factor_method(const char *name) { return form_factor_method(name) != NULL; }
 
 static const struct {
     const char *name;
     bool (*run)(const BenchArguments *arguments, Error *error);
-    bool (*knows)(const char *method);  // of --methods; NULL: takes none
-} BENCHES[] = {{"walk", bench_walk, NULL},
-               {"collision", bench_collision, NULL},
-               {"visibility", bench_visibility, is_pair_method},
-               {"formfactors", bench_formfactors, is_form_factor_method},
-               {"radiosity", bench_radiosity, NULL},
-               {"rooms", bench_rooms, NULL},
-               {"breaks", bench_breaks, NULL}};
+    bool (*knows)(const char *method);  // of --methods; NULL: it has none
+    const char *list;                   // the command whose help lists them
+} BENCHES[] = {{"walk", bench_walk, NULL, NULL},
+               {"collision", bench_collision, NULL, NULL},
+               {"visibility", bench_visibility, is_pair_method, "vis"},
+               {"formfactors", bench_formfactors, is_form_factor_method, "bake"},
+               {"radiosity", bench_radiosity, NULL, NULL},
+               {"rooms", bench_rooms, NULL, NULL},
+               {"breaks", bench_breaks, NULL, NULL}};
 
 static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
@@ -89,6 +95,16 @@ static int parse_look(const char *text, WalkLook *out) {
     while (*out < WALK_LOOKS && strcmp(WALK_LOOK_NAMES[*out], text) != 0) ++*out;
     if (*out < WALK_LOOKS) return APP_GOOD;
     return app_misuse("bench", "bench: --look is `%s` (allowed fast, fine)", text);
+}
+
+// Names of methods, separated by commas.
+static bool are_methods(const char *names, bool (*knows)(const char *)) {
+    char name[40];
+    for (; *names; names += strcspn(names, ","), names += *names == ',') {
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
+        if (!knows(name)) return false;
+    }
+    return true;
 }
 
 enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV, RESOLUTIONS, CULLINGS, SHOOTERS, RAYS, QUICK, PICTURES };
@@ -113,7 +129,8 @@ static int parse_form_factor_option(int c, char **argv, BenchArguments *a) {
                           optarg);
     case CULLINGS:
         a->cullings = optarg;
-        return APP_GOOD;
+        if (are_methods(optarg, is_culling)) return APP_GOOD;
+        return app_misuse("bench", "bench: --cullings is `%s` (allowed none, cells, plan, portals)", optarg);
     case SHOOTERS:
         if (app_parse_int(optarg, 1, 10000, &a->shooters)) return APP_GOOD;
         return app_misuse("bench", "bench: --shooters is `%s` (allowed 1 to 10000)", optarg);
@@ -181,16 +198,6 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
     }
 }
 
-// Names separated by commas.
-static bool are_known(const char *names, bool (*knows)(const char *method)) {
-    char name[40];
-    for (; *names; names += strcspn(names, ","), names += *names == ',') {
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(names, ","), names);
-        if (!knows(name)) return false;
-    }
-    return true;
-}
-
 int cmd_bench(int argc, char **argv) {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, 's'},
@@ -236,10 +243,9 @@ int cmd_bench(int argc, char **argv) {
     a.file_count = given ? argc - optind - 1 : 1;
     for (int i = 0; i < BENCH_COUNT; i++) {
         if (strcmp(BENCHES[i].name, argv[optind]) != 0) continue;
-        if (a.methods && BENCHES[i].knows && !are_known(a.methods, BENCHES[i].knows))
-            return app_misuse("bench",
-                              "bench: --methods is `%s` (see `enfilade %s --help` for those allowed)",
-                              a.methods, BENCHES[i].knows == is_pair_method ? "vis" : "bake");
+        if (a.methods && BENCHES[i].knows && !are_methods(a.methods, BENCHES[i].knows))
+            return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
+                              a.methods, BENCHES[i].list);
         Error error;
         return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
     }

@@ -14,13 +14,14 @@ set tics nomirror
 set logscale xy
 set xlabel 'milliseconds a shot, one core, the look at what is in view included'
 set ylabel 'L1 of the row against random rays'
+set yrange [0.005:0.3]
 set key outside right top samplen 2
 do for [format in "svg png"] {
     if (format eq "svg") { set terminal svg size 1000,520 font 'DejaVu Sans,11' background '#ffffff' }
     if (format eq "png") { set terminal pngcairo size 1000,520 font 'DejaVu Sans,10' background '#ffffff' }
     set output sprintf('%s.%s', out, format)
     plot csv every ::1 using ($14 == 1 ? $6 : NaN):8 smooth unique with lines lw 6 lc rgb '#f0d890' title 'Pareto front', \
-        for [m=1:words(methods)] csv every ::1 using (of(m, 'portals', $6)):8 with linespoints pt int(word(marks, m)) ps 1 lc rgb word(colours, m) title word(methods, m), \
+        for [m=1:6] csv every ::1 using (of(m, 'portals', $6)):8 with linespoints pt int(word(marks, m)) ps 1 lc rgb word(colours, m) title word(methods, m), \
         for [m=1:words(methods)] csv every ::1 using (of(m, 'none', $6)):8 with linespoints dt 2 pt int(word(marks, m)) ps 0.7 lc rgb word(colours, m) title (m < 7 ? word(methods, m).', not culled' : word(methods, m))
     unset output
 }

@@ -177,15 +177,9 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
-	for chart in rooms radiosity; do [ ! -e build/bench/$$chart.csv ] || \
+	for chart in rooms radiosity breaks formfactors; do [ ! -e build/bench/$$chart.csv ] || \
 	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
-	[ ! -e build/bench/breaks.csv ] || \
-	    { gnuplot -e "csv='build/bench/breaks.csv'; out='build/pictures/breaks'" tests/plots/breaks.gp && \
-	    cp build/pictures/breaks.png tests/pictures; }
-	[ ! -e build/bench/formfactors.csv ] || \
-	    { gnuplot -e "csv='build/bench/formfactors.csv'; out='build/pictures/formfactors'" tests/plots/formfactors.gp && \
-	    cp build/pictures/formfactors.png tests/pictures; }
 lint:
 	$(call install,$(to_lint))
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

@@ -53,6 +53,13 @@ static Sizes sizes_of(int doors, int elements, int patches) {
 
 static const Building *building_of(const Mesh *mesh) { return mesh->graph->building; }
 
+// Of a door in a file's body.
+static float stored_state(const unsigned char *body, int door) {
+    float state;
+    memcpy(&state, body + (size_t)door * sizeof state, sizeof state);
+    return state;
+}
+
 // NULL stands for all wide open.
 static float door_state(const float *door_open, int door) { return door_open ? door_open[door] : 1; }
 
@@ -63,8 +70,10 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
     unsigned char *file = calloc(1, sizeof(Header) + s.total);
     if (!file) return error_set(error, "%s: no memory for %zu bytes", path, sizeof(Header) + s.total);
     unsigned char *body = file + sizeof(Header);
-    float *states = (float *)body;
-    for (int i = 0; i < doors; i++) states[i] = door_state(door_open, i);
+    for (int i = 0; i < doors; i++) {
+        float state = door_state(door_open, i);
+        memcpy(body + (size_t)i * sizeof state, &state, sizeof state);
+    }
     memcpy(body + s.doors, solution->radiosity, s.radiosity);
     memcpy(body + s.doors + s.radiosity, solution->unshot, s.unshot);
     Header header = {.version = VERSION,
@@ -127,15 +136,14 @@ static bool read_file(const char *path, const Building *building, Arena *arena, 
 static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
                        const unsigned char *body, Error *error) {
     const MeshOptions *o = &mesh->options;
-    const float *states = (const float *)body;
     if (h->element != o->element || h->per_patch != o->per_patch) {
         return error_set(error, "%s: has elements of %g m, %d along a patch (asked for: %g m, %d)", path,
                          h->element, h->per_patch, o->element, o->per_patch);
     }
     for (int i = 0; i < h->door_count; i++) {
-        if (states[i] == door_state(door_open, i)) continue;
+        if (stored_state(body, i) == door_state(door_open, i)) continue;
         return error_set(error, "%s: was made with door %s at %g (asked for: %g; 0 closed, 1 wide open)",
-                         path, building_of(mesh)->openings[i].name, (double)states[i],
+                         path, building_of(mesh)->openings[i].name, (double)stored_state(body, i),
                          (double)door_state(door_open, i));
     }
     if (h->element_count == mesh->element_count && h->patch_count == mesh->patch_count &&
@@ -178,9 +186,10 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
     return good;
 }
 
-static bool check_options(const char *path, const Header *h, const float *states, Error *error) {
+static bool check_options(const char *path, const Header *h, const unsigned char *body, Error *error) {
     bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16;
-    for (int i = 0; i < h->door_count; i++) good = good && states[i] >= 0 && states[i] <= 1;
+    for (int i = 0; i < h->door_count; i++)
+        good = good && stored_state(body, i) >= 0 && stored_state(body, i) <= 1;
     return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
 }
 
@@ -189,8 +198,7 @@ bool rad_load_options(const char *path, const Building *building, MeshOptions *o
     Arena scratch = {0};
     Header h;
     const unsigned char *body;
-    bool good = read_file(path, building, &scratch, &h, &body, error) &&
-                check_options(path, &h, (const float *)body, error);
+    bool good = read_file(path, building, &scratch, &h, &body, error) && check_options(path, &h, body, error);
     if (good) {
         *out = (MeshOptions){.element = h.element, .per_patch = h.per_patch};
         memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);

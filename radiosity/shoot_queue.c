@@ -38,7 +38,7 @@ int shoot_queue_top(const ShootQueue *queue) {
 }
 
 static bool is_stronger(const ShootQueue *queue, int a, int b) {
-    return queue->power[a] > queue->power[b] || (queue->power[a] == queue->power[b] && a < b);
+    return queue->power[a] > queue->power[b] || (a < b && queue->power[a] == queue->power[b]);
 }
 
 // By insertion into a short list: few are wanted, and most blocks are passed over at a glance.

@@ -21,7 +21,8 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *ar
         self->hidden = hemicube_hidden_new(mesh, options->hidden, options->resolution, arena);
         self->item = ARENA_ARRAY(arena, int32_t, hemicube_hidden_samples(self->hidden)->count);
     } else {
-        self->sampler = sampler_new(mesh, grids, grids_of_hemicube(options->resolution, grids), 0, arena);
+        int count = grids_of_hemicube(options->resolution, grids);
+        self->sampler = sampler_new(mesh, grids, count, 0, arena);
     }
     return self;
 }

@@ -8,7 +8,8 @@
 
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return sampler_new(mesh, grids, grids_of_disc(options->resolution, grids), GRIDS_TURN, arena);
+    int count = grids_of_disc(options->resolution, grids);
+    return sampler_new(mesh, grids, count, GRIDS_TURN, arena);
 }
 
 static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }

@@ -52,7 +52,7 @@ static inline LaneInt lane_look_up(const int32_t *table, LaneInt index) {
 #ifdef __AVX2__
     return (LaneInt)_mm256_i32gather_epi32(table, (__m256i)index, 4);
 #else
-    LaneInt out;
+    LaneInt out = {0};
     for (int i = 0; i < LANES; i++) out[i] = table[index[i]];
     return out;
 #endif

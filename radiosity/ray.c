@@ -58,12 +58,14 @@ static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_coun
 
 static void *start_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return start(mesh, grids, grids_of_disc(options->resolution, grids), GRIDS_TURN, arena);
+    int count = grids_of_disc(options->resolution, grids);
+    return start(mesh, grids, count, GRIDS_TURN, arena);
 }
 
 static void *start_hemicube(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return start(mesh, grids, grids_of_hemicube(options->resolution, grids), 0, arena);
+    int count = grids_of_hemicube(options->resolution, grids);
+    return start(mesh, grids, count, 0, arena);
 }
 
 static void stop(void *self) { ray_caster_end(((RayMethod *)self)->scene); }
@@ -133,7 +135,8 @@ static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work)
 
 static void *start_plain_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
-    return start(mesh, grids, grids_of_disc(options->resolution, grids), 0, arena);
+    int count = grids_of_disc(options->resolution, grids);
+    return start(mesh, grids, count, 0, arena);
 }
 
 // As rays are usually cast: the grid lies as the axes do.

@@ -3,12 +3,14 @@
 // shoots again and again. Those that come later stay until the next are made.
 #include "radiosity/shoot_rows.h"
 
+#include <stdlib.h>
+
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 
-// Rows made at a time by each thread. Where they are kept none is in vain, and many make up for rows of different cost;
-// else some are, when a patch grows strong that was not foreseen.
-enum { AHEAD_KEPT = 32, AHEAD_PASSING = 4 };
+// Rows made at a time by each thread. Where they are kept none is in vain, and many make up for rows of different cost and
+// are often of neighbours, who see the same; else some are, when a patch grows strong that was not foreseen.
+enum { AHEAD_KEPT = 512, AHEAD_PASSING = 4 };
 // Kept rows lie in blocks of at least so many bytes.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
@@ -177,7 +179,12 @@ static bool keep(ShootRows *rows, const ShootRow *row, ShootRow **out) {
     return true;
 }
 
-void shoot_rows_make(ShootRows *rows, const int *patches, int count) {
+static int by_index(const void *p, const void *q) {
+    const int *a = p, *b = q;
+    return (*a > *b) - (*a < *b);
+}
+
+void shoot_rows_make(ShootRows *rows, int *patches, int count) {
     CORE_ASSERT(count <= rows->slot_count);
     for (int i = 0; i < rows->slots_used; i++) {
         int patch = rows->slots[i].patch;
@@ -185,6 +192,8 @@ void shoot_rows_make(ShootRows *rows, const int *patches, int count) {
         rows->of[patch] = NULL;
         rows->there[patch] = false;
     }
+    // One after the other, patches of a room find what they see where the last one left it.
+    qsort(patches, (size_t)count, sizeof *patches, by_index);
     for (int i = 0; i < count; i++) rows->slots[i].patch = patches[i];
     rows->slots_used = count;
     parallel_for(rows->threads, count, make_row, rows);

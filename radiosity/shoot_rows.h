@@ -34,7 +34,7 @@ const bool *shoot_rows_there(const ShootRows *rows);
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch);
 // Makes the rows of patches that have none, at most as many as wanted, in parallel. Rows for which there was no room
 // the last time are gone then.
-void shoot_rows_make(ShootRows *rows, const int *patches, int count);
+void shoot_rows_make(ShootRows *rows, int *patches, int count);
 
 // What was made so far, into the fields of a report.
 void shoot_rows_report(const ShootRows *rows, RadReport *report);

@@ -13,7 +13,7 @@ typedef struct Outcome {
     const PairMethod *method;
     PairSet set;
     double seconds;
-    uint64_t *checked;  // pairs whose sightlines hold when walked again
+    uint64_t *checked;  // pairs whose sightlines hold when walked again, or that have one, where none are walked
     long long refuted;
     bool compared, has_peer;
     PairFigures plain, counting_witnesses;  // against the file, and against it and the checked sightlines
@@ -35,12 +35,15 @@ static void compare(uint64_t *bound, Outcome *o) {
 }
 
 static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
-    PairOptions options = {.threads = a->load.vis.threads, .witnesses = true};
+    // Sightlines, millions in a large map, are kept only where they are to be walked again.
+    PairOptions options = {.threads = a->load.vis.threads, .witnesses = a->against != NULL};
     Progress progress = app_progress_stoppable(a->seconds);
     double start = clock_seconds();
     o->method->find(&o->scene.graph, &options, &progress, arena, &o->set);
     o->seconds = clock_seconds() - start;
     app_progress_end();
+    o->checked = o->set.proven;
+    if (!options.witnesses) return;
     o->checked = ARENA_ARRAY(arena, uint64_t, (size_t)o->set.cell_count * (size_t)o->set.words);
     o->refuted = pairs_check_witnesses(&o->scene.graph, &o->set, o->checked);
 }

@@ -200,9 +200,9 @@ static void search_round(Round *round, int count) {
     }
 }
 
-// So many chains take ten minutes of one core.
+// So many chains take five minutes of one core.
 static long long patience(int searches) {
-    static const long long ALL = 2000000000, LEAST = 10000, MOST = 200000;
+    static const long long ALL = 1000000000, LEAST = 10000, MOST = 200000;
     long long share = ALL / (searches + 1);
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }

@@ -13,7 +13,8 @@ typedef struct Outcome {
     const PairMethod *method;
     PairSet set;
     double seconds;
-    uint64_t *checked;  // pairs whose sightlines hold when walked again, or that have one, where none are walked
+    uint64_t
+        *checked;  // pairs whose sightlines hold when walked again, or that have one, where none are walked
     long long refuted;
     bool compared, has_peer;
     PairFigures plain, counting_witnesses;  // against the file, and against it and the checked sightlines

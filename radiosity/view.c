@@ -122,8 +122,6 @@ typedef struct Look {
     Viewer *viewer;
     Vec3 eye, x, y, z;
     Four turn[3];  // columns: what building space's x, y and z are in the view's axes
-    const Plane *frustum;
-    int frustum_count;
 } Look;
 
 static Vec3 to_view(const Look *look, Vec3 v) {
@@ -136,13 +134,7 @@ static inline bool may_be_seen(const Look *look, const FaceShape *shape, Vec3 to
     if (vec3_dot(look->z, to_centre) + radius <= 0) return false;
     // Its plane holds the eye, as well as rounding can tell from where the eye is.
     double off = fabs(vec3_dot(shape->n, to_centre));
-    if (off < 1e-3 && off <= look->viewer->on_plane + (double)shape->tilt * vec3_length(to_centre))
-        return false;
-    for (int i = 0; i < look->frustum_count; i++) {
-        const Plane *plane = &look->frustum[i];
-        if (vec3_dot(plane->n, to_centre) + plane_distance(*plane, look->eye) + radius < 0) return false;
-    }
-    return true;
+    return off >= 1e-3 || off > look->viewer->on_plane + (double)shape->tilt * vec3_length(to_centre);
 }
 
 static void take_face(const Look *look, int face) {
@@ -199,9 +191,8 @@ static void take_cells(const Look *look, int cell) {
 
 static void take_query(const Look *look, int cell, VisMethod method) {
     Viewer *viewer = look->viewer;
-    Eye eye = {.position = look->eye, .on_surface = true};
-    eye.frustum[eye.frustum_count++] = (Plane){look->z, vec3_dot(look->z, look->eye)};
-    for (int i = 0; i < look->frustum_count; i++) eye.frustum[eye.frustum_count++] = look->frustum[i];
+    Eye eye = {.position = look->eye, .frustum_count = 1, .on_surface = true};
+    eye.frustum[0] = (Plane){look->z, vec3_dot(look->z, look->eye)};
     VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, method);
     for (int i = 0; i < result.object_count; i++) take_object(look, result.objects[i]);
 }
@@ -244,15 +235,10 @@ static void list_view(const Look *look) {
     }
 }
 
-const View *viewer_look_within(Viewer *viewer, const ViewPoint *from, ViewCulling culling,
-                               const Plane *frustum, int frustum_count) {
-    CORE_ASSERT(frustum_count >= 0 && frustum_count <= 5 && culling < VIEW_CULLINGS);
+const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling) {
+    CORE_ASSERT(culling < VIEW_CULLINGS);
     CORE_ASSERT(from->cell < viewer->mesh->graph->cell_count);
-    Look look = {.viewer = viewer,
-                 .eye = from->eye,
-                 .z = from->normal,
-                 .frustum = frustum,
-                 .frustum_count = frustum_count};
+    Look look = {.viewer = viewer, .eye = from->eye, .z = from->normal};
     view_axes(look.z, &look.x, &look.y);
     look.turn[0] = (Four){look.x.x, look.y.x, look.z.x, 0};
     look.turn[1] = (Four){look.x.y, look.y.y, look.z.y, 0};
@@ -272,8 +258,4 @@ const View *viewer_look_within(Viewer *viewer, const ViewPoint *from, ViewCullin
     }
     list_view(&look);
     return view;
-}
-
-const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling) {
-    return viewer_look_within(viewer, from, culling, NULL, 0);
 }

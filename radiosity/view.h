@@ -42,10 +42,6 @@ typedef struct Viewer Viewer;
 Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena);
 // Valid until the next look. Allocates nothing.
 const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling);
-// The same with the view volume of a frustum as well (planes as in Eye; the side of a hemicube), 0: the half-space.
-const View *viewer_look_within(Viewer *viewer, const ViewPoint *from, ViewCulling culling,
-                               const Plane *frustum, int frustum_count);
-
 // Axes for a normal, the same whenever asked.
 void view_axes(Vec3 normal, Vec3 *x, Vec3 *y);
 

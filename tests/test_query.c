@@ -247,6 +247,35 @@ static void check_eyes(Made *m, int eyes, bool given, Random *random, Tally *tal
     }
 }
 
+// An eye on a portal, to a rasteriser's precision, sees what the cell beyond may see, even where its own may not.
+Test(query_oracle, an_eye_on_a_portal_is_in_both_cells) {
+    Made m = {0};
+    Arena arena = {0};
+    Random random = {5};
+    int tried = 0;
+    make(&m, pillars(&arena, &random, 8, 0.3), 5000);
+    size_t words = (size_t)m.forest.words;
+    for (int p = 0; p < m.graph.portal_count; p++) {
+        const Portal *portal = &m.graph.portals[p];
+        Vec3 eye = vec3_add(in_portal(&m.graph, portal, &random), vec3_scale(portal->plane.n, 1e-9));
+        int here = vis_locate(&m.graph, eye, portal->cell[0]), there = portal->cell[1];
+        VisResult before = vis_query(m.query, &(Eye){.position = eye}, here, NULL, VIS_STAB);
+        int far = before.cell_count > 0 ? before.cells[before.cell_count - 1].cell : -1;
+        if (before.eye_cell != portal->cell[0] || far == here || far == there ||
+            !vis_sees(&m.forest, there, far))
+            continue;
+        m.forest.seen[(size_t)here * words + (size_t)far / 64] &= ~((uint64_t)1 << (far % 64));
+        m.forest.bounded[here] = 1;
+        VisResult after = vis_query(m.query, &(Eye){.position = eye}, here, NULL, VIS_STAB);
+        cr_assert(lists(&after, far), "portal %d: cell %d, which %d may see, is not found from %d", p, far,
+                  there, here);
+        tried++;
+    }
+    cr_assert_gt(tried, 20);
+    arena_free(&m.arena);
+    arena_free(&arena);
+}
+
 // Proves it of prisms: in an open plan with pillars, where four cells meet in most corners and most rooms are seen through
 // two portals, with trees and without (three nodes at most).
 Test(query_oracle, prisms) {

@@ -223,18 +223,11 @@ static void draw_all(VisQuery *q, bool by_frustum) {
     for (int i = 0; i < q->graph->object_count; i++) {
         if (by_frustum) {
             q->result.objects_tested++;
-            if (query_box_outside(q->graph->object_boxes[i], q->eye->frustum, q->eye->frustum_count))
+            if (query_box_outside(q->graph->object_boxes[i], q->eye->frustum, q->eye->frustum_count,
+                                  q->eye->position))
                 continue;
         }
         q->drawn[i / 64] |= (uint64_t)1 << (i % 64);
-    }
-}
-
-// Every object of every cell that may be entered.
-static void draw_visible_set(VisQuery *q) {
-    Cone everything = {.all_around = true};
-    for (int c = 0; c < q->graph->cell_count; c++) {
-        if (q->limit[c / 64] >> (c % 64) & 1) visit_cell(q, c, 0, &everything);
     }
 }
 
@@ -301,7 +294,6 @@ static void walk(VisQuery *q, const int *around, int count) {
     } else {
         query_walk(q, cell);
     }
-    if (q->result.overflow) draw_visible_set(q);
 }
 
 VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {

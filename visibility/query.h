@@ -182,8 +182,6 @@ void query_beyond(const VisQuery *q, const Cone *cone, Passage passage, const Ga
                   const ViewPart *part, Cone *out);
 // Could the eye, a hair's breadth from the portal's plane, be in the portal?
 bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye);
-// The half of the plan to the left of the line from the eye along `direction`.
-Plane query_left_of(Vec2 eye, Vec2 direction);
 
 // query_slot.c: is the portal an upright rectangle? Then its place and size are written.
 bool query_is_wall(const CellGraph *graph, const Portal *portal, Plane plane, Gate *gate);
@@ -211,6 +209,7 @@ void query_walk(VisQuery *q, int cell);
 void query_draw_cell(VisQuery *q, int cell, const Cone *cone);
 void query_list_objects(VisQuery *q, Arena *arena);  // before all queries
 static inline bool query_lists_objects(const VisQuery *q, int cell) { return q->of_cell[cell].box_count > 0; }
-bool query_box_outside(Box box, const Plane *planes, int count);
+// No corner of the box is in front of one of the planes: it cannot be seen.
+bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye);
 
 #endif

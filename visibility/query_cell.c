@@ -7,26 +7,25 @@
 // Of a cell that holds no more objects than this all are tried: finding the squares under the view would cost more.
 enum { FEW = 24 };
 
-// No corner of the box is in front of one of the planes: it cannot be seen.
-bool query_box_outside(Box box, const Plane *planes, int count) {
+// No corner of the box, given by its middle from the eye and half its size, is in front of one of the planes.
+static bool planes_outside(const Plane *planes, int count, Vec3 eye, Vec3 centre, Vec3 half) {
     for (int i = 0; i < count; i++) {
         Vec3 n = planes[i].n;
-        // The corner farthest in front.
-        Vec3 p = {n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
-                  n.z > 0 ? box.max.z : box.min.z};
-        if (plane_distance(planes[i], p) < -POSITION_SLACK) return true;
+        double at = vec3_dot(n, centre) + plane_distance(planes[i], eye);
+        if (at + fabs(n.x) * half.x + fabs(n.y) * half.y + fabs(n.z) * half.z < -POSITION_SLACK) return true;
     }
     return false;
 }
 
-// The same of a box given by its middle from the eye and half its size.
-static bool cone_outside(const Cone *cone, Vec3 eye, Vec3 centre, Vec3 half) {
-    for (int i = 0; i < cone->count; i++) {
-        Vec3 n = cone->plane[i].n;
-        double at = vec3_dot(n, centre) + plane_distance(cone->plane[i], eye);
-        if (at + fabs(n.x) * half.x + fabs(n.y) * half.y + fabs(n.z) * half.z < -POSITION_SLACK) return true;
-    }
-    return false;
+bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
+    Vec3 centre = vec3_lerp(box.min, box.max, 0.5);
+    return planes_outside(planes, count, eye, vec3_sub(centre, eye), vec3_sub(box.max, centre));
+}
+
+// The half of the plan to the left of the line from the eye along `direction`.
+static Plane left_of(Vec2 eye, Vec2 direction) {
+    Vec3 n = vec3_normalize(vec3(-direction.y, direction.x, 0));
+    return (Plane){n, n.x * eye.x + n.y * eye.y};
 }
 
 static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
@@ -39,7 +38,8 @@ static void draw_square(VisQuery *q, int square, const Cone *cone) {
         q->object_tested[object] = q->cone_serial;
         if (q->drawn[object / 64] >> (object % 64) & 1) continue;
         q->result.objects_tested++;
-        if (!query_box_outside(graph->object_boxes[object], cone->plane, cone->count)) draw_object(q, object);
+        if (!query_box_outside(graph->object_boxes[object], cone->plane, cone->count, q->eye->position))
+            draw_object(q, object);
     }
 }
 
@@ -50,8 +50,8 @@ static int wedge_in_cell(const VisQuery *q, const Cell *cell, const Cone *cone, 
     int count = cell_polygon(q->graph, cell, 0, out);
     if (cone->all_around) return count;
     Vec3 part[BUILD_MAX_VERTICES];
-    count = polygon_clip(out, count, query_left_of(eye, cone->from), touch, part);
-    return polygon_clip(part, count, query_left_of(eye, vec2_scale(cone->to, -1)), touch, out);
+    count = polygon_clip(out, count, left_of(eye, cone->from), touch, part);
+    return polygon_clip(part, count, left_of(eye, vec2_scale(cone->to, -1)), touch, out);
 }
 
 static int square_at(double x, int count) { return x < 0 ? 0 : x >= count ? count - 1 : (int)x; }
@@ -87,8 +87,9 @@ static void draw_listed(VisQuery *q, const CellView *view, const Cone *cone) {
         q->result.objects_tested++;
         Vec3 centre = {box->centre[0] - eye.x, box->centre[1] - eye.y, box->centre[2] - eye.z};
         Vec3 half = {box->half[0], box->half[1], box->half[2]};
-        bool outside = cone->is_slot ? query_slot_outside(cone, centre, half)
-                                     : cone_outside(cone, q->eye->position, centre, half);
+        bool outside = cone->is_slot
+                           ? query_slot_outside(cone, centre, half)
+                           : planes_outside(cone->plane, cone->count, q->eye->position, centre, half);
         if (!outside) draw_object(q, box->object);
     }
 }

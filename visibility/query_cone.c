@@ -8,12 +8,6 @@
 // An eye this near a portal on its plane may be in it, metres.
 static const double AT_PORTAL = 1e-2;
 
-// The half of the plan to the left of the line from the eye along `direction`.
-Plane query_left_of(Vec2 eye, Vec2 direction) {
-    Vec3 n = vec3_normalize(vec3(-direction.y, direction.x, 0));
-    return (Plane){n, n.x * eye.x + n.y * eye.y};
-}
-
 void cone_add_wedge(Cone *cone, Vec3 eye) {
     Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
     cone_add(cone, from, vec3_dot(from, eye));

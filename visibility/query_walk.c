@@ -31,7 +31,6 @@ static void raise_gate(VisQuery *q, int gate) {
     for (; at > 0 && nearer(q, gate, q->queue[(at - 1) / 2]); at = (at - 1) / 2)
         place(q, at, q->queue[(at - 1) / 2]);
     place(q, at, gate);
-    __builtin_prefetch(&q->of_cell[q->gates[gate].cell]);
 }
 
 static int take_nearest(VisQuery *q) {
@@ -232,18 +231,6 @@ static void view_part(VisQuery *q, const PortalView *view, const Gate *gate, Vie
     }
 }
 
-// What the next turn will want of memory, asked for while this one goes on.
-static void fetch_next(const VisQuery *q) {
-    if (q->queue_count == 0) return;
-    const CellView *next = &q->of_cell[q->gates[q->queue[0]].cell];
-    for (int i = next->first_gate; i < next->first_gate + next->gate_count; i++) {
-        __builtin_prefetch(&q->gates[i]);
-        __builtin_prefetch(&q->views[i]);
-    }
-    const char *box = (const char *)(q->boxes + next->first_box);
-    for (int i = 0; i < next->box_count; i++) __builtin_prefetch(box + 64 * i);
-}
-
 void query_walk(VisQuery *q, int cell) {
     q->queue_count = 0;
     look_around(q, &q->cones[0], cell, UINT32_MAX);
@@ -251,7 +238,6 @@ void query_walk(VisQuery *q, int cell) {
         int nearest = take_nearest(q);
         const Gate *gate = &q->gates[nearest];
         PortalView *view = &q->views[nearest];
-        fetch_next(q);
         view->passes++;
         ViewPart part;
         view_part(q, view, gate, &part);

@@ -181,7 +181,6 @@ typedef struct VisResult {
     int cell_count, object_count;
     int polygon_count;  // in these objects
     int eye_cell;       // -1: outside all cells, everything is drawn
-    bool overflow;      // a buffer was full: the visible set was drawn
     int portals_tested, objects_tested;
 } VisResult;
 

@@ -4,6 +4,7 @@
 #define APP_BENCH_H
 
 #include "engine/app/app.h"
+#include "engine/core/text.h"
 #include "engine/walk/walk_renderer.h"
 
 typedef struct BenchArguments {
@@ -33,6 +34,14 @@ bool bench_formfactors(const BenchArguments *arguments, Error *error);
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
+
+// Adds the rows of one building to the table, and prints them.
+typedef bool BenchFile(const char *file, const BenchArguments *arguments, Text *csv, Error *error);
+// A table: its head, the rows of `first` (NULL: none), and those of each file; on standard output, and whole to
+// arguments->csv, if that is given.
+bool bench_table(const BenchArguments *arguments, const char *head,
+                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
+                 Error *error);
 
 const char *bench_name(const char *file);  // of a building in the CSV: without its folder
 

@@ -302,13 +302,5 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
 }
 
 bool bench_formfactors(const BenchArguments *a, Error *error) {
-    Arena arena = {0};
-    Text table = {.arena = &arena};
-    text_append(&table, "%s", HEAD);
-    fputs(HEAD, stdout);
-    bool good = true;
-    for (int i = 0; i < a->file_count && good; i++) good = bench_file(a->files[i], a, &table, error);
-    if (good && a->csv) good = file_write(a->csv, table.data, table.size, error);
-    arena_free(&arena);
-    return good;
+    return bench_table(a, HEAD, NULL, bench_file, error);
 }

@@ -250,15 +250,11 @@ static bool bench_doi(const char *table, int elements, int per_patch, int shots,
     return good;
 }
 
+static bool bench_both_doi(const BenchArguments *a, Text *csv, Error *error) {
+    return bench_doi("doi-itoh-1", 548, 2, 50, a->pictures, csv, error) &&
+           bench_doi("doi-itoh-2", 3294, 3, 100, a->pictures, csv, error);
+}
+
 bool bench_radiosity(const BenchArguments *a, Error *error) {
-    Arena arena = {0};
-    Text csv = {.arena = &arena};
-    text_append(&csv, "%s", HEAD);
-    fputs(HEAD, stdout);
-    bool good = bench_doi("doi-itoh-1", 548, 2, 50, a->pictures, &csv, error) &&
-                bench_doi("doi-itoh-2", 3294, 3, 100, a->pictures, &csv, error);
-    for (int i = 0; i < a->file_count && good; i++) good = bench_oki(a->files[i], a, &csv, error);
-    if (good && a->csv) good = file_write(a->csv, csv.data, csv.size, error);
-    arena_free(&arena);
-    return good;
+    return bench_table(a, HEAD, bench_both_doi, bench_oki, error);
 }

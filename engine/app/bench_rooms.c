@@ -98,13 +98,5 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Err
 }
 
 bool bench_rooms(const BenchArguments *a, Error *error) {
-    Arena arena = {0};
-    Text csv = {.arena = &arena};
-    text_append(&csv, "%s", HEAD);
-    fputs(HEAD, stdout);
-    bool good = true;
-    for (int i = 0; i < a->file_count && good; i++) good = bench_file(a->files[i], a, &csv, error);
-    if (good && a->csv) good = file_write(a->csv, csv.data, csv.size, error);
-    arena_free(&arena);
-    return good;
+    return bench_table(a, HEAD, NULL, bench_file, error);
 }

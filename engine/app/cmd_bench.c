@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/app/bench.h"
+#include "engine/core/file.h"
 #include "radiosity/form_factor.h"
 #include "visibility/pairs/pairs.h"
 
@@ -84,6 +85,20 @@ static const struct {
 static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
+
+bool bench_table(const BenchArguments *a, const char *head,
+                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
+                 Error *error) {
+    Arena arena = {0};
+    Text csv = {.arena = &arena};
+    text_append(&csv, "%s", head);
+    fputs(head, stdout);
+    bool good = !first || first(a, &csv, error);
+    for (int i = 0; i < a->file_count && good; i++) good = each(a->files[i], a, &csv, error);
+    if (good && a->csv) good = file_write(a->csv, csv.data, csv.size, error);
+    arena_free(&arena);
+    return good;
+}
 
 const char *bench_name(const char *file) {
     const char *slash = strrchr(file, '/');

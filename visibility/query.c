@@ -41,8 +41,6 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    q->views = ARENA_ARRAY(arena, PortalView, graph->contact_count + 1);
-    q->queue = ARENA_ARRAY(arena, int, graph->contact_count + 1);
     query_list_objects(q, arena);
     query_list_gates(q, arena);
     q->traits = ARENA_ARRAY(arena, ObjectTraits, graph->object_count);
@@ -60,15 +58,15 @@ bool vis_shown(const Object *object, const float *door_open) {
 // ---- the walk
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
-static bool door_closed(const VisQuery *q, const Gate *gate) {
-    if (!gate->has_door || !q->door_open) return false;
-    const Portal *portal = &q->graph->portals[gate->portal];
+static bool door_closed(const VisQuery *q, int index) {
+    if (!q->door_open || !(q->gates[index / FOUR].name[index % FOUR] & GATE_DOOR)) return false;
+    Gate gate = query_gate(q, index);
+    const Portal *portal = &q->graph->portals[gate.portal];
     if (q->door_open[portal->door] > 0) return false;
-    Vec3 eye = q->eye->position;
-    return fabs(gate_ahead(gate, eye)) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, eye);
+    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
 }
 
-static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone) {
+static void visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
     CellView *view = &q->of_cell[cell];
     if (view->frame != q->frame) {
         view->frame = q->frame;
@@ -82,7 +80,7 @@ static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone)
 
 // Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
 // rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
-static void draw_half(VisQuery *q, int cell, const Cone *cone) {
+static void draw_half(VisQuery *q, int cell, Cone *cone) {
     const Cell *cells = q->graph->cells;
     int first = cell;
     if (cells[cell].region < 0) {
@@ -94,32 +92,53 @@ static void draw_half(VisQuery *q, int cell, const Cone *cone) {
         query_draw_cell(q, c, cone);
 }
 
-bool query_enter(VisQuery *q, const Gate *gate, const Cone *beyond, double distance) {
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
+    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
     bool closed = door_closed(q, gate);
     if (closed) {
-        draw_half(q, gate->cell, beyond);
+        draw_half(q, cell, beyond);
     } else {
-        visit_cell(q, gate->cell, distance, beyond);
+        visit_cell(q, cell, distance, beyond);
     }
     return !closed;
+}
+
+// The cone beyond one of the gates in sight, and how far it is; false where nothing of it is in view.
+static bool pass_gate(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
+                      double *distance) {
+    int lane = index % FOUR;
+    if (sight->slots >> lane & 1) {
+        query_slot_cone(&sight->slot, &q->gates[index / FOUR], lane, q->eye->position, q->method == VIS_PLAN,
+                        beyond);
+        *distance = query_slots_distance(&sight->slot, sight->ahead)[lane];
+        return true;
+    }
+    if (!(sight->others >> lane & 1)) return false;
+    Gate gate = query_gate(q, index);
+    ViewPart part;
+    Passage passage = query_clip(q, cone, &gate, &part);
+    if (passage == PASSAGE_NONE) return false;
+    query_beyond(q, cone, passage, &gate, &part, beyond);
+    *distance = part.distance;
+    return true;
 }
 
 // The cone of each depth narrows to that of the next.
 static void walk_tree(VisQuery *q, int node, int depth) {
     const StabNode *nodes = q->forest->nodes;
-    const Cone *cone = &q->cones[depth];
-    Cone *beyond = &q->cones[depth + 1];
-    int first = node + 1, end = q->forest->node_count;
+    Cone *cone = &q->cones[depth], *beyond = &q->cones[depth + 1];
+    int first = node + 1, end = q->forest->node_count, block = -1;
+    Sight sight;
     for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
          child = nodes[child].next) {
-        ViewPart part;
         int portal = nodes[child].portal;
         bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
-        const Gate *gate = &q->gates[q->gate_of[2 * portal + (forward ? 0 : 1)]];
-        Passage passage = query_clip(q, cone, gate, gate_ahead(gate, q->eye->position), &part);
-        if (passage == PASSAGE_NONE) continue;
-        query_beyond(q, cone, passage, gate, &part, beyond);
-        if (query_enter(q, gate, beyond, part.distance)) walk_tree(q, child, depth + 1);
+        int gate = q->gate_of[2 * portal + (forward ? 0 : 1)];
+        if (gate / FOUR != block) query_sight(q, cone, block = gate / FOUR, FOUR_ALL, &sight);
+        double distance;
+        q->result.portals_tested++;
+        if (!pass_gate(q, cone, gate, &sight, beyond, &distance)) continue;
+        if (query_enter(q, gate, beyond, distance)) walk_tree(q, child, depth + 1);
     }
 }
 
@@ -306,7 +325,7 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
         for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
-        memset(q->views, 0, (size_t)q->graph->contact_count * sizeof *q->views);
+        for (int k = 0; k < q->block_count; k++) q->views[k].frame = 0;
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;

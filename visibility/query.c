@@ -39,6 +39,7 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
+    q->drawn_words = ARENA_ARRAY(arena, uint64_t, graph->object_count / 4096 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
     query_list_objects(q, arena);
@@ -67,9 +68,8 @@ static bool door_closed(const VisQuery *q, int index) {
 }
 
 static void visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
-    CellView *view = &q->of_cell[cell];
-    if (view->frame != q->frame) {
-        view->frame = q->frame;
+    CellView *view = query_cell_view(q, cell);
+    if (view->place < 0) {
         view->place = q->result.cell_count;
         q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
     } else if (distance < q->cells[view->place].distance) {
@@ -246,33 +246,52 @@ static void draw_all(VisQuery *q, bool by_frustum) {
                                   q->eye->position))
                 continue;
         }
-        q->drawn[i / 64] |= (uint64_t)1 << (i % 64);
+        query_draw_object(q, i);
     }
 }
 
-static void collect_objects(VisQuery *q) {
-    const CellGraph *graph = q->graph;
+static void collect_word(VisQuery *q, int word) {
     VisResult *result = &q->result;
-    for (int word = 0; word <= graph->object_count / 64; word++) {
-        for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
-            int object = word * 64 + __builtin_ctzll(bits);
-            int plug = q->traits[object].plug;
-            if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
-            q->objects[result->object_count++] = object;
-            result->polygon_count += q->traits[object].polygon_count;
-        }
-        q->drawn[word] = 0;
+    for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
+        int object = word * 64 + __builtin_ctzll(bits);
+        int plug = q->traits[object].plug;
+        if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
+        q->objects[result->object_count++] = object;
+        result->polygon_count += q->traits[object].polygon_count;
+    }
+    q->drawn[word] = 0;
+}
+
+static void collect_objects(VisQuery *q) {
+    for (int block = 0; block <= q->graph->object_count / 4096; block++) {
+        for (uint64_t words = q->drawn_words[block]; words; words &= words - 1)
+            collect_word(q, block * 64 + __builtin_ctzll(words));
+        q->drawn_words[block] = 0;
     }
 }
+
+enum { SHORT_RUN = 16 };
 
 static bool before(const VisibleCell *a, const VisibleCell *b) {
     return a->distance < b->distance || (a->distance == b->distance && a->cell < b->cell);
 }
 
+// Cells come nearly in order, and short runs are mended in place.
+static void sort_run(VisibleCell *cells, int count) {
+    for (int i = 1; i < count; i++) {
+        VisibleCell cell = cells[i];
+        int at = i;
+        for (; at > 0 && before(&cell, &cells[at - 1]); at--) cells[at] = cells[at - 1];
+        cells[at] = cell;
+    }
+}
+
 // Merges runs of twice the length each time; qsort may allocate.
 static void sort_cells(VisQuery *q) {
     int count = q->result.cell_count;
-    for (int run = 1; run < count; run *= 2) {
+    for (int first = 0; first < count; first += SHORT_RUN)
+        sort_run(q->cells + first, count - first < SHORT_RUN ? count - first : SHORT_RUN);
+    for (int run = SHORT_RUN; run < count; run *= 2) {
         for (int first = 0; first < count; first += 2 * run) {
             int a = first, middle = first + run < count ? first + run : count, b = middle,
                 end = middle + run < count ? middle + run : count;

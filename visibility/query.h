@@ -111,6 +111,7 @@ typedef struct CellView {
         object_count;  // in VisQuery.boxes, and in how many lanes of them; none of a cell that holds many
     unsigned frame;    // the last query that saw it
     int place;         // then in VisQuery.cells
+    unsigned undrawn;  // then of its objects those it has not yet shown, a bit each
 } CellView;
 
 // Four objects as a cell lists them: the middles of their boxes, from the middle of the building, and half their sizes,
@@ -142,6 +143,7 @@ struct VisQuery {
     VisibleCell *cells;       // [cell_count]
     VisibleCell *spare;       // [cell_count] for sorting
     uint64_t *drawn;          // bit per object
+    uint64_t *drawn_words;    // bit per word of `drawn` that is not 0
     unsigned *object_tested;  // [object_count] the last cone it was tested against
     int *objects;             // [object_count] the result
     ObjectTraits *traits;     // [object_count]
@@ -155,6 +157,17 @@ struct VisQuery {
     const uint64_t *limit;  // only cells of this visible set are entered
     VisResult result;
 };
+
+// As the query under way has it.
+static inline CellView *query_cell_view(VisQuery *q, int cell) {
+    CellView *view = &q->of_cell[cell];
+    if (view->frame != q->frame) {
+        view->frame = q->frame;
+        view->place = -1;
+        view->undrawn = (1u << view->object_count) - 1;
+    }
+    return view;
+}
 
 // query_cone.c
 void query_first_cone(VisQuery *q, Cone *cone);
@@ -219,6 +232,10 @@ void query_draw_cell(VisQuery *q, int cell, Cone *cone);
 void query_list_objects(VisQuery *q, Arena *arena);  // before all queries
 static inline bool query_lists_objects(const VisQuery *q, int cell) {
     return q->of_cell[cell].object_count > 0;
+}
+static inline void query_draw_object(VisQuery *q, int object) {
+    q->drawn[object / 64] |= (uint64_t)1 << (object % 64);
+    q->drawn_words[object / 4096] |= (uint64_t)1 << (object / 64 % 64);
 }
 // No corner of the box is in front of one of the planes: it cannot be seen.
 bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye);

@@ -5,7 +5,7 @@
 #include "visibility/query.h"
 
 // Of a cell that holds no more objects than this all are tried: finding the squares under the view would cost more.
-enum { FEW = 24 };
+enum { FEW = 24 };  // at most bits of CellView.undrawn, less one
 
 bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
     Vec3 centre = vec3_lerp(box.min, box.max, 0.5), half = vec3_sub(box.max, centre);
@@ -24,8 +24,6 @@ static Plane left_of(Vec2 eye, Vec2 direction) {
     return (Plane){n, n.x * eye.x + n.y * eye.y};
 }
 
-static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
-
 static void draw_square(VisQuery *q, int square, Cone *cone) {
     const CellGraph *graph = q->graph;
     for (int k = graph->square_first[square]; k < graph->square_first[square + 1]; k++) {
@@ -35,7 +33,7 @@ static void draw_square(VisQuery *q, int square, Cone *cone) {
         if (q->drawn[object / 64] >> (object % 64) & 1) continue;
         q->result.objects_tested++;
         if (!query_box_outside(graph->object_boxes[object], cone->plane, cone->count, q->eye->position))
-            draw_object(q, object);
+            query_draw_object(q, object);
     }
 }
 
@@ -103,22 +101,25 @@ static FourMask boxes_outside_slot(const Cone *cone, const Boxes *b) {
     return outside | (b->z + b->half_z < low - cone->bottom_slack);
 }
 
-static void draw_listed(VisQuery *q, const CellView *view, const Cone *cone) {
+// Those of the cell that it has not yet shown.
+static void draw_listed(VisQuery *q, CellView *view, const Cone *cone) {
     // To the eye from the building's middle, where boxes are counted from.
     Vec3 eye = vec3_sub(q->eye->position, q->middle);
     const BoxBlock *block = q->boxes + view->first_box;
-    for (int left = view->object_count; left > 0; left -= FOUR, block++) {
-        unsigned lanes = left < FOUR ? (1u << left) - 1 : FOUR_ALL;
-        lanes &= ~four_in_set(q->drawn, block->object);
+    unsigned undrawn = view->undrawn;
+    for (int first = 0; undrawn >> first; first += FOUR, block++) {
+        unsigned lanes = undrawn >> first & FOUR_ALL;
         if (!lanes) continue;
+        lanes &= ~four_in_set(q->drawn, block->object);  // what other cells have shown
         q->result.objects_tested += __builtin_popcount(lanes);
         Boxes boxes = {four_from_float(block->centre[0]) - eye.x, four_from_float(block->centre[1]) - eye.y,
                        four_from_float(block->centre[2]) - eye.z, four_from_float(block->half[0]),
                        four_from_float(block->half[1]),           four_from_float(block->half[2])};
         FourMask outside =
             cone->is_slot ? boxes_outside_slot(cone, &boxes) : boxes_outside(cone, q->eye->position, &boxes);
-        for (lanes &= ~four_lanes(outside); lanes; lanes &= lanes - 1)
-            draw_object(q, block->object[__builtin_ctz(lanes)]);
+        lanes &= ~four_lanes(outside);
+        view->undrawn &= ~(lanes << first);
+        for (; lanes; lanes &= lanes - 1) query_draw_object(q, block->object[__builtin_ctz(lanes)]);
     }
 }
 
@@ -127,7 +128,7 @@ void query_draw_cell(VisQuery *q, int c, Cone *cone) {
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
     if (query_lists_objects(q, c)) {
-        draw_listed(q, &q->of_cell[c], cone);
+        draw_listed(q, query_cell_view(q, c), cone);
         return;
     }
     int squares = mesh->first_square;

@@ -11,74 +11,74 @@ static const double STEEP = 1e-6;
 
 static Four edge_at(SlotEdge edge, Four s) { return edge.at + edge.rise * s; }
 
-// Keeps of each slot's length what has a + b * s >= 0. Returns where nothing is left.
+// Keeps of each slot's length what has a >= b * s. Returns where nothing is left.
 static FourMask cut(Slots *slots, Four a, Four b) {
-    FourMask left = a + b * slots->s0 < 0, right = a + b * slots->s1 < 0;
-    Four end = -a / b;
+    FourMask left = b * slots->s0 > a, right = b * slots->s1 > a;
+    Four end = a / b;
     slots->s0 = four_choose(left, end, slots->s0);
     slots->s1 = four_choose(right, end, slots->s1);
     return left & right;
 }
 
-// The line that is lower (or, with `side` -1, higher) over the slot's middle.
-static SlotEdge tighter(const Slots *slots, SlotEdge old, SlotEdge new, int side) {
-    Four s = 0.5 * (slots->s0 + slots->s1);
-    FourMask better = side * (edge_at(new, s) - edge_at(old, s)) < 0;
-    return (SlotEdge){four_choose(better, new.at, old.at), four_choose(better, new.rise, old.rise)};
+static SlotEdge choose_edge(FourMask mask, SlotEdge yes, SlotEdge no) {
+    return (SlotEdge){four_choose(mask, yes.at, no.at), four_choose(mask, yes.rise, no.rise)};
 }
 
-// Where the gates are seen from: the eye's foot in their planes, from the eye.
-typedef struct Foot {
-    Four ahead, x, y;
-} Foot;
+// Takes the lines that are lower over the slots' middle for their tops, those that are higher for their bottoms.
+static void lower_top(Slots *slots, SlotEdge edge) {
+    Four s = 0.5 * (slots->s0 + slots->s1);
+    slots->top = choose_edge(edge_at(edge, s) < edge_at(slots->top, s), edge, slots->top);
+}
+static void raise_bottom(Slots *slots, SlotEdge edge) {
+    Four s = 0.5 * (slots->s0 + slots->s1);
+    slots->bottom = choose_edge(edge_at(edge, s) > edge_at(slots->bottom, s), edge, slots->bottom);
+}
 
 // By planes that lie anyhow: first those that pass above and below, then the ends where all planes leave some height.
-static FourMask clip_by_planes(const Cone *cone, const GateBlock *gates, Vec3 eye, const Foot *foot,
-                               Slots *slots) {
+static FourMask clip_by_planes(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *slots) {
     FourMask nothing = {0};
     for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < cone->count; i++) {
             Vec3 n = cone->plane[i].n;
-            // The half-space over the portal: a + b * s + n.z * height >= 0.
-            Four a = plane_distance(cone->plane[i], eye) + POSITION_SLACK + n.x * foot->x + n.y * foot->y;
-            Four b = n.x * gates->ny - n.y * gates->nx;
+            // The half-space over the portal: a - b * s + n.z * height >= 0.
+            Four a = plane_distance(cone->plane[i], eye) + POSITION_SLACK -
+                     ahead * (n.x * gates->nx + n.y * gates->ny);
+            Four b = n.y * gates->nx - n.x * gates->ny;
             SlotEdge best = n.z > 0 ? slots->top : slots->bottom;
-            nothing |= cut(slots, a + n.z * best.at, b + n.z * best.rise);
+            nothing |= cut(slots, a + n.z * best.at, b - n.z * best.rise);
             if (pass > 0 || fabs(n.z) < STEEP) continue;
-            SlotEdge edge = {-a / n.z, -b / n.z};
-            if (n.z < 0) slots->top = tighter(slots, slots->top, edge, 1);
-            if (n.z > 0) slots->bottom = tighter(slots, slots->bottom, edge, -1);
+            SlotEdge edge = {-a / n.z, b / n.z};
+            if (n.z < 0) lower_top(slots, edge);
+            if (n.z > 0) raise_bottom(slots, edge);
         }
     }
     return nothing;
 }
 
 // By the cone beyond another slot.
-static FourMask clip_by_slot(const Cone *cone, const GateBlock *gates, const Foot *foot, Slots *slots) {
-    Vec2 from = cone->from, to = cone->to;
-    Four x = gates->ny, y = -gates->nx;  // along
+static FourMask clip_by_slot(const Cone *cone, const GateBlock *gates, Four ahead, Slots *slots) {
+    Vec2 from = cone->from, to = cone->to, top = cone->top, bottom = cone->bottom;
+    Four nx = gates->nx, ny = gates->ny;
     FourMask nothing =
-        cut(slots, from.x * foot->y - from.y * foot->x + POSITION_SLACK, from.x * y - from.y * x);
-    nothing |= cut(slots, foot->x * to.y - foot->y * to.x + POSITION_SLACK, x * to.y - y * to.x);
-    SlotEdge top = {cone->top.x * foot->x + cone->top.y * foot->y + cone->top_slack,
-                    cone->top.x * x + cone->top.y * y};
-    nothing |= cut(slots, top.at - slots->bottom.at, top.rise);
-    SlotEdge bottom = {cone->bottom.x * foot->x + cone->bottom.y * foot->y - cone->bottom_slack,
-                       cone->bottom.x * x + cone->bottom.y * y};
-    nothing |= cut(slots, slots->top.at - bottom.at, -bottom.rise);
-    slots->top = tighter(slots, slots->top, top, 1);
-    slots->bottom = tighter(slots, slots->bottom, bottom, -1);
+        cut(slots, ahead * (from.y * nx - from.x * ny) + POSITION_SLACK, from.x * nx + from.y * ny);
+    nothing |= cut(slots, ahead * (to.x * ny - to.y * nx) + POSITION_SLACK, -to.x * nx - to.y * ny);
+    SlotEdge high = {cone->top_slack - ahead * (top.x * nx + top.y * ny), top.x * ny - top.y * nx};
+    nothing |= cut(slots, high.at - slots->bottom.at, -high.rise);
+    SlotEdge low = {-cone->bottom_slack - ahead * (bottom.x * nx + bottom.y * ny),
+                    bottom.x * ny - bottom.y * nx};
+    nothing |= cut(slots, slots->top.at - low.at, low.rise);
+    lower_top(slots, high);
+    raise_bottom(slots, low);
     return nothing;
 }
 
 unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out) {
-    Four turn = gates->ny * eye.x - gates->nx * eye.y, level = four_of(0);
-    Foot foot = {ahead, -ahead * gates->nx, -ahead * gates->ny};
+    Four foot = gates->ny * eye.x - gates->nx * eye.y, level = four_of(0);
     Slots slots = {
-        gates->s0 - turn, gates->s1 - turn, {gates->z0 - eye.z, level}, {gates->z1 - eye.z, level}};
-    FourMask nothing = cone->is_slot ? clip_by_slot(cone, gates, &foot, &slots)
-                                     : clip_by_planes(cone, gates, eye, &foot, &slots);
-    nothing |= cut(&slots, slots.top.at - slots.bottom.at, slots.top.rise - slots.bottom.rise);
+        gates->s0 - foot, gates->s1 - foot, {gates->z0 - eye.z, level}, {gates->z1 - eye.z, level}};
+    FourMask nothing = cone->is_slot ? clip_by_slot(cone, gates, ahead, &slots)
+                                     : clip_by_planes(cone, gates, eye, ahead, &slots);
+    nothing |= cut(&slots, slots.top.at - slots.bottom.at, slots.bottom.rise - slots.top.rise);
     *out = slots;
     return four_lanes(~nothing);
 }
@@ -112,10 +112,10 @@ void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Sl
     Four level = {0};
     SlotEdge top = {gates->z1 - eye.z, level}, bottom = {gates->z0 - eye.z, level};
     Slots both = {four_least(a->s0, b->s0), four_most(a->s1, b->s1), bottom, top};
-    both.top = tighter(&both, both.top, raised(a->top, b->top, b, 1), 1);
-    both.top = tighter(&both, both.top, raised(b->top, a->top, a, 1), 1);
-    both.bottom = tighter(&both, both.bottom, raised(a->bottom, b->bottom, b, -1), -1);
-    both.bottom = tighter(&both, both.bottom, raised(b->bottom, a->bottom, a, -1), -1);
+    lower_top(&both, raised(a->top, b->top, b, 1));
+    lower_top(&both, raised(b->top, a->top, a, 1));
+    raise_bottom(&both, raised(a->bottom, b->bottom, b, -1));
+    raise_bottom(&both, raised(b->bottom, a->bottom, a, -1));
     *out = both;
 }
 

@@ -11,6 +11,7 @@
 
 // Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
 enum { PASSES = 3 };
+enum { CACHE_LINE = 64 };  // bytes
 
 // ---- the queue: a heap of gates, under the bits of their distances, which are in order
 
@@ -25,14 +26,16 @@ static void raise_key(uint64_t *queue, int at, uint64_t key) {
     queue[at] = key;
 }
 
-// Into the queue, or nearer its head.
-static void enqueue(VisQuery *q, ViewBlock *view, int gate) {
+// Into the queue, or nearer its head: it was `before` away.
+static void enqueue(VisQuery *q, ViewBlock *view, int gate, float before) {
     int lane = gate % FOUR, at = q->queue_count;
     if (view->queued >> lane & 1) {
+        if (view->distance[lane] == before) return;
         for (at = 0; (uint32_t)q->queue[at] != (uint32_t)gate;) at++;
     } else {
         view->queued |= (unsigned char)(1u << lane);
         q->queue_count++;
+        __builtin_prefetch(&q->of_cell[q->gates[gate / FOUR].cell[lane]]);
     }
     raise_key(q->queue, at, key_of(view->distance[lane], gate));
 }
@@ -178,15 +181,17 @@ static bool widen(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, Pass
     return true;
 }
 
-static void look_through(VisQuery *q, Cone *cone, int index) {
+static void look_through(VisQuery *q, Cone *cone, int index, int but) {
     Gate gate = query_gate(q, index);
+    if (gate.portal == but) return;
     ViewPart part;
     Passage passage = query_clip(q, cone, &gate, &part);
     if (passage == PASSAGE_NONE) return;
     ViewBlock *view = view_of(q, index / FOUR);
     int lane = index % FOUR;
     if ((view->all | view->whole) >> lane & 1) return;
-    if (widen(q, view, lane, &gate, passage, &part)) enqueue(q, view, index);
+    float before = view->distance[lane];
+    if (widen(q, view, lane, &gate, passage, &part)) enqueue(q, view, index, before);
 }
 
 // ---- of upright rectangles
@@ -222,6 +227,7 @@ static void widen_slots(VisQuery *q, int block, const Sight *sight) {
     if (known) lanes &= ~(known & query_slots_hold(&view->slots, &sight->slot));
     if (!lanes) return;
     Four distance = query_slots_distance(&sight->slot, sight->ahead);
+    FourFloat before = view->distance;
     known &= lanes;
     if (lanes & ~known) put_slots(view, lanes & ~known, &sight->slot, distance);
     if (known) {
@@ -230,37 +236,33 @@ static void widen_slots(VisQuery *q, int block, const Sight *sight) {
         put_slots(view, known, &both, distance);
         if (lanes & view->spent) take_whole(q, view, block, lanes & view->spent);
     }
-    for (; lanes; lanes &= lanes - 1) enqueue(q, view, block * FOUR + __builtin_ctz(lanes));
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        enqueue(q, view, block * FOUR + lane, before[lane]);
+    }
 }
 
 // ---- the walk
 
-// Through all portals of a cell but the one come by.
-static void look_around(VisQuery *q, Cone *cone, int cell, int but) {
+// Through all portals of a cell, but not back through the gate come by.
+static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
     const CellView *of = &q->of_cell[cell];
     for (int block = of->first_block; block < of->first_block + of->block_count; block++) {
-        const GateBlock *gates = &q->gates[block];
-        unsigned lanes = four_in_set(q->limit, gates->cell);
-        for (int i = 0; i < FOUR; i++) lanes &= ~((unsigned)((gates->name[i] & GATE_PORTAL) == but) << i);
         Sight sight;
-        lanes = query_sight(q, cone, block, lanes, &sight);
+        unsigned lanes = query_sight(q, cone, block, four_in_set(q->limit, q->gates[block].cell), &sight);
         q->result.portals_tested += __builtin_popcount(lanes);
         if (sight.slots) widen_slots(q, block, &sight);
+        // Of upright rectangles the eye is before but one side, unless they are among these.
         for (unsigned others = sight.others; others; others &= others - 1)
-            look_through(q, cone, block * FOUR + __builtin_ctz(others));
+            look_through(q, cone, block * FOUR + __builtin_ctz(others),
+                         by < 0 ? -1 : q->gates[by / FOUR].name[by % FOUR] & GATE_PORTAL);
     }
 }
 
-// The cone beyond a gate, as far as it is in view; returns the portal that is gone through.
-static int cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out) {
-    int lane = index % FOUR;
+// The cone beyond a gate that is no upright rectangle, or of which not a slot is seen.
+static void cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out) {
     Gate gate = query_gate(q, index);
-    bool all = view->all >> lane & 1, edge = view->edge >> lane & 1;
-    if (gate.sloped < 0 && !all && !edge) {
-        query_slot_cone(&view->slots, &q->gates[index / FOUR], lane, q->eye->position, q->method == VIS_PLAN,
-                        out);
-        return gate.portal;
-    }
+    bool all = view->all >> index % FOUR & 1, edge = view->edge >> index % FOUR & 1;
     ViewPart part = {.count = 0};
     if (edge) {
         const Portal *portal = &q->graph->portals[gate.portal];
@@ -275,7 +277,19 @@ static int cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out)
             part.middle = vec3_add(part.middle, vec3_sub(sloped->v[i], q->eye->position));
     }
     query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &gate, &part, out);
-    return gate.portal;
+}
+
+// Into the cache, what the view will meet beyond the gate: the next to be gone through.
+static void prefetch_beyond(const VisQuery *q, int index) {
+    const CellView *of = &q->of_cell[q->gates[index / FOUR].cell[index % FOUR]];
+    const char *gates = (const char *)&q->gates[of->first_block],
+               *views = (const char *)&q->views[of->first_block],
+               *boxes = (const char *)&q->boxes[of->first_box];
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) {
+        __builtin_prefetch(gates + line);
+        __builtin_prefetch(views + line, 1);
+        __builtin_prefetch(boxes + line);
+    }
 }
 
 void query_walk(VisQuery *q, int cell) {
@@ -283,13 +297,19 @@ void query_walk(VisQuery *q, int cell) {
     look_around(q, &q->cones[0], cell, -1);
     while (q->queue_count > 0) {
         int nearest = take_nearest(q), lane = nearest % FOUR;
+        const GateBlock *gates = &q->gates[nearest / FOUR];
         ViewBlock *view = &q->views[nearest / FOUR];
-        unsigned char bit = (unsigned char)(1u << lane);
+        unsigned bit = 1u << lane;
+        if (q->queue_count > 0) prefetch_beyond(q, (int)(uint32_t)q->queue[0]);
         view->queued &= (unsigned char)~bit;
-        if (++view->passes[lane] >= PASSES) view->spent |= bit;
+        if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
         Cone beyond;
-        int portal = cone_beyond(q, view, nearest, &beyond);
+        if ((view->all | view->edge) & bit || gates->s0[lane] > gates->s1[lane]) {
+            cone_beyond(q, view, nearest, &beyond);
+        } else {
+            query_slot_cone(&view->slots, gates, lane, q->eye->position, q->method == VIS_PLAN, &beyond);
+        }
         if (query_enter(q, nearest, &beyond, view->distance[lane]))
-            look_around(q, &beyond, q->gates[nearest / FOUR].cell[lane], portal);
+            look_around(q, &beyond, gates->cell[lane], nearest);
     }
 }

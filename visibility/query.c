@@ -59,8 +59,8 @@ bool vis_shown(const Object *object, const float *door_open) {
 // ---- the walk
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
-static bool door_closed(const VisQuery *q, int index) {
-    if (!q->door_open || !(q->gates[index / FOUR].name[index % FOUR] & GATE_DOOR)) return false;
+bool query_door_closed(const VisQuery *q, int index) {
+    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
     Gate gate = query_gate(q, index);
     const Portal *portal = &q->graph->portals[gate.portal];
     if (q->door_open[portal->door] > 0) return false;
@@ -94,7 +94,7 @@ static void draw_half(VisQuery *q, int cell, Cone *cone) {
 
 bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
     int cell = q->gates[gate / FOUR].cell[gate % FOUR];
-    bool closed = door_closed(q, gate);
+    bool closed = query_door_closed(q, gate);
     if (closed) {
         draw_half(q, cell, beyond);
     } else {

@@ -37,13 +37,10 @@ typedef struct GateBlock {
     // height. Of any other portal s0 > s1, which marks it, -1 - s1 is its index in VisQuery.sloped, and z0 is the third
     // part of its normal.
     Four s0, s1, z0, z1;
-    FourInt cell;  // beyond
-    FourInt name;  // the portal, and GATE_DOOR
+    FourInt cell;    // beyond
+    FourInt beyond;  // the first block of that cell, and GATE_DOOR
 } GateBlock;
-enum {
-    GATE_DOOR = 1 << 30,
-    GATE_PORTAL = GATE_DOOR - 1
-};  // in GateBlock.name: it has a door; which portal it is
+enum { GATE_DOOR = 1 << 30 };  // in GateBlock.beyond: it has a door
 
 // One of them, for what is done one at a time.
 typedef struct Gate {
@@ -132,6 +129,7 @@ struct VisQuery {
     Cone *cones;       // [depth of the deepest tree + 1] one for each level; the first is the eye's own
     GateBlock *gates;  // [block_count] a cell's own, then the next cell's
     int block_count;
+    int *portal_of;    // [4 * block_count]
     int *gate_of;      // [2 * portal_count] from cell[0] and from cell[1]
     ViewBlock *views;  // [block_count] as gates
     Sloped *sloped;    // [gates that are no upright rectangles]
@@ -221,7 +219,9 @@ void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Sl
 // The cone beyond one of them: in plan only its wedge.
 void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 eye, bool plan, Cone *out);
 
-// query.c: goes through a portal with the cone beyond it; false where a closed door ends the view.
+// query.c: does a closed door end the view?
+bool query_door_closed(const VisQuery *q, int gate);
+// Goes through a portal with the cone beyond it; false where a closed door ends the view.
 bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
 
 // query_walk.c: the walk without trees.

@@ -71,17 +71,11 @@ static inline FourMask four_mask(unsigned lanes) {
     return (all & bit) != 0;
 }
 
-// Lanes whose bit is set in a set of bits: bit `at` is in word at / 64.
+// Lanes whose bit is set in a set of bits: bit `at` is in word at / 64. One by one: processors gather slowly.
 static inline unsigned four_in_set(const uint64_t *set, FourInt at) {
-#ifdef __AVX2__
-    __m256i words = _mm256_i32gather_epi64((const long long *)set, (__m128i)(at >> 6), 8);
-    __m256i up = _mm256_cvtepi32_epi64((__m128i)(63 - (at & 63)));
-    return four_lanes((FourMask)_mm256_sllv_epi64(words, up));
-#else
     unsigned lanes = 0;
     for (int i = 0; i < FOUR; i++) lanes |= (unsigned)(set[at[i] >> 6] >> (at[i] & 63) & 1) << i;
     return lanes;
-#endif
 }
 
 #endif

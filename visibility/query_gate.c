@@ -35,8 +35,8 @@ bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye)
 }
 
 // Writes a lane; returns whether the portal is an upright rectangle. Of others `sloped` is the index.
-static bool set_gate(const CellGraph *graph, int cell, Contact contact, int sloped, GateBlock *out,
-                     int lane) {
+static bool set_gate(const VisQuery *q, int cell, Contact contact, int sloped, GateBlock *out, int lane) {
+    const CellGraph *graph = q->graph;
     const Portal *p = &graph->portals[contact.portal];
     double side = p->cell[0] == cell ? 1 : -1, s[2], z[2];
     Plane plane = {vec3_scale(p->plane.n, side), side * p->plane.d};
@@ -49,37 +49,41 @@ static bool set_gate(const CellGraph *graph, int cell, Contact contact, int slop
     out->z0[lane] = wall ? z[0] : plane.n.z;
     out->z1[lane] = wall ? z[1] : 0;
     out->cell[lane] = contact.cell;
-    out->name[lane] = contact.portal | (p->door >= 0 ? GATE_DOOR : 0);
+    out->beyond[lane] = q->of_cell[contact.cell].first_block | (p->door >= 0 ? GATE_DOOR : 0);
     return wall;
 }
 
 static void list_gates_of(VisQuery *q, int c, Arena *arena, int *sloped_count, int *sloped_capacity) {
     const CellGraph *graph = q->graph;
     const Cell *cell = &graph->cells[c];
-    CellView *view = &q->of_cell[c];
-    view->first_block = q->block_count;
-    view->block_count = (cell->contact_count + FOUR - 1) / FOUR;
+    int first = q->of_cell[c].first_block;
     for (int i = 0; i < cell->contact_count; i++) {
         Contact contact = graph->contacts[cell->first_contact + i];
         const Portal *portal = &graph->portals[contact.portal];
-        int gate = view->first_block * FOUR + i;
+        int gate = first * FOUR + i;
         q->gate_of[2 * contact.portal + (portal->cell[0] == c ? 0 : 1)] = gate;
-        if (set_gate(graph, c, contact, *sloped_count, &q->gates[gate / FOUR], gate % FOUR)) continue;
+        q->portal_of[gate] = contact.portal;
+        if (set_gate(q, c, contact, *sloped_count, &q->gates[gate / FOUR], gate % FOUR)) continue;
         Box box = portal_box(graph, portal);
         Sloped *sloped = ARENA_PUSH(arena, q->sloped, *sloped_count, *sloped_capacity);
         sloped->centre = vec3_lerp(box.min, box.max, 0.5);
         sloped->half = vec3_sub(box.max, sloped->centre);
     }
-    q->block_count += view->block_count;
 }
 
 void query_list_gates(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
     int blocks = 0, sloped_count = 0, sloped_capacity = 0;
-    for (int c = 0; c < graph->cell_count; c++) blocks += (graph->cells[c].contact_count + FOUR - 1) / FOUR;
+    for (int c = 0; c < graph->cell_count; c++) {
+        q->of_cell[c].first_block = blocks;
+        q->of_cell[c].block_count = (graph->cells[c].contact_count + FOUR - 1) / FOUR;
+        blocks += q->of_cell[c].block_count;
+    }
+    q->block_count = blocks;
     q->gates = ARENA_ARRAY(arena, GateBlock, blocks);
     q->views = ARENA_ARRAY(arena, ViewBlock, blocks);
     q->queue = ARENA_ARRAY(arena, uint64_t, FOUR * blocks + 1);
+    q->portal_of = ARENA_ARRAY(arena, int, FOUR *blocks);
     q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
     for (int k = 0; k < blocks; k++) q->gates[k].d = four_of(INFINITY);
     for (int c = 0; c < graph->cell_count; c++) list_gates_of(q, c, arena, &sloped_count, &sloped_capacity);
@@ -90,7 +94,7 @@ Gate query_gate(const VisQuery *q, int gate) {
     int lane = gate % FOUR;
     bool wall = gates->s0[lane] <= gates->s1[lane];
     Plane plane = {{gates->nx[lane], gates->ny[lane], wall ? 0 : gates->z0[lane]}, gates->d[lane]};
-    return (Gate){.portal = gates->name[lane] & GATE_PORTAL,
+    return (Gate){.portal = q->portal_of[gate],
                   .cell = gates->cell[lane],
                   .sloped = wall ? -1 : (int)(-1 - gates->s1[lane]),
                   .plane = plane,

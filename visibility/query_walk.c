@@ -13,6 +13,24 @@
 enum { PASSES = 3 };
 enum { CACHE_LINE = 64 };  // bytes
 
+// ---- the cache: what a query meets has seldom been met before, and comes from afar
+
+// Of the cell beyond a gate in the queue.
+static void prefetch_beyond(const VisQuery *q, int gate) {
+    const GateBlock *gates = &q->gates[gate / FOUR];
+    int block = gates->beyond[gate % FOUR] & ~GATE_DOOR;
+    const char *first = (const char *)&q->gates[block], *views = (const char *)&q->views[block];
+    __builtin_prefetch(&q->of_cell[gates->cell[gate % FOUR]]);
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(first + line);
+    for (size_t line = 0; line < sizeof(ViewBlock); line += CACHE_LINE) __builtin_prefetch(views + line, 1);
+}
+
+static void prefetch_boxes(const VisQuery *q, int cell) {
+    const char *boxes = (const char *)&q->boxes[q->of_cell[cell].first_box];
+    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
+    for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(boxes + line);
+}
+
 // ---- the queue: a heap of gates, under the bits of their distances, which are in order
 
 static uint64_t key_of(float distance, int gate) {
@@ -35,7 +53,7 @@ static void enqueue(VisQuery *q, ViewBlock *view, int gate, float before) {
     } else {
         view->queued |= (unsigned char)(1u << lane);
         q->queue_count++;
-        __builtin_prefetch(&q->of_cell[q->gates[gate / FOUR].cell[lane]]);
+        prefetch_beyond(q, gate);
     }
     raise_key(q->queue, at, key_of(view->distance[lane], gate));
 }
@@ -254,8 +272,7 @@ static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
         if (sight.slots) widen_slots(q, block, &sight);
         // Of upright rectangles the eye is before but one side, unless they are among these.
         for (unsigned others = sight.others; others; others &= others - 1)
-            look_through(q, cone, block * FOUR + __builtin_ctz(others),
-                         by < 0 ? -1 : q->gates[by / FOUR].name[by % FOUR] & GATE_PORTAL);
+            look_through(q, cone, block * FOUR + __builtin_ctz(others), by < 0 ? -1 : q->portal_of[by]);
     }
 }
 
@@ -279,19 +296,6 @@ static void cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out
     query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &gate, &part, out);
 }
 
-// Into the cache, what the view will meet beyond the gate: the next to be gone through.
-static void prefetch_beyond(const VisQuery *q, int index) {
-    const CellView *of = &q->of_cell[q->gates[index / FOUR].cell[index % FOUR]];
-    const char *gates = (const char *)&q->gates[of->first_block],
-               *views = (const char *)&q->views[of->first_block],
-               *boxes = (const char *)&q->boxes[of->first_box];
-    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) {
-        __builtin_prefetch(gates + line);
-        __builtin_prefetch(views + line, 1);
-        __builtin_prefetch(boxes + line);
-    }
-}
-
 void query_walk(VisQuery *q, int cell) {
     q->queue_count = 0;
     look_around(q, &q->cones[0], cell, -1);
@@ -300,7 +304,7 @@ void query_walk(VisQuery *q, int cell) {
         const GateBlock *gates = &q->gates[nearest / FOUR];
         ViewBlock *view = &q->views[nearest / FOUR];
         unsigned bit = 1u << lane;
-        if (q->queue_count > 0) prefetch_beyond(q, (int)(uint32_t)q->queue[0]);
+        prefetch_boxes(q, gates->cell[lane]);
         view->queued &= (unsigned char)~bit;
         if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
         Cone beyond;
@@ -309,7 +313,8 @@ void query_walk(VisQuery *q, int cell) {
         } else {
             query_slot_cone(&view->slots, gates, lane, q->eye->position, q->method == VIS_PLAN, &beyond);
         }
-        if (query_enter(q, nearest, &beyond, view->distance[lane]))
-            look_around(q, &beyond, gates->cell[lane], nearest);
+        // On while the boxes come.
+        if (!query_door_closed(q, nearest)) look_around(q, &beyond, gates->cell[lane], nearest);
+        query_enter(q, nearest, &beyond, view->distance[lane]);
     }
 }

@@ -344,7 +344,7 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
         for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
-        for (int k = 0; k < q->block_count; k++) q->views[k].frame = 0;
+        for (int k = 0; k < q->block_count; k++) q->view_frame[k] = 0;
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;

@@ -55,6 +55,10 @@ typedef struct SlotEdge {
     Four at, rise;
 } SlotEdge;
 
+static inline SlotEdge query_choose_edge(FourMask mask, SlotEdge yes, SlotEdge no) {
+    return (SlotEdge){four_choose(mask, yes.at, no.at), four_choose(mask, yes.rise, no.rise)};
+}
+
 // What is in view of four upright rectangles: from s0 to s1 along each, between two lines. Places are metres from the eye's
 // foot in the portal's plane, counter-clockwise around the eye seen from above; heights are from the eye's.
 typedef struct Slots {
@@ -94,7 +98,6 @@ typedef struct Sloped {
 typedef struct ViewBlock {
     Slots slots;         // of upright rectangles; of others see Sloped
     FourFloat distance;  // as ViewPart's: it only orders
-    unsigned frame;      // the query it belongs to
     // Of what is something in view, so far; which let all of the view pass; are seen edge-on; can show no more; are in
     // the queue; were gone through PASSES times.
     unsigned char part, all, edge, whole, queued, spent;
@@ -129,11 +132,12 @@ struct VisQuery {
     Cone *cones;       // [depth of the deepest tree + 1] one for each level; the first is the eye's own
     GateBlock *gates;  // [block_count] a cell's own, then the next cell's
     int block_count;
-    int *portal_of;    // [4 * block_count]
-    int *gate_of;      // [2 * portal_count] from cell[0] and from cell[1]
-    ViewBlock *views;  // [block_count] as gates
-    Sloped *sloped;    // [gates that are no upright rectangles]
-    uint64_t *queue;   // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
+    int *portal_of;        // [4 * block_count]
+    int *gate_of;          // [2 * portal_count] from cell[0] and from cell[1]
+    ViewBlock *views;      // [block_count] as gates
+    unsigned *view_frame;  // [block_count] the last query that wrote them: apart, where it is soon asked
+    Sloped *sloped;        // [gates that are no upright rectangles]
+    uint64_t *queue;       // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
     int queue_count;
     CellView *of_cell;        // [cell_count]
     BoxBlock *boxes;          // of cells that hold few

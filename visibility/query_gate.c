@@ -82,6 +82,7 @@ void query_list_gates(VisQuery *q, Arena *arena) {
     q->block_count = blocks;
     q->gates = ARENA_ARRAY(arena, GateBlock, blocks);
     q->views = ARENA_ARRAY(arena, ViewBlock, blocks);
+    q->view_frame = ARENA_ARRAY(arena, unsigned, blocks);
     q->queue = ARENA_ARRAY(arena, uint64_t, FOUR * blocks + 1);
     q->portal_of = ARENA_ARRAY(arena, int, FOUR *blocks);
     q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);

@@ -20,18 +20,14 @@ static FourMask cut(Slots *slots, Four a, Four b) {
     return left & right;
 }
 
-static SlotEdge choose_edge(FourMask mask, SlotEdge yes, SlotEdge no) {
-    return (SlotEdge){four_choose(mask, yes.at, no.at), four_choose(mask, yes.rise, no.rise)};
-}
-
 // Takes the lines that are lower over the slots' middle for their tops, those that are higher for their bottoms.
 static void lower_top(Slots *slots, SlotEdge edge) {
     Four s = 0.5 * (slots->s0 + slots->s1);
-    slots->top = choose_edge(edge_at(edge, s) < edge_at(slots->top, s), edge, slots->top);
+    slots->top = query_choose_edge(edge_at(edge, s) < edge_at(slots->top, s), edge, slots->top);
 }
 static void raise_bottom(Slots *slots, SlotEdge edge) {
     Four s = 0.5 * (slots->s0 + slots->s1);
-    slots->bottom = choose_edge(edge_at(edge, s) > edge_at(slots->bottom, s), edge, slots->bottom);
+    slots->bottom = query_choose_edge(edge_at(edge, s) > edge_at(slots->bottom, s), edge, slots->bottom);
 }
 
 // By planes that lie anyhow: first those that pass above and below, then the ends where all planes leave some height.

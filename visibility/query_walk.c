@@ -137,8 +137,8 @@ static bool holds(const Sloped *view, const ViewPart *part, Vec3 n) {
 
 static ViewBlock *view_of(VisQuery *q, int block) {
     ViewBlock *view = &q->views[block];
-    if (view->frame == q->frame) return view;
-    view->frame = q->frame;
+    if (q->view_frame[block] == q->frame) return view;
+    q->view_frame[block] = q->frame;
     view->distance = (FourFloat){INFINITY, INFINITY, INFINITY, INFINITY};
     view->part = view->all = view->edge = view->whole = view->queued = view->spent = 0;
     memset(view->passes, 0, sizeof view->passes);
@@ -217,12 +217,14 @@ static void look_through(VisQuery *q, Cone *cone, int index, int but) {
 static void put_slots(ViewBlock *view, unsigned lanes, const Slots *from, Four distance) {
     FourMask mask = four_mask(lanes);
     Slots *to = &view->slots;
-    to->s0 = four_choose(mask, from->s0, to->s0);
-    to->s1 = four_choose(mask, from->s1, to->s1);
-    to->bottom.at = four_choose(mask, from->bottom.at, to->bottom.at);
-    to->bottom.rise = four_choose(mask, from->bottom.rise, to->bottom.rise);
-    to->top.at = four_choose(mask, from->top.at, to->top.at);
-    to->top.rise = four_choose(mask, from->top.rise, to->top.rise);
+    if (!view->part) {
+        *to = *from;  // without waiting for what was there
+    } else {
+        to->s0 = four_choose(mask, from->s0, to->s0);
+        to->s1 = four_choose(mask, from->s1, to->s1);
+        to->bottom = query_choose_edge(mask, from->bottom, to->bottom);
+        to->top = query_choose_edge(mask, from->top, to->top);
+    }
     distance = four_choose(mask, distance, four_of(INFINITY));
     view->distance = four_to_float(four_least(distance, four_from_float(view->distance)));
     view->part |= (unsigned char)lanes;
@@ -296,6 +298,12 @@ static void cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out
     query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &gate, &part, out);
 }
 
+// Where the view will most likely go next.
+static int next_cell(const VisQuery *q) {
+    uint32_t gate = (uint32_t)q->queue[0];
+    return q->gates[gate / FOUR].cell[gate % FOUR];
+}
+
 void query_walk(VisQuery *q, int cell) {
     q->queue_count = 0;
     look_around(q, &q->cones[0], cell, -1);
@@ -305,6 +313,7 @@ void query_walk(VisQuery *q, int cell) {
         ViewBlock *view = &q->views[nearest / FOUR];
         unsigned bit = 1u << lane;
         prefetch_boxes(q, gates->cell[lane]);
+        if (q->queue_count > 0) prefetch_boxes(q, next_cell(q));
         view->queued &= (unsigned char)~bit;
         if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
         Cone beyond;

@@ -321,6 +321,14 @@ static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
     return q->joined;
 }
 
+// Into the cache, what the walk begins with.
+static void prefetch_start(const VisQuery *q, int cell) {
+    const uint64_t *seen = q->forest->seen + (size_t)cell * (size_t)q->forest->words;
+    for (int k = 0; k < q->forest->words; k += CACHE_LINE / (int)sizeof *seen) __builtin_prefetch(seen + k);
+    const char *gates = (const char *)&q->gates[q->of_cell[cell].first_block];
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
+}
+
 static void walk(VisQuery *q, const int *around, int count) {
     int cell = around[0];
     query_first_cone(q, &q->cones[0]);
@@ -349,6 +357,7 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
         q->frame = 1;
         q->cone_serial = 0;
     }
+    if (cell >= 0) prefetch_start(q, cell);
     int around[MOST_AROUND] = {cell}, count = 1;
     if (cell >= 0 && near_boundary(q->graph, &q->graph->cells[cell], eye->position)) {
         count = cells_around(q->graph, cell, eye->position, EYE_CLEARANCE, around);

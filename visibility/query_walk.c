@@ -11,7 +11,6 @@
 
 // Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
 enum { PASSES = 3 };
-enum { CACHE_LINE = 64 };  // bytes
 
 // ---- the cache: what a query meets has seldom been met before, and comes from afar
 

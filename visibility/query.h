@@ -15,6 +15,8 @@ enum { MAX_PLANES = 24, MAX_CORNERS = 2 * MAX_PLANES + 8 };
 // An eye this near a portal's plane counts as on it: the whole volume passes if it is at the portal itself, and a thin
 // wedge along the plane if the portal is seen edge-on from afar. Metres.
 #define ON_PLANE 1e-3
+// An eye this near a portal on its plane may be in it, metres.
+#define AT_PORTAL 1e-2
 
 typedef struct Cone {
     // In plan: directions from `from` counter-clockwise to `to`, less than a half turn; or all around.
@@ -228,6 +230,16 @@ void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 
 bool query_door_closed(const VisQuery *q, int gate);
 // Goes through a portal with the cone beyond it; false where a closed door ends the view.
 bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
+
+// query_eye.c: the cells that the eye is in, to a rasteriser's precision, its own first. Returns how many, or 0 where it is
+// at a wall, or there are too many.
+enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
+int query_eye_cells(const CellGraph *graph, int cell, const Eye *eye, int cells[MOST_AROUND]);
+
+// query_hull.c: the convex hull of two polygons in a portal's plane, counter-clockwise about n; returns its corners.
+int query_hull(const Vec3 *a, int a_count, const Vec3 *b, int b_count, Vec3 n, Vec3 *out);
+// Is all of `part` in the polygon? Both lie in the portal's plane.
+bool query_polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n);
 
 // query_walk.c: the walk without trees.
 void query_walk(VisQuery *q, int cell);

@@ -5,9 +5,6 @@
 #include "engine/core/polygon.h"
 #include "visibility/query.h"
 
-// An eye nearer than this to a portal's corner, metres, has no wedge to it that could be told from noise.
-static const double AT_PORTAL = 1e-2;
-
 void cone_add_wedge(Cone *cone, Vec3 eye) {
     Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
     cone_add(cone, from, vec3_dot(from, eye));

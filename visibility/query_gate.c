@@ -7,8 +7,6 @@
 static const double LEAN = 1e-9;
 // What a rectangle's area may lack of its bounding one's, relative.
 static const double AREA_ROUNDING = 1e-9;
-// An eye this near a portal on its plane may be in it, metres.
-static const double AT_PORTAL = 1e-2;
 
 bool query_is_wall(const CellGraph *graph, const Portal *portal, Plane plane, double *s, double *z) {
     if (fabs(plane.n.z) > LEAN) return false;

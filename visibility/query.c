@@ -10,10 +10,6 @@
 #include "engine/core/polygon.h"
 #include "visibility/query.h"
 
-// An eye this near a wall may be behind it in the floats of a rasteriser, or see through it where its near plane cuts
-// it off, metres. A view whose near plane is farther than this must keep its eye that much off the walls.
-static const double EYE_CLEARANCE = 1e-3;
-
 const char *const VIS_METHOD_NAMES[VIS_METHODS] = {"none", "frustum", "portals", "plan", "stab"};
 
 static int forest_depth(const StabForest *forest, Arena *scratch) {
@@ -39,10 +35,9 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
     q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
+    q->drawn_words = ARENA_ARRAY(arena, uint64_t, graph->object_count / 4096 + 1);
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
-    q->views = ARENA_ARRAY(arena, PortalView, graph->contact_count + 1);
-    q->queue = ARENA_ARRAY(arena, int, graph->contact_count + 1);
     query_list_objects(q, arena);
     query_list_gates(q, arena);
     q->traits = ARENA_ARRAY(arena, ObjectTraits, graph->object_count);
@@ -60,18 +55,17 @@ bool vis_shown(const Object *object, const float *door_open) {
 // ---- the walk
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
-static bool door_closed(const VisQuery *q, const Gate *gate) {
-    if (!gate->has_door || !q->door_open) return false;
-    const Portal *portal = &q->graph->portals[gate->portal];
+bool query_door_closed(const VisQuery *q, int index) {
+    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
+    Gate gate = query_gate(q, index);
+    const Portal *portal = &q->graph->portals[gate.portal];
     if (q->door_open[portal->door] > 0) return false;
-    Vec3 eye = q->eye->position;
-    return fabs(gate_ahead(gate, eye)) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, eye);
+    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
 }
 
-static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone) {
-    CellView *view = &q->of_cell[cell];
-    if (view->frame != q->frame) {
-        view->frame = q->frame;
+static void visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
+    CellView *view = query_cell_view(q, cell);
+    if (view->place < 0) {
         view->place = q->result.cell_count;
         q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
     } else if (distance < q->cells[view->place].distance) {
@@ -82,7 +76,7 @@ static void visit_cell(VisQuery *q, int cell, double distance, const Cone *cone)
 
 // Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
 // rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
-static void draw_half(VisQuery *q, int cell, const Cone *cone) {
+static void draw_half(VisQuery *q, int cell, Cone *cone) {
     const Cell *cells = q->graph->cells;
     int first = cell;
     if (cells[cell].region < 0) {
@@ -94,127 +88,54 @@ static void draw_half(VisQuery *q, int cell, const Cone *cone) {
         query_draw_cell(q, c, cone);
 }
 
-bool query_enter(VisQuery *q, const Gate *gate, const Cone *beyond, double distance) {
-    bool closed = door_closed(q, gate);
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
+    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
+    bool closed = query_door_closed(q, gate);
     if (closed) {
-        draw_half(q, gate->cell, beyond);
+        draw_half(q, cell, beyond);
     } else {
-        visit_cell(q, gate->cell, distance, beyond);
+        visit_cell(q, cell, distance, beyond);
     }
     return !closed;
+}
+
+// The cone beyond one of the gates in sight, and how far it is; false where nothing of it is in view.
+static bool pass_gate(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
+                      double *distance) {
+    int lane = index % FOUR;
+    if (sight->slots >> lane & 1) {
+        query_slot_cone(&sight->slot, &q->gates[index / FOUR], lane, q->eye->position, q->method == VIS_PLAN,
+                        beyond);
+        *distance = query_slots_distance(&sight->slot, sight->ahead)[lane];
+        return true;
+    }
+    if (!(sight->others >> lane & 1)) return false;
+    Gate gate = query_gate(q, index);
+    ViewPart part;
+    Passage passage = query_clip(q, cone, &gate, &part);
+    if (passage == PASSAGE_NONE) return false;
+    query_beyond(q, cone, passage, &gate, &part, beyond);
+    *distance = part.distance;
+    return true;
 }
 
 // The cone of each depth narrows to that of the next.
 static void walk_tree(VisQuery *q, int node, int depth) {
     const StabNode *nodes = q->forest->nodes;
-    const Cone *cone = &q->cones[depth];
-    Cone *beyond = &q->cones[depth + 1];
-    int first = node + 1, end = q->forest->node_count;
+    Cone *cone = &q->cones[depth], *beyond = &q->cones[depth + 1];
+    int first = node + 1, end = q->forest->node_count, block = -1;
+    Sight sight;
     for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
          child = nodes[child].next) {
-        ViewPart part;
         int portal = nodes[child].portal;
         bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
-        const Gate *gate = &q->gates[q->gate_of[2 * portal + (forward ? 0 : 1)]];
-        Passage passage = query_clip(q, cone, gate, gate_ahead(gate, q->eye->position), &part);
-        if (passage == PASSAGE_NONE) continue;
-        query_beyond(q, cone, passage, gate, &part, beyond);
-        if (query_enter(q, gate, beyond, part.distance)) walk_tree(q, child, depth + 1);
+        int gate = q->gate_of[2 * portal + (forward ? 0 : 1)];
+        if (gate / FOUR != block) query_sight(q, cone, block = gate / FOUR, FOUR_ALL, &sight);
+        double distance;
+        q->result.portals_tested++;
+        if (!pass_gate(q, cone, gate, &sight, beyond, &distance)) continue;
+        if (query_enter(q, gate, beyond, distance)) walk_tree(q, child, depth + 1);
     }
-}
-
-// ---- where the eye is
-
-// Is the point nearer than EYE_CLEARANCE to a convex polygon?
-static bool near_polygon(const CellGraph *graph, const Polygon *polygon, Vec3 eye) {
-    const Vec3 *v = graph->vertices + polygon->first_vertex;
-    Box box = box_empty();
-    for (int i = 0; i < polygon->vertex_count; i++) box = box_add(box, v[i]);
-    if (!box_contains(box_grow(box, EYE_CLEARANCE), eye)) return false;
-    Plane plane = plane_of_polygon(v, polygon->vertex_count);
-    if (fabs(plane_distance(plane, eye)) >= EYE_CLEARANCE) return false;
-    for (int i = 0; i < polygon->vertex_count; i++) {
-        Vec3 edge = vec3_normalize(vec3_sub(v[(i + 1) % polygon->vertex_count], v[i]));
-        if (vec3_dot(vec3_cross(plane.n, edge), vec3_sub(eye, v[i])) <= -EYE_CLEARANCE) return false;
-    }
-    return true;
-}
-
-static bool near_object(const CellGraph *graph, int object, Vec3 eye) {
-    if (!box_contains(box_grow(graph->object_boxes[object], EYE_CLEARANCE), eye)) return false;
-    const Object *o = &graph->objects[object];
-    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (near_polygon(graph, &graph->polygons[p], eye)) return true;
-    }
-    return false;
-}
-
-// The walls of a cell are its surfaces; those of a soup's are anything that touches it.
-static bool near_wall(const CellGraph *graph, int c, Vec3 eye) {
-    for (int i = graph->surface_first[c]; i < graph->surface_first[c + 1]; i++) {
-        if (near_object(graph, i, eye)) return true;
-    }
-    if (graph->cells[c].face_count == 0) return false;
-    const CellMesh *mesh = &graph->meshes[c];
-    int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
-    for (int k = graph->square_first[mesh->first_square]; k < end; k++) {
-        if (near_object(graph, graph->square_objects[k], eye)) return true;
-    }
-    return false;
-}
-
-static bool near_boundary(const CellGraph *graph, const Cell *cell, Vec3 eye) {
-    for (int i = cell->first_face; i < cell->first_face + cell->face_count; i++) {
-        if (plane_distance(graph->faces[i], eye) < EYE_CLEARANCE) return true;
-    }
-    if (cell->face_count > 0) return false;
-    if (eye.z - cell->z0 < EYE_CLEARANCE || cell->z1 - eye.z < EYE_CLEARANCE) return true;
-    const Vec2 *plan = graph->plan + cell->first_edge;
-    for (int i = 0; i < cell->edge_count; i++) {
-        Vec2 a = plan[i], edge = vec2_sub(plan[i + 1 == cell->edge_count ? 0 : i + 1], a);
-        double off = vec2_cross(edge, vec2_sub(vec2(eye.x, eye.y), a));
-        if (off < EYE_CLEARANCE * vec2_length(edge)) return true;
-    }
-    return false;
-}
-
-static bool near_portal(const CellGraph *graph, const Portal *portal, Vec3 eye, double distance) {
-    if (fabs(plane_distance(portal->plane, eye)) >= distance) return false;
-    Box box = box_empty();
-    for (int i = 0; i < portal->vertex_count; i++)
-        box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
-    return box_contains(box_grow(box, distance), eye);
-}
-
-enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
-
-// The cells that the eye is nearer to than `distance`, through portals, its own first. Returns how many, or 0 where there
-// are too many.
-static int cells_around(const CellGraph *graph, int cell, Vec3 eye, double distance, int cells[MOST_AROUND]) {
-    int count = 0;
-    cells[count++] = cell;
-    for (int i = 0; i < count; i++) {
-        const Cell *c = &graph->cells[cells[i]];
-        for (int k = c->first_contact; k < c->first_contact + c->contact_count; k++) {
-            Contact contact = graph->contacts[k];
-            int known = 0;
-            while (known < count && cells[known] != contact.cell) known++;
-            if (known < count || !near_portal(graph, &graph->portals[contact.portal], eye, distance))
-                continue;
-            if (count == MOST_AROUND) return 0;
-            cells[count++] = contact.cell;
-        }
-    }
-    return count;
-}
-
-// Is the eye farther than EYE_CLEARANCE from the walls of all these cells? Of given cells no walls are known.
-static bool clear_of_walls(const CellGraph *graph, const int *cells, int count, Vec3 eye) {
-    if (graph->building->form == FORM_CELLS) return true;
-    for (int i = 0; i < count; i++) {
-        if (near_wall(graph, cells[i], eye)) return false;
-    }
-    return count > 0;
 }
 
 // ---- results
@@ -227,33 +148,52 @@ static void draw_all(VisQuery *q, bool by_frustum) {
                                   q->eye->position))
                 continue;
         }
-        q->drawn[i / 64] |= (uint64_t)1 << (i % 64);
+        query_draw_object(q, i);
     }
 }
 
-static void collect_objects(VisQuery *q) {
-    const CellGraph *graph = q->graph;
+static void collect_word(VisQuery *q, int word) {
     VisResult *result = &q->result;
-    for (int word = 0; word <= graph->object_count / 64; word++) {
-        for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
-            int object = word * 64 + __builtin_ctzll(bits);
-            int plug = q->traits[object].plug;
-            if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
-            q->objects[result->object_count++] = object;
-            result->polygon_count += q->traits[object].polygon_count;
-        }
-        q->drawn[word] = 0;
+    for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
+        int object = word * 64 + __builtin_ctzll(bits);
+        int plug = q->traits[object].plug;
+        if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
+        q->objects[result->object_count++] = object;
+        result->polygon_count += q->traits[object].polygon_count;
+    }
+    q->drawn[word] = 0;
+}
+
+static void collect_objects(VisQuery *q) {
+    for (int block = 0; block <= q->graph->object_count / 4096; block++) {
+        for (uint64_t words = q->drawn_words[block]; words; words &= words - 1)
+            collect_word(q, block * 64 + __builtin_ctzll(words));
+        q->drawn_words[block] = 0;
     }
 }
+
+enum { SHORT_RUN = 16 };
 
 static bool before(const VisibleCell *a, const VisibleCell *b) {
     return a->distance < b->distance || (a->distance == b->distance && a->cell < b->cell);
 }
 
+// Cells come nearly in order, and short runs are mended in place.
+static void sort_run(VisibleCell *cells, int count) {
+    for (int i = 1; i < count; i++) {
+        VisibleCell cell = cells[i];
+        int at = i;
+        for (; at > 0 && before(&cell, &cells[at - 1]); at--) cells[at] = cells[at - 1];
+        cells[at] = cell;
+    }
+}
+
 // Merges runs of twice the length each time; qsort may allocate.
 static void sort_cells(VisQuery *q) {
     int count = q->result.cell_count;
-    for (int run = 1; run < count; run *= 2) {
+    for (int first = 0; first < count; first += SHORT_RUN)
+        sort_run(q->cells + first, count - first < SHORT_RUN ? count - first : SHORT_RUN);
+    for (int run = SHORT_RUN; run < count; run *= 2) {
         for (int first = 0; first < count; first += 2 * run) {
             int a = first, middle = first + run < count ? first + run : count, b = middle,
                 end = middle + run < count ? middle + run : count;
@@ -283,6 +223,14 @@ static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
     return q->joined;
 }
 
+// Into the cache, what the walk begins with.
+static void prefetch_start(const VisQuery *q, int cell) {
+    const uint64_t *seen = q->forest->seen + (size_t)cell * (size_t)q->forest->words;
+    for (int k = 0; k < q->forest->words; k += CACHE_LINE / (int)sizeof *seen) __builtin_prefetch(seen + k);
+    const char *gates = (const char *)&q->gates[q->of_cell[cell].first_block];
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
+}
+
 static void walk(VisQuery *q, const int *around, int count) {
     int cell = around[0];
     query_first_cone(q, &q->cones[0]);
@@ -306,19 +254,15 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     // Before the counters come round, forget the marks of long ago.
     if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
         for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
-        memset(q->views, 0, (size_t)q->graph->contact_count * sizeof *q->views);
+        for (int k = 0; k < q->block_count; k++) q->view_frame[k] = 0;
         memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
         q->frame = 1;
         q->cone_serial = 0;
     }
+    if (cell >= 0) prefetch_start(q, cell);
     int around[MOST_AROUND] = {cell}, count = 1;
-    if (cell >= 0 && near_boundary(q->graph, &q->graph->cells[cell], eye->position)) {
-        count = cells_around(q->graph, cell, eye->position, EYE_CLEARANCE, around);
-        bool clear = eye->on_surface || clear_of_walls(q->graph, around, count, eye->position);
-        if (!clear || count == 0) q->result.eye_cell = cell = -1;
-        if (cell >= 0 && count > 1)
-            count = cells_around(q->graph, cell, eye->position, POSITION_SLACK, around);
-    }
+    if (cell >= 0) count = query_eye_cells(q->graph, cell, eye, around);
+    if (count == 0) q->result.eye_cell = cell = -1;
     if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
         draw_all(q, method == VIS_FRUSTUM);
     } else {

@@ -5,21 +5,17 @@
 #include "visibility/query.h"
 
 // Of a cell that holds no more objects than this all are tried: finding the squares under the view would cost more.
-enum { FEW = 24 };
+enum { FEW = 24 };  // at most bits of CellView.undrawn, less one
 
-// No corner of the box, given by its middle from the eye and half its size, is in front of one of the planes.
-static bool planes_outside(const Plane *planes, int count, Vec3 eye, Vec3 centre, Vec3 half) {
+bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
+    Vec3 centre = vec3_lerp(box.min, box.max, 0.5), half = vec3_sub(box.max, centre);
+    Vec3 to = vec3_sub(centre, eye);
     for (int i = 0; i < count; i++) {
         Vec3 n = planes[i].n;
-        double at = vec3_dot(n, centre) + plane_distance(planes[i], eye);
+        double at = vec3_dot(n, to) + plane_distance(planes[i], eye);
         if (at + fabs(n.x) * half.x + fabs(n.y) * half.y + fabs(n.z) * half.z < -POSITION_SLACK) return true;
     }
     return false;
-}
-
-bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
-    Vec3 centre = vec3_lerp(box.min, box.max, 0.5);
-    return planes_outside(planes, count, eye, vec3_sub(centre, eye), vec3_sub(box.max, centre));
 }
 
 // The half of the plan to the left of the line from the eye along `direction`.
@@ -28,9 +24,7 @@ static Plane left_of(Vec2 eye, Vec2 direction) {
     return (Plane){n, n.x * eye.x + n.y * eye.y};
 }
 
-static void draw_object(VisQuery *q, int object) { q->drawn[object / 64] |= (uint64_t)1 << (object % 64); }
-
-static void draw_square(VisQuery *q, int square, const Cone *cone) {
+static void draw_square(VisQuery *q, int square, Cone *cone) {
     const CellGraph *graph = q->graph;
     for (int k = graph->square_first[square]; k < graph->square_first[square + 1]; k++) {
         int object = graph->square_objects[k];
@@ -39,7 +33,7 @@ static void draw_square(VisQuery *q, int square, const Cone *cone) {
         if (q->drawn[object / 64] >> (object % 64) & 1) continue;
         q->result.objects_tested++;
         if (!query_box_outside(graph->object_boxes[object], cone->plane, cone->count, q->eye->position))
-            draw_object(q, object);
+            query_draw_object(q, object);
     }
 }
 
@@ -78,33 +72,69 @@ static bool row_extent(const Vec3 *region, int count, double y0, double y1, doub
     return *low <= *high;
 }
 
-static void draw_listed(VisQuery *q, const CellView *view, const Cone *cone) {
+// Middles from the eye and half sizes of four boxes.
+typedef struct Boxes {
+    Four x, y, z, half_x, half_y, half_z;
+} Boxes;
+
+// Which have no corner in front of one of the planes?
+static FourMask boxes_outside(const Cone *cone, Vec3 eye, const Boxes *b) {
+    FourMask outside = {0};
+    for (int i = 0; i < cone->count; i++) {
+        Vec3 n = cone->plane[i].n;
+        Four at = n.x * b->x + n.y * b->y + n.z * b->z + plane_distance(cone->plane[i], eye);
+        outside |=
+            at + fabs(n.x) * b->half_x + fabs(n.y) * b->half_y + fabs(n.z) * b->half_z < -POSITION_SLACK;
+    }
+    return outside;
+}
+
+// The same of the cone beyond a slot: beyond one of its planes, with what of the box reaches back to it.
+static FourMask boxes_outside_slot(const Cone *cone, const Boxes *b) {
+    Vec2 from = cone->from, to = cone->to, top = cone->top, bottom = cone->bottom;
+    FourMask outside =
+        from.x * b->y - from.y * b->x + fabs(from.x) * b->half_y + fabs(from.y) * b->half_x < -POSITION_SLACK;
+    outside |= to.y * b->x - to.x * b->y + fabs(to.y) * b->half_x + fabs(to.x) * b->half_y < -POSITION_SLACK;
+    Four high = top.x * b->x + top.y * b->y + fabs(top.x) * b->half_x + fabs(top.y) * b->half_y;
+    outside |= b->z - b->half_z > high + cone->top_slack;
+    Four low = bottom.x * b->x + bottom.y * b->y - fabs(bottom.x) * b->half_x - fabs(bottom.y) * b->half_y;
+    return outside | (b->z + b->half_z < low - cone->bottom_slack);
+}
+
+// Those of the cell that it has not yet shown.
+static void draw_listed(VisQuery *q, CellView *view, const Cone *cone) {
     // To the eye from the building's middle, where boxes are counted from.
     Vec3 eye = vec3_sub(q->eye->position, q->middle);
-    const ObjectBox *end = q->boxes + view->first_box + view->box_count;
-    for (const ObjectBox *box = q->boxes + view->first_box; box < end; box++) {
-        if (q->drawn[box->object / 64] >> (box->object % 64) & 1) continue;
-        q->result.objects_tested++;
-        Vec3 centre = {box->centre[0] - eye.x, box->centre[1] - eye.y, box->centre[2] - eye.z};
-        Vec3 half = {box->half[0], box->half[1], box->half[2]};
-        bool outside = cone->is_slot
-                           ? query_slot_outside(cone, centre, half)
-                           : planes_outside(cone->plane, cone->count, q->eye->position, centre, half);
-        if (!outside) draw_object(q, box->object);
+    const BoxBlock *block = q->boxes + view->first_box;
+    unsigned undrawn = view->undrawn;
+    for (int first = 0; undrawn >> first; first += FOUR, block++) {
+        unsigned lanes = undrawn >> first & FOUR_ALL;
+        if (!lanes) continue;
+        lanes &= ~four_in_set(q->drawn, block->object);  // what other cells have shown
+        q->result.objects_tested += __builtin_popcount(lanes);
+        Boxes boxes = {four_from_float(block->centre[0]) - eye.x, four_from_float(block->centre[1]) - eye.y,
+                       four_from_float(block->centre[2]) - eye.z, four_from_float(block->half[0]),
+                       four_from_float(block->half[1]),           four_from_float(block->half[2])};
+        FourMask outside =
+            cone->is_slot ? boxes_outside_slot(cone, &boxes) : boxes_outside(cone, q->eye->position, &boxes);
+        lanes &= ~four_lanes(outside);
+        view->undrawn &= ~(lanes << first);
+        for (; lanes; lanes &= lanes - 1) query_draw_object(q, block->object[__builtin_ctz(lanes)]);
     }
 }
 
-void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
+void query_draw_cell(VisQuery *q, int c, Cone *cone) {
     const CellMesh *mesh = &q->graph->meshes[c];
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
     if (query_lists_objects(q, c)) {
-        draw_listed(q, &q->of_cell[c], cone);
+        draw_listed(q, query_cell_view(q, c), cone);
         return;
     }
     int squares = mesh->first_square;
     if (q->graph->square_first[squares] == q->graph->square_first[squares + mesh->nx * mesh->ny]) return;
     q->cone_serial++;
+    query_cone_planes(cone, q->eye->position);
     Vec3 region[BUILD_MAX_VERTICES];
     int count = wedge_in_cell(q, cell, cone, region);
     if (count == 0) return;
@@ -127,36 +157,48 @@ void query_draw_cell(VisQuery *q, int c, const Cone *cone) {
     }
 }
 
-static ObjectBox list_box(Box box, Vec3 middle, int object) {
-    ObjectBox out = {.object = object};
+static void list_box(Box box, Vec3 middle, int object, BoxBlock *out, int lane) {
     const double low[3] = {box.min.x - middle.x, box.min.y - middle.y, box.min.z - middle.z};
     const double high[3] = {box.max.x - middle.x, box.max.y - middle.y, box.max.z - middle.z};
     for (int k = 0; k < 3; k++) {
-        out.centre[k] = (float)(0.5 * (low[k] + high[k]));
-        double half = fmax(high[k] - out.centre[k], out.centre[k] - low[k]);
-        out.half[k] = nextafterf((float)half, INFINITY);
+        float centre = (float)(0.5 * (low[k] + high[k]));
+        double half = fmax(high[k] - centre, centre - low[k]);
+        out->centre[k][lane] = centre;
+        out->half[k][lane] = nextafterf((float)half, INFINITY);
     }
-    return out;
+    out->object[lane] = object;
+}
+
+// The objects of a cell, each once: at most FEW + 1.
+static int objects_of(VisQuery *q, int cell, int out[FEW + 1]) {
+    const CellGraph *graph = q->graph;
+    const CellMesh *mesh = &graph->meshes[cell];
+    int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny], count = 0;
+    q->cone_serial++;
+    for (int k = graph->square_first[mesh->first_square]; k < end && count <= FEW; k++) {
+        int object = graph->square_objects[k];
+        if (q->object_tested[object] == q->cone_serial) continue;
+        q->object_tested[object] = q->cone_serial;
+        out[count++] = object;
+    }
+    return count;
 }
 
 void query_list_objects(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
-    int count = 0, capacity = 0;
+    int blocks = 0, capacity = 0;
     q->middle = vec3_lerp(graph->box.min, graph->box.max, 0.5);
     for (int c = 0; c < graph->cell_count; c++) {
-        const CellMesh *mesh = &graph->meshes[c];
-        int first = graph->square_first[mesh->first_square], before = count;
-        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
-        q->cone_serial++;
-        for (int k = first; k < end && count - before <= FEW; k++) {
-            int object = graph->square_objects[k];
-            if (q->object_tested[object] == q->cone_serial) continue;
-            q->object_tested[object] = q->cone_serial;
-            *ARENA_PUSH(arena, q->boxes, count, capacity) =
-                list_box(graph->object_boxes[object], q->middle, object);
+        int objects[FEW + 1], count = objects_of(q, c, objects);
+        if (count > FEW) count = 0;
+        q->of_cell[c].first_box = blocks;
+        q->of_cell[c].object_count = count;
+        for (int i = 0; i < count; i += FOUR) {
+            BoxBlock *block = ARENA_PUSH(arena, q->boxes, blocks, capacity);
+            for (int lane = 0; lane < FOUR; lane++) {
+                int object = objects[i + lane < count ? i + lane : i];
+                list_box(graph->object_boxes[object], q->middle, object, block, lane);
+            }
         }
-        if (count - before > FEW) count = before;
-        q->of_cell[c].first_box = before;
-        q->of_cell[c].box_count = count - before;
     }
 }

@@ -5,9 +5,6 @@
 #include "engine/core/polygon.h"
 #include "visibility/query.h"
 
-// An eye this near a portal on its plane may be in it, metres.
-static const double AT_PORTAL = 1e-2;
-
 void cone_add_wedge(Cone *cone, Vec3 eye) {
     Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
     cone_add(cone, from, vec3_dot(from, eye));
@@ -90,17 +87,6 @@ static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, c
     }
 }
 
-static Box portal_box(const CellGraph *graph, const Portal *portal) {
-    Box box = box_empty();
-    for (int i = 0; i < portal->vertex_count; i++)
-        box = box_add(box, graph->portal_vertices[portal->first_vertex + i]);
-    return box;
-}
-
-bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye) {
-    return box_contains(box_grow(portal_box(graph, portal), AT_PORTAL), eye);
-}
-
 // The mean of the corners as seen from the eye, and the distance of the nearest.
 static Vec3 mean_offset(const Vec3 *polygon, int count, Vec3 eye, double *distance) {
     Vec3 sum = {0, 0, 0};
@@ -115,45 +101,6 @@ static Vec3 mean_offset(const Vec3 *polygon, int count, Vec3 eye, double *distan
     return vec3_scale(sum, 1.0 / count);
 }
 
-static Gate make_gate(const CellGraph *graph, int cell, Contact contact, int sloped) {
-    const Portal *p = &graph->portals[contact.portal];
-    Plane plane = p->plane;
-    if (p->cell[0] != cell) plane = (Plane){vec3_scale(plane.n, -1), -plane.d};
-    Gate gate = {.n = {plane.n.x, plane.n.y},
-                 .d = plane.d,
-                 .cell = contact.cell,
-                 .portal = (unsigned)contact.portal,
-                 .has_door = p->door >= 0};
-    gate.is_wall = query_is_wall(graph, p, plane, &gate);
-    if (!gate.is_wall) {
-        gate.other.nz = plane.n.z;
-        gate.other.index = sloped;
-    }
-    return gate;
-}
-
-void query_list_gates(VisQuery *q, Arena *arena) {
-    const CellGraph *graph = q->graph;
-    int count = 0, capacity = 0;
-    q->gates = ARENA_ARRAY(arena, Gate, graph->contact_count);
-    q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
-    for (int c = 0; c < graph->cell_count; c++) {
-        const Cell *cell = &graph->cells[c];
-        q->of_cell[c].first_gate = cell->first_contact;
-        q->of_cell[c].gate_count = cell->contact_count;
-        for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-            const Portal *portal = &graph->portals[graph->contacts[i].portal];
-            q->gate_of[2 * graph->contacts[i].portal + (portal->cell[0] == c ? 0 : 1)] = i;
-            q->gates[i] = make_gate(graph, c, graph->contacts[i], count);
-            if (q->gates[i].is_wall) continue;
-            Box box = portal_box(graph, portal);
-            Sloped *sloped = ARENA_PUSH(arena, q->sloped, count, capacity);
-            sloped->centre = vec3_lerp(box.min, box.max, 0.5);
-            sloped->half = vec3_sub(box.max, sloped->centre);
-        }
-    }
-}
-
 // Does the portal lie across the plane (0), all before it (1) or all behind (-1)?
 static int side_of(const Sloped *sloped, Plane plane) {
     Vec3 half = sloped->half;
@@ -165,7 +112,7 @@ static int side_of(const Sloped *sloped, Plane plane) {
 // Clips the polygon by the planes of the cone. False: nothing is left.
 static bool clip_by_cone(const VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *part) {
     for (int i = 0, turn = 0; i < cone->count; i++) {
-        int side = gate->is_wall ? 0 : side_of(&q->sloped[gate->other.index], cone->plane[i]);
+        int side = gate->sloped < 0 ? 0 : side_of(&q->sloped[gate->sloped], cone->plane[i]);
         if (side > 0) continue;
         if (side < 0) return false;
         part->count =
@@ -177,44 +124,32 @@ static bool clip_by_cone(const VisQuery *q, const Cone *cone, const Gate *gate, 
     return true;
 }
 
-// What the cone shows of a portal as a polygon: of those that are no upright rectangles, or are seen edge-on.
-static Passage clip_polygon(const VisQuery *q, const Cone *cone, const Gate *gate, bool edge_on,
-                            ViewPart *out) {
+Passage query_clip(const VisQuery *q, Cone *cone, const Gate *gate, ViewPart *out) {
     const CellGraph *graph = q->graph;
     const Portal *portal = &graph->portals[gate->portal];
     Vec3 eye = q->eye->position;
-    out->upright = false;
+    bool edge_on = gate->ahead < ON_PLANE;
+    out->distance = 0;
     if (edge_on && query_eye_at_portal(graph, portal, eye)) return PASSAGE_ALL;
     out->polygon = graph->portal_vertices + portal->first_vertex;
     out->count = portal->vertex_count;
     if (out->count > MAX_CORNERS / 2) return PASSAGE_ALL;
     bool level = q->method == VIS_PLAN && portal->horizontal;
+    query_cone_planes(cone, eye);
     if (!level && !clip_by_cone(q, cone, gate, out)) return PASSAGE_NONE;
     out->middle = mean_offset(out->polygon, out->count, eye, &out->distance);
     return level ? PASSAGE_ALL : edge_on ? PASSAGE_EDGE : PASSAGE_PART;
 }
 
-Passage query_clip(VisQuery *q, const Cone *cone, const Gate *gate, double ahead, ViewPart *out) {
-    q->result.portals_tested++;
-    out->distance = 0;
-    if (ahead < -ON_PLANE) return PASSAGE_NONE;  // one would come back through it
-    if (!gate->is_wall || ahead < ON_PLANE) return clip_polygon(q, cone, gate, ahead < ON_PLANE, out);
-    out->upright = true;
-    if (!query_slot_clip(cone, gate, q->eye->position, ahead, &out->slot)) return PASSAGE_NONE;
-    out->distance = query_slot_distance(&out->slot, ahead);
-    return PASSAGE_PART;
-}
-
-void query_beyond(const VisQuery *q, const Cone *cone, Passage passage, const Gate *gate,
-                  const ViewPart *part, Cone *out) {
+void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const Gate *gate, const ViewPart *part,
+                  Cone *out) {
     Vec3 eye = q->eye->position;
     bool plan = q->method == VIS_PLAN;
     if (passage == PASSAGE_ALL) {
-        *out = *cone;
+        *out = *parent;
     } else if (passage == PASSAGE_EDGE) {
-        set_edge_on(out, cone, eye, gate_plane(gate), part->polygon, part->count);
-    } else if (part->upright) {
-        query_slot_cone(&part->slot, gate, eye, plan, out);
+        query_cone_planes(parent, eye);
+        set_edge_on(out, parent, eye, gate->plane, part->polygon, part->count);
     } else {
         // The wedge is for finding squares: where all objects are tried it may be any.
         out->is_slot = false;

@@ -36,9 +36,11 @@ fonts := /usr/share/fonts/truetype/dejavu
 libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
-objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
+# Of one configuration alone; the file says why.
+only_asan := tests/keep_libraries.c
+objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c,$(wildcard tests/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)

@@ -36,11 +36,14 @@ fonts := /usr/share/fonts/truetype/dejavu
 libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
-objects := $(sources:%.c=$(dir)/%.o) $(dir)/glad/gl.o
+# Of one configuration alone; the file says why.
+only_asan := tests/keep_libraries.c
+objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c,$(wildcard tests/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
+fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan
 
@@ -74,10 +77,9 @@ $(dir)/enfilade: $(objects)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
-$(dir)/tests/fuzz_%: $(library) $(dir)/tests/fuzz_%.o
+$(dir)/tests/fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
-$(dir)/tests/fuzz_wad $(dir)/tests/try_fuzz_wad: $(dir)/tests/wad_builder.o
-$(dir)/tests/try_fuzz_%: $(library) $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o
+$(dir)/tests/try_fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
@@ -192,6 +194,6 @@ install: all
 clean:
 	rm -rf build
 
--include $(objects:.o=.d) $(tests:.o=.d)
+-include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz)
 .DELETE_ON_ERROR:
 .SECONDARY:

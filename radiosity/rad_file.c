@@ -1,31 +1,31 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header, state of each door, radiosities, unshot; the machine's own byte order, which the header shows. The
-// mesh is not stored: it is made again from the building, and `mesh` says whether it came out the same.
+// Layout: header (derived.h), state of each door, radiosities, unshot. The mesh is not stored: it is made again from the
+// building, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/core/file.h"
+#include "engine/core/derived.h"
 #include "radiosity/shoot.h"
 
-enum { VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
-static const char MAGIC[8] = "ENFRAD";
-static const size_t LARGEST_FILE = (size_t)16 << 30;
+enum { VERSION = 1 };
 
 typedef struct Header {
-    char magic[8];
-    uint32_t version, byte_order;
-    uint64_t building;  // hash of the building's file
-    uint64_t mesh;      // hash of the elements
-    uint64_t body;      // checksum of all that follows the header
-    uint64_t head;      // checksum of what comes after it in the header
+    DerivedHead head;
+    uint64_t rest;  // checksum of what comes after it in the header
     int32_t element_count, patch_count, door_count, per_patch;
     double element;
     double emitted[3], absorbed[3], escaped[3];
     int64_t shots;
 } Header;
 
-static uint64_t head_hash(const Header *h) {
+static const DerivedKind KIND = {.magic = "ENFRAD",
+                                 .name = ".rad",
+                                 .version = VERSION,
+                                 .header = sizeof(Header),
+                                 .largest = (size_t)16 << 30};
+
+static uint64_t rest_hash(const Header *h) {
     const char *from = (const char *)&h->element_count;
     return file_hash(from, (size_t)((const char *)(h + 1) - from), VERSION);
 }
@@ -63,74 +63,56 @@ static float stored_state(const unsigned char *body, int door) {
 // NULL stands for all wide open.
 static float door_state(const float *door_open, int door) { return door_open ? door_open[door] : 1; }
 
-bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
-              Error *error) {
-    int doors = building_of(mesh)->opening_count;
-    Sizes s = sizes_of(doors, solution->element_count, solution->patch_count);
-    unsigned char *file = calloc(1, sizeof(Header) + s.total);
-    if (!file) return error_set(error, "%s: no memory for %zu bytes", path, sizeof(Header) + s.total);
-    unsigned char *body = file + sizeof(Header);
+static void write_body(unsigned char *body, const Sizes *s, int doors, const float *door_open,
+                       const RadSolution *solution) {
     for (int i = 0; i < doors; i++) {
         float state = door_state(door_open, i);
         memcpy(body + (size_t)i * sizeof state, &state, sizeof state);
     }
-    memcpy(body + s.doors, solution->radiosity, s.radiosity);
-    memcpy(body + s.doors + s.radiosity, solution->unshot, s.unshot);
-    Header header = {.version = VERSION,
-                     .byte_order = BYTE_ORDER_MARK,
-                     .building = building_of(mesh)->hash,
-                     .mesh = mesh_hash(mesh),
-                     .body = file_hash(body, s.total, 0),
-                     .element_count = solution->element_count,
+    memcpy(body + s->doors, solution->radiosity, s->radiosity);
+    memcpy(body + s->doors + s->radiosity, solution->unshot, s->unshot);
+}
+
+bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
+              Error *error) {
+    int doors = building_of(mesh)->opening_count;
+    Sizes s = sizes_of(doors, solution->element_count, solution->patch_count);
+    unsigned char *file = derived_new(path, &KIND, s.total, error);
+    if (!file) return false;
+    Header header = {.element_count = solution->element_count,
                      .patch_count = solution->patch_count,
                      .door_count = doors,
                      .per_patch = mesh->options.per_patch,
                      .element = mesh->options.element,
                      .shots = solution->shots};
-    memcpy(header.magic, MAGIC, sizeof MAGIC);
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
-    header.head = head_hash(&header);
+    header.rest = rest_hash(&header);
     memcpy(file, &header, sizeof header);
-    bool good = file_write(path, file, sizeof header + s.total, error);
+    write_body(file + sizeof header, &s, doors, door_open, solution);
+    bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, s.total, error);
     free(file);
     return good;
 }
 
-// All that can be said of a file without a mesh.
-static bool check_header(const char *path, const Header *h, const Building *building, size_t size,
-                         Error *error) {
-    if (memcmp(h->magic, MAGIC, sizeof MAGIC) != 0) return error_set(error, "%s: is not a .rad file", path);
-    if (h->byte_order != BYTE_ORDER_MARK)
-        return error_set(error, "%s: was written on a machine of another byte order", path);
-    if (h->version != VERSION) {
-        return error_set(error, "%s: has version %u (this program reads version %d)", path, h->version,
-                         VERSION);
-    }
-    if (h->building != building->hash) {
-        return error_set(error, "%s: belongs to another building, or to an earlier state of this one", path);
-    }
-    if (h->head != head_hash(h) || h->door_count != building->opening_count || h->element_count < 0 ||
-        h->patch_count < 0)
-        return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
-    size_t expected = sizeof *h + sizes_of(h->door_count, h->element_count, h->patch_count).total;
-    if (size != expected)
-        return error_set(error, "%s: has %zu bytes (its header says %zu)", path, size, expected);
-    return true;
+static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
+    if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
+        h->patch_count >= 0)
+        return true;
+    return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
 }
 
+// All that can be said of a file without a mesh.
 static bool read_file(const char *path, const Building *building, Arena *arena, Header *h,
                       const unsigned char **body, Error *error) {
-    Bytes bytes;
-    if (!file_read(path, LARGEST_FILE, arena, &bytes, error)) return false;
-    if (bytes.size < sizeof *h)
-        return error_set(error, "%s: has %zu bytes, less than a .rad header", path, bytes.size);
-    memcpy(h, bytes.data, sizeof *h);
-    *body = bytes.data + sizeof *h;
-    if (!check_header(path, h, building, bytes.size, error)) return false;
-    if (file_hash(*body, bytes.size - sizeof *h, 0) == h->body) return true;
-    return error_set(error, "%s: is damaged: its checksum is wrong", path);
+    Bytes file;
+    if (!derived_read(path, &KIND, building->hash, arena, &file, error)) return false;
+    memcpy(h, file.data, sizeof *h);
+    *body = file.data + sizeof *h;
+    return check_rest(path, h, building, error) &&
+           derived_check_body(path, &KIND, file,
+                              sizes_of(h->door_count, h->element_count, h->patch_count).total, error);
 }
 
 static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
@@ -147,7 +129,7 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
                          (double)door_state(door_open, i));
     }
     if (h->element_count == mesh->element_count && h->patch_count == mesh->patch_count &&
-        h->mesh == mesh_hash(mesh))
+        h->head.geometry == mesh_hash(mesh))
         return true;
     return error_set(error, "%s: its elements are not those of this program's version", path);
 }

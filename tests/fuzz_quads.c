@@ -1,23 +1,8 @@
-// fuzz_quads.c - libFuzzer on the .quads reader: whatever the bytes, it reads a building that passes the
-// check, or refuses with a sentence.
-#include <stdlib.h>
-
-#include "maps/maps.h"
+// fuzz_quads.c - libFuzzer on the .quads reader.
+#include "tests/target.h"
 
 extern const MapsReader MAPS_READER_QUADS;
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
-    Arena arena = {0};
-    Building b = {0};
-    Error error = {""};
-    const char *fault;
-    unsigned char *copy = arena_alloc(&arena, size + 1, 1);
-    if (size > 0) memcpy(copy, data, size);
-    Bytes content = {copy, size};
-    MAPS_READER_QUADS.recognise(content);
-    bool read = MAPS_READER_QUADS.read("fuzz.quads", content, &arena, &b, &error);
-    if (read ? building_check(&b, &arena, &fault, 1) != 0 : error.text[0] == 0) abort();
-    arena_free(&arena);
-    return 0;
+    return target_reader(&MAPS_READER_QUADS, "fuzz.quads", data, size);
 }

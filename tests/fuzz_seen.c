@@ -2,18 +2,16 @@
 // refuses with a sentence.
 #include <stdlib.h>
 
+#include "tests/target.h"
 #include "visibility/pairs/seen_file.h"
-
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     Arena arena = {0};
     Error error = {""};
     uint64_t *rows = NULL;
-    unsigned char *copy = arena_alloc(&arena, size + 1, 1);
-    if (size > 0) memcpy(copy, data, size);
-    int cells = size > 0 && copy[0] > 0 ? copy[0] : 1;  // as the file tells, so that its rows are looked at
-    bool read = seen_parse("fuzz.seen", (Bytes){copy, size}, cells, &arena, &rows, &error);
+    Bytes content = target_bytes(&arena, "", data, size);
+    int cells = size > 0 && data[0] > 0 ? data[0] : 1;  // as the file tells, so that its rows are looked at
+    bool read = seen_parse("fuzz.seen", content, cells, &arena, &rows, &error);
     size_t words = ((size_t)cells + 63) / 64;
     for (int i = 0; read && i < cells; i++) {
         if (!(rows[(size_t)i * words + (size_t)i / 64] >> (i % 64) & 1)) abort();

@@ -3,12 +3,11 @@
 // file are numbers that change some of a small map.
 #include <stdlib.h>
 
-#include "maps/maps.h"
+#include "tests/target.h"
 #include "tests/wad_builder.h"
 #include "visibility/vis.h"
 
 extern const MapsReader MAPS_READER_WAD;
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 // Each four bytes put two others in the small map's file.
 static Bytes spoilt_map(Arena *arena, const unsigned char *data, size_t size) {
@@ -26,19 +25,15 @@ static Bytes spoilt_map(Arena *arena, const unsigned char *data, size_t size) {
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     Arena arena = {0};
     Building b = {0};
-    Error error = {""};
     const char *fault;
-    unsigned char *copy = arena_alloc(&arena, size + 1, 1);
-    if (size > 0) memcpy(copy, data, size);
-    Bytes content = {copy, size};
+    Bytes content = target_bytes(&arena, "", data, size);
     if (!MAPS_READER_WAD.recognise(content)) content = spoilt_map(&arena, data, size);
-    bool read = MAPS_READER_WAD.read("fuzz.wad", content, &arena, &b, &error);
-    if (!read && error.text[0] == 0) abort();
     // What many lines cross where they should meet may be refused by the check, as a file is.
-    if (read && building_check(&b, &arena, &fault, 1) == 0) {
+    if (target_read(&MAPS_READER_WAD, "fuzz.wad", content, &arena, &b) &&
+        building_check(&b, &arena, &fault, 1) == 0) {
         CellGraph graph;
         VisOptions options = vis_default_options();
-        if (!vis_build_cells(&b, &options, &arena, &graph, &error)) abort();
+        if (!vis_build_cells(&b, &options, &arena, &graph, NULL)) abort();
     }
     arena_free(&arena);
     return 0;

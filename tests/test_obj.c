@@ -2,11 +2,13 @@
 #include <criterion/criterion.h>
 #include <png.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/random.h"
 #include "maps/obj.h"
 #include "maps/texture.h"
+#include "tests/support.h"
 
 static Bytes text_bytes(Arena *arena, const char *text) {
     return (Bytes){(unsigned char *)arena_string(arena, text), strlen(text)};
@@ -134,5 +136,32 @@ Test(texture, mean_of_a_chequer) {
     cr_assert_not(texture_mean((Bytes){png.data, 20}, &mean));
     const unsigned char clear[4] = {1, 2, 3, 0};
     cr_assert_not(texture_mean(make_png(&arena, 1, 1, clear), &mean), "nothing opaque, no colour");
+    arena_free(&arena);
+}
+
+// The most memory this process ever had, bytes, touched or not.
+static long long peak_memory(void) {
+    char line[200];
+    long long kib = -1;
+    FILE *status = fopen("/proc/self/status", "r");
+    cr_assert_not_null(status);
+    while (fgets(line, sizeof line, status))
+        if (strncmp(line, "VmPeak:", 7) == 0) kib = atoll(line + 7);
+    fclose(status);
+    cr_assert(kib > 0);
+    return kib << 10;
+}
+
+// Proves that a file of a few bytes does not make the decoder ask for gigabytes: a piece of this one calls itself 1.75 GiB
+// long. Found by fuzz_sh3d. Limit: 512 MiB at once are granted, and something else may grow meanwhile.
+Test(texture, claims_of_gigabytes_are_not_believed) {
+    Arena arena = {0};
+    Bytes seed = support_read(&arena, "tests/seeds/claims-gigabytes.sh3d-part");
+    Bytes png = {seed.data + 1, seed.size - 1};
+    Rgb mean;
+    cr_assert_eq(texture_pixels(png), 6);
+    long long before = peak_memory();
+    cr_assert_not(texture_mean(png, &mean));
+    cr_assert_lt(peak_memory() - before, 900LL << 20);
     arena_free(&arena);
 }

@@ -154,7 +154,7 @@ static Glyph rasterise(Font *font, int character, int size, int step) {
     }
     stbtt_MakeGlyphBitmapSubpixel(info, font->coverage + (size_t)glyph.y * IMAGE_WIDTH + glyph.x, glyph.width,
                                   glyph.height, IMAGE_WIDTH, across, up, shift, 0, glyph.index);
-    arena_reset(&font->scratch);
+    arena_free(&font->scratch);  // not reset: nobody frees a font, it goes with its arena
     return glyph;
 }
 

@@ -108,25 +108,24 @@ static void scale_weights(Sampler *s) {
         most = fmaxf(most, s->samples.weight[i]);
     }
     s->equal = least == most;
-    for (int i = 0; i <= LANES; i++) s->shares[i] = i * (double)most / sum;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
     for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
 }
 
-static bool is_whole(const Mesh *mesh, const Face *face) {
-    const int *square = mesh->squares + face->first_square;
-    for (int i = 0; i < face->nx * face->ny; i++)
-        if (square[i] != face->first_element + i) return false;
-    return true;
+static int lone_square(const Mesh *mesh, const Face *face) {
+    int at = face->first_square;
+    if (face->element_count != 1) return MANY;
+    while (mesh->squares[at] < 0) at++;
+    return at;
 }
 
 static void take_view_memory(Sampler *s, Arena *arena) {
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
-    s->whole = ARENA_ARRAY(arena, unsigned char, s->mesh->face_count + 1);
-    for (int f = 0; f < s->mesh->face_count; f++) s->whole[f] = is_whole(s->mesh, &s->mesh->faces[f]);
+    s->lone = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
+    for (int f = 0; f < s->mesh->face_count; f++) s->lone[f] = lone_square(s->mesh, &s->mesh->faces[f]);
     s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
     s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
     s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);

@@ -42,14 +42,14 @@ typedef struct GridForm {
     float x, y, z;
 } GridForm;
 
-// What a direction meets: an element, or
+// What a direction meets: a square, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
 // Where on a face a direction meets it: column dot(column, w) / dot(near, w), row alike.
 typedef struct FaceGrid {
     GridForm column, row, near;
-    int first_square, first_element, nx, ny;  // first_element -1: by the squares
-    int one;                                  // what all of the face is, MANY: look it up
+    int first_square, nx, ny;
+    int one;  // what all of the face is, MANY: look where
 } FaceGrid;
 
 struct Sampler {
@@ -63,11 +63,10 @@ struct Sampler {
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count;
     FormFactorSamples samples;
-    bool equal;                // all weights are the same,
-    double shares[LANES + 1];  // and so many of them weigh this
+    bool equal;  // all weights are the same: samples are counted
     // Of one view.
     int *grid_stamp;                          // [face_count]
-    unsigned char *whole;                     // [face_count] each square has an element, one after the other
+    int *lone;  // [face_count] of faces of one element: a square that has it, else MANY
     int *view_index;                          // [face_count] of the faces in view
     FaceGrid *grids;                          // [face_count]
     DrawnEdge *edges;                         // [most_edges] of the face under way

@@ -61,6 +61,8 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     s->blocks[block].x[row][lane] = unit[0];
     s->blocks[block].y[row][lane] = unit[1];
     s->blocks[block].z[row][lane] = unit[2];
+    s->blocks[block].columns[lane] = unit[0];
+    s->blocks[block].rows[row] = unit[1];
     s->weights[(block * SAMPLER_BLOCK + row) * LANES + lane] = (float)weight;
     int at = s->samples.count++;
     s->samples.x[at] = (float)((w[0] * s->cosine - w[1] * s->sine) / length);
@@ -99,6 +101,18 @@ static void add_group(Sampler *s, const SampleGrid *grid, int i, int j, int grou
     put_box(&s->group_boxes[group / LANES], group % LANES, &whole);
 }
 
+static bool is_flat(const Sampler *s) {
+    for (int row = 0; row < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; row++) {
+        for (unsigned mask = s->masks[row]; mask; mask &= mask - 1) {
+            const SampleBlock *b = &s->blocks[row / SAMPLER_BLOCK];
+            int lane = __builtin_ctz(mask);
+            if (b->x[row % SAMPLER_BLOCK][lane] != b->columns[lane]) return false;
+            if (b->y[row % SAMPLER_BLOCK][lane] != b->rows[row % SAMPLER_BLOCK]) return false;
+        }
+    }
+    return true;
+}
+
 static void scale_weights(Sampler *s) {
     double sum = 0;
     float least = INFINITY, most = 0;
@@ -126,10 +140,10 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
     s->lone = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     for (int f = 0; f < s->mesh->face_count; f++) s->lone[f] = lone_square(s->mesh, &s->mesh->faces[f]);
-    s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
-    s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
-    s->block = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
+    s->edges = ARENA_ARRAY(arena, Form, s->outlines.most_edges + 1);
+    s->all = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
+    s->group = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
+    s->block = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
     for (int e = 0; e < s->outlines.most_edges; e++) s->all[e] = &s->edges[e];
     s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
@@ -161,6 +175,7 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
         for (int j = 0; j < grids[g].height; j += side)
             for (int i = 0; i < grids[g].width; i += side) add_group(s, &grids[g], i, j, group++);
     scale_weights(s);
+    s->flat = is_flat(s);
     take_view_memory(s, arena);
     return s;
 }

@@ -7,7 +7,6 @@
 //
 // Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
 // its edges do not reach, and over what lies wholly behind things already seen.
-#include <float.h>
 #include <math.h>
 
 #include "radiosity/sampler_part.h"
@@ -28,7 +27,7 @@ typedef struct Drawing {
     Form near;
     float nearest;  // 1 / distance of nowhere on the face is above this
     int face;
-    const DrawnEdge *const *edges;
+    const Form *const *edges;
     int edge_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
 } Drawing;
@@ -79,8 +78,7 @@ static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) 
         const FaceEdge *edge = &o->edges[first + i];
         Vec3 n =
             vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
-        s->edges[i] = (DrawnEdge){form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z),
-                                  (edge->sign > 0) == behind ? 0 : FLT_TRUE_MIN};
+        s->edges[i] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
     }
     return count;
 }
@@ -130,15 +128,15 @@ static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
         LaneInt crossed_low, crossed_high;
-        low &= boxes_at_edge(&b[0], &d->edges[e]->form, &crossed_low);
-        high &= boxes_at_edge(&b[1], &d->edges[e]->form, &crossed_high);
+        low &= boxes_at_edge(&b[0], d->edges[e], &crossed_low);
+        high &= boxes_at_edge(&b[1], d->edges[e], &crossed_high);
         d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
     }
     return lane_mask(low) | lane_mask(high) << LANES;
 }
 
 // Of the edges, those that cross box i.
-static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
+static inline int choose_edges(const Drawing *d, int i, const Form **out) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
         out[count] = d->edges[e];
@@ -149,22 +147,25 @@ static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
 
 // ---- directions
 
-static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
-    return lane_multiply_add(lane_of(f->x), b->x[row],
-                             lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
+// A form's values along row 0, 1, .. of a block.
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool flat) {
+    Lane across = lane_of(f->x) * (flat ? b->columns : b->x[row]);
+    Lane y = flat ? lane_of(((const float *)&b->rows)[row]) : b->y[row];
+    return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
 // What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
 // least 1 / distance now seen in the block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
-                                const LaneInt inside[SAMPLER_BLOCK]) {
+                                const LaneInt outside[SAMPLER_BLOCK], bool flat) {
     Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
     LaneInt face = lane_int_of(d->face);
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
+        Lane value = lane_least(form_at(&d->near, b, row, flat), nearest), old = items->near[row];
         LaneInt before = items->face[row];
-        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
+        LaneInt in = (value > old) | ((value == old) & (before > face));
+        in = ~outside[row] & in;  // the sign alone tells
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
         items->face[row] = lane_choose_int(in, face, before);
@@ -173,19 +174,20 @@ static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Dr
     return lane_least_of(far);
 }
 
-static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far) {
-    LaneInt inside[SAMPLER_BLOCK], any = {0};
+// A direction is inside where no form is below 0: no sign bit is set.
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far,
+                              bool flat) {
+    LaneInt outside[SAMPLER_BLOCK], all = ~(LaneInt){0};
     LANE_UNROLL
-    for (int row = 0; row < SAMPLER_BLOCK; row++) inside[row] = ~(LaneInt){0};
+    for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] = (LaneInt){0};
     for (int e = 0; e < d->edge_count; e++) {
-        const DrawnEdge *edge = d->edges[e];
+        Form edge = *d->edges[e];
         LANE_UNROLL
-        for (int row = 0; row < SAMPLER_BLOCK; row++)
-            inside[row] &= form_at(&edge->form, b, row) >= edge->least;
+        for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] |= lane_bits(form_at(&edge, b, row, flat));
     }
     LANE_UNROLL
-    for (int row = 0; row < SAMPLER_BLOCK; row++) any |= inside[row];
-    if (lane_mask(any) != 0) *far = draw_inside(b, items, d, inside);
+    for (int row = 0; row < SAMPLER_BLOCK; row++) all &= outside[row];
+    if (lane_mask(all) != 0xff) *far = draw_inside(b, items, d, outside, flat);
 }
 
 // Returns how many blocks were looked at.
@@ -197,8 +199,11 @@ static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_coun
     for (; reached; reached &= reached - 1) {
         int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
         Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
-        draw_block(&s->blocks[block], &s->items[block], &in_block,
-                   (float *)&boxes[i / LANES].far + i % LANES);
+        float *far = (float *)&boxes[i / LANES].far + i % LANES;
+        if (s->flat)
+            draw_block(&s->blocks[block], &s->items[block], &in_block, far, true);
+        else
+            draw_block(&s->blocks[block], &s->items[block], &in_block, far, false);
     }
     return count;
 }

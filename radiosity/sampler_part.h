@@ -8,9 +8,10 @@
 
 enum { GROUP_SIDE = 4, GROUP_BLOCKS = GROUP_SIDE * GROUP_SIDE };
 
-// 8 rows of 8 directions.
+// 8 rows of 8 directions. Where they are flat - over a plane, as those of the disc -, x is that of the column and y that of
+// the row, and less memory is asked for.
 typedef struct SampleBlock {
-    Lane x[SAMPLER_BLOCK], y[SAMPLER_BLOCK], z[SAMPLER_BLOCK];
+    Lane z[SAMPLER_BLOCK], rows, columns, x[SAMPLER_BLOCK], y[SAMPLER_BLOCK];
 } SampleBlock;
 
 // What is seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
@@ -31,12 +32,6 @@ typedef struct Form {
     float x, y, z, unused;
     float abs_x, abs_y, abs_z, unused_abs;
 } Form;
-
-// A direction w is inside a face when every edge's form is at least its threshold.
-typedef struct DrawnEdge {
-    Form form;
-    float least;  // 0, or just above it: of two faces along a line one only holds it
-} DrawnEdge;
 
 typedef struct GridForm {
     float x, y, z;
@@ -63,14 +58,15 @@ struct Sampler {
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count;
     FormFactorSamples samples;
+    bool flat;   // all blocks are
     bool equal;  // all weights are the same: samples are counted
     // Of one view.
     int *grid_stamp;                          // [face_count]
     int *lone;  // [face_count] of faces of one element: a square that has it, else MANY
     int *view_index;                          // [face_count] of the faces in view
     FaceGrid *grids;                          // [face_count]
-    DrawnEdge *edges;                         // [most_edges] of the face under way
-    const DrawnEdge **all, **group, **block;  // [most_edges] those edges; those that cross a group, a block
+    Form *edges;  // [most_edges] of the face under way: a direction is inside where none is below 0
+    const Form **all, **group, **block;  // [most_edges] those edges; those that cross a group, a block
     unsigned *crossed, *crossed_blocks;       // [most_edges]
     int stamp;
 };

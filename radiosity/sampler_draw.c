@@ -16,9 +16,10 @@
 
 typedef double Four __attribute__((vector_size(32)));
 
-// Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
+// Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
+// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
 typedef struct ViewFrame {
-    Four x, y, z;
+    Four x, y, z, stay, cross;
     Vec3 eye;
 } ViewFrame;
 
@@ -33,9 +34,18 @@ typedef struct Drawing {
 } Drawing;
 
 static ViewFrame frame_of(const Sampler *s, const View *view) {
-    Vec3 x, y, z = view->z;
-    sampler_axes(s, view, &x, &y);
-    return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
+    Vec3 x = view->x, y = view->y, z = view->z;
+    return (ViewFrame){.x = {x.x, y.x, z.x, 0},
+                       .y = {x.y, y.y, z.y, 0},
+                       .z = {x.z, y.z, z.z, 0},
+                       .stay = {s->cosine, s->cosine, 1, 0},
+                       .cross = {s->sine, -s->sine, 0, 0},
+                       .eye = view->eye};
+}
+
+// In the samples' axes.
+static inline Four turned(const ViewFrame *frame, Four v) {
+    return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
 }
 
 static inline Form form_of(Four v) {
@@ -51,34 +61,45 @@ static inline Form form_of(Four v) {
 }
 
 // 1 / distance.
-static Form near_form(const Sampler *s, const ViewFace *face) {
-    double scale = 1 / face->d, x = face->n.x * s->cosine + face->n.y * s->sine,
-           y = face->n.y * s->cosine - face->n.x * s->sine;
-    return form_of((Four){x, y, face->n.z, 0} * scale);
+static inline Form near_form(const ViewFrame *frame, const ViewFace *face) {
+    Four n = {face->n.x, face->n.y, face->n.z, 0};
+    return form_of(turned(frame, n) * (1 / face->d));
 }
 
 // How many faces ahead memory is asked for: where a face's edges are, then the edges.
 enum { AHEAD = 8, FAR_AHEAD = 16 };
 
-static void fetch_ahead(const Sampler *s, const View *view, int at) {
+static inline void fetch_ahead(const Sampler *s, const View *view, int at) {
     const FaceLines *o = &s->outlines;
     if (at + FAR_AHEAD < view->face_count)
         __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
-    if (at + AHEAD >= view->face_count) return;
-    const char *first = (const char *)&o->edges[o->first_edge[view->faces[at + AHEAD].face]];
-    for (int k = 0; k < 5; k++) __builtin_prefetch(first + 64 * k);
+    if (at + AHEAD < view->face_count)
+        __builtin_prefetch(&o->edges[o->first_edge[view->faces[at + AHEAD].face]]);
 }
 
-// Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
-static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
+// From the eye, as the view has it, to the last bit; the fourth number is any.
+static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec3 *own, int name) {
+    Four v;
+    if (name >= 0) {
+        memcpy(&v, own + name, sizeof v);
+        return v;
+    }
+    Vec3 off = vec3_sub(s->mesh->vertices[~name], frame->eye);
+    return frame->x * off.x + frame->y * off.y + frame->z * off.z;
+}
+
+// Of each edge the plane through it and the eye, in the samples' axes; its length says nothing.
+static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *view, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
-    bool behind = face->d > 0;  // seen from there, edges go counter-clockwise
+    const Vec3 *own = view->vertices + face->first_vertex;
+    double side = face->d > 0 ? 1 : -1;  // seen from behind, edges go counter-clockwise
     for (int i = 0; i < count; i++) {
         const FaceEdge *edge = &o->edges[first + i];
-        Vec3 n =
-            vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
-        s->edges[i] = form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z);
+        Four p = vertex_of(s, frame, own, edge->from), q = vertex_of(s, frame, own, edge->to);
+        Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3), turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
+        Four n = p * turn_q - turn_p * q;
+        s->edges[i] = form_of(turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
     }
     return count;
 }
@@ -239,10 +260,10 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        Drawing d = {.near = near_form(s, face),
+        Drawing d = {.near = near_form(&frame, face),
                      .nearest = nearest_of(view, face),
                      .edges = s->all,
-                     .edge_count = make_edges(s, &frame, face),
+                     .edge_count = make_edges(s, &frame, view, face),
                      .crossed = s->crossed,
                      .face = face->face};
         draw_face(s, &d, work);

@@ -75,8 +75,9 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     return true;
 }
 
-// A block whose first sample is (i, j) of the grid.
-static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
+// A block whose first sample is (i, j) of the grid. False: it has none.
+static bool add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
+    bool any = false;
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         unsigned mask = 0;
         for (int lane = 0; lane < LANES; lane++) {
@@ -86,15 +87,20 @@ static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int bloc
             mask |= (unsigned)sample << lane;
         }
         s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
+        any = any || mask != 0;
     }
+    return any;
 }
 
 static void add_group(Sampler *s, const SampleGrid *grid, int i, int j, int group) {
     Extent whole = EXTENT_EMPTY;
+    s->first_block[group] = s->block_count;
     for (int k = 0; k < GROUP_BLOCKS; k++) {
         Extent extent = EXTENT_EMPTY;
-        add_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
-                  group * GROUP_BLOCKS + k, &extent);
+        bool any = add_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
+                             s->block_count, &extent);
+        s->used[group] |= (unsigned short)(any << k);
+        s->block_count += any;
         put_box(&s->block_boxes[group * 2 + k / LANES], k % LANES, &extent);
         extend(&whole, &extent);
     }
@@ -102,7 +108,7 @@ static void add_group(Sampler *s, const SampleGrid *grid, int i, int j, int grou
 }
 
 static bool is_flat(const Sampler *s) {
-    for (int row = 0; row < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; row++) {
+    for (int row = 0; row < s->block_count * SAMPLER_BLOCK; row++) {
         for (unsigned mask = s->masks[row]; mask; mask &= mask - 1) {
             const SampleBlock *b = &s->blocks[row / SAMPLER_BLOCK];
             int lane = __builtin_ctz(mask);
@@ -123,7 +129,7 @@ static void scale_weights(Sampler *s) {
     }
     s->equal = least == most;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
-    for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
+    for (int i = 0; i < s->block_count * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
 }
 
@@ -141,11 +147,7 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->lone = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     for (int f = 0; f < s->mesh->face_count; f++) s->lone[f] = lone_square(s->mesh, &s->mesh->faces[f]);
     s->edges = ARENA_ARRAY(arena, Form, s->outlines.most_edges + 1);
-    s->all = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
-    s->group = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
-    s->block = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
-    for (int e = 0; e < s->outlines.most_edges; e++) s->all[e] = &s->edges[e];
-    s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
+    s->crossing = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
@@ -156,12 +158,14 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
     s->sine = sin(turn);
     s->outlines = lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
-    int blocks = s->group_count * GROUP_BLOCKS, places = blocks * SAMPLER_BLOCK * LANES;
+    int blocks = s->group_count * GROUP_BLOCKS + 1, places = blocks * SAMPLER_BLOCK * LANES;  // one to try
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
     s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
+    s->first_block = ARENA_ARRAY(arena, int, s->group_count);
+    s->used = ARENA_ARRAY(arena, unsigned short, s->group_count);
     s->block_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count * 2);
     int pairs = (s->group_count + 2 * LANES - 1) / (2 * LANES);
     s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, pairs * 2);

@@ -23,14 +23,15 @@ typedef struct ViewFrame {
     Vec3 eye;
 } ViewFrame;
 
-// A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
+// A face on its way through the hierarchy.
 typedef struct Drawing {
     Form near;
     float nearest;  // 1 / distance of nowhere on the face is above this
     int face;
-    const Form *const *edges;
-    int edge_count;
-    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
+    const Form *edges;  // [edge_count]
+    int edge_count, crossing_count;
+    unsigned *crossed;      // [edge_count] scratch: which of the boxes each edge crosses
+    const Form **crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
 } Drawing;
 
 static ViewFrame frame_of(const Sampler *s, const View *view) {
@@ -149,18 +150,18 @@ static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
         LaneInt crossed_low, crossed_high;
-        low &= boxes_at_edge(&b[0], d->edges[e], &crossed_low);
-        high &= boxes_at_edge(&b[1], d->edges[e], &crossed_high);
+        low &= boxes_at_edge(&b[0], &d->edges[e], &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e], &crossed_high);
         d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
     }
     return lane_mask(low) | lane_mask(high) << LANES;
 }
 
 // Of the edges, those that cross box i.
-static inline int choose_edges(const Drawing *d, int i, const Form **out) {
+static inline int choose_edges(const Drawing *d, int i) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
-        out[count] = d->edges[e];
+        d->crossing[count] = &d->edges[e];
         count += (int)(d->crossed[e] >> i & 1);
     }
     return count;
@@ -201,8 +202,8 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
     LaneInt outside[SAMPLER_BLOCK], all = ~(LaneInt){0};
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] = (LaneInt){0};
-    for (int e = 0; e < d->edge_count; e++) {
-        Form edge = *d->edges[e];
+    for (int e = 0; e < d->crossing_count; e++) {
+        Form edge = *d->crossing[e];
         LANE_UNROLL
         for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] |= lane_bits(form_at(&edge, b, row, flat));
     }
@@ -212,29 +213,29 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
 }
 
 // Returns how many blocks were looked at.
-static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
-    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
+static inline int draw_group(Sampler *s, int group, Drawing *d) {
     SampleBoxes *boxes = &s->block_boxes[group * 2];
-    unsigned reached = boxes_reached(boxes, &d);
+    unsigned reached = boxes_reached(boxes, d), used = s->used[group];
     int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
-        int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
-        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        unsigned bit = reached & -reached;
+        int i = __builtin_ctz(reached), block = s->first_block[group] + __builtin_popcount(used & (bit - 1));
         float *far = (float *)&boxes[i / LANES].far + i % LANES;
+        d->crossing_count = choose_edges(d, i);
         if (s->flat)
-            draw_block(&s->blocks[block], &s->items[block], &in_block, far, true);
+            draw_block(&s->blocks[block], &s->items[block], d, far, true);
         else
-            draw_block(&s->blocks[block], &s->items[block], &in_block, far, false);
+            draw_block(&s->blocks[block], &s->items[block], d, far, false);
     }
     return count;
 }
 
-static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
+static void draw_face(Sampler *s, Drawing *d, FormFactorWork *work) {
     for (int first = 0; first < s->group_count; first += 2 * LANES) {
         SampleBoxes *groups = &s->group_boxes[first / LANES];
         for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
             int i = __builtin_ctz(reached), group = first + i;
-            int blocks = draw_group(s, group, d, choose_edges(d, i, s->group));
+            int blocks = draw_group(s, group, d);
             if (blocks == 0) continue;
             work->tests += blocks * SAMPLER_BLOCK * LANES;
             const SampleBoxes *boxes = &s->block_boxes[group * 2];
@@ -244,7 +245,7 @@ static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
 }
 
 static void clear(Sampler *s) {
-    memcpy(s->items, s->nothing, (size_t)s->group_count * GROUP_BLOCKS * sizeof *s->items);
+    memcpy(s->items, s->nothing, (size_t)s->block_count * sizeof *s->items);
     Lane none = lane_of(INFINITY);
     for (int k = 0; k < s->group_count * 2; k++)
         s->block_boxes[k].far = lane_choose(s->block_boxes[k].half_x > 0, (Lane){0}, none);
@@ -262,9 +263,10 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
         fetch_ahead(s, view, i);
         Drawing d = {.near = near_form(&frame, face),
                      .nearest = nearest_of(view, face),
-                     .edges = s->all,
+                     .edges = s->edges,
                      .edge_count = make_edges(s, &frame, view, face),
                      .crossed = s->crossed,
+                     .crossing = s->crossing,
                      .face = face->face};
         draw_face(s, &d, work);
     }

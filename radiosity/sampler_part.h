@@ -51,12 +51,14 @@ struct Sampler {
     const Mesh *mesh;
     FaceLines outlines;
     double cosine, sine;         // of the turn of the samples' axes from the view's
-    SampleBlock *blocks;         // [group_count * GROUP_BLOCKS]
+    SampleBlock *blocks;         // [block_count]
     ItemBlock *items, *nothing;  // as blocks; before anything is drawn
     unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
     float *weights;              // [.. * 64] 0 where there is no sample
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
-    int group_count;
+    int group_count, block_count;
+    int *first_block;          // [group_count] of its blocks that have samples: these alone are kept
+    unsigned short *used;      // [group_count] bit i: box i has samples
     FormFactorSamples samples;
     bool flat;   // all blocks are
     bool equal;  // all weights are the same: samples are counted
@@ -66,8 +68,8 @@ struct Sampler {
     int *view_index;                          // [face_count] of the faces in view
     FaceGrid *grids;                          // [face_count]
     Form *edges;  // [most_edges] of the face under way: a direction is inside where none is below 0
-    const Form **all, **group, **block;  // [most_edges] those edges; those that cross a group, a block
-    unsigned *crossed, *crossed_blocks;       // [most_edges]
+    const Form **crossing;  // [most_edges] those that cross a block
+    unsigned *crossed;      // [most_edges]
     int stamp;
 };
 

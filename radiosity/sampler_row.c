@@ -7,7 +7,7 @@
 #include "radiosity/sampler_part.h"
 
 void sampler_items(const Sampler *self, int32_t *item) {
-    for (int row = 0; row < self->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; row++) {
+    for (int row = 0; row < self->block_count * SAMPLER_BLOCK; row++) {
         const int32_t *face = (const int32_t *)&self->items[row / SAMPLER_BLOCK].face[row % SAMPLER_BLOCK];
         for (unsigned mask = self->masks[row]; mask; mask &= mask - 1) {
             int seen = face[__builtin_ctz(mask)];
@@ -162,7 +162,7 @@ static void fetch(const void *from, size_t bytes) {
 
 // What most of the row will ask for, while the first of it is on its way: the faces in the corners of the blocks' halves.
 static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
-    for (int at = 0; at < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
+    for (int at = 0; at < s->block_count * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
         if (s->masks[at] == 0) continue;
         int face = s->items[at / SAMPLER_BLOCK].face[at % SAMPLER_BLOCK][__builtin_ctz(s->masks[at])];
         if (face < 0 || s->grid_stamp[face] == s->stamp) continue;
@@ -176,7 +176,7 @@ static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
 
 void sampler_row(Sampler *s, const View *view, RowSum *sum) {
     fetch_faces(s, view, sum);
-    for (int block = 0; block < s->group_count * GROUP_BLOCKS; block++) {
+    for (int block = 0; block < s->block_count; block++) {
         uint64_t mask;
         memcpy(&mask, s->masks + block * SAMPLER_BLOCK, sizeof mask);
         if (mask) add_block(s, view, block, mask, sum);

@@ -40,9 +40,9 @@ typedef struct GridForm {
 // What a direction meets: a square, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
-// Where on a face a direction meets it: column dot(column, w) / dot(near, w), row alike.
+// Where on a face a direction meets it: column dot(column, w) * distance, row alike.
 typedef struct FaceGrid {
-    GridForm column, row, near;
+    GridForm column, row;
     int first_square, nx, ny;
     int one;  // what all of the face is, MANY: look where
 } FaceGrid;

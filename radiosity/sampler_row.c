@@ -36,7 +36,6 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
     *grid = (FaceGrid){.column = grid_form(s, view, column),
                        .row = grid_form(s, view, row),
-                       .near = grid_form(s, view, near),
                        .first_square = f->first_square,
                        .nx = f->nx,
                        .ny = f->ny,
@@ -55,14 +54,13 @@ static inline LaneInt whole(Lane a, Lane most) {
 }
 
 // Puts, where `here` says that a block's directions meet the face, the squares in which they do.
-static inline void meet_face(const FaceGrid *grid, const SampleBlock *b, const LaneInt here[SAMPLER_BLOCK],
-                             LaneInt square[SAMPLER_BLOCK]) {
+static inline void meet_face(const FaceGrid *grid, const SampleBlock *b, const Lane distance[SAMPLER_BLOCK],
+                             const LaneInt here[SAMPLER_BLOCK], LaneInt square[SAMPLER_BLOCK]) {
     Lane last_column = lane_of((float)grid->nx - 0.5f), last_line = lane_of((float)grid->ny - 0.5f);
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane distance = 1 / form_at(grid->near, b, row);
-        LaneInt column = whole(form_at(grid->column, b, row) * distance, last_column);
-        LaneInt line = whole(form_at(grid->row, b, row) * distance, last_line);
+        LaneInt column = whole(form_at(grid->column, b, row) * distance[row], last_column);
+        LaneInt line = whole(form_at(grid->row, b, row) * distance[row], last_line);
         square[row] =
             lane_choose_int(here[row], line * grid->nx + (column + grid->first_square), square[row]);
     }
@@ -79,6 +77,9 @@ static inline void put_square(int32_t value, const LaneInt here[SAMPLER_BLOCK],
 static inline void find_squares(Sampler *s, const View *view, int block, uint64_t mask,
                                 LaneInt square[SAMPLER_BLOCK]) {
     const LaneInt *faces = s->items[block].face;
+    Lane distance[SAMPLER_BLOCK];
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) distance[row] = 1 / s->items[block].near[row];
     for (uint64_t left = mask, seen; left; left &= ~seen) {
         int at = __builtin_ctzll(left), face = ((const int32_t *)faces)[at];
         LaneInt here[SAMPLER_BLOCK];
@@ -90,7 +91,7 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
         }
         const FaceGrid *grid = face < 0 ? &NO_FACE : grid_of(s, view, face);
         if (grid->one == MANY)
-            meet_face(grid, &s->blocks[block], here, square);
+            meet_face(grid, &s->blocks[block], distance, here, square);
         else
             put_square(grid->one, here, square);
     }
@@ -100,9 +101,8 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
 static int element_beside(const Sampler *s, const View *view, int block, int at) {
     const SampleBlock *b = &s->blocks[block];
     int row = at / LANES, lane = at % LANES, face = s->items[block].face[row][lane];
-    const GridForm *near = &s->grids[face].near;
     double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
-    double distance = 1 / ((double)near->x * x + (double)near->y * y + (double)near->z * z);
+    double distance = 1 / (double)s->items[block].near[row][lane];
     Vec3 side, up;
     sampler_axes(s, view, &side, &up);
     Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));

@@ -30,8 +30,9 @@ typedef struct Drawing {
     int face;
     const Form *edges;  // [edge_count]
     int edge_count, crossing_count;
-    unsigned *crossed;      // [edge_count] scratch: which of the boxes each edge crosses
-    const Form **crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
+    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
+    const Form **
+        crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
 } Drawing;
 
 static ViewFrame frame_of(const Sampler *s, const View *view) {
@@ -98,7 +99,8 @@ static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *vie
     for (int i = 0; i < count; i++) {
         const FaceEdge *edge = &o->edges[first + i];
         Four p = vertex_of(s, frame, own, edge->from), q = vertex_of(s, frame, own, edge->to);
-        Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3), turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
+        Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3),
+             turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
         Four n = p * turn_q - turn_p * q;
         s->edges[i] = form_of(turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
     }

@@ -57,17 +57,17 @@ struct Sampler {
     float *weights;              // [.. * 64] 0 where there is no sample
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count, block_count;
-    int *first_block;          // [group_count] of its blocks that have samples: these alone are kept
-    unsigned short *used;      // [group_count] bit i: box i has samples
+    int *first_block;      // [group_count] of its blocks that have samples: these alone are kept
+    unsigned short *used;  // [group_count] bit i: box i has samples
     FormFactorSamples samples;
     bool flat;   // all blocks are
     bool equal;  // all weights are the same: samples are counted
     // Of one view.
-    int *grid_stamp;                          // [face_count]
-    int *lone;  // [face_count] of faces of one element: a square that has it, else MANY
-    int *view_index;                          // [face_count] of the faces in view
-    FaceGrid *grids;                          // [face_count]
-    Form *edges;  // [most_edges] of the face under way: a direction is inside where none is below 0
+    int *grid_stamp;        // [face_count]
+    int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
+    int *view_index;        // [face_count] of the faces in view
+    FaceGrid *grids;        // [face_count]
+    Form *edges;            // [most_edges] of the face under way: a direction is inside where none is below 0
     const Form **crossing;  // [most_edges] those that cross a block
     unsigned *crossed;      // [most_edges]
     int stamp;

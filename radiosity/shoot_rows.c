@@ -10,7 +10,7 @@
 
 // Rows made at a time by each thread. Where they are kept none is in vain, and many make up for rows of different cost and
 // are often of neighbours, who see the same; else some are, when a patch grows strong that was not foreseen.
-enum { AHEAD_KEPT = 512, AHEAD_PASSING = 4 };
+enum { AHEAD_KEPT = 256, AHEAD_PASSING = 4 };
 // Kept rows lie in blocks of at least so many bytes.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
@@ -110,6 +110,9 @@ static void place_row(ShootRow *row, int runs, int elements) {
     row->offset = row->count + runs;
 }
 
+// How many elements ahead their takers are asked for, which lie all over memory.
+enum { TAKERS_AHEAD = 24 };
+
 static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
     place_row(to, from->count, from->count);
     double sum = from->back + from->escaped;
@@ -120,6 +123,8 @@ static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
         int first_element = rows->mesh->patches[patch].first_element;
         double share = 0;
         for (; i < from->count; i++) {
+            if (i + TAKERS_AHEAD < from->count)
+                __builtin_prefetch(&rows->takers[from->element[i + TAKERS_AHEAD]]);
             const Taker *taker = &rows->takers[from->element[i]];
             if (taker->patch != patch) break;
             share += (double)from->factor[i];
@@ -149,7 +154,7 @@ static void make_row(void *context, int index, int thread) {
     const Row *row = form_factor_row(maker->form_factor, view);
     if (!slot->row || row->count > slot->capacity) {
         arena_free(&slot->arena);
-        slot->capacity = row->count + row->count / 2;
+        slot->capacity = row->count + row->count / 8;
         slot->row = arena_alloc(&slot->arena, row_bytes(slot->capacity, slot->capacity), 1);
     }
     copy_row(rows, row, slot->row);

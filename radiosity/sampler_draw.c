@@ -2,8 +2,8 @@
 //
 // A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
 // at 1 / distance = dot(n, w) / d, which is linear in w (design.md). The forms are made in doubles from the eye; they are
-// floats when they meet directions. Two faces along one line share its form to the last bit, and only one of them holds the
-// directions on it, so nothing falls between them.
+// floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
+// falls between them; a direction right on it is in both, and depth or the lower number decides.
 //
 // Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
 // its edges do not reach, and over what lies wholly behind things already seen.
@@ -13,15 +13,6 @@
 
 // How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
 #define NEAREST_MARGIN 1e-3
-
-typedef double Four __attribute__((vector_size(32)));
-
-// Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
-// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
-typedef struct ViewFrame {
-    Four x, y, z, stay, cross;
-    Vec3 eye;
-} ViewFrame;
 
 // A face on its way through the hierarchy.
 typedef struct Drawing {
@@ -45,11 +36,6 @@ static ViewFrame frame_of(const Sampler *s, const View *view) {
                        .eye = view->eye};
 }
 
-// In the samples' axes.
-static inline Four turned(const ViewFrame *frame, Four v) {
-    return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
-}
-
 static inline Form form_of(Four v) {
     typedef float FourFloats __attribute__((vector_size(16)));
     typedef int32_t FourInts __attribute__((vector_size(16)));
@@ -65,7 +51,7 @@ static inline Form form_of(Four v) {
 // 1 / distance.
 static inline Form near_form(const ViewFrame *frame, const ViewFace *face) {
     Four n = {face->n.x, face->n.y, face->n.z, 0};
-    return form_of(turned(frame, n) * (1 / face->d));
+    return form_of(view_frame_turned(frame, n) * (1 / face->d));
 }
 
 // How many faces ahead memory is asked for: where a face's edges are, then the edges.
@@ -87,7 +73,7 @@ static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec
         return v;
     }
     Vec3 off = vec3_sub(s->mesh->vertices[~name], frame->eye);
-    return frame->x * off.x + frame->y * off.y + frame->z * off.z;
+    return view_frame_of(frame, off);
 }
 
 // Of each edge the plane through it and the eye, in the samples' axes; its length says nothing.
@@ -102,7 +88,7 @@ static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *vie
         Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3),
              turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
         Four n = p * turn_q - turn_p * q;
-        s->edges[i] = form_of(turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
+        s->edges[i] = form_of(view_frame_turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
     }
     return count;
 }
@@ -258,15 +244,15 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
-    ViewFrame frame = frame_of(s, view);
+    s->frame = frame_of(s, view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        Drawing d = {.near = near_form(&frame, face),
+        Drawing d = {.near = near_form(&s->frame, face),
                      .nearest = nearest_of(view, face),
                      .edges = s->edges,
-                     .edge_count = make_edges(s, &frame, view, face),
+                     .edge_count = make_edges(s, &s->frame, view, face),
                      .crossed = s->crossed,
                      .crossing = s->crossing,
                      .face = face->face};

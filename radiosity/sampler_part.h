@@ -40,6 +40,24 @@ typedef struct GridForm {
 // What a direction meets: a square, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
+typedef double Four __attribute__((vector_size(32)));
+
+// Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
+// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
+typedef struct ViewFrame {
+    Four x, y, z, stay, cross;
+    Vec3 eye;
+} ViewFrame;
+
+static inline Four view_frame_of(const ViewFrame *frame, Vec3 v) {
+    return frame->x * v.x + frame->y * v.y + frame->z * v.z;
+}
+
+// In the samples' axes.
+static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
+    return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
+}
+
 // Where on a face a direction meets it: column dot(column, w) * distance, row alike.
 typedef struct FaceGrid {
     GridForm column, row;
@@ -63,6 +81,7 @@ struct Sampler {
     bool flat;   // all blocks are
     bool equal;  // all weights are the same: samples are counted
     // Of one view.
+    ViewFrame frame;
     int *grid_stamp;        // [face_count]
     int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
     int *view_index;        // [face_count] of the faces in view

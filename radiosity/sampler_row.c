@@ -16,10 +16,9 @@ void sampler_items(const Sampler *self, int32_t *item) {
     }
 }
 
-static GridForm grid_form(const Sampler *s, const View *view, Vec3 v) {
-    Vec3 x, y;
-    sampler_axes(s, view, &x, &y);
-    return (GridForm){(float)vec3_dot(x, v), (float)vec3_dot(y, v), (float)vec3_dot(view->z, v)};
+static GridForm grid_form(const Sampler *s, Vec3 v) {
+    Four turned = view_frame_turned(&s->frame, view_frame_of(&s->frame, v));
+    return (GridForm){(float)turned[0], (float)turned[1], (float)turned[2]};
 }
 
 static const FaceGrid NO_FACE = {.one = NOTHING};
@@ -34,8 +33,8 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
     Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
-    *grid = (FaceGrid){.column = grid_form(s, view, column),
-                       .row = grid_form(s, view, row),
+    *grid = (FaceGrid){.column = grid_form(s, column),
+                       .row = grid_form(s, row),
                        .first_square = f->first_square,
                        .nx = f->nx,
                        .ny = f->ny,

@@ -66,6 +66,15 @@ static inline Lane lane_least(Lane a, Lane b) {
 #endif
 }
 
+// Of what is no number, b.
+static inline Lane lane_most(Lane a, Lane b) {
+#ifdef __AVX2__
+    return (Lane)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    return lane_choose(a > b, a, b);
+#endif
+}
+
 // Bit i: lane i of the mask.
 static inline unsigned lane_mask(LaneInt mask) {
 #ifdef __AVX2__

@@ -10,6 +10,7 @@
 
 typedef struct Line {
     Vec3 point, along;  // a point of it, and unit direction
+    int from, to;       // the vertices it goes through
 } Line;
 
 // An edge of an outline; `low` and `high` are its vertices in increasing order.
@@ -93,7 +94,8 @@ static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
     for (int i = 0; i < count; i++) {
         if (root_of(f->parent, i) != i) continue;
         Vec3 from = vertex(f, first[i]);
-        line[i] = (Line){from, vec3_normalize(vec3_sub(vertex(f, last[i]), from))};
+        line[i] = (Line){from, vec3_normalize(vec3_sub(vertex(f, last[i]), from)), f->mesh->outline[first[i]],
+                         f->mesh->outline[last[i]]};
     }
 }
 
@@ -125,20 +127,28 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
         if (f->bent[root[i]]) f->parent[i] = root_of(shared.parent, i);
 }
 
-static void add_edges(const Finder *f, const Line *lines, const int *number, FaceLines *out) {
+// A vertex as edges of the face name it.
+static int name_of(const Mesh *mesh, const Face *face, int vertex) {
+    for (int i = 0; i < face->vertex_count; i++)
+        if (mesh->outline[face->first_vertex + i] == vertex) return i;
+    return ~vertex;
+}
+
+static void add_edges(const Finder *f, const Line *lines, const int *number, FaceLines *out, Arena *scratch) {
     const Mesh *mesh = f->mesh;
+    int *last_face = ARENA_ARRAY(scratch, int, out->line_count + 1);  // that has the line, and one more
     for (int k = 0; k < mesh->face_count; k++) {
         const Face *face = &mesh->faces[k];
         out->first_edge[k] = out->edge_count;
         for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++) {
-            int root = root_of(f->parent, i), line = number[root], first = out->first_edge[k];
+            int root = root_of(f->parent, i);
+            if (last_face[number[root]] == k + 1) continue;
+            last_face[number[root]] = k + 1;
+            const Line *line = &lines[root];
             Vec3 step = vec3_sub(vertex(f, f->next[i]), vertex(f, i));
-            int sign = vec3_dot(step, lines[root].along) > 0 ? 1 : -1;
-            bool known = false;
-            for (int e = first; e < out->edge_count && !known; e++) known = out->edges[e].line == line;
-            if (known) continue;
-            out->edges[out->edge_count++] =
-                (FaceEdge){lines[root].point, vec3_scale(lines[root].along, sign), line, sign};
+            int from = name_of(mesh, face, line->from), to = name_of(mesh, face, line->to);
+            bool with = vec3_dot(step, line->along) > 0;
+            out->edges[out->edge_count++] = (FaceEdge){with ? from : to, with ? to : from};
         }
         int edges = out->edge_count - out->first_edge[k];
         if (edges > out->most_edges) out->most_edges = edges;
@@ -170,7 +180,7 @@ FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
     int *number = ARENA_ARRAY(&scratch, int, count + 1);
     for (int i = 0; i < count; i++)
         if (root_of(f.parent, i) == i) number[i] = out.line_count++;
-    add_edges(&f, line, number, &out);
+    add_edges(&f, line, number, &out, &scratch);
     arena_free(&scratch);
     return out;
 }

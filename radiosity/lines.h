@@ -9,12 +9,11 @@
 // far from the origin, below all that could show.
 #define RAD_STRAIGHT 1e-7
 
-// An edge of a face, counter-clockwise from its front: a point of its line, and the direction along it, unit. Of the same line
-// they are the same to the last bit, or `along` is the exact opposite.
+// An edge of a face, counter-clockwise from its front, by two vertices of its line. Of the same line they are the same two,
+// one way round or the other. At least 0: the vertex is the face's own, so many along its outline; else it is
+// Mesh.vertices[~from].
 typedef struct FaceEdge {
-    Vec3 point, along;
-    int line;
-    int sign;  // 1: it goes along the line, -1: against it
+    int from, to;
 } FaceEdge;
 
 typedef struct FaceLines {

@@ -61,6 +61,8 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     s->blocks[block].x[row][lane] = unit[0];
     s->blocks[block].y[row][lane] = unit[1];
     s->blocks[block].z[row][lane] = unit[2];
+    s->blocks[block].columns[lane] = unit[0];
+    s->blocks[block].rows[row] = unit[1];
     s->weights[(block * SAMPLER_BLOCK + row) * LANES + lane] = (float)weight;
     int at = s->samples.count++;
     s->samples.x[at] = (float)((w[0] * s->cosine - w[1] * s->sine) / length);
@@ -73,8 +75,9 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     return true;
 }
 
-// A block whose first sample is (i, j) of the grid.
-static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
+// A block whose first sample is (i, j) of the grid. False: it has none.
+static bool add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
+    bool any = false;
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         unsigned mask = 0;
         for (int lane = 0; lane < LANES; lane++) {
@@ -84,19 +87,36 @@ static void add_block(Sampler *s, const SampleGrid *grid, int i, int j, int bloc
             mask |= (unsigned)sample << lane;
         }
         s->masks[block * SAMPLER_BLOCK + row] = (unsigned char)mask;
+        any = any || mask != 0;
     }
+    return any;
 }
 
 static void add_group(Sampler *s, const SampleGrid *grid, int i, int j, int group) {
     Extent whole = EXTENT_EMPTY;
+    s->first_block[group] = s->block_count;
     for (int k = 0; k < GROUP_BLOCKS; k++) {
         Extent extent = EXTENT_EMPTY;
-        add_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
-                  group * GROUP_BLOCKS + k, &extent);
+        bool any = add_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
+                             s->block_count, &extent);
+        s->used[group] |= (unsigned short)(any << k);
+        s->block_count += any;
         put_box(&s->block_boxes[group * 2 + k / LANES], k % LANES, &extent);
         extend(&whole, &extent);
     }
     put_box(&s->group_boxes[group / LANES], group % LANES, &whole);
+}
+
+static bool is_flat(const Sampler *s) {
+    for (int row = 0; row < s->block_count * SAMPLER_BLOCK; row++) {
+        for (unsigned mask = s->masks[row]; mask; mask &= mask - 1) {
+            const SampleBlock *b = &s->blocks[row / SAMPLER_BLOCK];
+            int lane = __builtin_ctz(mask);
+            if (b->x[row % SAMPLER_BLOCK][lane] != b->columns[lane]) return false;
+            if (b->y[row % SAMPLER_BLOCK][lane] != b->rows[row % SAMPLER_BLOCK]) return false;
+        }
+    }
+    return true;
 }
 
 static void scale_weights(Sampler *s) {
@@ -108,31 +128,26 @@ static void scale_weights(Sampler *s) {
         most = fmaxf(most, s->samples.weight[i]);
     }
     s->equal = least == most;
-    for (int i = 0; i <= LANES; i++) s->shares[i] = i * (double)most / sum;
     for (int i = 0; i < s->samples.count; i++) s->samples.weight[i] = (float)(s->samples.weight[i] / sum);
-    for (int i = 0; i < s->group_count * GROUP_BLOCKS * SAMPLER_BLOCK * LANES; i++)
+    for (int i = 0; i < s->block_count * SAMPLER_BLOCK * LANES; i++)
         s->weights[i] = (float)(s->weights[i] / sum);
 }
 
-static bool is_whole(const Mesh *mesh, const Face *face) {
-    const int *square = mesh->squares + face->first_square;
-    for (int i = 0; i < face->nx * face->ny; i++)
-        if (square[i] != face->first_element + i) return false;
-    return true;
+static int lone_square(const Mesh *mesh, const Face *face) {
+    int at = face->first_square;
+    if (face->element_count != 1) return MANY;
+    while (mesh->squares[at] < 0) at++;
+    return at;
 }
 
 static void take_view_memory(Sampler *s, Arena *arena) {
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
-    s->whole = ARENA_ARRAY(arena, unsigned char, s->mesh->face_count + 1);
-    for (int f = 0; f < s->mesh->face_count; f++) s->whole[f] = is_whole(s->mesh, &s->mesh->faces[f]);
-    s->edges = ARENA_ARRAY(arena, DrawnEdge, s->outlines.most_edges + 1);
-    s->all = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
-    s->group = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
-    s->block = ARENA_ARRAY(arena, const DrawnEdge *, s->outlines.most_edges + 1);
-    for (int e = 0; e < s->outlines.most_edges; e++) s->all[e] = &s->edges[e];
-    s->crossed_blocks = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
+    s->lone = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
+    for (int f = 0; f < s->mesh->face_count; f++) s->lone[f] = lone_square(s->mesh, &s->mesh->faces[f]);
+    s->edges = ARENA_ARRAY(arena, Form, s->outlines.most_edges + 1);
+    s->crossing = ARENA_ARRAY(arena, const Form *, s->outlines.most_edges + 1);
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
@@ -143,12 +158,14 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
     s->sine = sin(turn);
     s->outlines = lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
-    int blocks = s->group_count * GROUP_BLOCKS, places = blocks * SAMPLER_BLOCK * LANES;
+    int blocks = s->group_count * GROUP_BLOCKS + 1, places = blocks * SAMPLER_BLOCK * LANES;  // one to try
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
     s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->masks = ARENA_ARRAY(arena, unsigned char, blocks *SAMPLER_BLOCK);
     s->weights = ARENA_ARRAY(arena, float, places);
+    s->first_block = ARENA_ARRAY(arena, int, s->group_count);
+    s->used = ARENA_ARRAY(arena, unsigned short, s->group_count);
     s->block_boxes = ARENA_ARRAY(arena, SampleBoxes, s->group_count * 2);
     int pairs = (s->group_count + 2 * LANES - 1) / (2 * LANES);
     s->group_boxes = ARENA_ARRAY(arena, SampleBoxes, pairs * 2);
@@ -162,6 +179,7 @@ Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, 
         for (int j = 0; j < grids[g].height; j += side)
             for (int i = 0; i < grids[g].width; i += side) add_group(s, &grids[g], i, j, group++);
     scale_weights(s);
+    s->flat = is_flat(s);
     take_view_memory(s, arena);
     return s;
 }

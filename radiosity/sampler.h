@@ -16,7 +16,7 @@ typedef struct Sampler Sampler;
 Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena);
 const FormFactorSamples *sampler_samples(const Sampler *self);
 
-// Draws what is in view. Of View it takes the eye, the axes and the list of faces; the outlines come from the mesh.
+// Draws what is in view. Of lines that are longer than a face's edge the ends come from the mesh.
 void sampler_draw(Sampler *self, const View *view, FormFactorWork *work);
 // What was drawn, as indices of view->faces in the order of the samples.
 void sampler_items(const Sampler *self, int32_t *item);

@@ -2,12 +2,11 @@
 //
 // A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
 // at 1 / distance = dot(n, w) / d, which is linear in w (design.md). The forms are made in doubles from the eye; they are
-// floats when they meet directions. Two faces along one line share its form to the last bit, and only one of them holds the
-// directions on it, so nothing falls between them.
+// floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
+// falls between them; a direction right on it is in both, and depth or the lower number decides.
 //
 // Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
 // its edges do not reach, and over what lies wholly behind things already seen.
-#include <float.h>
 #include <math.h>
 
 #include "radiosity/sampler_part.h"
@@ -15,28 +14,26 @@
 // How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
 #define NEAREST_MARGIN 1e-3
 
-typedef double Four __attribute__((vector_size(32)));
-
-// Of a view: its eye, and its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes.
-typedef struct ViewFrame {
-    Four x, y, z;
-    Vec3 eye;
-} ViewFrame;
-
-// A face on its way through the hierarchy. Edges that do not cross a group, or a block, are not asked for in it.
+// A face on its way through the hierarchy.
 typedef struct Drawing {
     Form near;
     float nearest;  // 1 / distance of nowhere on the face is above this
     int face;
-    const DrawnEdge *const *edges;
-    int edge_count;
+    const Form *edges;  // [edge_count]
+    int edge_count, crossing_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
+    const Form **
+        crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
 } Drawing;
 
 static ViewFrame frame_of(const Sampler *s, const View *view) {
-    Vec3 x, y, z = view->z;
-    sampler_axes(s, view, &x, &y);
-    return (ViewFrame){{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}, view->eye};
+    Vec3 x = view->x, y = view->y, z = view->z;
+    return (ViewFrame){.x = {x.x, y.x, z.x, 0},
+                       .y = {x.y, y.y, z.y, 0},
+                       .z = {x.z, y.z, z.z, 0},
+                       .stay = {s->cosine, s->cosine, 1, 0},
+                       .cross = {s->sine, -s->sine, 0, 0},
+                       .eye = view->eye};
 }
 
 static inline Form form_of(Four v) {
@@ -52,35 +49,46 @@ static inline Form form_of(Four v) {
 }
 
 // 1 / distance.
-static Form near_form(const Sampler *s, const ViewFace *face) {
-    double scale = 1 / face->d, x = face->n.x * s->cosine + face->n.y * s->sine,
-           y = face->n.y * s->cosine - face->n.x * s->sine;
-    return form_of((Four){x, y, face->n.z, 0} * scale);
+static inline Form near_form(const ViewFrame *frame, const ViewFace *face) {
+    Four n = {face->n.x, face->n.y, face->n.z, 0};
+    return form_of(view_frame_turned(frame, n) * (1 / face->d));
 }
 
 // How many faces ahead memory is asked for: where a face's edges are, then the edges.
 enum { AHEAD = 8, FAR_AHEAD = 16 };
 
-static void fetch_ahead(const Sampler *s, const View *view, int at) {
+static inline void fetch_ahead(const Sampler *s, const View *view, int at) {
     const FaceLines *o = &s->outlines;
     if (at + FAR_AHEAD < view->face_count)
         __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
-    if (at + AHEAD >= view->face_count) return;
-    const char *first = (const char *)&o->edges[o->first_edge[view->faces[at + AHEAD].face]];
-    for (int k = 0; k < 5; k++) __builtin_prefetch(first + 64 * k);
+    if (at + AHEAD < view->face_count)
+        __builtin_prefetch(&o->edges[o->first_edge[view->faces[at + AHEAD].face]]);
 }
 
-// Of each edge the plane through it and the eye, in the view's axes; its length says nothing.
-static int make_edges(Sampler *s, const ViewFrame *frame, const ViewFace *face) {
+// From the eye, as the view has it, to the last bit; the fourth number is any.
+static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec3 *own, int name) {
+    Four v;
+    if (name >= 0) {
+        memcpy(&v, own + name, sizeof v);
+        return v;
+    }
+    Vec3 off = vec3_sub(s->mesh->vertices[~name], frame->eye);
+    return view_frame_of(frame, off);
+}
+
+// Of each edge the plane through it and the eye, in the samples' axes; its length says nothing.
+static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *view, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
-    bool behind = face->d > 0;  // seen from there, edges go counter-clockwise
+    const Vec3 *own = view->vertices + face->first_vertex;
+    double side = face->d > 0 ? 1 : -1;  // seen from behind, edges go counter-clockwise
     for (int i = 0; i < count; i++) {
         const FaceEdge *edge = &o->edges[first + i];
-        Vec3 n =
-            vec3_cross(vec3_sub(edge->point, frame->eye), behind ? edge->along : vec3_scale(edge->along, -1));
-        s->edges[i] = (DrawnEdge){form_of(frame->x * n.x + frame->y * n.y + frame->z * n.z),
-                                  (edge->sign > 0) == behind ? 0 : FLT_TRUE_MIN};
+        Four p = vertex_of(s, frame, own, edge->from), q = vertex_of(s, frame, own, edge->to);
+        Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3),
+             turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
+        Four n = p * turn_q - turn_p * q;
+        s->edges[i] = form_of(view_frame_turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
     }
     return count;
 }
@@ -130,18 +138,18 @@ static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     if (lane_mask(low | high) == 0) return 0;
     for (int e = 0; e < d->edge_count; e++) {
         LaneInt crossed_low, crossed_high;
-        low &= boxes_at_edge(&b[0], &d->edges[e]->form, &crossed_low);
-        high &= boxes_at_edge(&b[1], &d->edges[e]->form, &crossed_high);
+        low &= boxes_at_edge(&b[0], &d->edges[e], &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e], &crossed_high);
         d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
     }
     return lane_mask(low) | lane_mask(high) << LANES;
 }
 
 // Of the edges, those that cross box i.
-static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
+static inline int choose_edges(const Drawing *d, int i) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
-        out[count] = d->edges[e];
+        d->crossing[count] = &d->edges[e];
         count += (int)(d->crossed[e] >> i & 1);
     }
     return count;
@@ -149,22 +157,25 @@ static inline int choose_edges(const Drawing *d, int i, const DrawnEdge **out) {
 
 // ---- directions
 
-static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
-    return lane_multiply_add(lane_of(f->x), b->x[row],
-                             lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
+// A form's values along row 0, 1, .. of a block.
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool flat) {
+    Lane across = lane_of(f->x) * (flat ? b->columns : b->x[row]);
+    Lane y = flat ? lane_of(((const float *)&b->rows)[row]) : b->y[row];
+    return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
 // What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
 // least 1 / distance now seen in the block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
-                                const LaneInt inside[SAMPLER_BLOCK]) {
+                                const LaneInt outside[SAMPLER_BLOCK], bool flat) {
     Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
     LaneInt face = lane_int_of(d->face);
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
-        Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
+        Lane value = lane_least(form_at(&d->near, b, row, flat), nearest), old = items->near[row];
         LaneInt before = items->face[row];
-        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
+        LaneInt in = (value > old) | ((value == old) & (before > face));
+        in = ~outside[row] & in;  // the sign alone tells
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
         items->face[row] = lane_choose_int(in, face, before);
@@ -173,42 +184,46 @@ static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Dr
     return lane_least_of(far);
 }
 
-static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far) {
-    LaneInt inside[SAMPLER_BLOCK], any = {0};
+// A direction is inside where no form is below 0: no sign bit is set.
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far,
+                              bool flat) {
+    LaneInt outside[SAMPLER_BLOCK], all = ~(LaneInt){0};
     LANE_UNROLL
-    for (int row = 0; row < SAMPLER_BLOCK; row++) inside[row] = ~(LaneInt){0};
-    for (int e = 0; e < d->edge_count; e++) {
-        const DrawnEdge *edge = d->edges[e];
+    for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] = (LaneInt){0};
+    for (int e = 0; e < d->crossing_count; e++) {
+        Form edge = *d->crossing[e];
         LANE_UNROLL
-        for (int row = 0; row < SAMPLER_BLOCK; row++)
-            inside[row] &= form_at(&edge->form, b, row) >= edge->least;
+        for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] |= lane_bits(form_at(&edge, b, row, flat));
     }
     LANE_UNROLL
-    for (int row = 0; row < SAMPLER_BLOCK; row++) any |= inside[row];
-    if (lane_mask(any) != 0) *far = draw_inside(b, items, d, inside);
+    for (int row = 0; row < SAMPLER_BLOCK; row++) all &= outside[row];
+    if (lane_mask(all) != 0xff) *far = draw_inside(b, items, d, outside, flat);
 }
 
 // Returns how many blocks were looked at.
-static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
-    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
+static inline int draw_group(Sampler *s, int group, Drawing *d) {
     SampleBoxes *boxes = &s->block_boxes[group * 2];
-    unsigned reached = boxes_reached(boxes, &d);
+    unsigned reached = boxes_reached(boxes, d), used = s->used[group];
     int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
-        int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
-        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
-        draw_block(&s->blocks[block], &s->items[block], &in_block,
-                   (float *)&boxes[i / LANES].far + i % LANES);
+        unsigned bit = reached & -reached;
+        int i = __builtin_ctz(reached), block = s->first_block[group] + __builtin_popcount(used & (bit - 1));
+        float *far = (float *)&boxes[i / LANES].far + i % LANES;
+        d->crossing_count = choose_edges(d, i);
+        if (s->flat)
+            draw_block(&s->blocks[block], &s->items[block], d, far, true);
+        else
+            draw_block(&s->blocks[block], &s->items[block], d, far, false);
     }
     return count;
 }
 
-static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
+static void draw_face(Sampler *s, Drawing *d, FormFactorWork *work) {
     for (int first = 0; first < s->group_count; first += 2 * LANES) {
         SampleBoxes *groups = &s->group_boxes[first / LANES];
         for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
             int i = __builtin_ctz(reached), group = first + i;
-            int blocks = draw_group(s, group, d, choose_edges(d, i, s->group));
+            int blocks = draw_group(s, group, d);
             if (blocks == 0) continue;
             work->tests += blocks * SAMPLER_BLOCK * LANES;
             const SampleBoxes *boxes = &s->block_boxes[group * 2];
@@ -218,7 +233,7 @@ static void draw_face(Sampler *s, const Drawing *d, FormFactorWork *work) {
 }
 
 static void clear(Sampler *s) {
-    memcpy(s->items, s->nothing, (size_t)s->group_count * GROUP_BLOCKS * sizeof *s->items);
+    memcpy(s->items, s->nothing, (size_t)s->block_count * sizeof *s->items);
     Lane none = lane_of(INFINITY);
     for (int k = 0; k < s->group_count * 2; k++)
         s->block_boxes[k].far = lane_choose(s->block_boxes[k].half_x > 0, (Lane){0}, none);
@@ -229,16 +244,17 @@ static void clear(Sampler *s) {
 void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
-    ViewFrame frame = frame_of(s, view);
+    s->frame = frame_of(s, view);
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        Drawing d = {.near = near_form(s, face),
+        Drawing d = {.near = near_form(&s->frame, face),
                      .nearest = nearest_of(view, face),
-                     .edges = s->all,
-                     .edge_count = make_edges(s, &frame, face),
+                     .edges = s->edges,
+                     .edge_count = make_edges(s, &s->frame, view, face),
                      .crossed = s->crossed,
+                     .crossing = s->crossing,
                      .face = face->face};
         draw_face(s, &d, work);
     }

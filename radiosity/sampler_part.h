@@ -8,9 +8,10 @@
 
 enum { GROUP_SIDE = 4, GROUP_BLOCKS = GROUP_SIDE * GROUP_SIDE };
 
-// 8 rows of 8 directions.
+// 8 rows of 8 directions. Where they are flat - over a plane, as those of the disc -, x is that of the column and y that of
+// the row, and less memory is asked for.
 typedef struct SampleBlock {
-    Lane x[SAMPLER_BLOCK], y[SAMPLER_BLOCK], z[SAMPLER_BLOCK];
+    Lane z[SAMPLER_BLOCK], rows, columns, x[SAMPLER_BLOCK], y[SAMPLER_BLOCK];
 } SampleBlock;
 
 // What is seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
@@ -32,47 +33,62 @@ typedef struct Form {
     float abs_x, abs_y, abs_z, unused_abs;
 } Form;
 
-// A direction w is inside a face when every edge's form is at least its threshold.
-typedef struct DrawnEdge {
-    Form form;
-    float least;  // 0, or just above it: of two faces along a line one only holds it
-} DrawnEdge;
-
 typedef struct GridForm {
     float x, y, z;
 } GridForm;
 
-// What a direction meets: an element, or
+// What a direction meets: a square, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
-// Where on a face a direction meets it: column dot(column, w) / dot(near, w), row alike.
+typedef double Four __attribute__((vector_size(32)));
+
+// Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
+// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
+typedef struct ViewFrame {
+    Four x, y, z, stay, cross;
+    Vec3 eye;
+} ViewFrame;
+
+static inline Four view_frame_of(const ViewFrame *frame, Vec3 v) {
+    return frame->x * v.x + frame->y * v.y + frame->z * v.z;
+}
+
+// In the samples' axes.
+static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
+    return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
+}
+
+// Where on a face a direction meets it: column dot(column, w) * distance, row alike.
 typedef struct FaceGrid {
-    GridForm column, row, near;
-    int first_square, first_element, nx, ny;  // first_element -1: by the squares
-    int one;                                  // what all of the face is, MANY: look it up
+    GridForm column, row;
+    int first_square, nx, ny;
+    int one;  // what all of the face is, MANY: look where
 } FaceGrid;
 
 struct Sampler {
     const Mesh *mesh;
     FaceLines outlines;
     double cosine, sine;         // of the turn of the samples' axes from the view's
-    SampleBlock *blocks;         // [group_count * GROUP_BLOCKS]
+    SampleBlock *blocks;         // [block_count]
     ItemBlock *items, *nothing;  // as blocks; before anything is drawn
     unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
     float *weights;              // [.. * 64] 0 where there is no sample
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
-    int group_count;
+    int group_count, block_count;
+    int *first_block;      // [group_count] of its blocks that have samples: these alone are kept
+    unsigned short *used;  // [group_count] bit i: box i has samples
     FormFactorSamples samples;
-    bool equal;                // all weights are the same,
-    double shares[LANES + 1];  // and so many of them weigh this
+    bool flat;   // all blocks are
+    bool equal;  // all weights are the same: samples are counted
     // Of one view.
-    int *grid_stamp;                          // [face_count]
-    unsigned char *whole;                     // [face_count] each square has an element, one after the other
-    int *view_index;                          // [face_count] of the faces in view
-    FaceGrid *grids;                          // [face_count]
-    DrawnEdge *edges;                         // [most_edges] of the face under way
-    const DrawnEdge **all, **group, **block;  // [most_edges] those edges; those that cross a group, a block
-    unsigned *crossed, *crossed_blocks;       // [most_edges]
+    ViewFrame frame;
+    int *grid_stamp;        // [face_count]
+    int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
+    int *view_index;        // [face_count] of the faces in view
+    FaceGrid *grids;        // [face_count]
+    Form *edges;            // [most_edges] of the face under way: a direction is inside where none is below 0
+    const Form **crossing;  // [most_edges] those that cross a block
+    unsigned *crossed;      // [most_edges]
     int stamp;
 };
 

@@ -10,24 +10,28 @@
 
 // Rows made at a time by each thread. Where they are kept none is in vain, and many make up for rows of different cost and
 // are often of neighbours, who see the same; else some are, when a patch grows strong that was not foreseen.
-enum { AHEAD_KEPT = 512, AHEAD_PASSING = 4 };
-// Kept rows lie in blocks of at least so many bytes.
+enum { AHEAD_KEPT = 256, AHEAD_PASSING = 4 };
+// Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
-// One thread's tools.
+// One thread's tools, and the rows it keeps.
 typedef struct Maker {
-    Arena arena;
+    Arena arena, kept;
     Viewer *viewer;
     FormFactor *form_factor;
-    long long faces;
+    char *block;        // where its next kept row goes
+    size_t block_left;  // bytes
+    size_t kept_bytes;  // of all its blocks
+    long long kept_count, faces;
     double seconds_visibility;
 } Maker;
 
 // A row that was just made.
 typedef struct Slot {
-    Arena arena;
     ShootRow *row;
-    int patch, capacity;  // elements
+    int patch;
+    Arena arena;  // of a row that is not kept
+    bool passing;
 } Slot;
 
 // What becomes of an element's share.
@@ -45,12 +49,8 @@ struct ShootRows {
     Slot *slots;    // [slot_count]
     ShootRow **of;  // [patch_count] NULL: not there
     bool *there;    // [patch_count]
-    Arena kept;
-    char *block;        // where the next kept row goes
-    size_t block_left;  // bytes
-    size_t kept_bytes;  // of all blocks
     bool full;
-    long long made, kept_count;
+    long long made;
 };
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -82,9 +82,9 @@ void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
         form_factor_end(rows->makers[t].form_factor);
         arena_free(&rows->makers[t].arena);
+        arena_free(&rows->makers[t].kept);
     }
     for (int i = 0; i < rows->slot_count; i++) arena_free(&rows->slots[i].arena);
-    arena_free(&rows->kept);
 }
 
 int shoot_rows_wanted(const ShootRows *rows) {
@@ -95,7 +95,6 @@ const bool *shoot_rows_there(const ShootRows *rows) { return rows->there; }
 
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch) { return rows->of[patch]; }
 
-// The room a row of so many elements takes at most, each in a patch of its own.
 static size_t row_bytes(int runs, int elements) {
     size_t run = sizeof(ShootRun) + sizeof(uint8_t), element = sizeof(float) + sizeof(uint8_t);
     size_t bytes = sizeof(ShootRow) + (size_t)runs * run + (size_t)elements * element;
@@ -110,8 +109,22 @@ static void place_row(ShootRow *row, int runs, int elements) {
     row->offset = row->count + runs;
 }
 
-static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
-    place_row(to, from->count, from->count);
+// How many elements ahead their takers are asked for, which lie all over memory.
+enum { TAKERS_AHEAD = 24 };
+
+static int count_runs(const ShootRows *rows, const Row *row) {
+    int runs = 0, last = -1;
+    for (int i = 0; i < row->count; i++) {
+        if (i + TAKERS_AHEAD < row->count) __builtin_prefetch(&rows->takers[row->element[i + TAKERS_AHEAD]]);
+        int patch = rows->takers[row->element[i]].patch;
+        runs += patch != last;
+        last = patch;
+    }
+    return runs;
+}
+
+static void copy_row(const ShootRows *rows, const Row *from, int runs, ShootRow *to) {
+    place_row(to, runs, from->count);
     double sum = from->back + from->escaped;
     to->run_count = 0;
     to->element_count = from->count;
@@ -136,6 +149,24 @@ static void copy_row(const ShootRows *rows, const Row *from, ShootRow *to) {
     to->scale = 1 / sum;
 }
 
+// Room for a row among those its maker keeps; NULL: its part of the memory for rows is spent.
+static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
+    if (bytes > maker->block_left) {
+        size_t share = rows->options->row_bytes / (size_t)rows->threads;
+        size_t block = share < BLOCK_BYTES ? share : BLOCK_BYTES;
+        if (block < bytes) block = bytes;
+        if (maker->kept_bytes + block > share) return NULL;
+        maker->block = arena_alloc(&maker->kept, block, 1);
+        maker->block_left = block;
+        maker->kept_bytes += block;
+    }
+    ShootRow *row = (ShootRow *)maker->block;
+    maker->block += bytes;
+    maker->block_left -= bytes;
+    maker->kept_count++;
+    return row;
+}
+
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
@@ -147,36 +178,15 @@ static void make_row(void *context, int index, int thread) {
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
     const Row *row = form_factor_row(maker->form_factor, view);
-    if (!slot->row || row->count > slot->capacity) {
-        arena_free(&slot->arena);
-        slot->capacity = row->count + row->count / 2;
-        slot->row = arena_alloc(&slot->arena, row_bytes(slot->capacity, slot->capacity), 1);
+    int runs = count_runs(rows, row);
+    size_t bytes = row_bytes(runs, row->count);
+    slot->row = keep(rows, maker, bytes);
+    slot->passing = !slot->row;
+    if (slot->passing) {
+        arena_reset(&slot->arena);
+        slot->row = arena_alloc(&slot->arena, bytes, 1);
     }
-    copy_row(rows, row, slot->row);
-}
-
-// Moves a row out of its slot, if there is room.
-static bool keep(ShootRows *rows, const ShootRow *row, ShootRow **out) {
-    size_t bytes = row_bytes(row->run_count, row->element_count), count = (size_t)row->element_count;
-    if (bytes > rows->block_left) {
-        size_t block = bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES;
-        if (rows->kept_bytes + block > rows->options->row_bytes) return false;
-        rows->block = arena_alloc(&rows->kept, block, 1);
-        rows->block_left = block;
-        rows->kept_bytes += block;
-    }
-    ShootRow *kept = (ShootRow *)rows->block;
-    *kept = *row;
-    place_row(kept, row->run_count, row->element_count);
-    memcpy(kept->runs, row->runs, (size_t)row->run_count * sizeof *row->runs);
-    memcpy(kept->density, row->density, count * sizeof *row->density);
-    memcpy(kept->count, row->count, (size_t)row->run_count * sizeof *row->count);
-    memcpy(kept->offset, row->offset, count * sizeof *row->offset);
-    rows->block += bytes;
-    rows->block_left -= bytes;
-    rows->kept_count++;
-    *out = kept;
-    return true;
+    copy_row(rows, row, runs, slot->row);
 }
 
 static int by_index(const void *p, const void *q) {
@@ -188,7 +198,7 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count) {
     CORE_ASSERT(count <= rows->slot_count);
     for (int i = 0; i < rows->slots_used; i++) {
         int patch = rows->slots[i].patch;
-        if (rows->of[patch] != rows->slots[i].row) continue;
+        if (!rows->slots[i].passing) continue;
         rows->of[patch] = NULL;
         rows->there[patch] = false;
     }
@@ -200,8 +210,8 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count) {
     rows->made += count;
     for (int i = 0; i < count; i++) {
         Slot *slot = &rows->slots[i];
-        rows->full = rows->full || !keep(rows, slot->row, &rows->of[slot->patch]);
-        if (rows->full) rows->of[slot->patch] = slot->row;
+        rows->full = rows->full || slot->passing;
+        rows->of[slot->patch] = slot->row;
         rows->there[slot->patch] = true;
     }
 }
@@ -209,14 +219,16 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count) {
 void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     long long faces = 0, elements = 0;
     report->seconds_visibility = 0;
+    report->row_bytes = 0;
+    report->rows_kept = 0;
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
         elements += form_factor_work(rows->makers[t].form_factor).elements_drawn;
         report->seconds_visibility += rows->makers[t].seconds_visibility;
+        report->row_bytes += rows->makers[t].kept_bytes;
+        report->rows_kept += rows->makers[t].kept_count;
     }
     report->rows_made = rows->made;
-    report->rows_kept = rows->kept_count;
-    report->row_bytes = rows->kept_bytes;
     report->faces_drawn_mean = rows->made ? (double)faces / (double)rows->made : 0;
     report->elements_drawn_mean = rows->made ? (double)elements / (double)rows->made : 0;
 }

@@ -189,12 +189,34 @@ static void take_cells(const Look *look, int cell) {
     }
 }
 
+// How many objects ahead memory is asked for: their faces' shapes, then the corners of these.
+enum { AHEAD = 3, FAR_AHEAD = 6 };
+
+// Objects lie all over memory, but it is known which come.
+static inline void fetch_ahead(const Viewer *viewer, const int *objects, int left) {
+    const FaceShape *shapes = viewer->shapes;
+    if (left > FAR_AHEAD) {
+        const int *first = viewer->object_face + objects[FAR_AHEAD];
+        __builtin_prefetch(&shapes[first[0]]);
+        __builtin_prefetch(&shapes[first[0] + 1]);
+    }
+    if (left > AHEAD) {
+        const int *first = viewer->object_face + objects[AHEAD];
+        if (first[0] == first[1]) return;
+        const char *corners = (const char *)&viewer->corners[shapes[first[0]].first];
+        for (int k = 0; k < 2; k++) __builtin_prefetch(corners + 64 * k);
+    }
+}
+
 static void take_query(const Look *look, int cell, VisMethod method) {
     Viewer *viewer = look->viewer;
     Eye eye = {.position = look->eye, .frustum_count = 1, .on_surface = true};
     eye.frustum[0] = (Plane){look->z, vec3_dot(look->z, look->eye)};
     VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, method);
-    for (int i = 0; i < result.object_count; i++) take_object(look, result.objects[i]);
+    for (int i = 0; i < result.object_count; i++) {
+        fetch_ahead(look->viewer, result.objects + i, result.object_count - i);
+        take_object(look, result.objects[i]);
+    }
 }
 
 // By distance, to half a percent; equals stay in order. The upper bytes of the keys, from low to high.

@@ -17,7 +17,8 @@ typedef struct View {
     // Those with a point above the horizon (z > 0) whose planes do not hold the eye; near to far as their nearest
     // corners are, which says nothing certain about which hides which.
     ViewFace *faces;
-    Vec3 *vertices;  // metres from the eye, in the view's axes
+    // Metres from the eye, in the view's axes: dot(x, v - eye) and so on, to the last bit. There is room for one more.
+    Vec3 *vertices;
     int face_count, vertex_count;
 } View;
 

@@ -145,7 +145,8 @@ static void find_faces(Scan *self, const View *view, bool turn) {
         ScanFace *f = &self->faces[self->face_count];
         int count = find_arcs(self, i, self->arcs + arcs);
         if (count == 0) continue;
-        f->rank = face->face;
+        f->face = face->face;
+        f->rank = form_factor_rank(face);
         f->first_arc = arcs, f->arc_count = count;
         f->first_line = self->lines, f->end_line = 0;
         f->has_grid = false;
@@ -226,7 +227,7 @@ static void add_span(Scan *self, const View *view, const ScanLine *line, const S
     }
     if (!f->has_grid) {
         f->has_grid = true;
-        f->grid = face_grid(self->mesh, view, f->rank);
+        f->grid = face_grid(self->mesh, view, f->face);
         f->axis[0] = scan_axis(turned(f->grid.gx, turn), f->grid.x0, f->grid.nx, f->inverse);
         f->axis[1] = scan_axis(turned(f->grid.gy, turn), f->grid.y0, f->grid.ny, f->inverse);
     }

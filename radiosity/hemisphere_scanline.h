@@ -46,7 +46,8 @@ ScanAxis scan_axis(Vec3 g, double offset, int count, Vec3 inverse);
 
 typedef struct ScanFace {
     Vec3 inverse;  // 1 / distance along direction w is dot(inverse, w)
-    int rank;      // ViewFace.face
+    int face;      // ViewFace.face
+    int rank;      // form_factor_rank
     int first_arc, arc_count, first_line, end_line;
     bool back, has_grid;
     FaceGrid grid;     // once asked for

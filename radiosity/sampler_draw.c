@@ -5,6 +5,8 @@
 // floats when they meet directions. Two faces along one line share its form to the last bit, and only one of them holds the
 // directions on it, so nothing falls between them.
 //
+// Faces that floats cannot tell apart along a direction are told apart in doubles (sampler_tie.c).
+//
 // Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
 // its edges do not reach, and over what lies wholly behind things already seen.
 #include <float.h>
@@ -27,7 +29,9 @@ typedef struct ViewFrame {
 typedef struct Drawing {
     Form near;
     float nearest;  // 1 / distance of nowhere on the face is above this
+    float tie;      // 1 / distances that differ by less may be the same, or the other way round
     int face;
+    const SamplerView *of;
     const DrawnEdge *const *edges;
     int edge_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
@@ -115,7 +119,7 @@ static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
 
 static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
     Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
-    return (nearest >= b->far) & (nearest > 0);
+    return (nearest + d->tie >= b->far) & (nearest > 0);
 }
 
 static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
@@ -154,22 +158,56 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row) {
                              lane_multiply_add(lane_of(f->y), b->y[row], lane_of(f->z) * b->z[row]));
 }
 
-// What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
-// least 1 / distance now seen in the block.
+// Of the directions of a row that see another face as near, those that see this one all the same.
+static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
+    LaneInt wins = {0};
+    for (unsigned left = lane_mask(tied); left;) {
+        int other = before[__builtin_ctz(left)];
+        unsigned same = lane_mask(before == lane_int_of(other)) & left;
+        left &= ~same;
+        // Mostly the two lie in one plane, and what holds for one direction holds for all.
+        int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
+        for (; same; same &= same - 1) {
+            int i = __builtin_ctz(same);
+            Vec3 w = vec3((double)b->x[row][i], (double)b->y[row][i], (double)b->z[row][i]);
+            wins[i] = all > 0 || (all == 0 && sampler_tie_along(d->of, d->face, other, w)) ? -1 : 0;
+        }
+    }
+    return wins;
+}
+
+// Of a block that has been drawn, what was left open. What is seen stays as near, by less than a tie.
+static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                             const LaneInt inside[SAMPLER_BLOCK]) {
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        Lane value = lane_least(form_at(&d->near, b, row), lane_of(d->nearest));
+        LaneInt before = items->face[row];
+        LaneInt tied = inside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
+        if (lane_mask(tied) == 0) continue;
+        LaneInt wins = settle_row(d, b, row, tied, before);
+        items->near[row] = lane_choose(wins, value, items->near[row]);
+        items->face[row] = lane_choose_int(wins, lane_int_of(d->face), before);
+    }
+}
+
+// What is inside the face and nearer than what is there sees it from now on. Returns the least 1 / distance now seen in the
+// block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt inside[SAMPLER_BLOCK]) {
     Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
-    LaneInt face = lane_int_of(d->face);
+    LaneInt face = lane_int_of(d->face), open = {0};
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         Lane value = lane_least(form_at(&d->near, b, row), nearest), old = items->near[row];
-        LaneInt before = items->face[row];
-        LaneInt in = inside[row] & ((value > old) | ((value == old) & (before > face)));
+        Lane nearer = value - old;
+        LaneInt in = inside[row] & (nearer > d->tie);
+        open |= inside[row] & (lane_abs(nearer) <= d->tie);
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
-        items->face[row] = lane_choose_int(in, face, before);
+        items->face[row] = lane_choose_int(in, face, items->face[row]);
         far = lane_least(far, now);
     }
+    if (__builtin_expect(lane_mask(open) != 0, 0)) settle(b, items, d, inside);
     return lane_least_of(far);
 }
 
@@ -190,13 +228,18 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
 
 // Returns how many blocks were looked at.
 static int draw_group(Sampler *s, int group, const Drawing *whole, int edge_count) {
-    Drawing d = {whole->near, whole->nearest, whole->face, s->group, edge_count, s->crossed_blocks};
+    Drawing d = *whole;
+    d.edges = s->group;
+    d.edge_count = edge_count;
+    d.crossed = s->crossed_blocks;
     SampleBoxes *boxes = &s->block_boxes[group * 2];
     unsigned reached = boxes_reached(boxes, &d);
     int count = __builtin_popcount(reached);
     for (; reached; reached &= reached - 1) {
         int i = __builtin_ctz(reached), block = group * GROUP_BLOCKS + i;
-        Drawing in_block = {d.near, d.nearest, d.face, s->block, choose_edges(&d, i, s->block), NULL};
+        Drawing in_block = d;
+        in_block.edges = s->block;
+        in_block.edge_count = choose_edges(&d, i, s->block);
         draw_block(&s->blocks[block], &s->items[block], &in_block,
                    (float *)&boxes[i / LANES].far + i % LANES);
     }
@@ -230,12 +273,18 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
     ViewFrame frame = frame_of(s, view);
+    SamplerView of = {s, view};
+    float tie = 0;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        Drawing d = {.near = near_form(s, face),
+        Form near = near_form(s, face);
+        tie = fmaxf(tie, sampler_tie_within(&near));
+        Drawing d = {.near = near,
                      .nearest = nearest_of(view, face),
+                     .tie = tie,
+                     .of = &of,
                      .edges = s->all,
                      .edge_count = make_edges(s, &frame, face),
                      .crossed = s->crossed,

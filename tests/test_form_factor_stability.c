@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "radiosity/analytic.h"
+#include "tests/lit_fixture.h"
 #include "tests/support.h"
 #include "tests/view_fixture.h"
 
@@ -321,6 +322,96 @@ Test(form_factor_stability, leaks, .timeout = 120) { check_leaks(vec3(0, 0, 0), 
 Test(form_factor_stability, leaks_far_away, .timeout = 120) {
     check_leaks(vec3(600, -700, 400), "1 km away");
     check_leaks(vec3(6e5, -7e5, 4e5), "1,000 km away");
+}
+
+// ---- walls without thickness
+
+static double quarters(Random *random, int low, int high) {
+    return 0.25 * (low + (int)random_between(random, 0, high - low + 0.999));
+}
+
+// As it is, across the axes, or any way.
+static void pose_building(Building *b, Random *random) {
+    int turn = (int)random_between(random, 0, 3);
+    double c = turn == 1 ? M_SQRT1_2 : 1, s = turn == 1 ? M_SQRT1_2 : 0;
+    ViewPose pose = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}, {0, 0, 0}};
+    if (turn == 2) pose = view_fixture_pose(random, vec3(0, 0, 0));
+    b->world = box_empty();
+    for (int i = 0; i < b->vertex_count; i++) {
+        b->vertices[i] = view_fixture_place(&pose, b->vertices[i]);
+        b->world = box_add(b->world, b->vertices[i]);
+    }
+}
+
+// Two rooms, wall on wall, all corners on a grid of a quarter of a metre, so that lines of samples run exactly along those
+// where ceilings and floors end on the other room's wall. `dark` is its first polygon of the room not looked from, up to `end`.
+static Lit *neighbours(Random *random, int *dark, int *end) {
+    Lit *lit = lit_new();
+    Vec3 size = vec3(quarters(random, 8, 16), quarters(random, 8, 16), quarters(random, 8, 12));
+    Vec3 low = vec3(size.x, quarters(random, -4, 4), quarters(random, -2, 2));
+    Vec3 high =
+        vec3_add(low, vec3(quarters(random, 4, 12), quarters(random, 4, 12), quarters(random, 4, 12)));
+    bool dark_first = random_between(random, 0, 1) < 0.5;
+    if (!dark_first) lit_box(lit, vec3(0, 0, 0), size, true, LIT_WALL, 0);
+    *dark = lit->building->polygon_count;
+    lit_box(lit, low, high, true, LIT_RED, 0);
+    *end = lit->building->polygon_count;
+    if (dark_first) lit_box(lit, vec3(0, 0, 0), size, true, LIT_WALL, 0);
+    pose_building(lit->building, random);
+    lit_finish(lit, quarters(random, 3, 5), 1);
+    return lit;
+}
+
+static double through_walls(const Lit *lit, const Row *row, int dark, int end) {
+    double leak = row->escaped + row->back;
+    for (int i = 0; i < row->count; i++) {
+        int polygon = lit->mesh.faces[lit->mesh.elements[row->element[i]].face].polygon;
+        if (polygon >= dark && polygon < end) leak += (double)row->factor[i];
+    }
+    return leak;
+}
+
+// The most of what leaves a patch of the one room and falls elsewhere than on its fronts.
+static double most_through_walls(const FormFactorMethod *method, Random *random, int resolution, int *leaks) {
+    Arena arena = {0};
+    int dark, end;
+    double most = 0;
+    Lit *lit = neighbours(random, &dark, &end);
+    Viewer *viewer = viewer_new(&lit->mesh, &lit->forest, NULL, &arena);
+    FormFactorOptions options = form_factor_default_options();
+    options.resolution = resolution;
+    FormFactor *maker = form_factor_new(method, &lit->mesh, &options, &arena);
+    for (int p = 0; p < lit->mesh.patch_count; p++) {
+        const Patch *patch = &lit->mesh.patches[p];
+        const Face *face = &lit->mesh.faces[patch->face];
+        if (face->polygon >= dark && face->polygon < end) continue;
+        ViewPoint from = {patch->centre, face->plane.n, patch->cell};
+        for (int culled = 0; culled < 2; culled++) {
+            const View *view = viewer_look(viewer, &from, culled ? CULL_PORTALS : CULL_NOTHING);
+            double leak = through_walls(lit, form_factor_row(maker, view), dark, end);
+            most = fmax(most, leak), *leaks += leak > 0;
+        }
+    }
+    form_factor_end(maker);
+    lit_free(lit);
+    arena_free(&arena);
+    return most;
+}
+
+// Proves that a wall of two coincident faces, one to each side, lets nothing through, along no line, culled or not, and that
+// of the two the one that faces the eye gets the light: all of a row falls on the room's own fronts.
+Test(form_factor_stability, walls_without_thickness, .timeout = 240) {
+    EACH_METHOD(m) {
+        Random random = {47};
+        double most = 0;
+        int leaks = 0, rooms = is(*m, "analytic") || in_floats(*m) ? 10 : support_count(30, 1000);
+        for (int k = 0; k < rooms; k++)
+            most = fmax(most, most_through_walls(*m, &random, k % 2 ? 50 : 100, &leaks));
+        cr_log_info("%-20s through walls without thickness: %d rows leak in %d buildings, most %.3g",
+                    (*m)->name, leaks, rooms, most);
+        if (!as_printed(*m) && !in_floats(*m))
+            cr_expect(leaks == 0, "%s, seed 47: %d rows leak, %g", (*m)->name, leaks, most);
+    }
 }
 
 // ---- shapes that tempt

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "radiosity/near_faces.h"
 #include "radiosity/row.h"
 
 extern const FormFactorMethod FORM_FACTOR_HEMISPHERE, FORM_FACTOR_HEMICUBE, FORM_FACTOR_HEMISPHERE_SCANLINE,
@@ -85,6 +86,7 @@ const Row *form_factor_row(FormFactor *self, const View *view) {
         count_drawn(self, view);
         self->method->row(self->self, view, &self->sum, &self->work);
     }
+    if (self->method->mended) near_faces_mend(&self->sum, view);
     return row_finish(&self->sum);
 }
 

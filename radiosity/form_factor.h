@@ -50,6 +50,7 @@ typedef struct FormFactor FormFactor;
 typedef struct FormFactorMethod {
     const char *name, *summary;
     bool projective;
+    bool mended;  // of faces close by the shares are put right (near_faces.h)
     // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
     void (*stop)(void *self);  // what is not in the arena; NULL: nothing

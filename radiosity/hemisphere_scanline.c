@@ -296,6 +296,7 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE = {
     .name = "hemisphere-scanline",
     .summary = "lines over the hemisphere's base one way, exact along them",
+    .mended = true,
     .start = start_one_way,
     .row = row,
 };
@@ -303,6 +304,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE = {
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES = {
     .name = "hemisphere-scanlines",
     .summary = "the same both ways (Doi & Itoh), `resolution` lines each",
+    .mended = true,
     .start = start_both_ways,
     .row = row,
 };

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <sys/resource.h>
 
+#include "engine/app/app_light.h"
 #include "engine/core/clock.h"
-#include "engine/core/file.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
@@ -71,14 +71,9 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     return good;
 }
 
-// In the cache there is one for each building.
 static bool find_place(Bake *bake, Arena *arena, Error *error) {
     bake->out = bake->a->out;
-    char *folder;
-    if (bake->out) return true;
-    if (!file_cache_folder(arena, &folder, error)) return false;
-    bake->out = arena_format(arena, "%s/%016llx.rad", folder, (unsigned long long)bake->scene.building.hash);
-    return true;
+    return bake->out || app_light_place(&bake->scene.building, arena, &bake->out, error);
 }
 
 static bool begin(Bake *bake, Arena *arena, Error *error) {

@@ -208,7 +208,8 @@ static void items(void *context, const View *view, int32_t *item, FormFactorWork
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_POLYLINE = {
     .name = "hemisphere-polyline",
-    .summary = "z-buffer on the hemisphere's base, edges as chords, as printed (Doi & Itoh)",
+    .summary = "z-buffer on the hemisphere's base as printed (Doi & Itoh): chords, and a depth so wrong that "
+               "culling shows",
     .projective = true,
     .start = start,
     .samples = samples,

@@ -154,7 +154,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES = {
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES_FIT = {
     .name = "hemisphere-scanlines-fit",
-    .summary = "the same, as many as a shooter needs: more until both ways agree; some `resolution` each",
+    .summary = "the same, as many as a shooter needs, some `resolution` each",
     .mended = true,
     .start = start_fit,
     .row = row_fit,

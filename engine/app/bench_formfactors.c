@@ -15,6 +15,7 @@
 #include "engine/core/text.h"
 #include "radiosity/form_factor.h"
 #include "radiosity/ray_caster.h"
+#include "visibility/hidden/hidden.h"
 
 static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
                            "elements_drawn,samples,tests,rays_of_reference,front\n";
@@ -24,6 +25,8 @@ enum { MOST_RUNS = 1024, PASSES = 9, RUN_SECONDS = 2 };
 // A row of the table.
 typedef struct Run {
     const FormFactorMethod *method;
+    const char *hidden;  // that fills the hemicube's sides; NULL: none
+    char name[40];
     ViewCulling culling;
     int resolution;
     double ms, look_ms, l1;
@@ -149,6 +152,7 @@ static void shoot(ShotBench *b, Run *run, int s, bool first) {
 static void begin_run(ShotBench *b, Run *run) {
     FormFactorOptions options = form_factor_default_options();
     options.resolution = run->resolution;
+    options.hidden = run->hidden;
     run->rows = form_factor_new(run->method, &b->mesh, &options, &run->arena);
     run->least = ARENA_ARRAY(&run->arena, double, b->shooter_count);
     run->least_look = ARENA_ARRAY(&run->arena, double, b->shooter_count);
@@ -190,8 +194,8 @@ static bool on_front(const ShotBench *b, const Run *run) {
 static void add_row(const ShotBench *b, const Run *run, Text *table) {
     double n = b->shooter_count;
     text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
-                run->method->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count,
-                run->ms, run->look_ms, run->l1, (double)run->work.faces_drawn / n,
+                run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
+                run->look_ms, run->l1, (double)run->work.faces_drawn / n,
                 (double)run->work.elements_drawn / n, (double)run->work.samples / n,
                 (double)run->work.tests / n, b->rays, on_front(b, run));
 }
@@ -206,6 +210,26 @@ static bool listed(const char *list, const char *word) {
     return !list;
 }
 
+static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling) {
+    const BenchArguments *a = b->arguments;
+    for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++) {
+        Run *run = &b->runs[b->run_count++];
+        *run = (Run){.method = method, .hidden = hidden, .resolution = a->resolutions[r], .culling = culling};
+        snprintf(run->name, sizeof run->name, "%s%s%s", method->name, hidden ? "-" : "",
+                 hidden ? hidden : "");
+    }
+}
+
+// A hemicube filled by one of HIDDEN_METHODS goes by both names; NULL: it is none.
+static const char *hidden_of(const char *name) {
+    static const char PREFIX[] = "hemicube-";
+    if (strncmp(name, PREFIX, sizeof PREFIX - 1) != 0) return NULL;
+    const HiddenMethod *hidden = hidden_find(name + sizeof PREFIX - 1);
+    return hidden ? hidden->name : NULL;
+}
+
+bool bench_formfactors_knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
+
 static void choose_runs(ShotBench *b) {
     const BenchArguments *a = b->arguments;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
@@ -213,11 +237,16 @@ static void choose_runs(ShotBench *b) {
         if (!listed(a->methods, method->name)) continue;
         for (int c = 0; c < VIEW_CULLINGS; c++) {
             // Rays are culled by their own tree.
-            if (is_ray(method) ? c != CULL_NOTHING : !listed(a->cullings, VIEW_CULLING_NAMES[c])) continue;
-            for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++)
-                b->runs[b->run_count++] =
-                    (Run){.method = method, .resolution = a->resolutions[r], .culling = (ViewCulling)c};
+            if (is_ray(method) ? c == CULL_NOTHING : listed(a->cullings, VIEW_CULLING_NAMES[c]))
+                add_runs(b, method, NULL, (ViewCulling)c);
         }
+    }
+    // Hidden-surface methods draw all there is.
+    for (int h = 0; HIDDEN_METHODS[h]; h++) {
+        char name[40];
+        snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
+        if (listed(a->methods, name))
+            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING);
     }
 }
 
@@ -236,8 +265,8 @@ static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCull
     const Run *low = NULL, *high = NULL;
     for (int i = 0; i + 1 < b->run_count; i++) {
         const Run *p = &b->runs[i], *q = &b->runs[i + 1];
-        if (p->method != method || q->method != method || p->culling != culling || q->culling != culling ||
-            p->l1 == q->l1)
+        if (p->method != method || q->method != method || p->hidden || q->hidden || p->culling != culling ||
+            q->culling != culling || p->l1 == q->l1)
             continue;
         if (!low || q->l1 >= l1 || p->l1 >= l1) low = p, high = q;
     }
@@ -248,7 +277,7 @@ static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCull
 
 static const Run *find_run(const ShotBench *b, const char *method, int resolution, ViewCulling culling) {
     for (int i = 0; i < b->run_count; i++)
-        if (strcmp(b->runs[i].method->name, method) == 0 && b->runs[i].resolution == resolution &&
+        if (strcmp(b->runs[i].name, method) == 0 && b->runs[i].resolution == resolution &&
             b->runs[i].culling == culling)
             return &b->runs[i];
     return NULL;

@@ -226,6 +226,30 @@ Test(form_factor_stability, depth_of_wide_polygons) {
     }
 }
 
+// Culling leaves out what is hidden, and rows are the same bit by bit with and without it - but those of the method as
+// printed, to which its depths show what is hidden: the one method whose light depends on culling.
+Test(form_factor_stability, hidden_faces_leave_no_trace) {
+    EACH_METHOD(m) {
+        if (in_floats(*m)) continue;  // they see all of the mesh, whatever the view
+        Arena arena = {0};
+        ViewFixture *f = view_fixture_new(&arena);
+        double half = tan(M_PI / 3);
+        slab(&arena, f, vec2(-.5, -.5), vec2(.5, .5), 2, 0.2, vec3(0, 0, 0));
+        slab(&arena, f, vec2(-half, -half), vec2(half, half), 1, 0.2, vec3(0, 0, 0));
+        View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
+        cr_assert_eq(view->face_count, 2);
+        FormFactor *maker = maker_of(&arena, *m, f, 100);
+        double all = share_of(&f->mesh, form_factor_row(maker, view), 1);
+        view->faces[0] = view->faces[view->faces[0].face == 0 ? 1 : 0];
+        view->face_count = 1;
+        double culled = share_of(&f->mesh, form_factor_row(maker, view), 1);
+        cr_expect(as_printed(*m) ? culled > all + 0.01 : culled == all, "%s: %g, culled %g", (*m)->name, all,
+                  culled);
+        form_factor_end(maker);
+        arena_free(&arena);
+    }
+}
+
 // The polyline method with edges left whole: -11.4 % for a unit square at 1 m, -35.6 % at 0.1 m; at 1 degree it is right.
 Test(form_factor_stability, chords) {
     const FormFactorMethod *method = form_factor_method("hemisphere-polyline");

@@ -154,6 +154,14 @@ expect 0 "$program" bench visibility $maps/two-rooms.plan --methods flood,proof 
 [ "$(awk -F, '$2 != "peer" && NR > 1 { print $15 }' "$work/out" | sort -u)" = 0 ] || fail 'misses'
 says out 'two-rooms.plan,peer,13,24,skipped,.*no --peer was given'
 
+# A hemicube filled by each hidden-surface method sees what it sees by itself: errors within a tenth.
+expect 0 "$program" bench formfactors $maps/two-rooms.plan --methods hemicube,hemicube-raycast,hemicube-osmesa \
+    --resolutions 50 --cullings none --shooters 5 --rays 100000
+[ "$(awk -F, 'NR > 1 { print $2 }' "$work/out" | tr '\n' ' ')" = 'hemicube hemicube-raycast hemicube-osmesa ' ] ||
+    fail "rows of hidden surfaces: $(cat "$work/out")"
+awk -F, 'NR == 2 { l1 = $8 } NR > 2 && ($8 > 1.1 * l1 || $8 < 0.9 * l1) { exit 1 }' "$work/out" ||
+    fail "hidden surfaces err otherwise: $(cat "$work/out")"
+
 # Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
 bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
 bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1

@@ -8,13 +8,11 @@
 #include <stdio.h>
 
 #include "engine/app/bench.h"
+#include "engine/app/shot_reference.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
-#include "engine/core/parallel.h"
-#include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "radiosity/form_factor.h"
-#include "radiosity/ray_caster.h"
 #include "visibility/hidden/hidden.h"
 
 static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
@@ -43,10 +41,9 @@ typedef struct ShotBench {
     AppScene scene;
     Mesh mesh;
     Viewer *viewer;
-    int *shooters;        // [shooter_count] patches
-    uint32_t **arrivals;  // [shooter_count][element_count] random rays that met each element
+    int *shooters;  // [shooter_count] patches
     int shooter_count;
-    long long rays;
+    ShotReference reference;
     Run runs[MOST_RUNS];
     int run_count;
 } ShotBench;
@@ -65,68 +62,10 @@ static void choose_shooters(ShotBench *b, Arena *arena) {
     }
 }
 
-// ---- the reference
-
-typedef struct Reference {
-    ShotBench *bench;
-    RayCaster *casters[64];  // of each thread
-} Reference;
-
-// Eight directions, cosine-distributed about `z`: points of the disc, lifted.
-static RayEight random_rays(Random *random, Vec3 x, Vec3 y, Vec3 z) {
-    RayEight rays;
-    for (int i = 0; i < LANES; i++) {
-        double r2 = random_unit(random), angle = 2 * M_PI * random_unit(random), r = sqrt(r2);
-        Vec3 w = vec3_add(vec3_add(vec3_scale(x, r * cos(angle)), vec3_scale(y, r * sin(angle))),
-                          vec3_scale(z, sqrt(1 - r2)));
-        rays.x[i] = (float)w.x;
-        rays.y[i] = (float)w.y;
-        rays.z[i] = (float)w.z;
-    }
-    return rays;
-}
-
-static void cast_shooter(void *context, int shooter, int thread) {
-    const Reference *reference = context;
-    ShotBench *b = reference->bench;
-    Random random = {b->arguments->seed * 1000003 + (uint64_t)shooter};
-    ViewPoint from = point_of(b, shooter);
-    Vec3 x, y;
-    view_axes(from.normal, &x, &y);
-    uint32_t *arrivals = b->arrivals[shooter];
-    for (long long i = 0; i < b->rays / LANES; i++) {
-        RayEight rays = random_rays(&random, x, y, from.normal);
-        int32_t face[LANES], element[LANES];
-        ray_caster_cast(reference->casters[thread], from.eye, from.normal, &rays, ~(LaneInt){0}, false, face,
-                        element);
-        for (int k = 0; k < LANES; k++)
-            if (element[k] >= 0) arrivals[element[k]]++;
-    }
-}
-
-static void make_reference(ShotBench *b, Arena *arena) {
-    b->rays = b->arguments->rays / LANES * LANES;
-    b->arrivals = ARENA_ARRAY(arena, uint32_t *, b->shooter_count);
-    for (int s = 0; s < b->shooter_count; s++)
-        b->arrivals[s] = ARENA_ARRAY(arena, uint32_t, b->mesh.element_count);
-    Reference reference = {.bench = b};
-    int threads = parallel_threads(0);
-    if (threads > 64) threads = 64;
-    for (int t = 0; t < threads; t++) reference.casters[t] = ray_caster_new(&b->mesh, arena);
-    parallel_for(threads, b->shooter_count, cast_shooter, &reference);
-    for (int t = 0; t < threads; t++) ray_caster_end(reference.casters[t]);
-}
-
-static double l1_of(const ShotBench *b, int shooter, const Row *row) {
-    const uint32_t *arrivals = b->arrivals[shooter];
-    double sum = 0;
-    int at = 0;
-    for (int e = 0; e < b->mesh.element_count; e++) {
-        double f = 0;
-        if (at < row->count && row->element[at] == e) f = (double)row->factor[at++];
-        sum += fabs(f - arrivals[e] / (double)b->rays);
-    }
-    return sum;
+static ShotReference make_reference(const ShotBench *b, Arena *arena) {
+    ViewPoint *from = ARENA_ARRAY(arena, ViewPoint, b->shooter_count + 1);
+    for (int s = 0; s < b->shooter_count; s++) from[s] = point_of(b, s);
+    return shot_reference(&b->mesh, from, b->shooter_count, b->arguments->rays, b->arguments->seed, arena);
 }
 
 // ---- the methods
@@ -144,7 +83,7 @@ static void shoot(ShotBench *b, Run *run, int s, bool first) {
     const Row *row = form_factor_row(run->rows, view);
     double end = clock_thread_seconds();
     run->spent += end - start;
-    if (first) run->l1 += l1_of(b, s, row) / b->shooter_count;
+    if (first) run->l1 += shot_reference_l1(&b->reference, s, row) / b->shooter_count;
     if (first || end - start < run->least[s]) run->least[s] = end - start;
     if (first || looked - start < run->least_look[s]) run->least_look[s] = looked - start;
 }
@@ -197,7 +136,7 @@ static void add_row(const ShotBench *b, const Run *run, Text *table) {
                 run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
                 run->look_ms, run->l1, (double)run->work.faces_drawn / n,
                 (double)run->work.elements_drawn / n, (double)run->work.samples / n,
-                (double)run->work.tests / n, b->rays, on_front(b, run));
+                (double)run->work.tests / n, b->reference.rays, on_front(b, run));
 }
 
 // ---- what to run
@@ -320,7 +259,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     if (good) {
         b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
         choose_shooters(b, &arena);
-        make_reference(b, &arena);
+        b->reference = make_reference(b, &arena);
         choose_runs(b);
         measure_all(b);
         print_runs(b, table);

@@ -13,6 +13,10 @@
 
 // A face is near when each of its corners is so many times as far as its plane; of others no edge is so straight and so long.
 static const double NEAR = 8;
+// And it reaches to the foot of the perpendicular to its plane, or to so many times the plane's distance from there.
+static const double BESIDE = 4;
+// And has so much of the light at least: others err little.
+static const double LEAST_SHARE = 0.1;
 // What is less than this inside the face's cone, as an angle's tangent, or before its plane, as a share of the distance, touches
 // it: far above the rounding of doubles, far below what shows.
 static const double TOUCH = 1e-6;
@@ -25,10 +29,18 @@ typedef struct NearFace {
 
 static bool is_near(const View *view, const ViewFace *face) {
     const Vec3 *v = view->vertices + face->first_vertex;
-    double least = NEAR * NEAR * face->d * face->d;
-    for (int i = 0; i < face->vertex_count; i++)
-        if (vec3_dot(v[i], v[i]) < least) return false;
-    return face->d < 0 && face->vertex_count + 2 < ANALYTIC_CORNERS;
+    double d2 = face->d * face->d;
+    int n = face->vertex_count;
+    if (face->d > 0 || n + 2 >= ANALYTIC_CORNERS) return false;
+    for (int i = 0; i < n; i++)
+        if (vec3_dot(v[i], v[i]) < NEAR * NEAR * d2) return false;
+    for (int i = 0; i < n; i++) {
+        // How far the foot of the perpendicular is inside the edge, times the edge's length.
+        Vec3 edge = vec3_sub(v[i + 1 < n ? i + 1 : 0], v[i]);
+        double inside = vec3_dot(face->n, vec3_cross(v[i], edge));
+        if (inside < 0 && inside * inside > BESIDE * BESIDE * d2 * vec3_dot(edge, edge)) return false;
+    }
+    return true;
 }
 
 // What lies before a face and above the horizon, a little shrunk: keep. Returns how many planes there are.
@@ -88,9 +100,10 @@ static int find_near(const RowSum *sum, const View *view, NearFace *out) {
     for (int i = 0; i < view->face_count && count < MOST_NEAR; i++) {
         const ViewFace *face = &view->faces[i];
         if (!is_near(view, face)) continue;
+        double exact = analytic_point(view->vertices + face->first_vertex, face->vertex_count);
+        if (exact < LEAST_SHARE) continue;
         double sampled = share_of(sum, &sum->mesh->faces[face->face]);
         if (!(sampled > 0) || !is_free(view, face)) continue;
-        double exact = analytic_point(view->vertices + face->first_vertex, face->vertex_count);
         out[count++] = (NearFace){face, exact, sampled};
     }
     return count;

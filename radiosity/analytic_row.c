@@ -91,7 +91,9 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *f = &view->faces[i];
         AnalyticOccluder *o = &self->occluder[occluders];
-        if (!analytic_occluder(view->vertices + f->first_vertex, f->vertex_count, f->face, edge, o)) continue;
+        if (!analytic_occluder(view->vertices + f->first_vertex, f->vertex_count, form_factor_rank(f), edge,
+                               o))
+            continue;
         occluders++;
         edge += o->edge_count;
     }
@@ -99,8 +101,8 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
         const ViewFace *f = &view->faces[i];
         self->grid = face_grid(self->mesh, view, f->face);
         self->back = f->d > 0;
-        work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count, f->face,
-                                        self->occluder, occluders, add_piece, self);
+        work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count,
+                                        form_factor_rank(f), self->occluder, occluders, add_piece, self);
     }
     if (1 - self->total > ANALYTIC_CLOSED) sum->escaped += 1 - self->total;
 }

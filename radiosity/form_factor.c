@@ -4,16 +4,18 @@
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "radiosity/near_faces.h"
 #include "radiosity/row.h"
 
 extern const FormFactorMethod FORM_FACTOR_HEMISPHERE, FORM_FACTOR_HEMICUBE, FORM_FACTOR_HEMISPHERE_SCANLINE,
-    FORM_FACTOR_HEMISPHERE_SCANLINES, FORM_FACTOR_HEMISPHERE_POLYLINE, FORM_FACTOR_ANALYTIC, FORM_FACTOR_RAY,
-    FORM_FACTOR_RAY_DISC, FORM_FACTOR_RAY_HEMICUBE;
+    FORM_FACTOR_HEMISPHERE_SCANLINES, FORM_FACTOR_HEMISPHERE_SCANLINES_FIT, FORM_FACTOR_HEMISPHERE_POLYLINE,
+    FORM_FACTOR_ANALYTIC, FORM_FACTOR_RAY, FORM_FACTOR_RAY_DISC, FORM_FACTOR_RAY_HEMICUBE;
 const FormFactorMethod *const FORM_FACTOR_METHODS[] = {
     &FORM_FACTOR_HEMISPHERE,
     &FORM_FACTOR_HEMICUBE,
     &FORM_FACTOR_HEMISPHERE_SCANLINE,
     &FORM_FACTOR_HEMISPHERE_SCANLINES,
+    &FORM_FACTOR_HEMISPHERE_SCANLINES_FIT,
     &FORM_FACTOR_HEMISPHERE_POLYLINE,
     &FORM_FACTOR_ANALYTIC,
     &FORM_FACTOR_RAY,
@@ -85,6 +87,7 @@ const Row *form_factor_row(FormFactor *self, const View *view) {
         count_drawn(self, view);
         self->method->row(self->self, view, &self->sum, &self->work);
     }
+    if (self->method->mended) near_faces_mend(&self->sum, view);
     return row_finish(&self->sum);
 }
 

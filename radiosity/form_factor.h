@@ -37,17 +37,25 @@ typedef struct FormFactorSamples {
 
 typedef struct RowSum RowSum;  // row.h
 
+// Of faces in one place the one is seen that turns its front to the eye, then the lower in the mesh: a wall without thickness,
+// which is two faces, is lit on both sides, and none swallows what the other should get.
+static inline int form_factor_rank(const ViewFace *face) {
+    const int back = 1 << 30;  // above all faces
+    return face->d > 0 ? face->face + back : face->face;
+}
+
 // A method at work in one thread: its tables and buffers.
 typedef struct FormFactor FormFactor;
 
 typedef struct FormFactorMethod {
     const char *name, *summary;
     bool projective;
+    bool mended;  // of faces close by the shares are put right (near_faces.h)
     // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
     void (*stop)(void *self);  // what is not in the arena; NULL: nothing
-    // Of projective methods. Items are indices of view->faces, -1 where nothing is seen; a pair of faces at the same
-    // distance is decided by the lower ViewFace.face, so that the order of the list does not show.
+    // Of projective methods. Items are indices of view->faces, -1 where nothing is seen; of faces in one place that of the
+    // least form_factor_rank is seen, so that the order of the list does not show.
     const FormFactorSamples *(*samples)(void *self);
     void (*items)(void *self, const View *view, int32_t *item, FormFactorWork *work);
     // Adds shares with row_add and friends (row.h). Of projective methods NULL, or a faster way to what the items give.

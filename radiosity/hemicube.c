@@ -62,6 +62,7 @@ const FormFactorMethod FORM_FACTOR_HEMICUBE = {
     .name = "hemicube",
     .summary = "pixels of a half cube with their delta form factors",
     .projective = true,
+    .mended = true,
     .start = start,
     .stop = stop,
     .samples = samples,

@@ -28,6 +28,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE = {
     .name = "hemisphere",
     .summary = "pixels of a hemisphere's base, edges and depth exact",
     .projective = true,
+    .mended = true,
     .start = start,
     .samples = samples,
     .items = items,

@@ -140,8 +140,8 @@ static void fill_pixels(Polyline *self, const Fill *fill, int j, double x0, doub
         int s = self->first_sample[j] + i - first;
         double depth = fill->a * pixel_at(i, n) + fill->b * y + fill->c;
         int held = fill->item[s];
-        bool nearer = depth < self->depth[s] ||
-                      (depth == self->depth[s] && held >= 0 && fill->rank < fill->view->faces[held].face);
+        bool nearer = depth < self->depth[s] || (depth == self->depth[s] && held >= 0 &&
+                                                 fill->rank < form_factor_rank(&fill->view->faces[held]));
         if (!nearer) continue;
         self->depth[s] = depth;
         fill->item[s] = fill->face;
@@ -199,7 +199,7 @@ static void items(void *context, const View *view, int32_t *item, FormFactorWork
     }
     for (int i = 0; i < view->face_count; i++) {
         const Face *face = &self->mesh->faces[view->faces[i].face];
-        Fill fill = {.face = i, .rank = view->faces[i].face, .view = view, .item = item};
+        Fill fill = {.face = i, .rank = form_factor_rank(&view->faces[i]), .view = view, .item = item};
         for (int e = 0; e < face->element_count; e++)
             draw_element(self, &self->mesh->elements[face->first_element + e], &fill);
     }
@@ -208,7 +208,8 @@ static void items(void *context, const View *view, int32_t *item, FormFactorWork
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_POLYLINE = {
     .name = "hemisphere-polyline",
-    .summary = "z-buffer on the hemisphere's base, edges as chords, as printed (Doi & Itoh)",
+    .summary = "z-buffer on the hemisphere's base as printed (Doi & Itoh): chords, and a depth so wrong that "
+               "culling shows",
     .projective = true,
     .start = start,
     .samples = samples,

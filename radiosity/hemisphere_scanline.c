@@ -3,12 +3,10 @@
 //
 // Departs from the paper in that nothing is cut into chords: an edge crosses a line where a quadratic says, faces hide
 // each other by their exact distances, and elements begin where the line crosses the face's grid. The only error left is
-// that of the strips between lines. A line's length counts with the exact area of its strip, so that rows sum to 1.
+// that of the strips between lines. How many lines there are, and which ways: hemisphere_scanline_methods.c.
 //
 // Lines run at 45 degrees to the view's axes: what is built is mostly aligned with these, and a line that runs along an
-// edge sees it all or not at all. It halves the error in an office. As the error falls almost with the square of the
-// number of lines, so many lines of one way err half as much as half as many both ways; both ways, as the paper has it,
-// is a method of its own.
+// edge sees it all or not at all. It halves the error in an office.
 //
 // Lines are taken in bands, so that the crossings of a face with several lines are found together and memory does not grow
 // with their number.
@@ -21,41 +19,28 @@
 #define SCAN_SLIVER 1e-12
 enum { SCAN_BAND = 16 };
 
-typedef struct Scan {
+struct Scanner {
     const Mesh *mesh;
-    int lines, ways;     // of one way; 1 or 2
-    int corners;         // most vertices of a face
-    ScanLine *line;      // [lines]
-    ScanFace *faces;     // [mesh face_count] of the view
-    ScanCorner *corner;  // [outline_count + mesh face_count] of the view, the same for both ways
-    int *first_corner;   // [mesh face_count + 1] of each of view->faces
-    ScanArc *arcs;       // [arc_capacity] of the view
+    const View *view;
+    bool across;          // corners are turned to the lines the other way
+    ScanLattice lattice;  // whose lines are under way
+    int corners;          // most vertices of a face
+    ScanFace *faces;      // [mesh face_count] of the view
+    ScanCorner *corner;   // [outline_count + mesh face_count] of the view, the same for both ways
+    int *first_corner;    // [mesh face_count + 1] of each of view->faces
+    ScanArc *arcs;        // [arc_capacity] of the view
     int face_count, arc_capacity;
     Vec3 *clipped;        // [corners + 1]
     ScanPoint *crossing;  // [SCAN_BAND][2 * corners + 2]
-    int *crossings;       // [lines + 1] of a line with all faces
+    int *crossings;       // [most lines + 1] of a line with all faces
     ScanSpan *span;  // [span_capacity] of the lines of a band one after the other, faces in the view's order
     int span_first[SCAN_BAND], span_count[SCAN_BAND], span_capacity;
     ScanList list;
-} Scan;
+};
 
-// Area below y of the half of the disc where x > 0.
-static double area_below(double y) { return (y * sqrt(1 - y * y) + asin(y)) / 2; }
-
-static ScanLine scan_line(int k, int lines, int ways) {
-    double y = -1 + (2 * k + 1.0) / lines, r2 = 1 - y * y;
-    double y0 = -1 + 2.0 * k / lines, y1 = k + 1 < lines ? -1 + 2.0 * (k + 1) / lines : 1;
-    double strip = area_below(y1) - area_below(y0);
-    return (ScanLine){y, r2, sqrt(r2), strip / sqrt(r2) / (ways * M_PI)};
-}
-
-static void *start(const Mesh *mesh, const FormFactorOptions *options, int ways, Arena *arena) {
-    Scan *self = ARENA_ARRAY(arena, Scan, 1);
+Scanner *scanner_new(const Mesh *mesh, int most_lines, Arena *arena) {
+    Scanner *self = ARENA_ARRAY(arena, Scanner, 1);
     self->mesh = mesh;
-    self->lines = options->resolution;
-    self->ways = ways;
-    self->line = ARENA_ARRAY(arena, ScanLine, self->lines);
-    for (int k = 0; k < self->lines; k++) self->line[k] = scan_line(k, self->lines, ways);
     for (int i = 0; i < mesh->face_count; i++)
         if (mesh->faces[i].vertex_count > self->corners) self->corners = mesh->faces[i].vertex_count;
     self->faces = ARENA_ARRAY(arena, ScanFace, mesh->face_count);
@@ -65,7 +50,7 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, int ways,
     self->arcs = ARENA_ARRAY(arena, ScanArc, self->arc_capacity);
     self->clipped = ARENA_ARRAY(arena, Vec3, self->corners + 1);
     self->crossing = ARENA_ARRAY(arena, ScanPoint, SCAN_BAND * (2 * self->corners + 2));
-    self->crossings = ARENA_ARRAY(arena, int, self->lines + 1);
+    self->crossings = ARENA_ARRAY(arena, int, most_lines + 1);
     // A line crosses an edge twice at most.
     self->span_capacity = self->arc_capacity / 2;
     self->span = ARENA_ARRAY(arena, ScanSpan, self->span_capacity);
@@ -75,20 +60,12 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, int ways,
     return self;
 }
 
-static void *start_one_way(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    return start(mesh, options, 1, arena);
-}
-
-static void *start_both_ways(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    return start(mesh, options, 2, arena);
-}
-
 // From the view's axes to those of the lines.
 static Vec3 to_lines(Vec3 v) { return vec3((v.x - v.y) * M_SQRT1_2, (v.x + v.y) * M_SQRT1_2, v.z); }
 
 // The corners of a face's part above the horizon.
-static int find_corners(Scan *self, const View *view, const ViewFace *face, ScanCorner *out) {
-    const Vec3 *v = view->vertices + face->first_vertex;
+static int find_corners(Scanner *self, const ViewFace *face, ScanCorner *out) {
+    const Vec3 *v = self->view->vertices + face->first_vertex;
     int count = face->vertex_count;
     bool below = false;
     for (int i = 0; i < count; i++) below |= v[i].z < 0;
@@ -100,33 +77,35 @@ static int find_corners(Scan *self, const View *view, const ViewFace *face, Scan
     return count;
 }
 
-static void find_all_corners(Scan *self, const View *view) {
+void scanner_look(Scanner *self, const View *view) {
     int corners = 0;
+    self->view = view;
+    self->across = false;
     for (int i = 0; i < view->face_count; i++) {
         self->first_corner[i] = corners;
-        corners += find_corners(self, view, &view->faces[i], self->corner + corners);
+        corners += find_corners(self, &view->faces[i], self->corner + corners);
     }
     self->first_corner[view->face_count] = corners;
 }
 
-static int find_arcs(const Scan *self, int face, ScanArc *out) {
+static int find_arcs(const Scanner *self, int face, ScanArc *out) {
     int first = self->first_corner[face], end = self->first_corner[face + 1], arcs = 0;
     for (int i = first, last = end - 1; i < end; last = i++)
-        arcs += scan_arcs_of_edge(&self->corner[last], &self->corner[i], self->lines, out + arcs);
+        arcs += scan_arcs_of_edge(&self->corner[last], &self->corner[i], &self->lattice, out + arcs);
     return arcs;
 }
 
-// Turns all corners to lines the other way.
-static void turn_corners(Scan *self, int count) {
+// Turns all corners to the lines the other way, or back.
+static void turn_corners(Scanner *self, int count) {
     for (int i = 0; i < count; i++) {
         Vec3 p = self->corner[i].at;
         self->corner[i].at = vec3(p.y, p.x, p.z);
     }
 }
 
-static void find_lines(Scan *self, int count) {
+static void find_lines(Scanner *self, int count) {
     for (ScanCorner *c = self->corner; c < self->corner + count; c++)
-        c->line = scan_line_above(c->at.y * c->inverse, self->lines);
+        c->line = scan_line_above(c->at.y * c->inverse, &self->lattice);
 }
 
 // The same, of lines the other way.
@@ -135,22 +114,23 @@ static Vec3 turned(Vec3 v, bool turn) {
     return turn ? vec3(w.y, w.x, w.z) : w;
 }
 
-static void find_faces(Scan *self, const View *view, bool turn) {
-    int arcs = 0, corners = self->first_corner[view->face_count];
-    if (turn) turn_corners(self, corners);
-    find_lines(self, corners);
+static void find_faces(Scanner *self) {
+    const View *view = self->view;
+    int arcs = 0;
+    find_lines(self, self->first_corner[view->face_count]);
     self->face_count = 0;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         ScanFace *f = &self->faces[self->face_count];
         int count = find_arcs(self, i, self->arcs + arcs);
         if (count == 0) continue;
-        f->rank = face->face;
+        f->face = face->face;
+        f->rank = form_factor_rank(face);
         f->first_arc = arcs, f->arc_count = count;
-        f->first_line = self->lines, f->end_line = 0;
+        f->first_line = self->lattice.count, f->end_line = 0;
         f->has_grid = false;
         arcs += count;
-        f->inverse = vec3_scale(turned(face->n, turn), 1 / face->d);
+        f->inverse = vec3_scale(turned(face->n, self->across), 1 / face->d);
         f->back = face->d > 0;
         for (int k = f->first_arc; k < arcs; k++) {
             if (self->arcs[k].first < f->first_line) f->first_line = self->arcs[k].first;
@@ -160,15 +140,15 @@ static void find_faces(Scan *self, const View *view, bool turn) {
     }
     CORE_ASSERT(arcs <= self->arc_capacity);
     int *crossings = self->crossings;
-    for (int k = 0; k <= self->lines; k++) crossings[k] = 0;
+    for (int k = 0; k <= self->lattice.count; k++) crossings[k] = 0;
     for (int i = 0; i < arcs; i++) crossings[self->arcs[i].first]++, crossings[self->arcs[i].end]--;
-    for (int k = 1; k <= self->lines; k++) crossings[k] += crossings[k - 1];
+    for (int k = 1; k <= self->lattice.count; k++) crossings[k] += crossings[k - 1];
 }
 
 // Lines from k0 on whose spans there is room for; returns the end.
-static int next_band(Scan *self, int k0) {
+static int next_band(Scanner *self, int k0) {
     int spans = 0, k = k0;
-    for (; k < self->lines && k < k0 + SCAN_BAND; k++) {
+    for (; k < self->lattice.count && k < k0 + SCAN_BAND; k++) {
         if (spans + self->crossings[k] / 2 > self->span_capacity) break;
         self->span_first[k - k0] = spans;
         self->span_count[k - k0] = 0;
@@ -188,14 +168,14 @@ static void sort_points(ScanPoint *p, int count) {
 }
 
 // Where a face is on the lines of a band, which begins with line k0; of these, first .. end - 1.
-static void cross_face(Scan *self, int face, int k0, int first, int end) {
+static void cross_face(Scanner *self, int face, int k0, int first, int end) {
     const ScanFace *f = &self->faces[face];
     int stride = 2 * self->corners + 2, found[SCAN_BAND];
     for (int k = first; k < end; k++) found[k - k0] = 0;
     for (const ScanArc *a = self->arcs + f->first_arc; a < self->arcs + f->first_arc + f->arc_count; a++) {
         int a_first = a->first > first ? a->first : first, a_end = a->end < end ? a->end : end;
         for (int k = a_first; k < a_end; k++) {
-            double y = self->line[k].y, s2 = a->h2 - a->e2 * y * y, s = s2 > 0 ? sqrt(s2) : 0;
+            double y = self->lattice.line[k].y, s2 = a->h2 - a->e2 * y * y, s = s2 > 0 ? sqrt(s2) : 0;
             self->crossing[(k - k0) * stride + found[k - k0]++] =
                 (ScanPoint){a->a * y + a->b * s, a->c * y + a->e * s};
         }
@@ -211,8 +191,8 @@ static void cross_face(Scan *self, int face, int k0, int first, int end) {
 }
 
 // Adds a visible span, or a gap (face -1).
-static void add_span(Scan *self, const View *view, const ScanLine *line, const ScanSpan *span, bool turn,
-                     RowSum *sum, FormFactorWork *work) {
+static void add_span(Scanner *self, const ScanLine *line, const ScanSpan *span, RowSum *sum,
+                     FormFactorWork *work) {
     double share = (span->to.x - span->from.x) * line->weight;
     ScanFace *f = span->face >= 0 ? &self->faces[span->face] : NULL;
     work->samples++;
@@ -226,9 +206,9 @@ static void add_span(Scan *self, const View *view, const ScanLine *line, const S
     }
     if (!f->has_grid) {
         f->has_grid = true;
-        f->grid = face_grid(self->mesh, view, f->rank);
-        f->axis[0] = scan_axis(turned(f->grid.gx, turn), f->grid.x0, f->grid.nx, f->inverse);
-        f->axis[1] = scan_axis(turned(f->grid.gy, turn), f->grid.y0, f->grid.ny, f->inverse);
+        f->grid = face_grid(self->mesh, self->view, f->face);
+        f->axis[0] = scan_axis(turned(f->grid.gx, self->across), f->grid.x0, f->grid.nx, f->inverse);
+        f->axis[1] = scan_axis(turned(f->grid.gy, self->across), f->grid.y0, f->grid.ny, f->inverse);
     }
     work->samples += scan_elements(f, line, span, sum);
 }
@@ -251,9 +231,9 @@ static ScanSpan next_stretch(const ScanList *list, int *next, ScanPoint at, Scan
     return stretch;
 }
 
-static void see_line(Scan *self, const View *view, int k, const ScanSpan *span, int count, bool turn,
-                     RowSum *sum, FormFactorWork *work) {
-    const ScanLine *line = &self->line[k];
+static void see_line(Scanner *self, int k, const ScanSpan *span, int count, RowSum *sum,
+                     FormFactorWork *work) {
+    const ScanLine *line = &self->lattice.line[k];
     self->list.first = -1;
     self->list.free = -1;
     self->list.count = 0;
@@ -263,15 +243,18 @@ static void see_line(Scan *self, const View *view, int k, const ScanSpan *span, 
     for (int next = self->list.first; at.x < rim.x;) {
         ScanSpan stretch = next_stretch(&self->list, &next, at, rim);
         if (rim.x - stretch.to.x < SCAN_SLIVER) stretch.to = rim;
-        add_span(self, view, line, &stretch, turn, sum, work);
+        add_span(self, line, &stretch, sum, work);
         at = stretch.to;
     }
     work->tests += self->list.tests;
 }
 
-static void see_all_lines(Scan *self, const View *view, bool turn, RowSum *sum, FormFactorWork *work) {
-    find_faces(self, view, turn);
-    for (int k0 = 0, k1; k0 < self->lines; k0 = k1) {
+void scanner_see(Scanner *self, const ScanLattice *lattice, bool across, RowSum *sum, FormFactorWork *work) {
+    self->lattice = *lattice;
+    if (across != self->across) turn_corners(self, self->first_corner[self->view->face_count]);
+    self->across = across;
+    find_faces(self);
+    for (int k0 = 0, k1; k0 < lattice->count; k0 = k1) {
         k1 = next_band(self, k0);
         for (int f = 0; f < self->face_count; f++) {
             const ScanFace *face = &self->faces[f];
@@ -280,28 +263,6 @@ static void see_all_lines(Scan *self, const View *view, bool turn, RowSum *sum, 
             if (first < end) cross_face(self, f, k0, first, end);
         }
         for (int k = k0; k < k1; k++)
-            see_line(self, view, k, self->span + self->span_first[k - k0], self->span_count[k - k0], turn,
-                     sum, work);
+            see_line(self, k, self->span + self->span_first[k - k0], self->span_count[k - k0], sum, work);
     }
 }
-
-static void row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
-    Scan *self = context;
-    find_all_corners(self, view);
-    see_all_lines(self, view, false, sum, work);
-    if (self->ways == 2) see_all_lines(self, view, true, sum, work);
-}
-
-const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE = {
-    .name = "hemisphere-scanline",
-    .summary = "lines over the hemisphere's base one way, exact along them",
-    .start = start_one_way,
-    .row = row,
-};
-
-const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES = {
-    .name = "hemisphere-scanlines",
-    .summary = "the same both ways (Doi & Itoh), `resolution` lines each",
-    .start = start_both_ways,
-    .row = row,
-};

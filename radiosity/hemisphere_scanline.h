@@ -46,7 +46,8 @@ ScanAxis scan_axis(Vec3 g, double offset, int count, Vec3 inverse);
 
 typedef struct ScanFace {
     Vec3 inverse;  // 1 / distance along direction w is dot(inverse, w)
-    int rank;      // ViewFace.face
+    int face;      // ViewFace.face
+    int rank;      // form_factor_rank
     int first_arc, arc_count, first_line, end_line;
     bool back, has_grid;
     FaceGrid grid;     // once asked for
@@ -58,13 +59,23 @@ typedef struct ScanLine {
     double weight;              // of a unit of length
 } ScanLine;
 
-// The first line at or above y, of `lines` evenly spaced: 0 .. lines.
-static inline int scan_line_above(double y, int lines) {
-    double k = ceil((y + 1) * (0.5 * lines) - 0.5);
-    return k < 0 ? 0 : k > lines ? lines : (int)k;
+// Lines over the disc: line k is at y = -1 + 2 (k + offset) / count, or, even in angle, at y = -cos(pi (k + offset) / count).
+typedef struct ScanLattice {
+    int count;
+    double offset;
+    bool by_angle;
+    ScanLine *line;  // [count]
+} ScanLattice;
+
+// The first line at or above y: 0 .. count.
+static inline int scan_line_above(double y, const ScanLattice *lattice) {
+    double at = (y + 1) * 0.5;
+    if (lattice->by_angle) at = acos(y > -1 ? y < 1 ? -y : -1 : 1) / M_PI;
+    double k = ceil(at * lattice->count - lattice->offset);
+    return k < 0 ? 0 : k > lattice->count ? lattice->count : (int)k;
 }
 // Appends the arcs of the edge between two corners. Returns how many, up to 2.
-int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, int lines, ScanArc *out);
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, const ScanLattice *lattice, ScanArc *out);
 
 // Where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
 int scan_roots(double alpha, double gamma, double t, const ScanLine *line, ScanPoint from, ScanPoint to,
@@ -83,5 +94,15 @@ void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line, 
 
 // Adds the elements along a span of a face to the sum. Returns how many pieces.
 int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *span, RowSum *sum);
+
+// ---- all lines of a lattice
+
+typedef struct Scanner Scanner;
+// For lattices of so many lines at most.
+Scanner *scanner_new(const Mesh *mesh, int most_lines, Arena *arena);
+// Takes a view, to be looked at along lines.
+void scanner_look(Scanner *self, const View *view);
+// Adds what is seen along all lines of a lattice; `across`: along those the other way.
+void scanner_see(Scanner *self, const ScanLattice *lattice, bool across, RowSum *sum, FormFactorWork *work);
 
 #endif

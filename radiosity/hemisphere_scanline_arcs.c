@@ -19,7 +19,8 @@ static ScanArc arc(Vec3 e, double h2, double e2, bool grows, int k0, int k1) {
                      .end = k0 < k1 ? k1 : k0};
 }
 
-int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, int lines, ScanArc *out) {
+int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, const ScanLattice *lattice,
+                      ScanArc *out) {
     Vec3 a = from->at, b = to->at, e = vec3_cross(a, b);
     int ka = from->line, kb = to->line;
     // How y changes on the way, at either end.
@@ -33,7 +34,7 @@ int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, int lines, S
     }
     // Over the top of the circle, or through its bottom.
     double highest = sqrt(h2 / e2);
-    int top = scan_line_above(at_a > 0 ? highest : -highest, lines), count = 0;
+    int top = scan_line_above(at_a > 0 ? highest : -highest, lattice), count = 0;
     if (ka != top) out[count++] = arc(e, h2, e2, at_a > 0, ka, top);
     if (kb != top) out[count++] = arc(e, h2, e2, at_b > 0, kb, top);
     return count;

@@ -2,7 +2,8 @@
 // nearest there.
 //
 // Two faces compare by the inverse distances of their planes, whose difference along a line, with z = sqrt(R^2 - x^2), is
-// alpha x + gamma z + t: exact, with at most two changes of sign.
+// alpha x + gamma z + t: exact, with at most two changes of sign. Where a line runs along the one where two faces meet, the
+// difference is 0 all along: a line counts for what lies just above it (scan_line_above), and so it is compared there.
 
 #include "engine/core/error.h"
 #include "radiosity/hemisphere_scanline.h"
@@ -43,7 +44,7 @@ static ScanPoint between(const ScanLine *line, ScanPoint a, ScanPoint b) {
 
 // Two faces along a line: the first is nearer where alpha x + gamma z + t > 0.
 typedef struct Order {
-    double alpha, gamma, t, noise;
+    double alpha, beta, gamma, t, noise;  // t: beta times the line's y
     bool first_of_same;
 } Order;
 
@@ -55,7 +56,8 @@ static double order_at(const Order *o, ScanPoint p) {
 static Order order_of(const ScanFace *a, const ScanFace *b, const ScanLine *line, ScanPoint at) {
     Vec3 p = a->inverse, q = b->inverse;
     double inverse = fabs(p.x * at.x + p.y * line->y + p.z * at.z);
-    return (Order){p.x - q.x, p.z - q.z, (p.y - q.y) * line->y, SCAN_SAME * inverse, a->rank < b->rank};
+    double beta = p.y - q.y;
+    return (Order){p.x - q.x, beta, p.z - q.z, beta * line->y, SCAN_SAME * inverse, a->rank < b->rank};
 }
 
 // Is the first face nearer all along (1), the second (-1), or does that change or need a closer look (0)?
@@ -70,8 +72,12 @@ static int nearer_all_along(const Order *o, ScanPoint from, ScanPoint to) {
 }
 
 static bool nearer_between(const Order *o, const ScanLine *line, ScanPoint from, ScanPoint to) {
-    double d = order_at(o, between(line, from, to));
-    return d == 0 ? o->first_of_same : d > 0;
+    ScanPoint middle = between(line, from, to);
+    double d = order_at(o, middle);
+    if (d != 0) return d > 0;
+    // How the difference grows with y, times z: dz / dy = -y / z.
+    double above = o->beta * middle.z - o->gamma * line->y;
+    return fabs(above) <= o->noise ? o->first_of_same : above > 0;
 }
 
 // Puts `face` on the part from .. to of span s.

@@ -7,9 +7,14 @@
 
 #include <math.h>
 
+// Samples are off their pixels' centres by this, of the disc's radius or half the cube's side: what is built has corners where
+// those of a cube seen from the middle of a patch would meet them exactly, and there three edges, each right to a rounding,
+// may leave a hole between them.
+static const double HAIR_X = 6.18e-6, HAIR_Y = -4.36e-6;
+
 static bool over_disc(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
-    w[0] = 2 * (i + 0.5) / grid->width - 1;
-    w[1] = 2 * (j + 0.5) / grid->height - 1;
+    w[0] = 2 * (i + 0.5) / grid->width - 1 + HAIR_X;
+    w[1] = 2 * (j + 0.5) / grid->height - 1 + HAIR_Y;
     double left = 1 - w[0] * w[0] - w[1] * w[1];
     if (left <= 0) return false;
     w[2] = sqrt(left);
@@ -26,15 +31,15 @@ enum { TOP = 4 };
 
 // Sides look along x, y, -x, -y, each from the horizon up.
 static bool on_cube(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
-    double u = 2 * (i + 0.5) / grid->width - 1;
+    double u = 2 * (i + 0.5) / grid->width - 1 + HAIR_X;
     if (grid->which == TOP) {
-        double v = 2 * (j + 0.5) / grid->height - 1, s = u * u + v * v + 1;
+        double v = 2 * (j + 0.5) / grid->height - 1 + HAIR_Y, s = u * u + v * v + 1;
         w[0] = u, w[1] = v, w[2] = 1;
         *weight = 2.0 / grid->width / (s * s);
         return true;
     }
     static const double AHEAD[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    double z = (j + 0.5) / grid->height, s = u * u + z * z + 1;
+    double z = (j + 0.5) / grid->height + HAIR_X, s = u * u + z * z + 1;
     const double *a = AHEAD[grid->which];
     w[0] = a[0] - u * a[1];
     w[1] = a[1] + u * a[0];

@@ -5,6 +5,8 @@
 // floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
 // falls between them; a direction right on it is in both, and depth or the lower number decides.
 //
+// Faces that floats cannot tell apart along a direction are told apart in doubles (sampler_tie.c).
+//
 // Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
 // its edges do not reach, and over what lies wholly behind things already seen.
 #include <math.h>
@@ -18,7 +20,9 @@
 typedef struct Drawing {
     Form near;
     float nearest;  // 1 / distance of nowhere on the face is above this
+    float tie;      // 1 / distances that differ by less may be the same, or the other way round
     int face;
+    const SamplerView *of;
     const Form *edges;  // [edge_count]
     int edge_count, crossing_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
@@ -123,7 +127,7 @@ static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
 
 static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
     Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
-    return (nearest >= b->far) & (nearest > 0);
+    return (nearest + d->tie >= b->far) & (nearest > 0);
 }
 
 static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
@@ -164,23 +168,56 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool fl
     return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
-// What is inside the face and nearer than what is there, or as near and the face the lower, sees it from now on. Returns the
-// least 1 / distance now seen in the block.
+// Of the directions of a row that see another face as near, those that see this one all the same.
+static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
+    LaneInt wins = {0};
+    for (unsigned left = lane_mask(tied); left;) {
+        int other = before[__builtin_ctz(left)];
+        unsigned same = lane_mask(before == lane_int_of(other)) & left;
+        left &= ~same;
+        // Mostly the two lie in one plane, and what holds for one direction holds for all.
+        int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
+        for (; same; same &= same - 1) {
+            int i = __builtin_ctz(same);
+            Vec3 w = vec3((double)b->x[row][i], (double)b->y[row][i], (double)b->z[row][i]);
+            wins[i] = all > 0 || (all == 0 && sampler_tie_along(d->of, d->face, other, w)) ? -1 : 0;
+        }
+    }
+    return wins;
+}
+
+// Of a block that has been drawn, what was left open. What is seen stays as near, by less than a tie.
+static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                             const LaneInt outside[SAMPLER_BLOCK]) {
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        Lane value = lane_least(form_at(&d->near, b, row, false), lane_of(d->nearest));
+        LaneInt before = items->face[row];
+        LaneInt tied = ~outside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
+        if (lane_mask(tied) == 0) continue;
+        LaneInt wins = settle_row(d, b, row, tied, before);
+        items->near[row] = lane_choose(wins, value, items->near[row]);
+        items->face[row] = lane_choose_int(wins, lane_int_of(d->face), before);
+    }
+}
+
+// What is inside the face and nearer than what is there sees it from now on. Returns the least 1 / distance now seen in the
+// block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt outside[SAMPLER_BLOCK], bool flat) {
     Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
-    LaneInt face = lane_int_of(d->face);
+    LaneInt face = lane_int_of(d->face), open = {0};
     LANE_UNROLL
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         Lane value = lane_least(form_at(&d->near, b, row, flat), nearest), old = items->near[row];
-        LaneInt before = items->face[row];
-        LaneInt in = (value > old) | ((value == old) & (before > face));
-        in = ~outside[row] & in;  // the sign alone tells
+        Lane nearer = value - old;
+        LaneInt in = ~outside[row] & (nearer > d->tie);  // the sign of `outside` alone tells
+        open |= ~outside[row] & (lane_abs(nearer) <= d->tie);
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
-        items->face[row] = lane_choose_int(in, face, before);
+        items->face[row] = lane_choose_int(in, face, items->face[row]);
         far = lane_least(far, now);
     }
+    if (__builtin_expect(lane_mask(open) != 0, 0)) settle(b, items, d, outside);
     return lane_least_of(far);
 }
 
@@ -245,12 +282,18 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->stamp++;
     clear(s);
     s->frame = frame_of(s, view);
+    SamplerView of = {s, view};
+    float tie = 0;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
-        Drawing d = {.near = near_form(&s->frame, face),
+        Form near = near_form(&s->frame, face);
+        tie = fmaxf(tie, sampler_tie_within(&near));
+        Drawing d = {.near = near,
                      .nearest = nearest_of(view, face),
+                     .tie = tie,
+                     .of = &of,
                      .edges = s->edges,
                      .edge_count = make_edges(s, &s->frame, view, face),
                      .crossed = s->crossed,

@@ -92,6 +92,20 @@ struct Sampler {
     int stamp;
 };
 
+// ---- ties (sampler_tie.c)
+
+typedef struct SamplerView {
+    const Sampler *sampler;
+    const View *view;
+} SamplerView;
+
+// What rounding may make of a face's 1 / distance and of those drawn with it, 1/m.
+float sampler_tie_within(const Form *near);
+// Is the first face seen where the two lie in one plane (1), the other (-1), or do they not (0)?
+int sampler_tie_of_planes(const SamplerView *of, int face, int other);
+// Is the first face seen along w (in the samples' axes), which both hold?
+bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w);
+
 // The samples' axes.
 static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec3 *y) {
     *x = vec3_add(vec3_scale(view->x, s->cosine), vec3_scale(view->y, s->sine));

@@ -56,6 +56,12 @@ expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0
 expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 1e-09 to 1'
 expect 2 "$program" bake --culling most $maps/two-rooms.plan && says err '`most`'
 expect 2 "$program" bake --probe 1,2,3 $maps/two-rooms.plan && says err 'X,Y,Z,NX,NY,NZ'
+expect 2 "$program" bake --probe 1,2,3,0,0,0 $maps/two-rooms.plan && says err 'a probe has no normal'
+expect 2 "$program" bake --probe 1e9,2,3,0,0,1 $maps/two-rooms.plan && says err 'allowed: within 1e+08'
+expect 2 "$program" bake --probe nan,2,3,0,0,1 $maps/two-rooms.plan && says err 'has the number nan'
+expect 2 "$program" bake --method hemicube --hidden nonsense $maps/two-rooms.plan && says err '--hidden is `nonsense`'
+expect 2 "$program" bake --hidden raycast $maps/two-rooms.plan && says err 'give --method hemicube'
+expect 2 "$program" bench formfactors --methods hemicube-nonsense && says err '`hemicube-nonsense`'
 # Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
 echo 'nonsense 1' >"$work/bad.plan"
@@ -148,6 +154,14 @@ expect 0 "$program" bench visibility $maps/two-rooms.plan --methods flood,proof 
 [ "$(awk -F, '$2 != "peer" && NR > 1 { print $15 }' "$work/out" | sort -u)" = 0 ] || fail 'misses'
 says out 'two-rooms.plan,peer,13,24,skipped,.*no --peer was given'
 
+# A hemicube filled by each hidden-surface method sees what it sees by itself: errors within a tenth.
+expect 0 "$program" bench formfactors $maps/two-rooms.plan --methods hemicube,hemicube-raycast,hemicube-osmesa \
+    --resolutions 50 --cullings none --shooters 5 --rays 100000
+[ "$(awk -F, 'NR > 1 { print $2 }' "$work/out" | tr '\n' ' ')" = 'hemicube hemicube-raycast hemicube-osmesa ' ] ||
+    fail "rows of hidden surfaces: $(cat "$work/out")"
+awk -F, 'NR == 2 { l1 = $8 } NR > 2 && ($8 > 1.1 * l1 || $8 < 0.9 * l1) { exit 1 }' "$work/out" ||
+    fail "hidden surfaces err otherwise: $(cat "$work/out")"
+
 # Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
 bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
 bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1
@@ -172,15 +186,59 @@ bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door
 bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
 printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'
+head -c 3000 "$work/1.rad" >"$work/short.rad" && head -c 100 "$work/1.rad" >"$work/stub.rad"
+head -c 5000 /dev/zero >"$work/other.rad"
+shown() { expect 1 "$program" walk "$1" --light "$work/$2.rad" --offscreen "$work/lit" && says err "$3"; }
+for way in resume show; do
+    while read -r file said; do
+        [ $way = show ] && shown $maps/two-rooms.plan "$file" "$said"
+        [ $way = resume ] && bake 1 -o "$work/$file.rad" --resume && says err "$said"
+    done <<'END'
+part its checksum is wrong
+short has 3000 bytes (its header says
+stub has 100 bytes, less than a .rad header
+other is not a .rad file
+absent cannot be opened
+END
+done
+shown $maps/house.plan 1 'belongs to another building'
 # No light, an open building, an element for each grain of sand.
 printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
 expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
 printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
 expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is open: 100 % of its light escaped'
 expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
+# Surfaces that cannot be, each with its line; those that are mended are told of.
+lamp='quad l 0 5 0 0 2 0 1 2 1 1 2 1 0 2'
+bad_quad() { # STATUS, what is said, a quad
+    printf '%s\n%s\n' "$lamp" "$3" >"$work/odd.quads"
+    expect "$1" "$program" bake "$work/odd.quads" --element 0.5 -o "$work/x.rad" && says err "$2"
+}
+floor='0 0 0 1 0 0 1 1 0 0 1 0'
+bad_quad 1 'odd.quads:2: the reflectance is `-0.1` (allowed 0 to 1)' "quad a -0.1 0 $floor"
+bad_quad 1 'odd.quads:2: the reflectance is `1.5` (allowed 0 to 1)' "quad a 1.5 0 $floor"
+bad_quad 1 'odd.quads:2: the reflectance is `nan` (allowed 0 to 1)' "quad a nan 0 $floor"
+bad_quad 1 'odd.quads:2: the exitance is `-1`' "quad a .5 -1 $floor"
+bad_quad 1 'odd.quads:2: the exitance is `inf`' "quad a .5 inf $floor"
+bad_quad 1 'odd.quads:2: the quad a has an area of 0' 'quad a .5 0 0 0 0 1 0 0 1 0 0 0 0 0'
+bad_quad 0 'reflect more than 0.85 and were capped, `a` first; the most was 1' "quad a 1 0 $floor"
+bad_quad 0 '1 quads are bent or concave and were cut' 'quad a .5 0 0 0 0 1 0 0 1 1 0.5 0 1 0'
+bad_quad 0 '1 quads are bent or concave and were cut' 'quad a .5 0 0 0 0 1 0 0 0.2 0.2 0 0 1 0'
+bad_plan() { # what is said, a line
+    printf 'plan 1\n%s\n' "$2" >"$work/odd.plan"
+    expect 1 "$program" bake "$work/odd.plan" -o "$work/x.rad" && says err "odd.plan:2: $1"
+}
+bad_plan 'reflectance is .1.' 'material a reflectance 1'
+bad_plan 'reflectance is .-0.5.' 'material a reflectance -0.5'
+bad_plan 'reflectance is .nan.' 'material a reflectance nan'
+bad_plan 'emission is .nan.' 'material a #ffffff emission nan'
+bad_plan 'emission is .-1.' 'material a #ffffff emission -1'
 expect 1 "$program" bake $maps/office.plan --element 0.01 -o "$work/x.rad" && says err 'give --element'
 # Whatever happens, an earlier file is kept: no folder, a full disk, killed at any moment.
 bake 1 -o "$work/no/such/folder/x.rad" && says err 'cannot be written'
+bake 1 -o "$work" && says err 'Is a directory'
+bake 1 -o /dev/full && says err 'No space left'
+[ -c /dev/full ] || fail 'a device was replaced by a file'
 (trap '' XFSZ; ulimit -f 1; exec "$program" bake $maps/two-rooms.plan -o "$work/1.rad") >/dev/null 2>"$work/err"
 [ $? -eq 1 ] || fail 'a full disk went unseen'
 says err 'cannot be written'
@@ -203,7 +261,19 @@ expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume -
 # Lamps of a home give light.
 expect 0 "$program" bake $maps/house.sh3d -o "$work/x.rad" --element 1 --resolution 50 --residual 0.2
 expect 0 "$program" bake $maps/two-rooms.plan --element 1
-ls "$work"/cache/enfilade/*.rad >/dev/null || fail 'no light in the cache'
+cached=$(ls "$work"/cache/enfilade/*.rad) || fail 'no light in the cache'
+# It is shown from there as if it were given, if it is whole; a file beside the building that does not fit is told of, too.
+cp $maps/two-rooms.plan "$work/lit.plan"
+show() { expect 0 "$program" walk "$work/lit.plan" --offscreen "$work/$1" --size 64x64 --step 10 --turn 60 "${@:2}"; }
+show given --light "$cached" && quiet
+show found && quiet
+cmp -s "$work/given/frame-00000.png" "$work/found/frame-00000.png" || fail 'the light in the cache is not shown'
+cp "$work/short.rad" "$work/lit.rad"
+show beside && says err 'passed over: .*/lit.rad: has 3000 bytes'
+cmp -s "$work/given/frame-00000.png" "$work/beside/frame-00000.png" || fail 'the light in the cache is not shown instead'
+cp "$work/short.rad" "$cached" && rm "$work/lit.rad"
+show dark && says err "passed over: $cached: has 3000 bytes"
+cmp -s "$work/given/frame-00000.png" "$work/dark/frame-00000.png" && fail 'damaged light is shown'
 
 # The plan is well-formed SVG with the tree's rooms.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5

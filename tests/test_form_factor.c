@@ -20,6 +20,7 @@ static const Tolerance TOLERANCES[] = {
     {"hemicube", 0.4, 2e-7},
     {"hemisphere-scanline", 0.2, 2e-7},
     {"hemisphere-scanlines", 0.2, 2e-7},
+    {"hemisphere-scanlines-fit", 0.8, 2e-7},  // of a quarter of the lines
     {"hemisphere-polyline", 0.4, 2e-7},
     {"analytic", 0, 2e-7},
     {"ray", 0.4, 2e-7},
@@ -342,6 +343,44 @@ Test(form_factor, elements_of_a_grid) {
         cr_log_info("%-20s elements of a grid at 400: worst %.2g", (*m)->name, worst);
         cr_expect(worst < tolerance(*m, 400), "%s, seed 71: an element is off by %.2g", (*m)->name, worst);
     }
+}
+
+// Under a sheet that covers all both ways agree at once, and the fewest lines do, 25 each way: the sheet's element and three
+// stretches, with what passes under its ends. In
+// furnished rooms lines are added until every single row is right: to what the two ways may differ, 60 / resolution^1.5.
+Test(form_factor, lines_as_many_as_a_row_needs) {
+    const FormFactorMethod *fit = form_factor_method("hemisphere-scanlines-fit");
+    FormFactorOptions options = form_factor_default_options();
+    Arena arena = {0};
+    ViewFixture *sheet = view_fixture_new(&arena);
+    view_fixture_face(&arena, sheet, (Vec3[]){{-1, -1, 1e-6}, {-1, 1, 1e-6}, {1, 1, 1e-6}, {1, -1, 1e-6}}, 4);
+    FormFactor *maker = form_factor_new(fit, &sheet->mesh, &options, &arena);
+    form_factor_row(maker, view_fixture_look(&arena, sheet, vec3(0, 0, 0), vec3(0, 0, 1)));
+    cr_assert_leq(form_factor_work(maker).samples, 2 * 25 * 4, "%lld pieces",
+                  form_factor_work(maker).samples);
+    Random random = {29};
+    double worst[2] = {0};
+    for (int n = 0; n < 12; n++) {
+        ViewFixture *f = view_fixture_room(&arena, &random, 3, n, vec3(0, 0, 0));
+        View *view = view_fixture_look_about(&arena, f, &random);
+        double *exact = ARENA_ARRAY(&arena, double, f->mesh.element_count),
+               *found = ARENA_ARRAY(&arena, double, f->mesh.element_count);
+        spread(&f->mesh,
+               form_factor_row(form_factor_new(form_factor_method("analytic"), &f->mesh, &options, &arena),
+                               view),
+               exact);
+        for (int r = 0; r < 2; r++) {
+            options.resolution = r ? 200 : 50;
+            spread(&f->mesh, form_factor_row(form_factor_new(fit, &f->mesh, &options, &arena), view), found);
+            double l1 = 0;
+            for (int i = 0; i < f->mesh.element_count; i++) l1 += fabs(exact[i] - found[i]);
+            worst[r] = fmax(worst[r], l1);
+            cr_expect(l1 < 60 / pow(options.resolution, 1.5), "seed 29, room %d: L1 %g at %d", n, l1,
+                      options.resolution);
+        }
+    }
+    cr_log_info("lines as many as a row needs: worst L1 %.2g at 50, %.2g at 200", worst[0], worst[1]);
+    arena_free(&arena);
 }
 
 // What is hidden is hidden: the L1 distance of each method's row to the exact one, the mean over furnished rooms, falls

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "radiosity/analytic.h"
+#include "tests/lit_fixture.h"
 #include "tests/support.h"
 #include "tests/view_fixture.h"
 
@@ -12,6 +13,8 @@
 static bool is(const FormFactorMethod *method, const char *name) { return strcmp(method->name, name) == 0; }
 // The method kept as it was printed, whose failures are measured and not mended.
 static bool as_printed(const FormFactorMethod *method) { return is(method, "hemisphere-polyline"); }
+// Takes a quarter of the lines where both ways agree on the row as a whole, small as a part of it may be.
+static bool fits(const FormFactorMethod *method) { return is(method, "hemisphere-scanlines-fit"); }
 // Embree's rays are floats throughout: two sheets 2e-7 apart are one to them, and one so near is none.
 static bool in_floats(const FormFactorMethod *method) { return strncmp(method->name, "ray", 3) == 0; }
 
@@ -77,8 +80,8 @@ Test(form_factor_stability, small_elements, .timeout = 120) {
         double rms[4];
         for (int i = 0; i < 4; i++) {
             rms[i] = small_element(*m, SIZE[i], 120);
-            cr_expect(rms[i] < SEEN[i] * 1.35, "%s: RMS %.3g of a square of %g pixels (seen %g)", (*m)->name,
-                      rms[i], SIZE[i], SEEN[i]);
+            cr_expect(fits(*m) || rms[i] < SEEN[i] * 1.35, "%s: RMS %.3g of a square of %g pixels (seen %g)",
+                      (*m)->name, rms[i], SIZE[i], SEEN[i]);
         }
         cr_log_info("%-20s RMS of squares of .5, 1, 2, 5 pixels: %.3g %.3g %.3g %.3g", (*m)->name, rms[0],
                     rms[1], rms[2], rms[3]);
@@ -118,9 +121,9 @@ static double wall_error(const FormFactorMethod *method, double away, double tur
     return error;
 }
 
-// A 1 x 1 m wall from the middle of its foot, all the way round. What shows over it is a sliver 1 and 1/10 pixel wide:
-// pixels, or lines of one way, have it or not where it runs along them; lines both ways cross it. The mean is held to
-// 3e-4, the worst to 2e-4 where it is always crossed.
+// A 1 x 1 m wall from the middle of its foot, all the way round: 2e-4 at 200. What shows over it is a sliver 1 and 1/10 pixel
+// wide; how many samples are to one side of its edge errs by 8e-4 where the edge runs along rows of them. So methods mend it by
+// the closed form; those that are kept as they are known are held to what that costs.
 Test(form_factor_stability, near_walls) {
     EACH_METHOD(m) {
         for (int i = 0; i < 2; i++) {
@@ -130,11 +133,54 @@ Test(form_factor_stability, near_walls) {
                 mean += error / 32;
                 worst = fmax(worst, error);
             }
-            double limit = is(*m, "analytic") ? 1e-6 : is(*m, "hemisphere-scanlines") ? 2e-4 : 5e-4;
+            double limit = is(*m, "analytic") ? 1e-6 : (*m)->mended ? 2e-4 : 9e-4;
             cr_log_info("%-20s wall %g m away: mean error %.2g, worst %.2g", (*m)->name, away, mean, worst);
             cr_expect(worst < limit && mean < 3e-4, "%s, wall %g m away: %.2g (limit %g), mean %.2g",
                       (*m)->name, away, worst, limit, mean);
         }
+    }
+}
+
+// Largest error of the shares of the walls 1 and 2 cm away, x = 0 and x = `width` of a room; with a cupboard before it if
+// `hidden`. `lost`: what the row's sum lacks.
+static double slot_error(const FormFactorMethod *method, double width, bool hidden, double *lost) {
+    Arena arena = {0};
+    ViewFixture *f = view_fixture_new(&arena);
+    view_fixture_box(&arena, f, vec3(0, 0, 0), vec3(width, 3, 2.5), 1, true, NULL);
+    int walls = f->mesh.face_count;
+    if (hidden) view_fixture_box(&arena, f, vec3(0.003, 1.6, 0.2), vec3(0.006, 1.9, 2), 1, false, NULL);
+    View *view = view_fixture_look(&arena, f, vec3(0.01, 1.4, 0), vec3(0, 0, 1));
+    FormFactor *exact = maker_of(&arena, form_factor_method("analytic"), f, 200),
+               *maker = maker_of(&arena, method, f, 200);
+    const Row *right = form_factor_row(exact, view), *row = form_factor_row(maker, view);
+    double largest = 0;
+    *lost = 1 - row->back - row->escaped;
+    for (int i = 0; i < row->count; i++) *lost -= (double)row->factor[i];
+    for (int face = 0; face < walls; face++)
+        if (fabs(f->mesh.faces[face].plane.n.x) > 0.5 &&
+            fabs(plane_distance(f->mesh.faces[face].plane, view->eye)) < 0.03)
+            largest = fmax(largest, fabs(share_of(&f->mesh, row, face) - share_of(&f->mesh, right, face)));
+    form_factor_end(maker);
+    arena_free(&arena);
+    return largest;
+}
+
+// Proves that a near wall's share is exact in a room, too, that two walls are mended together, that what they are given the others
+// lose, and that a wall is left alone where something stands before it (tolerance: that of pixels, 0.4 / 200).
+Test(form_factor_stability, slots) {
+    EACH_METHOD(m) {
+        if (!(*m)->mended) continue;
+        static const double WIDTH[] = {4, 0.03, 4}, LIMIT[] = {1e-6, 1e-6, 2e-3};
+        double error[3];
+        for (int i = 0; i < 3; i++) {
+            double lost;
+            error[i] = slot_error(*m, WIDTH[i], i == 2, &lost);
+            cr_expect(fabs(lost) < 1e-6, "%s, case %d: %g lost", (*m)->name, i, lost);
+            cr_expect(error[i] < LIMIT[i], "%s, case %d: off by %g (limit %g)", (*m)->name, i, error[i],
+                      LIMIT[i]);
+        }
+        cr_log_info("%-20s a near wall is off by %.2g, two by %.2g, one half hidden by %.2g", (*m)->name,
+                    error[0], error[1], error[2]);
     }
 }
 
@@ -157,7 +203,7 @@ Test(form_factor_stability, horizon) {
             arena_free(&arena);
         }
         cr_log_info("%-20s wall through the horizon: %.2g", (*m)->name, worst);
-        cr_expect(worst < 1e-4, "%s: %.2g", (*m)->name, worst);
+        cr_expect(worst < (fits(*m) ? 1e-3 : 1e-4), "%s: %.2g", (*m)->name, worst);
     }
 }
 
@@ -176,6 +222,30 @@ Test(form_factor_stability, depth_of_wide_polygons) {
             cr_expect(wrong > 0.01, "%s: the failure to be shown is not there", (*m)->name);
         else
             cr_expect(wrong == 0, "%s: a hidden ceiling shows, %.2g", (*m)->name, wrong);
+        arena_free(&arena);
+    }
+}
+
+// Culling leaves out what is hidden, and rows are the same bit by bit with and without it - but those of the method as
+// printed, to which its depths show what is hidden: the one method whose light depends on culling.
+Test(form_factor_stability, hidden_faces_leave_no_trace) {
+    EACH_METHOD(m) {
+        if (in_floats(*m)) continue;  // they see all of the mesh, whatever the view
+        Arena arena = {0};
+        ViewFixture *f = view_fixture_new(&arena);
+        double half = tan(M_PI / 3);
+        slab(&arena, f, vec2(-.5, -.5), vec2(.5, .5), 2, 0.2, vec3(0, 0, 0));
+        slab(&arena, f, vec2(-half, -half), vec2(half, half), 1, 0.2, vec3(0, 0, 0));
+        View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
+        cr_assert_eq(view->face_count, 2);
+        FormFactor *maker = maker_of(&arena, *m, f, 100);
+        double all = share_of(&f->mesh, form_factor_row(maker, view), 1);
+        view->faces[0] = view->faces[view->faces[0].face == 0 ? 1 : 0];
+        view->face_count = 1;
+        double culled = share_of(&f->mesh, form_factor_row(maker, view), 1);
+        cr_expect(as_printed(*m) ? culled > all + 0.01 : culled == all, "%s: %g, culled %g", (*m)->name, all,
+                  culled);
+        form_factor_end(maker);
         arena_free(&arena);
     }
 }
@@ -321,6 +391,96 @@ Test(form_factor_stability, leaks, .timeout = 120) { check_leaks(vec3(0, 0, 0), 
 Test(form_factor_stability, leaks_far_away, .timeout = 120) {
     check_leaks(vec3(600, -700, 400), "1 km away");
     check_leaks(vec3(6e5, -7e5, 4e5), "1,000 km away");
+}
+
+// ---- walls without thickness
+
+static double quarters(Random *random, int low, int high) {
+    return 0.25 * (low + (int)random_between(random, 0, high - low + 0.999));
+}
+
+// As it is, across the axes, or any way.
+static void pose_building(Building *b, Random *random) {
+    int turn = (int)random_between(random, 0, 3);
+    double c = turn == 1 ? M_SQRT1_2 : 1, s = turn == 1 ? M_SQRT1_2 : 0;
+    ViewPose pose = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}, {0, 0, 0}};
+    if (turn == 2) pose = view_fixture_pose(random, vec3(0, 0, 0));
+    b->world = box_empty();
+    for (int i = 0; i < b->vertex_count; i++) {
+        b->vertices[i] = view_fixture_place(&pose, b->vertices[i]);
+        b->world = box_add(b->world, b->vertices[i]);
+    }
+}
+
+// Two rooms, wall on wall, all corners on a grid of a quarter of a metre, so that lines of samples run exactly along those
+// where ceilings and floors end on the other room's wall. `dark` is its first polygon of the room not looked from, up to `end`.
+static Lit *neighbours(Random *random, int *dark, int *end) {
+    Lit *lit = lit_new();
+    Vec3 size = vec3(quarters(random, 8, 16), quarters(random, 8, 16), quarters(random, 8, 12));
+    Vec3 low = vec3(size.x, quarters(random, -4, 4), quarters(random, -2, 2));
+    Vec3 high =
+        vec3_add(low, vec3(quarters(random, 4, 12), quarters(random, 4, 12), quarters(random, 4, 12)));
+    bool dark_first = random_between(random, 0, 1) < 0.5;
+    if (!dark_first) lit_box(lit, vec3(0, 0, 0), size, true, LIT_WALL, 0);
+    *dark = lit->building->polygon_count;
+    lit_box(lit, low, high, true, LIT_RED, 0);
+    *end = lit->building->polygon_count;
+    if (dark_first) lit_box(lit, vec3(0, 0, 0), size, true, LIT_WALL, 0);
+    pose_building(lit->building, random);
+    lit_finish(lit, quarters(random, 3, 5), 1);
+    return lit;
+}
+
+static double through_walls(const Lit *lit, const Row *row, int dark, int end) {
+    double leak = row->escaped + row->back;
+    for (int i = 0; i < row->count; i++) {
+        int polygon = lit->mesh.faces[lit->mesh.elements[row->element[i]].face].polygon;
+        if (polygon >= dark && polygon < end) leak += (double)row->factor[i];
+    }
+    return leak;
+}
+
+// The most of what leaves a patch of the one room and falls elsewhere than on its fronts.
+static double most_through_walls(const FormFactorMethod *method, Random *random, int resolution, int *leaks) {
+    Arena arena = {0};
+    int dark, end;
+    double most = 0;
+    Lit *lit = neighbours(random, &dark, &end);
+    Viewer *viewer = viewer_new(&lit->mesh, &lit->forest, NULL, &arena);
+    FormFactorOptions options = form_factor_default_options();
+    options.resolution = resolution;
+    FormFactor *maker = form_factor_new(method, &lit->mesh, &options, &arena);
+    for (int p = 0; p < lit->mesh.patch_count; p++) {
+        const Patch *patch = &lit->mesh.patches[p];
+        const Face *face = &lit->mesh.faces[patch->face];
+        if (face->polygon >= dark && face->polygon < end) continue;
+        ViewPoint from = {patch->centre, face->plane.n, patch->cell};
+        for (int culled = 0; culled < 2; culled++) {
+            const View *view = viewer_look(viewer, &from, culled ? CULL_PORTALS : CULL_NOTHING);
+            double leak = through_walls(lit, form_factor_row(maker, view), dark, end);
+            most = fmax(most, leak), *leaks += leak > 0;
+        }
+    }
+    form_factor_end(maker);
+    lit_free(lit);
+    arena_free(&arena);
+    return most;
+}
+
+// Proves that a wall of two coincident faces, one to each side, lets nothing through, along no line, culled or not, and that
+// of the two the one that faces the eye gets the light: all of a row falls on the room's own fronts.
+Test(form_factor_stability, walls_without_thickness, .timeout = 240) {
+    EACH_METHOD(m) {
+        Random random = {47};
+        double most = 0;
+        int leaks = 0, rooms = is(*m, "analytic") || in_floats(*m) ? 10 : support_count(30, 1000);
+        for (int k = 0; k < rooms; k++)
+            most = fmax(most, most_through_walls(*m, &random, k % 2 ? 50 : 100, &leaks));
+        cr_log_info("%-20s through walls without thickness: %d rows leak in %d buildings, most %.3g",
+                    (*m)->name, leaks, rooms, most);
+        if (!as_printed(*m) && !in_floats(*m))
+            cr_expect(leaks == 0, "%s, seed 47: %d rows leak, %g", (*m)->name, leaks, most);
+    }
 }
 
 // ---- shapes that tempt
@@ -472,6 +632,7 @@ Test(form_factor_stability, interpenetration, .timeout = 120) {
         for (int n = 0; n < 24; n++) worst = fmax(worst, pierced(*m, &random));
         cr_log_info("%-20s quads through each other: worst L1 %.2g", (*m)->name, worst);
         if (!as_printed(*m))
-            cr_expect(worst < ((*m)->projective ? 5e-3 : 1e-3), "%s, seed 83: L1 %.2g", (*m)->name, worst);
+            cr_expect(worst < ((*m)->projective || fits(*m) ? 5e-3 : 1e-3), "%s, seed 83: L1 %.2g",
+                      (*m)->name, worst);
     }
 }

@@ -80,8 +80,8 @@ Test(shoot, loses_no_power) {
 }
 
 // Proves that no light leaks into a sealed room beside a lit one: exactly 0 everywhere, by every method, culled and not,
-// with a wall of 10 cm between them; by the usual method also with two walls in one plane. There a dark ceiling ends on the
-// lit wall, and samples along that line, at one distance, are anybody's: other methods let some 1e-5 of the light in.
+// with a wall of 10 cm between them, and with two walls in one plane. There a dark ceiling ends on the lit wall: of what is as
+// near, floats cannot tell which is seen (Embree's do not), and the depths of polylines are wrong.
 Test(shoot, sealed_room_stays_dark) {
     static const double GAPS[] = {0.1, 0};
     for (int g = 0; g < 2; g++) {
@@ -93,7 +93,9 @@ Test(shoot, sealed_room_stays_dark) {
         lit_lamp(lit, vec3(1.5, 1.5, 2.4));
         lit_finish(lit, 0.5, 2);
         for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
-            if (GAPS[g] == 0 && FORM_FACTOR_METHODS[m] != rad_default_options().method) continue;
+            const char *name = FORM_FACTOR_METHODS[m]->name;
+            if (GAPS[g] == 0 && (strncmp(name, "ray", 3) == 0 || strcmp(name, "hemisphere-polyline") == 0))
+                continue;
             for (int culling = 0; culling < VIEW_CULLINGS; culling++) {
                 RadOptions options = options_to(0.02);
                 RadSolution s;

@@ -3,12 +3,32 @@
 
 #include <unistd.h>
 
-const char *app_find_light(const char *file, const char *given, Arena *arena) {
-    if (given) return given;
+#include "engine/core/file.h"
+#include "maps/maps.h"
+
+bool app_light_place(const Building *building, Arena *arena, const char **out, Error *error) {
+    char *folder;
+    if (!file_cache_folder(arena, &folder, error)) return false;
+    *out = arena_format(arena, "%s/%016llx.rad", folder, (unsigned long long)building->hash);
+    return true;
+}
+
+int app_find_lights(const char *file, const char *map, const char *given, Arena *arena,
+                    const char *out[APP_LIGHTS]) {
+    int count = 0;
+    Building building;
+    Error error;
+    out[0] = given;
+    if (given) return 1;
     const char *slash = strrchr(file, '/'), *dot = strrchr(slash ? slash : file, '.');
     int length = (int)(dot ? dot - file : (long)strlen(file));
-    const char *beside = arena_format(arena, "%.*s.rad", length, file);
-    return access(beside, F_OK) == 0 ? beside : NULL;
+    out[0] = arena_format(arena, "%.*s.rad", length, file);
+    count += access(out[0], F_OK) == 0;
+    // A file that cannot be read is told of by those who load it.
+    if (maps_read_map(file, map, arena, &building, &error) &&
+        app_light_place(&building, arena, &out[count], &error))
+        count += access(out[count], F_OK) == 0;
+    return count;
 }
 
 bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkLight *out, Error *error) {

@@ -5,9 +5,13 @@
 #include "engine/app/app.h"
 #include "engine/walk/walk_light.h"
 
-// Where a building's light is: `given`, or FILE with the suffix .rad in place of its own if there is such a file; NULL:
-// nowhere.
-const char *app_find_light(const char *file, const char *given, Arena *arena);
+// Where a building's light may be, the likeliest first: `given` alone, or else FILE with the suffix .rad in place of its own, and
+// what `enfilade bake FILE` left in the user's cache; only files that are there. Returns how many.
+enum { APP_LIGHTS = 2 };
+int app_find_lights(const char *file, const char *map, const char *given, Arena *arena,
+                    const char *out[APP_LIGHTS]);
+// Where `enfilade bake` leaves the light of a building: one for each.
+bool app_light_place(const Building *building, Arena *arena, const char **out, Error *error);
 // Makes the mesh again that the file was baked on. The scene was loaded with lamps (AppOptions). Refuses a file that is
 // damaged or of another building.
 bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkLight *out, Error *error);

@@ -1,16 +1,20 @@
 // bake.c - a bake from a building's file to a .rad file: cells and stab trees, mesh, shooting, what to say of it.
 #include "engine/app/bake.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include "engine/app/app_light.h"
 #include "engine/core/clock.h"
-#include "engine/core/file.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
 // A share of light that escapes of less than this is rounding at the seams, not an open building.
 static const double OPEN = 1e-6;
+
+enum { MOST_NOTES = 5 };  // of what the reader changed or left out
 
 const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};
 
@@ -71,14 +75,14 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     return good;
 }
 
-// In the cache there is one for each building.
+// Known to be writable as far as one can tell, before hours of work rather than after them.
 static bool find_place(Bake *bake, Arena *arena, Error *error) {
     bake->out = bake->a->out;
-    char *folder;
-    if (bake->out) return true;
-    if (!file_cache_folder(arena, &folder, error)) return false;
-    bake->out = arena_format(arena, "%s/%016llx.rad", folder, (unsigned long long)bake->scene.building.hash);
-    return true;
+    if (!bake->out && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
+    const char *slash = strrchr(bake->out, '/');
+    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - bake->out), bake->out) : ".";
+    if (access(folder, W_OK | X_OK) == 0) return true;
+    return error_set(error, "%s: cannot be written: %s", bake->out, strerror(errno));
 }
 
 static bool begin(Bake *bake, Arena *arena, Error *error) {
@@ -107,8 +111,8 @@ static bool report_timed(void *context, const char *stage, double done) {
 
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
-    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !make_mesh(bake, arena, error) ||
-        !find_place(bake, arena, error) || !begin(bake, arena, error))
+    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_place(bake, arena, error) ||
+        !make_mesh(bake, arena, error) || !begin(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
     Progress progress = {report_timed, &timed};
@@ -173,6 +177,7 @@ static int lost_in_light(const Bake *bake) {
 static void print_warnings(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const Mesh *mesh = &bake->mesh;
+    app_print_notes(&bake->scene.building, MOST_NOTES);
     double escaped = sum3(s->escaped) / sum3(s->emitted);
     if (escaped > OPEN)
         fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);

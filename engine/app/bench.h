@@ -31,6 +31,7 @@ bool bench_walk(const BenchArguments *arguments, Error *error);
 bool bench_collision(const BenchArguments *arguments, Error *error);
 bool bench_visibility(const BenchArguments *arguments, Error *error);
 bool bench_formfactors(const BenchArguments *arguments, Error *error);
+bool bench_formfactors_knows(const char *method);  // of --methods
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files

@@ -8,13 +8,12 @@
 #include <stdio.h>
 
 #include "engine/app/bench.h"
+#include "engine/app/shot_reference.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
-#include "engine/core/parallel.h"
-#include "engine/core/random.h"
 #include "engine/core/text.h"
 #include "radiosity/form_factor.h"
-#include "radiosity/ray_caster.h"
+#include "visibility/hidden/hidden.h"
 
 static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
                            "elements_drawn,samples,tests,rays_of_reference,front\n";
@@ -24,6 +23,8 @@ enum { MOST_RUNS = 1024, PASSES = 9, RUN_SECONDS = 2 };
 // A row of the table.
 typedef struct Run {
     const FormFactorMethod *method;
+    const char *hidden;  // that fills the hemicube's sides; NULL: none
+    char name[40];
     ViewCulling culling;
     int resolution;
     double ms, look_ms, l1;
@@ -40,10 +41,9 @@ typedef struct ShotBench {
     AppScene scene;
     Mesh mesh;
     Viewer *viewer;
-    int *shooters;        // [shooter_count] patches
-    uint32_t **arrivals;  // [shooter_count][element_count] random rays that met each element
+    int *shooters;  // [shooter_count] patches
     int shooter_count;
-    long long rays;
+    ShotReference reference;
     Run runs[MOST_RUNS];
     int run_count;
 } ShotBench;
@@ -62,68 +62,10 @@ static void choose_shooters(ShotBench *b, Arena *arena) {
     }
 }
 
-// ---- the reference
-
-typedef struct Reference {
-    ShotBench *bench;
-    RayCaster *casters[64];  // of each thread
-} Reference;
-
-// Eight directions, cosine-distributed about `z`: points of the disc, lifted.
-static RayEight random_rays(Random *random, Vec3 x, Vec3 y, Vec3 z) {
-    RayEight rays;
-    for (int i = 0; i < LANES; i++) {
-        double r2 = random_unit(random), angle = 2 * M_PI * random_unit(random), r = sqrt(r2);
-        Vec3 w = vec3_add(vec3_add(vec3_scale(x, r * cos(angle)), vec3_scale(y, r * sin(angle))),
-                          vec3_scale(z, sqrt(1 - r2)));
-        rays.x[i] = (float)w.x;
-        rays.y[i] = (float)w.y;
-        rays.z[i] = (float)w.z;
-    }
-    return rays;
-}
-
-static void cast_shooter(void *context, int shooter, int thread) {
-    const Reference *reference = context;
-    ShotBench *b = reference->bench;
-    Random random = {b->arguments->seed * 1000003 + (uint64_t)shooter};
-    ViewPoint from = point_of(b, shooter);
-    Vec3 x, y;
-    view_axes(from.normal, &x, &y);
-    uint32_t *arrivals = b->arrivals[shooter];
-    for (long long i = 0; i < b->rays / LANES; i++) {
-        RayEight rays = random_rays(&random, x, y, from.normal);
-        int32_t face[LANES], element[LANES];
-        ray_caster_cast(reference->casters[thread], from.eye, from.normal, &rays, ~(LaneInt){0}, false, face,
-                        element);
-        for (int k = 0; k < LANES; k++)
-            if (element[k] >= 0) arrivals[element[k]]++;
-    }
-}
-
-static void make_reference(ShotBench *b, Arena *arena) {
-    b->rays = b->arguments->rays / LANES * LANES;
-    b->arrivals = ARENA_ARRAY(arena, uint32_t *, b->shooter_count);
-    for (int s = 0; s < b->shooter_count; s++)
-        b->arrivals[s] = ARENA_ARRAY(arena, uint32_t, b->mesh.element_count);
-    Reference reference = {.bench = b};
-    int threads = parallel_threads(0);
-    if (threads > 64) threads = 64;
-    for (int t = 0; t < threads; t++) reference.casters[t] = ray_caster_new(&b->mesh, arena);
-    parallel_for(threads, b->shooter_count, cast_shooter, &reference);
-    for (int t = 0; t < threads; t++) ray_caster_end(reference.casters[t]);
-}
-
-static double l1_of(const ShotBench *b, int shooter, const Row *row) {
-    const uint32_t *arrivals = b->arrivals[shooter];
-    double sum = 0;
-    int at = 0;
-    for (int e = 0; e < b->mesh.element_count; e++) {
-        double f = 0;
-        if (at < row->count && row->element[at] == e) f = (double)row->factor[at++];
-        sum += fabs(f - arrivals[e] / (double)b->rays);
-    }
-    return sum;
+static ShotReference make_reference(const ShotBench *b, Arena *arena) {
+    ViewPoint *from = ARENA_ARRAY(arena, ViewPoint, b->shooter_count + 1);
+    for (int s = 0; s < b->shooter_count; s++) from[s] = point_of(b, s);
+    return shot_reference(&b->mesh, from, b->shooter_count, b->arguments->rays, b->arguments->seed, arena);
 }
 
 // ---- the methods
@@ -141,7 +83,7 @@ static void shoot(ShotBench *b, Run *run, int s, bool first) {
     const Row *row = form_factor_row(run->rows, view);
     double end = clock_thread_seconds();
     run->spent += end - start;
-    if (first) run->l1 += l1_of(b, s, row) / b->shooter_count;
+    if (first) run->l1 += shot_reference_l1(&b->reference, s, row) / b->shooter_count;
     if (first || end - start < run->least[s]) run->least[s] = end - start;
     if (first || looked - start < run->least_look[s]) run->least_look[s] = looked - start;
 }
@@ -149,6 +91,7 @@ static void shoot(ShotBench *b, Run *run, int s, bool first) {
 static void begin_run(ShotBench *b, Run *run) {
     FormFactorOptions options = form_factor_default_options();
     options.resolution = run->resolution;
+    options.hidden = run->hidden;
     run->rows = form_factor_new(run->method, &b->mesh, &options, &run->arena);
     run->least = ARENA_ARRAY(&run->arena, double, b->shooter_count);
     run->least_look = ARENA_ARRAY(&run->arena, double, b->shooter_count);
@@ -190,10 +133,10 @@ static bool on_front(const ShotBench *b, const Run *run) {
 static void add_row(const ShotBench *b, const Run *run, Text *table) {
     double n = b->shooter_count;
     text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
-                run->method->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count,
-                run->ms, run->look_ms, run->l1, (double)run->work.faces_drawn / n,
+                run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
+                run->look_ms, run->l1, (double)run->work.faces_drawn / n,
                 (double)run->work.elements_drawn / n, (double)run->work.samples / n,
-                (double)run->work.tests / n, b->rays, on_front(b, run));
+                (double)run->work.tests / n, b->reference.rays, on_front(b, run));
 }
 
 // ---- what to run
@@ -206,6 +149,26 @@ static bool listed(const char *list, const char *word) {
     return !list;
 }
 
+static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling) {
+    const BenchArguments *a = b->arguments;
+    for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++) {
+        Run *run = &b->runs[b->run_count++];
+        *run = (Run){.method = method, .hidden = hidden, .resolution = a->resolutions[r], .culling = culling};
+        snprintf(run->name, sizeof run->name, "%s%s%s", method->name, hidden ? "-" : "",
+                 hidden ? hidden : "");
+    }
+}
+
+// A hemicube filled by one of HIDDEN_METHODS goes by both names; NULL: it is none.
+static const char *hidden_of(const char *name) {
+    static const char PREFIX[] = "hemicube-";
+    if (strncmp(name, PREFIX, sizeof PREFIX - 1) != 0) return NULL;
+    const HiddenMethod *hidden = hidden_find(name + sizeof PREFIX - 1);
+    return hidden ? hidden->name : NULL;
+}
+
+bool bench_formfactors_knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
+
 static void choose_runs(ShotBench *b) {
     const BenchArguments *a = b->arguments;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
@@ -213,11 +176,16 @@ static void choose_runs(ShotBench *b) {
         if (!listed(a->methods, method->name)) continue;
         for (int c = 0; c < VIEW_CULLINGS; c++) {
             // Rays are culled by their own tree.
-            if (is_ray(method) ? c != CULL_NOTHING : !listed(a->cullings, VIEW_CULLING_NAMES[c])) continue;
-            for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++)
-                b->runs[b->run_count++] =
-                    (Run){.method = method, .resolution = a->resolutions[r], .culling = (ViewCulling)c};
+            if (is_ray(method) ? c == CULL_NOTHING : listed(a->cullings, VIEW_CULLING_NAMES[c]))
+                add_runs(b, method, NULL, (ViewCulling)c);
         }
+    }
+    // Hidden-surface methods draw all there is.
+    for (int h = 0; HIDDEN_METHODS[h]; h++) {
+        char name[40];
+        snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
+        if (listed(a->methods, name))
+            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING);
     }
 }
 
@@ -236,8 +204,8 @@ static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCull
     const Run *low = NULL, *high = NULL;
     for (int i = 0; i + 1 < b->run_count; i++) {
         const Run *p = &b->runs[i], *q = &b->runs[i + 1];
-        if (p->method != method || q->method != method || p->culling != culling || q->culling != culling ||
-            p->l1 == q->l1)
+        if (p->method != method || q->method != method || p->hidden || q->hidden || p->culling != culling ||
+            q->culling != culling || p->l1 == q->l1)
             continue;
         if (!low || q->l1 >= l1 || p->l1 >= l1) low = p, high = q;
     }
@@ -248,7 +216,7 @@ static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCull
 
 static const Run *find_run(const ShotBench *b, const char *method, int resolution, ViewCulling culling) {
     for (int i = 0; i < b->run_count; i++)
-        if (strcmp(b->runs[i].method->name, method) == 0 && b->runs[i].resolution == resolution &&
+        if (strcmp(b->runs[i].name, method) == 0 && b->runs[i].resolution == resolution &&
             b->runs[i].culling == culling)
             return &b->runs[i];
     return NULL;
@@ -291,7 +259,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     if (good) {
         b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
         choose_shooters(b, &arena);
-        make_reference(b, &arena);
+        b->reference = make_reference(b, &arena);
         choose_runs(b);
         measure_all(b);
         print_runs(b, table);

@@ -4,6 +4,7 @@
 
 #include "engine/app/app.h"
 #include "engine/app/bake.h"
+#include "visibility/hidden/hidden.h"
 
 static const char HELP[] =
     "usage: enfilade bake FILE [-o OUT.rad] [OPTIONS]\n\n"
@@ -25,7 +26,10 @@ static const char HELP[] =
     "  --shots N         stop when so many were shot, those of a run that is resumed included\n"
     "  --seconds S       stop after S seconds of shooting, 0.001 to 1e6\n"
     "  --method NAME     how form factors are found (default hemisphere); below\n"
-    "  --resolution R    pixels or rays across, 8 to 2000 (default 100)\n"
+    "  --resolution R    pixels, lines or rays across, 8 to 2000 (default 100)\n"
+    "  --hidden NAME     what fills the sides of `hemicube`: one of the hidden-surface methods below "
+    "(default: "
+    "its own)\n"
     "  --culling NAME    what is left out: none, cells, plan (Oki's), portals (default); the result is the "
     "same\n"
     "  --no-cull         --culling none\n"
@@ -50,6 +54,7 @@ enum {
     SHOTS,
     SECONDS,
     METHOD,
+    HIDDEN,
     RESOLUTION,
     CULLING,
     NO_CULL,
@@ -70,6 +75,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"shots", required_argument, NULL, SHOTS},
                                         {"seconds", required_argument, NULL, SECONDS},
                                         {"method", required_argument, NULL, METHOD},
+                                        {"hidden", required_argument, NULL, HIDDEN},
                                         {"resolution", required_argument, NULL, RESOLUTION},
                                         {"culling", required_argument, NULL, CULLING},
                                         {"no-cull", no_argument, NULL, NO_CULL},
@@ -117,6 +123,12 @@ static int parse_method(RadOptions *rad) {
     return app_misuse("bake", "bake: --method is `%s` (see --help for those allowed)", optarg);
 }
 
+static int parse_hidden(RadOptions *rad) {
+    rad->form_factor.hidden = optarg;
+    if (hidden_find(optarg)) return APP_GOOD;
+    return app_misuse("bake", "bake: --hidden is `%s` (see --help for those allowed)", optarg);
+}
+
 // What says how light is found.
 static int parse_light(int c, char **argv, Arguments *a) {
     BakeArguments *b = &a->bake;
@@ -125,6 +137,8 @@ static int parse_light(int c, char **argv, Arguments *a) {
     switch (c) {
     case METHOD:
         return parse_method(rad);
+    case HIDDEN:
+        return parse_hidden(rad);
     case RESOLUTION:
         return parse_whole("--resolution", 8, 2000, &rad->form_factor.resolution);
     case CULLING:
@@ -197,13 +211,18 @@ static int parse(int argc, char **argv, Arguments *a) {
     if (argc - optind != 1)
         return app_misuse("bake", "bake: one building file is needed, %d were given", argc - optind);
     a->bake.file = argv[optind];
+    if (a->bake.rad.form_factor.hidden && strcmp(a->bake.rad.method->name, "hemicube") != 0)
+        return app_misuse("bake", "bake: --hidden fills the sides of a hemicube: give --method hemicube");
     return APP_GOOD;
 }
 
 static void print_help(void) {
     fputs(HELP, stdout);
     for (int i = 0; FORM_FACTOR_METHODS[i]; i++)
-        printf("  %-20s %s\n", FORM_FACTOR_METHODS[i]->name, FORM_FACTOR_METHODS[i]->summary);
+        printf("  %-24s  %s\n", FORM_FACTOR_METHODS[i]->name, FORM_FACTOR_METHODS[i]->summary);
+    printf("\nhidden surfaces:\n");
+    for (int i = 0; HIDDEN_METHODS[i]; i++)
+        printf("  %-24s  %s\n", HIDDEN_METHODS[i]->name, HIDDEN_METHODS[i]->summary);
 }
 
 int cmd_bake(int argc, char **argv) {

@@ -38,7 +38,9 @@ static const char HELP[] =
     "drawn; "
     "and how\n"
     "                 much faster than rays it is at equal error\n"
-    "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them)\n"
+    "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them), "
+    "hemicube-raycast and\n"
+    "                        hemicube-osmesa: the sides filled by these hidden-surface methods\n"
     "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
     "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
     "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
@@ -67,7 +69,6 @@ static bool is_culling(const char *name) {
         if (strcmp(VIEW_CULLING_NAMES[c], name) == 0) return true;
     return false;
 }
-static bool is_form_factor_method(const char *name) { return form_factor_method(name) != NULL; }
 
 static const struct {
     const char *name;
@@ -77,7 +78,7 @@ static const struct {
 } BENCHES[] = {{"walk", bench_walk, NULL, NULL},
                {"collision", bench_collision, NULL, NULL},
                {"visibility", bench_visibility, is_pair_method, "vis"},
-               {"formfactors", bench_formfactors, is_form_factor_method, "bake"},
+               {"formfactors", bench_formfactors, bench_formfactors_knows, "bake"},
                {"radiosity", bench_radiosity, NULL, NULL},
                {"rooms", bench_rooms, NULL, NULL},
                {"breaks", bench_breaks, NULL, NULL}};

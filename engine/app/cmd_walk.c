@@ -21,8 +21,11 @@ static const char HELP[] =
     "  --look NAME        fast, fine or baked (default: baked where there is light, else off-screen fine; in "
     "the\n"
     "                     window fast where OpenGL is software)\n"
-    "  --light FILE.rad   the light that `enfilade bake` stored (default: FILE with the suffix .rad, where "
-    "there is one)\n"
+    "  --light FILE.rad   the light that `enfilade bake` stored (default: FILE with the suffix .rad, or what "
+    "`enfilade bake\n"
+    "                     FILE` left in the user's cache, where there is one; one that does not fit is "
+    "passed "
+    "over)\n"
     "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
     "  --doors STATE      open (off-screen), closed, drawn (window) or random\n"
     "  --replay PATH      follow a recorded path\n\n"
@@ -322,24 +325,27 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
     }
 }
 
-// The building with its light, if it has any. What lies beside it and does not fit is passed over with a warning; what was
-// asked for must fit.
+// The building with its light, if it has any. What is found beside it or in the cache and does not fit is passed over with a
+// warning; what was asked for must fit.
 static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScene *scene,
                      const WalkLight **light, Error *error) {
     AppOptions load = app_default_options();
-    const char *rad = a->walk.verify ? NULL : app_find_light(path, a->light, arena);
+    const char *lights[APP_LIGHTS];
+    int count = a->walk.verify ? 0 : app_find_lights(path, a->map, a->light, arena, lights);
     load.map = a->map;
-    load.lamps = rad != NULL;
+    load.lamps = count > 0;
     *light = NULL;
     if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
-    if (!rad) return true;
     WalkLight *found = ARENA_ARRAY(arena, WalkLight, 1);
-    if (app_load_light(rad, scene, arena, found, error)) {
-        *light = found;
-        return true;
+    for (int i = 0; i < count; i++) {
+        if (app_load_light(lights[i], scene, arena, found, error)) {
+            *light = found;
+            return true;
+        }
+        if (a->light) return false;
+        fprintf(stderr, "enfilade: passed over: %s\n", error->text);
     }
-    if (a->light) return false;
-    fprintf(stderr, "enfilade: passed over: %s\n", error->text);
+    if (count == 0) return true;
     load.lamps = false;
     return app_load(path, &load, arena, scene, error);
 }
@@ -379,7 +385,8 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     session->replay = a->walk.replay;
     session->method = a->walk.method;
     session->full_screen = a->window.display.full_screen;
-    if (app_find_light(a->file, a->light, arena)) session->look = WALK_BAKED;
+    const char *lights[APP_LIGHTS];
+    if (app_find_lights(a->file, a->map, a->light, arena, lights) > 0) session->look = WALK_BAKED;
     if (a->walk.look != WALK_LOOKS) session->look = a->walk.look;
     if (a->walk.doors != WALK_DOORS) session->doors = a->walk.doors;
     a->window.display.title = arena_format(arena, "%s - Enfilade", a->file);

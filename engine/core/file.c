@@ -60,7 +60,22 @@ static void sync_folder(const char *path) {
     close(fd);
 }
 
+// A device or a pipe is written to as it is: a file in its place would be the end of it.
+static bool is_stream(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
+static bool write_stream(const char *path, const void *data, size_t size, Error *error) {
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    bool good = fd >= 0 && write_all(fd, data, size);
+    int reason = errno;
+    if (fd >= 0) close(fd);
+    return good || error_set(error, "%s: cannot be written: %s", path, strerror(reason));
+}
+
 bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    if (is_stream(path)) return write_stream(path, data, size, error);
     char beside[PATH_MAX];
     if (snprintf(beside, sizeof beside, "%s.XXXXXX", path) >= (int)sizeof beside) {
         return error_set(error, "%s: the path is too long", path);

@@ -26,10 +26,12 @@ static inline LaneInt lane_int_of(int32_t a) { return a - (LaneInt){0}; }
 static inline LaneInt lane_bits(Lane a) { return (LaneInt)a; }
 static inline Lane lane_abs(Lane a) { return (Lane)(lane_bits(a) & lane_int_of(0x7fffffff)); }
 
+// By the sign bits of the mask alone.
 static inline Lane lane_choose(LaneInt mask, Lane yes, Lane no) {
 #ifdef __AVX2__
     return (Lane)_mm256_blendv_ps((__m256)no, (__m256)yes, (__m256)mask);
 #else
+    mask >>= 31;
     return (Lane)((mask & lane_bits(yes)) | (~mask & lane_bits(no)));
 #endif
 }

@@ -231,6 +231,27 @@ static void prefetch_start(const VisQuery *q, int cell) {
     for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
 }
 
+static void prefetch(const void *from, size_t bytes) {
+    for (size_t at = 0; at < bytes; at += CACHE_LINE) __builtin_prefetch((const char *)from + at);
+}
+
+// What the last query saw: frames draw much between two queries, and from one to the next little changes in view.
+static void prefetch_last(const VisQuery *q) {
+    enum { LISTS = 8 };  // ahead, where the lists of a cell are
+    int count = q->result.cell_count;
+    if (count == 0) return;  // all was drawn
+    for (int i = 0; i < count + LISTS; i++) {
+        if (i < count) __builtin_prefetch(&q->of_cell[q->cells[i].cell]);
+        if (i < LISTS) continue;
+        const CellView *cell = &q->of_cell[q->cells[i - LISTS].cell];
+        size_t boxes = (size_t)(cell->object_count + FOUR - 1) / FOUR;
+        prefetch(&q->gates[cell->first_block], (size_t)cell->block_count * sizeof *q->gates);
+        prefetch(&q->views[cell->first_block], (size_t)cell->block_count * sizeof *q->views);
+        prefetch(&q->boxes[cell->first_box], boxes * sizeof *q->boxes);
+    }
+    for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);
+}
+
 static void walk(VisQuery *q, const int *around, int count) {
     int cell = around[0];
     query_first_cone(q, &q->cones[0]);
@@ -246,6 +267,7 @@ static void walk(VisQuery *q, const int *around, int count) {
 
 VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {
     CORE_ASSERT(cell < q->graph->cell_count && method < VIS_METHODS);
+    prefetch_last(q);
     q->eye = eye;
     q->door_open = door_open;
     q->method = method;

@@ -13,13 +13,22 @@ typedef struct Sums {
     int frames;
 } Sums;
 
+// Frames are taken as a walk shows them, one after the other in runs of so many, and the runs evenly over the tour: what
+// the last frame left in the caches is part of what the next one costs.
+enum { RUN = 10 };
+
+static const TourFrame *frame_taken(const TourPath *path, int i, int taken) {
+    long run = i / RUN, first = run * RUN * path->frame_count / taken;
+    return &path->frames[first + i % RUN];
+}
+
 static bool measure(const AppScene *scene, const TourPath *path, const BenchArguments *a, VisMethod method,
                     VisQuery *query, WalkRenderer *renderer, Sums *out, Error *error) {
     *out = (Sums){0};
     int taken = path->frame_count < a->frames ? path->frame_count : a->frames, cell = -1;
     // The first frame once more before all: it pays for what is made on first use.
     for (int i = -1; i < taken; i++) {
-        const TourFrame *at = &path->frames[(long)(i < 0 ? 0 : i) * path->frame_count / taken];
+        const TourFrame *at = frame_taken(path, i < 0 ? 0 : i, taken);
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
         Eye eye = walk_eye(&camera);
         cell = vis_locate(&scene->graph, at->eye, cell);

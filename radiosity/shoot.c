@@ -94,7 +94,7 @@ typedef struct Shooter {
     Channels absorbed, escaped;
     ShootQueue queue;
     ShootRows *rows;
-    int *next;  // [shoot_rows_wanted, as it is at first]
+    int *next;  // [shoot_rows_most]
     double start;
 } Shooter;
 
@@ -115,7 +115,7 @@ static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const 
                   const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution, .start = clock_seconds()};
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
-    s->next = ARENA_ARRAY(arena, int, shoot_rows_wanted(s->rows));
+    s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
     s->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
     s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
     s->absorbed = channels_of(solution->absorbed);
@@ -182,8 +182,9 @@ static const ShootRow *row_of(Shooter *s, int patch) {
     const ShootRow *row = shoot_rows_of(s->rows, patch);
     if (row) return row;
     double least = s->queue.power[patch] * WORTH_MAKING;
-    int count =
-        shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, shoot_rows_wanted(s->rows), s->next);
+    long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
+    if (s->options->shots > 0 && left < wanted) wanted = left;
+    int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
     shoot_rows_make(s->rows, s->next, count);
     return shoot_rows_of(s->rows, patch);
 }

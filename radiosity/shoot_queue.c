@@ -41,19 +41,41 @@ static bool is_stronger(const ShootQueue *queue, int a, int b) {
     return queue->power[a] > queue->power[b] || (a < b && queue->power[a] == queue->power[b]);
 }
 
-// By insertion into a short list: few are wanted, and most blocks are passed over at a glance.
+// Lets what is at the root of a heap, whose weakest should be there, sink to its place.
+static void sink(const ShootQueue *queue, int *heap, int count) {
+    int patch = heap[0], at = 0;
+    for (int child = 1; child < count; child = 2 * at + 1) {
+        if (child + 1 < count && is_stronger(queue, heap[child], heap[child + 1])) child++;
+        if (!is_stronger(queue, patch, heap[child])) break;
+        heap[at] = heap[child];
+        at = child;
+    }
+    heap[at] = patch;
+}
+
+static void rise(const ShootQueue *queue, int *heap, int at) {
+    int patch = heap[at];
+    for (; at > 0 && is_stronger(queue, heap[(at - 1) / 2], patch); at = (at - 1) / 2)
+        heap[at] = heap[(at - 1) / 2];
+    heap[at] = patch;
+}
+
+// Most blocks are passed over at a glance: the weakest of those found, at the root of a heap, is the bar.
 int shoot_queue_next(const ShootQueue *queue, const bool *taken, double least, int wanted, int *patches) {
     int found = 0;
     for (int b = 0; b < queue->block_count; b++) {
-        double bar = found < wanted ? least : queue->power[patches[wanted - 1]];
+        double bar = found < wanted ? least : queue->power[patches[0]];
         if (queue->most[b] < bar) continue;
         int first = b * queue->block, end = first + queue->block;
         for (int i = first; i < end && i < queue->count; i++) {
             if (taken[i] || queue->power[i] < least || queue->power[i] <= 0) continue;
-            if (found == wanted && !is_stronger(queue, i, patches[found - 1])) continue;
-            int at = found < wanted ? found++ : found - 1;
-            for (; at > 0 && is_stronger(queue, i, patches[at - 1]); at--) patches[at] = patches[at - 1];
-            patches[at] = i;
+            if (found < wanted) {
+                patches[found] = i;
+                rise(queue, patches, found++);
+            } else if (is_stronger(queue, i, patches[0])) {
+                patches[0] = i;
+                sink(queue, patches, found);
+            }
         }
     }
     return found;

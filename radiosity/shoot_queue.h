@@ -29,8 +29,7 @@ static inline void shoot_queue_raise(ShootQueue *queue, int patch, double power)
 void shoot_queue_clear(ShootQueue *queue, int patch);
 // The patch with most power, the lowest of several; -1 where all have none.
 int shoot_queue_top(const ShootQueue *queue);
-// The strongest of those not `taken` [count] that have at least `least` W, strongest first; returns how many, at most
-// `wanted`.
+// The strongest of those not `taken` [count] that have at least `least` W, in any order; returns how many, at most `wanted`.
 int shoot_queue_next(const ShootQueue *queue, const bool *taken, double least, int wanted, int *patches);
 
 #endif

@@ -3,14 +3,17 @@
 // shoots again and again. Those that come later stay until the next are made.
 #include "radiosity/shoot_rows.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 
-// Rows made at a time by each thread. Where they are kept none is in vain, and many make up for rows of different cost and
-// are often of neighbours, who see the same; else some are, when a patch grows strong that was not foreseen.
-enum { AHEAD_KEPT = 256, AHEAD_PASSING = 4 };
+// Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
+// there are, the more of them are neighbours, who find what they see where the last one left it: a row takes half the time.
+// But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
+enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
+static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
 // Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
@@ -22,7 +25,7 @@ typedef struct Maker {
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
     size_t kept_bytes;  // of all its blocks
-    long long kept_count, faces;
+    long long kept_count, made_bytes, faces;
     double seconds_visibility;
 } Maker;
 
@@ -68,7 +71,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
         maker->viewer = viewer_new(mesh, forest, door_open, &maker->arena);
         maker->form_factor = form_factor_new(options->method, mesh, &options->form_factor, &maker->arena);
     }
-    rows->slot_count = AHEAD_KEPT * rows->threads;
+    rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
@@ -87,8 +90,24 @@ void shoot_rows_end(ShootRows *rows) {
     for (int i = 0; i < rows->slot_count; i++) arena_free(&rows->slots[i].arena);
 }
 
+int shoot_rows_most(const ShootRows *rows) { return rows->slot_count; }
+
+// Of the memory for rows, each thread's.
+static size_t share_of(const ShootRows *rows) { return rows->options->row_bytes / (size_t)rows->threads; }
+
 int shoot_rows_wanted(const ShootRows *rows) {
-    return (rows->full ? AHEAD_PASSING : AHEAD_KEPT) * rows->threads;
+    if (rows->full) return AHEAD_PASSING * rows->threads;
+    if (rows->made == 0) return AHEAD_FIRST * rows->threads;
+    double faces = 0, bytes = 0, left = 0;
+    for (int t = 0; t < rows->threads; t++) {
+        const Maker *maker = &rows->makers[t];
+        faces += (double)maker->faces;
+        bytes += (double)maker->made_bytes;
+        left += (double)(share_of(rows) - maker->kept_bytes + maker->block_left);
+    }
+    double made = (double)rows->made;
+    double wanted = fmin(FACES_AHEAD * rows->threads * made / (faces + 1), left * made / (bytes + 1));
+    return (int)fmax(fmin(wanted, rows->slot_count), AHEAD_PASSING * rows->threads);
 }
 
 const bool *shoot_rows_there(const ShootRows *rows) { return rows->there; }
@@ -152,7 +171,7 @@ static void copy_row(const ShootRows *rows, const Row *from, int runs, ShootRow 
 // Room for a row among those its maker keeps; NULL: its part of the memory for rows is spent.
 static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
     if (bytes > maker->block_left) {
-        size_t share = rows->options->row_bytes / (size_t)rows->threads;
+        size_t share = share_of(rows);
         size_t block = share < BLOCK_BYTES ? share : BLOCK_BYTES;
         if (block < bytes) block = bytes;
         if (maker->kept_bytes + block > share) return NULL;
@@ -180,6 +199,7 @@ static void make_row(void *context, int index, int thread) {
     const Row *row = form_factor_row(maker->form_factor, view);
     int runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs, row->count);
+    maker->made_bytes += (long long)bytes;
     slot->row = keep(rows, maker, bytes);
     slot->passing = !slot->row;
     if (slot->passing) {

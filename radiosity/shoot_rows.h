@@ -26,8 +26,10 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
                           const RadOptions *options, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
 
-// How many to make at a time, so that all threads have enough to do.
+// How many to make at a time, so that all threads have enough to do, and neighbours are made together; never more than
+// shoot_rows_most.
 int shoot_rows_wanted(const ShootRows *rows);
+int shoot_rows_most(const ShootRows *rows);
 // [patch_count] which patches have a row here.
 const bool *shoot_rows_there(const ShootRows *rows);
 // The row of a patch, NULL if it is not there.

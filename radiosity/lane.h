@@ -31,7 +31,7 @@ static inline Lane lane_choose(LaneInt mask, Lane yes, Lane no) {
 #ifdef __AVX2__
     return (Lane)_mm256_blendv_ps((__m256)no, (__m256)yes, (__m256)mask);
 #else
-    mask >>= 31;
+    mask = mask < 0;
     return (Lane)((mask & lane_bits(yes)) | (~mask & lane_bits(no)));
 #endif
 }

@@ -2,10 +2,12 @@
 #include "engine/app/apart.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,6 +26,7 @@ bool apart_run(void (*work)(void *context), void *context, const char *what, Err
     pid_t child = fork();
     if (child < 0) return error_set(error, "%s: no process can be started: %s", what, strerror(errno));
     if (child == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it then
         work(context);
         _exit(0);
     }

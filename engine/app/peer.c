@@ -4,8 +4,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -29,6 +31,7 @@ static int count_cells(Bytes content) {
 
 // Its output goes to `log`.
 _Noreturn static void become(const char *program, const char *threads, const char *level, const char *log) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it then
     int in = open("/dev/null", O_RDONLY), out = open(log, O_WRONLY | O_CREAT, 0600);
     if (in >= 0 && out >= 0 && dup2(in, 0) >= 0 && dup2(out, 1) >= 0 && dup2(out, 2) >= 0)
         execlp(program, program, "-threads", threads, level, (char *)NULL);

@@ -13,40 +13,49 @@ typedef struct Sums {
     int frames;
 } Sums;
 
-// Frames are taken as a walk shows them, one after the other in runs of so many, and the runs evenly over the tour: what
-// the last frame left in the caches is part of what the next one costs.
-enum { RUN = 10 };
+// A building and what looks at it.
+typedef struct Watch {
+    AppScene scene;
+    TourPath path;
+    VisQuery *query;
+    WalkRenderer *renderer;
+    int cell;  // of the last eye
+} Watch;
 
-static const TourFrame *frame_taken(const TourPath *path, int i, int taken) {
-    long run = i / RUN, first = run * RUN * path->frame_count / taken;
-    return &path->frames[first + i % RUN];
+// Draws one frame; what it took and showed is added to the sums, if there are any.
+static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMethod method, Sums *sums,
+                 Error *error) {
+    Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
+    Eye eye = walk_eye(&camera);
+    w->cell = vis_locate(&w->scene.graph, at->eye, w->cell);
+    double start = clock_seconds();
+    VisResult v = vis_query(w->query, &eye, w->cell, NULL, method);
+    double asked = clock_seconds();
+    if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||
+        !walk_renderer_finish_scene(w->renderer, error))
+        return false;
+    walk_renderer_finish();
+    if (!sums) return true;
+    sums->frame += clock_seconds() - start;
+    sums->query += asked - start;
+    sums->polygons += v.polygon_count;
+    sums->cells += v.cell_count;
+    sums->portals += v.portals_tested;
+    sums->objects += v.objects_tested;
+    sums->frames++;
+    return true;
 }
 
-static bool measure(const AppScene *scene, const TourPath *path, const BenchArguments *a, VisMethod method,
-                    VisQuery *query, WalkRenderer *renderer, Sums *out, Error *error) {
+// Frames taken evenly over the tour, each after the one before it in the tour, as a walk shows them: what that left in the
+// caches is part of what the next one costs. The first of all, which has none before it, comes twice.
+static bool measure(Watch *w, const BenchArguments *a, VisMethod method, Sums *out, Error *error) {
     *out = (Sums){0};
-    int taken = path->frame_count < a->frames ? path->frame_count : a->frames, cell = -1;
-    // The first frame once more before all: it pays for what is made on first use.
-    for (int i = -1; i < taken; i++) {
-        const TourFrame *at = frame_taken(path, i < 0 ? 0 : i, taken);
-        Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
-        Eye eye = walk_eye(&camera);
-        cell = vis_locate(&scene->graph, at->eye, cell);
-        double start = clock_seconds();
-        VisResult v = vis_query(query, &eye, cell, NULL, method);
-        double asked = clock_seconds();
-        if (!walk_renderer_draw(renderer, &camera, v.objects, v.object_count, a->look, error) ||
-            !walk_renderer_finish_scene(renderer, error))
-            return false;
-        walk_renderer_finish();
-        if (i < 0) continue;
-        out->frame += clock_seconds() - start;
-        out->query += asked - start;
-        out->polygons += v.polygon_count;
-        out->cells += v.cell_count;
-        out->portals += v.portals_tested;
-        out->objects += v.objects_tested;
-        out->frames++;
+    int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;
+    w->cell = -1;
+    for (int i = 0; i < taken; i++) {
+        const TourFrame *at = &w->path.frames[(long)i * count / taken];
+        const TourFrame *before = at > w->path.frames ? at - 1 : at;
+        if (!draw(w, before, a, method, NULL, error) || !draw(w, at, a, method, out, error)) return false;
     }
     return true;
 }
@@ -55,27 +64,28 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
                            Error *error) {
     AppOptions load = app_default_options();
     load.map = a->map;
-    AppScene scene;
+    Watch watch = {.cell = -1};
     TourOptions options = tour_default_options();
-    TourPath path;
-    if (!app_load(file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
-    if (!tour_make(&scene.graph, "auto", &options, arena, &path, error)) return false;
-    VisQuery *query = vis_query_new(&scene.graph, &scene.forest, arena);
+    if (!app_load(file, &load, arena, &watch.scene, error) || !app_has_walls(&watch.scene, error))
+        return false;
+    const CellGraph *graph = &watch.scene.graph;
+    if (!tour_make(graph, "auto", &options, arena, &watch.path, error)) return false;
+    watch.query = vis_query_new(graph, &watch.scene.forest, arena);
     if (!gl_context_use(context, error)) return false;
-    WalkRenderer *renderer = walk_renderer_new(&scene.graph, arena, error);
-    if (!renderer) return false;
+    watch.renderer = walk_renderer_new(graph, arena, error);
+    if (!watch.renderer) return false;
     bool good = true;
     for (int m = 0; m < VIS_METHODS && good; m++) {
         Sums s;
-        good = measure(&scene, &path, a, (VisMethod)m, query, renderer, &s, error);
+        good = measure(&watch, a, (VisMethod)m, &s, error);
         if (!good) break;
         double n = s.frames;
         printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), VIS_METHOD_NAMES[m], s.frames,
-               scene.graph.polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n, 1e3 * s.frame / n,
+               graph->polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n, 1e3 * s.frame / n,
                s.portals / n, s.objects / n);
         fflush(stdout);
     }
-    walk_renderer_free(renderer);
+    walk_renderer_free(watch.renderer);
     return good;
 }
 

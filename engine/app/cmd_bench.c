@@ -17,7 +17,7 @@ static const char HELP[] =
     "                 the query and of the whole frame\n"
     "    --size WxH   of the frames, pixels, 16 to 8192 each (default 640x360)\n"
     "    --look NAME  fast (default) or fine\n"
-    "    --frames N   of the tour, evenly taken, 1 to 1000000 (default 200)\n\n"
+    "    --frames N   of the tour, evenly taken, each after the one before it, 1 to 1000000 (default 200)\n\n"
     "  collision      a body walks at random while doors move: walls and pieces of furniture looked at a "
     "step, places\n"
     "                 where it may not be, ways of a flood of the floor that it cannot walk, time\n"

@@ -246,7 +246,6 @@ static void prefetch_last(const VisQuery *q) {
         const CellView *cell = &q->of_cell[q->cells[i - LISTS].cell];
         size_t boxes = (size_t)(cell->object_count + FOUR - 1) / FOUR;
         prefetch(&q->gates[cell->first_block], (size_t)cell->block_count * sizeof *q->gates);
-        prefetch(&q->views[cell->first_block], (size_t)cell->block_count * sizeof *q->views);
         prefetch(&q->boxes[cell->first_box], boxes * sizeof *q->boxes);
     }
     for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);

@@ -171,6 +171,7 @@ typedef struct Round {
     Flow *flows;               // [threads]
     Finding *findings;         // [size]
     const Turn *turns;         // [size] of this round
+    Turn *order;               // [size] the same, by how much is in doubt; `way` is the place in turns
     uint64_t *kept;            // [size * words]
     int count, before, total;  // searches of this round, of earlier ones, and of all
     atomic_int done;
@@ -179,7 +180,7 @@ typedef struct Round {
 static void search_turn(void *context, int index, int thread) {
     Round *round = context;
     Rounds *r = round->rounds;
-    index = round->count - 1 - index;  // the longest first: then no thread is left with one at the end
+    index = round->order[index].way;
     int way = round->turns[index].way, done = round->before + atomic_fetch_add(&round->done, 1);
     if (!rounds_report(r, "sightlines", done, round->total)) return;
     Finding *finding = &round->findings[index];
@@ -190,7 +191,26 @@ static void search_turn(void *context, int index, int thread) {
     finding->done = true;
 }
 
+// How many cells a search is to decide.
+static long in_doubt(const Rounds *r, int way) {
+    const Way *w = &r->ways.ways[way];
+    const uint64_t *might = might_row(r, way), *proven = set_row(r, r->set->proven, w->from);
+    const uint64_t *here = set_row(r, r->set->seen, w->from), *there = set_row(r, r->set->seen, w->to);
+    long count = 0;
+    for (int k = 0; k < r->ways.words; k++)
+        count += __builtin_popcountll(might[k] & here[k] & there[k] & ~proven[k]);
+    return count;
+}
+
+// The longest searches first, as far as one can tell: then no thread is left with one at the end.
+static void order_round(Round *round, int count) {
+    for (int i = 0; i < count; i++)
+        round->order[i] = (Turn){-in_doubt(round->rounds, round->turns[i].way), i};
+    qsort(round->order, (size_t)count, sizeof *round->order, by_might);
+}
+
 static void search_round(Round *round, int count) {
+    order_round(round, count);
     memset(round->findings, 0, (size_t)count * sizeof *round->findings);
     round->count = count;
     atomic_store(&round->done, 0);
@@ -215,6 +235,7 @@ void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arriv
     Round round = {.rounds = r,
                    .flows = ARENA_ARRAY(&scratch, Flow, r->threads),
                    .findings = ARENA_ARRAY(&scratch, Finding, size),
+                   .order = ARENA_ARRAY(&scratch, Turn, size),
                    .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
                    .total = count};
     for (int i = 0; i < count; i++) turns[i].way = i;

@@ -10,7 +10,7 @@
 #include "engine/core/parallel.h"
 
 // Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
-// there are, the more of them are neighbours, who find what they see where the last one left it: a row takes half the time.
+// there are, the more of them are neighbours, who find what they see where the last one left it: a sixth less time.
 // But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
 enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second

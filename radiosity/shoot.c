@@ -23,6 +23,7 @@ RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
                         .form_factor = form_factor_default_options(),
                         .culling = CULL_PORTALS,
+                        .reach = 2,
                         .residual = 0.001,
                         .row_bytes = (size_t)128 << 20};
 }

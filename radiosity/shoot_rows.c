@@ -8,6 +8,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
+#include "radiosity/near_pairs.h"
 
 // Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
 // there are, the more of them are neighbours, who find what they see where the last one left it: a sixth less time.
@@ -22,6 +23,7 @@ typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
     FormFactor *form_factor;
+    NearPairs *near;  // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
     size_t kept_bytes;  // of all its blocks
@@ -70,6 +72,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
         Maker *maker = &rows->makers[t];
         maker->viewer = viewer_new(mesh, forest, door_open, &maker->arena);
         maker->form_factor = form_factor_new(options->method, mesh, &options->form_factor, &maker->arena);
+        if (options->reach > 0) maker->near = near_pairs_new(mesh, options->reach, &maker->arena);
     }
     rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
@@ -197,6 +200,7 @@ static void make_row(void *context, int index, int thread) {
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
     const Row *row = form_factor_row(maker->form_factor, view);
+    if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     int runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs, row->count);
     maker->made_bytes += (long long)bytes;

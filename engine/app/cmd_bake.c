@@ -57,6 +57,7 @@ enum {
     HIDDEN,
     RESOLUTION,
     CULLING,
+    REACH,
     NO_CULL,
     ROW_MEMORY,
     PROBE,
@@ -78,6 +79,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"hidden", required_argument, NULL, HIDDEN},
                                         {"resolution", required_argument, NULL, RESOLUTION},
                                         {"culling", required_argument, NULL, CULLING},
+                                        {"reach", required_argument, NULL, REACH},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
@@ -148,6 +150,8 @@ static int parse_light(int c, char **argv, Arguments *a) {
     case NO_CULL:
         rad->culling = CULL_NOTHING;
         return code;
+    case REACH:
+        return parse_number("--reach", 0, 100, &rad->reach);
     case RESIDUAL:
         return parse_number("--residual", 1e-9, 1, &rad->residual);
     case SHOTS:

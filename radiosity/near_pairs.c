@@ -1,0 +1,273 @@
+// near_pairs.c - form factors of an area instead of a point, where that matters: quadrature over the patch of the closed form from
+// a point (Lambert 1760; the inner integral of Wallace, Elmquist & Haines 1989 the other way round), for elements close by.
+//
+// How much of an element is hidden is taken to be the same from everywhere on the patch: the share the row has of what the centre
+// would see of it were nothing between.
+#include "radiosity/near_pairs.h"
+
+#include <math.h>
+
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+#include "radiosity/lane.h"
+
+// Of a polygon that has so many corners, those of neighbours on its edges included.
+enum { MOST_CORNERS = 128, MOST_POINTS = 256 };
+// An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
+static const float LEAST = 1e-5f;
+
+// Where an element is, metres from NearPairs.origin.
+typedef struct Ball {
+    float x, y, z, radius;
+} Ball;
+
+// Points of a patch in its own axes, the normal z, metres from its centre; weights sum to 1. The first is the centre, without weight.
+typedef struct Points {
+    int lane_count;
+    Lane x[MOST_POINTS / LANES], y[MOST_POINTS / LANES], weight[MOST_POINTS / LANES];
+} Points;
+
+// Shares of near elements, by where they are in the row.
+typedef struct Mended {
+    int at;
+    float factor;
+} Mended;
+
+struct NearPairs {
+    const Mesh *mesh;
+    double reach;
+    Vec3 origin;
+    Ball *balls;    // [element_count]
+    float *factor;  // [element_count] of the row
+    Mended *mended;  // [element_count]
+    Row row;
+};
+
+static Ball ball_of(const NearPairs *self, const int *corner, int count) {
+    const Vec3 *vertices = self->mesh->vertices;
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < count; i++) sum = vec3_add(sum, vec3_sub(vertices[corner[i]], self->origin));
+    Vec3 centre = vec3_scale(sum, 1.0 / count);
+    double radius = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 v = vec3_sub(vertices[corner[i]], self->origin);
+        radius = fmax(radius, vec3_length(vec3_sub(v, centre)));
+    }
+    return (Ball){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
+}
+
+NearPairs *near_pairs_new(const Mesh *mesh, double reach, Arena *arena) {
+    NearPairs *self = ARENA_ARRAY(arena, NearPairs, 1);
+    *self = (NearPairs){.mesh = mesh, .reach = reach, .origin = mesh->vertices[0]};
+    self->balls = ARENA_ARRAY(arena, Ball, mesh->element_count);
+    self->factor = ARENA_ARRAY(arena, float, mesh->element_count);
+    self->mended = ARENA_ARRAY(arena, Mended, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        self->balls[e] = ball_of(self, mesh->corners + element->first_corner, element->corner_count);
+    }
+    return self;
+}
+
+// ---- points of a patch
+
+typedef struct Axes {
+    Vec3 centre, x, y, z;
+} Axes;
+
+static Vec3 to_axes(const Axes *a, Vec3 v) {
+    v = vec3_sub(v, a->centre);
+    return vec3(vec3_dot(a->x, v), vec3_dot(a->y, v), vec3_dot(a->z, v));
+}
+
+typedef struct PointList {
+    float x[MOST_POINTS], y[MOST_POINTS], weight[MOST_POINTS];
+    int count;
+} PointList;
+
+static void add_point(PointList *list, double x, double y, double weight) {
+    if (list->count == MOST_POINTS) return;
+    list->x[list->count] = (float)x;
+    list->y[list->count] = (float)y;
+    list->weight[list->count++] = (float)weight;
+}
+
+// Gauss-Legendre, two by two, over a quadrilateral; a triangle is one with two corners in one place.
+static void add_quad(PointList *list, const Vec3 q[4]) {
+    static const double at[2] = {0.21132486540518713, 0.78867513459481287};
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++) {
+            double u = at[i], v = at[j];
+            Vec3 low = vec3_lerp(q[0], q[1], u), high = vec3_lerp(q[3], q[2], u);
+            Vec3 along = vec3_lerp(vec3_sub(q[1], q[0]), vec3_sub(q[2], q[3]), v), up = vec3_sub(high, low);
+            Vec3 p = vec3_lerp(low, high, v);
+            double area = along.x * up.y - along.y * up.x;
+            if (area > 0) add_point(list, p.x, p.y, area);
+        }
+    }
+}
+
+// Corners that turn, of a convex polygon in the plane z = 0.
+static int true_corners(Vec3 *v, int count) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 before = v[kept > 0 ? kept - 1 : count - 1], after = v[i + 1 < count ? i + 1 : 0];
+        Vec3 a = vec3_sub(v[i], before), b = vec3_sub(after, v[i]);
+        double turn = a.x * b.y - a.y * b.x;
+        if (turn > 1e-6 * vec3_length(a) * vec3_length(b)) v[kept++] = v[i];
+    }
+    return kept;
+}
+
+static void add_element(PointList *list, const Mesh *mesh, const Axes *axes, const Element *element) {
+    Vec3 v[MOST_CORNERS];
+    int count = element->corner_count;
+    if (count > MOST_CORNERS) return;
+    for (int i = 0; i < count; i++)
+        v[i] = to_axes(axes, mesh->vertices[mesh->corners[element->first_corner + i]]);
+    count = true_corners(v, count);
+    for (int i = 1; i + 1 < count; i += 2) {
+        Vec3 last = v[i + 2 < count ? i + 2 : i + 1];
+        Vec3 quad[4] = {v[0], v[i], v[i + 1], last};
+        add_quad(list, quad);
+    }
+}
+
+static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, Points *out) {
+    PointList list = {.count = 0};
+    add_point(&list, 0, 0, 0);
+    for (int i = 0; i < patch->element_count; i++)
+        add_element(&list, mesh, axes, &mesh->elements[patch->first_element + i]);
+    float sum = 0;
+    for (int i = 0; i < list.count; i++) sum += list.weight[i];
+    if (!(sum > 0)) return false;
+    out->lane_count = (list.count + LANES - 1) / LANES;
+    for (int i = 0; i < out->lane_count * LANES; i++) {
+        bool there = i < list.count;
+        out->x[i / LANES][i % LANES] = there ? list.x[i] : 0;
+        out->y[i / LANES][i % LANES] = there ? list.y[i] : 0;
+        out->weight[i / LANES][i % LANES] = there ? list.weight[i] / sum : 0;
+    }
+    return true;
+}
+
+// ---- an element from there
+
+static inline Lane lane_root(Lane a) {
+    Lane out;
+    for (int i = 0; i < LANES; i++) out[i] = sqrtf(a[i]);
+    return out;
+}
+
+// The angle of a sine above 0 and a cosine, both scaled alike, 0 .. pi: within 2e-6 (minimax of atan, odd, to the 11th power).
+static inline Lane angle_of(Lane sine, Lane cosine) {
+    Lane adjacent = lane_abs(cosine), most = lane_most(sine, adjacent);
+    Lane t = lane_least(sine, adjacent) / most, s = t * t;
+    Lane a = lane_of(-0.0117212f);
+    a = lane_multiply_add(a, s, lane_of(0.05265332f));
+    a = lane_multiply_add(a, s, lane_of(-0.11643287f));
+    a = lane_multiply_add(a, s, lane_of(0.19354346f));
+    a = lane_multiply_add(a, s, lane_of(-0.33262347f));
+    a = lane_multiply_add(a, s, lane_of(0.99997726f)) * t;
+    a = lane_choose(sine > adjacent, lane_of((float)M_PI_2) - a, a);
+    return lane_choose(cosine < 0, lane_of((float)M_PI) - a, a);
+}
+
+// Of one edge, seen from eight points.
+static inline Lane edge_share(Lane x, Lane y, const float a[3], const float b[3]) {
+    Lane ax = lane_of(a[0]) - x, ay = lane_of(a[1]) - y, az = lane_of(a[2]);
+    Lane bx = lane_of(b[0]) - x, by = lane_of(b[1]) - y, bz = lane_of(b[2]);
+    Lane cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
+    Lane sine = lane_root(cx * cx + cy * cy + cz * cz) + 1e-20f;
+    return angle_of(sine, ax * bx + ay * by + az * bz) * cz / sine;
+}
+
+// What an element has of the light of the centre, and in the mean of all of the patch.
+static void factors(const Points *points, const float (*v)[3], int count, float *centre, float *mean) {
+    *centre = *mean = 0;
+    Lane sum = {0};
+    for (int k = 0; k < points->lane_count; k++) {
+        Lane angle = {0};
+        for (int i = 0; i < count; i++)
+            angle += edge_share(points->x[k], points->y[k], v[i], v[i + 1 < count ? i + 1 : 0]);
+        if (k == 0) *centre = fabsf(angle[0]);
+        sum += lane_abs(angle) * points->weight[k];
+    }
+    *mean = 0;
+    for (int i = 0; i < LANES; i++) *mean += sum[i];
+    *mean *= (float)(0.5 / M_PI);
+    *centre *= (float)(0.5 / M_PI);
+}
+
+// What of an element lies before the patch, in its axes; returns how many corners.
+static int before(const NearPairs *self, const Axes *axes, const Element *element, float out[][3]) {
+    Vec3 v[MOST_CORNERS], part[MOST_CORNERS + 1];
+    if (element->corner_count > MOST_CORNERS) return 0;
+    for (int i = 0; i < element->corner_count; i++)
+        v[i] = to_axes(axes, self->mesh->vertices[self->mesh->corners[element->first_corner + i]]);
+    int count = polygon_clip(v, element->corner_count, (Plane){vec3(0, 0, 1), 0}, 0, part);
+    for (int i = 0; i < count; i++) {
+        out[i][0] = (float)part[i].x;
+        out[i][1] = (float)part[i].y;
+        out[i][2] = (float)part[i].z;
+    }
+    return count;
+}
+
+static inline bool is_near(const Ball *b, Vec3 centre, float reach) {
+    float x = b->x - (float)centre.x, y = b->y - (float)centre.y, z = b->z - (float)centre.z;
+    float within = reach + b->radius;
+    return x * x + y * y + z * z < within * within;
+}
+
+static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) {
+    double radius = 0;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Ball *b = &self->balls[e];
+        Vec3 off = vec3_sub(vec3((double)b->x, (double)b->y, (double)b->z), centre);
+        radius = fmax(radius, vec3_length(off) + (double)b->radius);
+    }
+    return radius;
+}
+
+// What an element has of a patch's light, that has `share` of its centre's.
+static float mend(const NearPairs *self, const Axes *axes, const Points *points, int element, float share) {
+    float v[MOST_CORNERS + 1][3], centre, mean;
+    int count = before(self, axes, &self->mesh->elements[element], v);
+    if (count < 3) return share;
+    factors(points, (const float(*)[3])v, count, &centre, &mean);
+    if (centre < LEAST) return share;
+    return fmaxf(share + fminf(share / centre, 1) * (mean - centre), 0);
+}
+
+const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
+    const Mesh *mesh = self->mesh;
+    const Patch *patch = &mesh->patches[index];
+    Axes axes = {.centre = patch->centre, .z = mesh->faces[patch->face].plane.n};
+    view_axes(axes.z, &axes.x, &axes.y);
+    Points points;
+    bool laid = false;
+    Vec3 centre = vec3_sub(patch->centre, self->origin);
+    float reach = (float)(self->reach * radius_of(self, patch, centre));
+    double before_all = 0, after_all = 0;
+    int count = 0;
+    for (int i = 0; i < row->count; i++) {
+        if (!is_near(&self->balls[row->element[i]], centre, reach)) continue;
+        if (!laid && !lay_points(mesh, patch, &axes, &points)) return row;
+        laid = true;
+        float factor = mend(self, &axes, &points, row->element[i], row->factor[i]);
+        self->mended[count++] = (Mended){i, factor};
+        before_all += (double)row->factor[i];
+        after_all += (double)factor;
+    }
+    if (count == 0 || !(before_all < 1 && after_all < 1)) return row;
+    double scale = (1 - after_all) / (1 - before_all);
+    for (int i = 0; i < row->count; i++) self->factor[i] = row->factor[i] * (float)scale;
+    for (int i = 0; i < count; i++) self->factor[self->mended[i].at] = self->mended[i].factor;
+    self->row = (Row){.count = row->count,
+                      .element = row->element,
+                      .factor = self->factor,
+                      .back = row->back * scale,
+                      .escaped = row->escaped * scale};
+    return &self->row;
+}

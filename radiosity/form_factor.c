@@ -47,7 +47,7 @@ const FormFactorMethod *form_factor_method(const char *name) {
 
 FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
                             const FormFactorOptions *options, Arena *arena) {
-    CORE_ASSERT(options->resolution >= 8 && options->resolution <= 2000);
+    CORE_ASSERT(options->resolution >= 8 && options->resolution <= FORM_FACTOR_FINEST);
     FormFactor *self = ARENA_ARRAY(arena, FormFactor, 1);
     self->method = method;
     self->mesh = mesh;

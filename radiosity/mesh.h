@@ -7,9 +7,20 @@
 
 #include "visibility/vis.h"
 
+// Where a mesh is finer than elsewhere: of each root square of each face, in their order, a quadtree, depth first, a bit a node:
+// split into four, or an element.
+typedef struct MeshSplits {
+    int bit_count;
+    unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is split
+    int even;             // so often
+} MeshSplits;
+
+enum { MESH_DEEPEST = 6 };  // splits on top of one another
+
 typedef struct MeshOptions {
     double element;  // edge length aimed at, metres, 0.01 .. 100
     int per_patch;   // elements along the side of a patch, 1 .. 16
+    const MeshSplits *splits;  // NULL: all elements alike. Else `element` x `per_patch` is the edge of a root square
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2
 
@@ -24,6 +35,7 @@ typedef struct Face {
                           // face that lies on an edge among them, so that neighbours share whole edges
     Vec3 origin, gx, gy;  // 1 / metres
     int nx, ny, first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not
+    int root;                  // squares along the side of a root, or of a patch where there are no splits
     int first_element, element_count;
     int first_patch, patch_count;
 } Face;
@@ -67,6 +79,12 @@ typedef struct Mesh {
 // Fails, with a sentence, where nothing is left to receive light.
 bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
+
+// Splits for a mesh that is as deep as `depth` [element_count] says where these elements are, 0 (one element to a root) ..
+// MESH_DEEPEST. `mesh` has splits, or 1, 2, 4 .. elements along the side of a patch: roots are its patches.
+MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *depth, Arena *arena);
+// How often the root of each element was split to make it, [element_count].
+unsigned char *mesh_depths(const Mesh *mesh, Arena *arena);
 
 // The element of a face at a point of its plane; the nearest square's where the point is a rounding outside.
 int mesh_element_at(const Mesh *mesh, int face, Vec3 point);

@@ -10,7 +10,25 @@ typedef struct MeshBuilder {
     Arena *arena, scratch;
     Places places;
     int element_capacity, patch_capacity, corner_capacity, square_capacity;
+    int laid, cut;  // bits of the splits read so far, by those who lay grids and by those who cut along them
 } MeshBuilder;
+
+// Squares i0 .. i1 by j0 .. j1 of a face, both included.
+typedef struct MeshBlock {
+    int i0, j0, i1, j1;
+} MeshBlock;
+
+// An element to be, before it is cut: what a block of squares holds of the face.
+typedef struct MeshLeaf {
+    MeshBlock block;
+    int patch;    // leaves of one have one number, each its own where they begin
+    double area;  // m^2; 0: none, or joined to another
+} MeshLeaf;
+
+// mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
+int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out);
+// How deep the trees of so many roots are, from where the builder has laid grids to. -1: the bits end before.
+int mesh_deepest(MeshBuilder *builder, int roots);
 
 // mesh_squares.c: the grid of a face with these corners, places of the builder.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);

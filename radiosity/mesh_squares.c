@@ -14,10 +14,12 @@ static const double NOTHING = 1e-9;
 // How much longer than asked for an element's edges may be. Small faces make them shorter on the average.
 static const double LONGEST = 1.15;
 
-// How many squares a side takes: whole patches, at least one.
-static int squares_along(double length, const MeshOptions *options) {
+// How many patches, or roots, a side takes.
+static int patches_along(double length, const MeshOptions *options, bool emits) {
     double patches = ceil(length / (LONGEST * options->element * options->per_patch));
-    return options->per_patch * (patches < 1 ? 1 : (int)patches);
+    // Lamps are where sharp shadows come from: twice as many shoot, each for a part of the penumbra.
+    if (options->splits && emits) patches *= 2;
+    return patches < 1 ? 1 : (int)patches;
 }
 
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count) {
@@ -43,8 +45,14 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
         y1 = fmax(y1, vec3_dot(y, p));
     }
     const MeshOptions *options = &builder->mesh->options;
-    face->nx = squares_along(x1 - x0, options);
-    face->ny = squares_along(y1 - y0, options);
+    Rgb e = builder->mesh->graph->building->materials[face->material].emission;
+    bool emits = e.r + e.g + e.b > 0;
+    face->nx = patches_along(x1 - x0, options, emits);
+    face->ny = patches_along(y1 - y0, options, emits);
+    face->root = options->per_patch;
+    if (options->splits) face->root = 1 << mesh_deepest(builder, face->nx * face->ny);
+    face->nx *= face->root;
+    face->ny *= face->root;
     // On the plane, which corners miss where the polygon bends.
     base = vec3_sub(base, vec3_scale(face->plane.n, vec3_dot(face->plane.n, base) - face->plane.d));
     face->origin = vec3_add(base, vec3_add(vec3_scale(x, x0), vec3_scale(y, y0)));
@@ -54,25 +62,20 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
 
 // ---- parts of a face
 
-// Squares i0 .. i1 by j0 .. j1, both included.
-typedef struct Block {
-    int i0, j0, i1, j1;
-} Block;
-
 typedef struct Cutting {
     MeshBuilder *builder;
     const Face *face;
     const Vec3 *outline;  // [count] from the face's origin
     int count;
     Vec3 *part, *spare;  // [count + 8] of the part looked at
-    double square;       // area of a whole one, m^2
-    double *area;        // [nx * ny] of the part in a square, 0: none; of one that was joined to another 0
-    int *owner;          // [nx * ny] the square that stands for the block it is in
-    Block *block;        // [nx * ny] of owners
+    MeshLeaf *leaves;    // [leaf_count]
+    int leaf_count;
+    int *owner;     // [nx * ny] the leaf whose block a square is in
+    double square;  // area of a whole one, m^2
 } Cutting;
 
 // The part of the face in a block, from the face's origin; returns how many corners it has.
-static int part_in(Cutting *c, Block b) {
+static int part_in(Cutting *c, MeshBlock b) {
     const Face *face = c->face;
     int count = c->count;
     memcpy(c->part, c->outline, (size_t)count * sizeof *c->part);
@@ -94,66 +97,66 @@ static int part_in(Cutting *c, Block b) {
     return count;
 }
 
+static double whole_of(const Cutting *c, MeshBlock b) {
+    return c->square * (b.i1 + 1 - b.i0) * (b.j1 + 1 - b.j0);
+}
+
+static void give(Cutting *c, MeshBlock b, int leaf) {
+    for (int j = b.j0; j <= b.j1; j++)
+        for (int i = b.i0; i <= b.i1; i++) c->owner[j * c->face->nx + i] = leaf;
+}
+
 static void measure_parts(Cutting *c) {
-    for (int j = 0; j < c->face->ny; j++) {
-        for (int i = 0; i < c->face->nx; i++) {
-            int at = j * c->face->nx + i;
-            c->block[at] = (Block){i, j, i, j};
-            c->owner[at] = at;
-            int count = part_in(c, c->block[at]);
-            double area = count < 3 ? 0 : polygon_area(c->part, count);
-            c->area[at] = area < NOTHING * c->square ? 0 : area;
-        }
+    for (int k = 0; k < c->leaf_count; k++) {
+        MeshLeaf *leaf = &c->leaves[k];
+        int count = part_in(c, leaf->block);
+        double area = count < 3 ? 0 : polygon_area(c->part, count);
+        leaf->area = area < NOTHING * c->square ? 0 : area;
+        give(c, leaf->block, k);
     }
 }
 
-// The owner beyond one side of a block if the two make a larger block, else -1.
-static int beyond(const Cutting *c, Block b, int side) {
+// The leaf beyond one side of a block if the two make a larger block, else -1.
+static int beyond(const Cutting *c, MeshBlock b, int side) {
     int i = side == 0 ? b.i0 - 1 : side == 1 ? b.i1 + 1 : b.i0;
     int j = side == 2 ? b.j0 - 1 : side == 3 ? b.j1 + 1 : b.j0;
     if (i < 0 || j < 0 || i >= c->face->nx || j >= c->face->ny) return -1;
     int owner = c->owner[j * c->face->nx + i];
-    Block other = c->block[owner];
+    MeshBlock other = c->leaves[owner].block;
     bool fits = side < 2 ? other.j0 == b.j0 && other.j1 == b.j1 : other.i0 == b.i0 && other.i1 == b.i1;
-    return fits && c->area[owner] > 0 ? owner : -1;
-}
-
-static bool one_patch(const Cutting *c, int a, int b) {
-    int per = c->builder->mesh->options.per_patch, nx = c->face->nx;
-    return a % nx / per == b % nx / per && a / nx / per == b / nx / per;
+    return fits && c->leaves[owner].area > 0 ? owner : -1;
 }
 
 // Joins a sliver to the largest neighbour with which it makes a block, one of its own patch first: what a block cuts
 // out of a convex polygon is convex.
 static bool join(Cutting *c, int at) {
-    int best = -1;
+    MeshLeaf *leaf = &c->leaves[at], *best = NULL;
     for (int side = 0; side < 4; side++) {
-        int other = beyond(c, c->block[at], side);
-        if (other < 0) continue;
-        bool better = best < 0 || (one_patch(c, at, other) && !one_patch(c, at, best)) ||
-                      (one_patch(c, at, other) == one_patch(c, at, best) && c->area[other] > c->area[best]);
-        if (better) best = other;
+        int index = beyond(c, leaf->block, side);
+        if (index < 0) continue;
+        MeshLeaf *other = &c->leaves[index];
+        bool own = other->patch == leaf->patch, best_own = best && best->patch == leaf->patch;
+        if (!best || (own && !best_own) || (own == best_own && other->area > best->area)) best = other;
     }
-    if (best < 0) return false;
-    Block a = c->block[at], b = c->block[best];
-    Block both = {a.i0 < b.i0 ? a.i0 : b.i0, a.j0 < b.j0 ? a.j0 : b.j0, a.i1 > b.i1 ? a.i1 : b.i1,
-                  a.j1 > b.j1 ? a.j1 : b.j1};
-    int keep = c->area[at] > c->area[best] ? at : best, drop = keep == at ? best : at;
-    c->area[keep] += c->area[drop];
-    c->area[drop] = 0;
-    c->block[keep] = both;
-    for (int j = both.j0; j <= both.j1; j++)
-        for (int i = both.i0; i <= both.i1; i++) c->owner[j * c->face->nx + i] = keep;
+    if (!best) return false;
+    MeshBlock a = leaf->block, b = best->block;
+    MeshLeaf *keep = leaf->area > best->area ? leaf : best, *drop = keep == leaf ? best : leaf;
+    keep->area += drop->area;
+    drop->area = 0;
+    keep->block = (MeshBlock){a.i0 < b.i0 ? a.i0 : b.i0, a.j0 < b.j0 ? a.j0 : b.j0, a.i1 > b.i1 ? a.i1 : b.i1,
+                              a.j1 > b.j1 ? a.j1 : b.j1};
+    give(c, keep->block, (int)(keep - c->leaves));
     c->builder->mesh->merged_elements++;
     return true;
 }
 
 static void join_slivers(Cutting *c) {
-    int squares = c->face->nx * c->face->ny;
     for (bool joined = true; joined;) {
         joined = false;
-        for (int i = 0; i < squares; i++)
-            if (c->area[i] > 0 && c->area[i] < SLIVER * c->square && join(c, i)) joined = true;
+        for (int k = 0; k < c->leaf_count; k++) {
+            const MeshLeaf *leaf = &c->leaves[k];
+            if (leaf->area > 0 && leaf->area < SLIVER * whole_of(c, leaf->block) && join(c, k)) joined = true;
+        }
     }
 }
 
@@ -170,10 +173,10 @@ static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double 
 }
 
 // Returns false where nothing is left once its corners are places.
-static bool add_element(Cutting *c, int at, Patch *patch, Vec3 *moment, double *weight) {
+static bool add_element(Cutting *c, MeshBlock block, Patch *patch, Vec3 *moment, double *weight) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
-    int count = part_in(c, c->block[at]), first = mesh->corner_count;
+    int count = part_in(c, block), first = mesh->corner_count;
     for (int i = 0; i < count; i++) {
         int place = places_add(&builder->places, vec3_add(c->face->origin, c->part[i]));
         if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
@@ -194,21 +197,16 @@ static bool add_element(Cutting *c, int at, Patch *patch, Vec3 *moment, double *
     return true;
 }
 
-// The patch whose first square is (i0, j0).
-static void add_patch(Cutting *c, int face, int i0, int j0) {
+// The patch of leaves first .. end - 1; each leaf's number becomes that of its element, -1: none.
+static void add_patch(Cutting *c, int face, int first, int end, int *element_of) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
-    int per = mesh->options.per_patch, nx = c->face->nx;
     Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
     Vec3 moment = {0};
     double weight = 0;
-    for (int j = j0; j < j0 + per; j++) {
-        for (int i = i0; i < i0 + per; i++) {
-            int at = j * nx + i;
-            bool own = c->owner[at] == at && c->area[at] > 0;
-            int element = own && add_element(c, at, &patch, &moment, &weight) ? mesh->element_count - 1 : -1;
-            mesh->squares[c->face->first_square + at] = element;
-        }
+    for (int k = first; k < end; k++) {
+        bool own = c->leaves[k].area > 0 && add_element(c, c->leaves[k].block, &patch, &moment, &weight);
+        element_of[k] = own ? mesh->element_count - 1 : -1;
     }
     if (patch.element_count == 0) return;
     patch.centre = vec3_scale(moment, 1 / weight);
@@ -219,14 +217,33 @@ static void add_patch(Cutting *c, int face, int i0, int j0) {
     *ARENA_PUSH(builder->arena, mesh->patches, mesh->patch_count, builder->patch_capacity) = patch;
 }
 
+static void add_patches(Cutting *c, Face *face, int index) {
+    Mesh *mesh = c->builder->mesh;
+    int *element_of = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count), squares = face->nx * face->ny;
+    face->first_square = mesh->square_count;
+    face->first_element = mesh->element_count;
+    face->first_patch = mesh->patch_count;
+    for (int first = 0, end; first < c->leaf_count; first = end) {
+        for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
+        add_patch(c, index, first, end, element_of);
+    }
+    for (int i = 0; i < squares; i++) {
+        *ARENA_PUSH(c->builder->arena, mesh->squares, mesh->square_count, c->builder->square_capacity) =
+            element_of[c->owner[i]];
+    }
+    face->element_count = mesh->element_count - face->first_element;
+    face->patch_count = mesh->patch_count - face->first_patch;
+}
+
 void mesh_cut_face(MeshBuilder *builder, int index) {
-    Mesh *mesh = builder->mesh;
-    Face *face = &mesh->faces[index];
+    Face *face = &builder->mesh->faces[index];
     int squares = face->nx * face->ny;
     arena_reset(&builder->scratch);
     Vec3 *outline = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count);
-    for (int i = 0; i < face->vertex_count; i++)
-        outline[i] = vec3_sub(builder->places.points[mesh->outline[face->first_vertex + i]], face->origin);
+    for (int i = 0; i < face->vertex_count; i++) {
+        int place = builder->mesh->outline[face->first_vertex + i];
+        outline[i] = vec3_sub(builder->places.points[place], face->origin);
+    }
     Cutting c = {.builder = builder,
                  .face = face,
                  .outline = outline,
@@ -234,21 +251,10 @@ void mesh_cut_face(MeshBuilder *builder, int index) {
                  .part = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count + 8),
                  .spare = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count + 8),
                  .square = 1 / (vec3_length(face->gx) * vec3_length(face->gy)),
-                 .area = ARENA_ARRAY(&builder->scratch, double, squares),
-                 .owner = ARENA_ARRAY(&builder->scratch, int, squares),
-                 .block = ARENA_ARRAY(&builder->scratch, Block, squares)};
+                 .leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, squares),
+                 .owner = ARENA_ARRAY(&builder->scratch, int, squares)};
+    c.leaf_count = mesh_leaves(builder, face, c.leaves);
     measure_parts(&c);
     join_slivers(&c);
-    face->first_square = mesh->square_count;
-    face->first_element = mesh->element_count;
-    face->first_patch = mesh->patch_count;
-    for (int i = 0; i < squares; i++)
-        *ARENA_PUSH(builder->arena, mesh->squares, mesh->square_count, builder->square_capacity) = -1;
-    int per = mesh->options.per_patch;
-    for (int j = 0; j < face->ny; j += per)
-        for (int i = 0; i < face->nx; i += per) add_patch(&c, index, i, j);
-    int *square = mesh->squares + face->first_square;
-    for (int i = 0; i < squares; i++) square[i] = square[c.owner[i]];
-    face->element_count = mesh->element_count - face->first_element;
-    face->patch_count = mesh->patch_count - face->first_patch;
+    add_patches(&c, face, index);
 }

@@ -15,6 +15,8 @@
 enum { MOST_CORNERS = 128, MOST_POINTS = 256 };
 // An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
 static const float LEAST = 1e-5f;
+// What is not near takes what near elements leave, if it had so much, and becomes neither so much more nor less.
+static const double LEAST_REST = 1e-3, MOST_SCALE = 2;
 
 // Where an element is, metres from NearPairs.origin.
 typedef struct Ball {
@@ -260,10 +262,14 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
         before_all += (double)row->factor[i];
         after_all += (double)factor;
     }
-    if (count == 0 || !(before_all < 1 && after_all < 1)) return row;
-    double scale = (1 - after_all) / (1 - before_all);
+    if (count == 0) return row;
+    double rest = 1 - before_all, scale = (1 - after_all) / rest, all = 1;
+    // Where nearly all there is to see is near, and hidden from some of the patch, nothing is known of the rest.
+    if (!(rest > LEAST_REST && scale > 1 / MOST_SCALE && scale < MOST_SCALE)) {
+        scale = all = 1 / (after_all + fmax(rest, 0));
+    }
     for (int i = 0; i < row->count; i++) self->factor[i] = row->factor[i] * (float)scale;
-    for (int i = 0; i < count; i++) self->factor[self->mended[i].at] = self->mended[i].factor;
+    for (int i = 0; i < count; i++) self->factor[self->mended[i].at] = self->mended[i].factor * (float)all;
     self->row = (Row){.count = row->count,
                       .element = row->element,
                       .factor = self->factor,

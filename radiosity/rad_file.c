@@ -1,19 +1,20 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (derived.h), state of each door, radiosities, unshot. The mesh is not stored: it is made again from the
-// building, and `geometry`, the hash of the elements, says whether it came out the same.
+// Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot. The mesh is not stored: it is made again from
+// the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/derived.h"
 #include "radiosity/shoot.h"
 
-enum { VERSION = 1 };
+enum { VERSION = 2 };
 
 typedef struct Header {
     DerivedHead head;
     uint64_t rest;  // checksum of what comes after it in the header
     int32_t element_count, patch_count, door_count, per_patch;
+    int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element;
     double emitted[3], absorbed[3], escaped[3];
     int64_t shots;
@@ -39,15 +40,20 @@ static uint64_t mesh_hash(const Mesh *mesh) {
 }
 
 typedef struct Sizes {
-    size_t doors, radiosity, unshot, total;
+    size_t doors, splits, radiosity, unshot, total;
 } Sizes;
 
-static Sizes sizes_of(int doors, int elements, int patches) {
-    // Doubles stay aligned behind the floats of doors.
-    Sizes s = {.doors = ((size_t)doors * sizeof(float) + 7) / 8 * 8,
-               .radiosity = (size_t)elements * 3 * sizeof(double),
-               .unshot = (size_t)patches * 3 * sizeof(double)};
-    s.total = s.doors + s.radiosity + s.unshot;
+// Doubles stay aligned.
+static size_t round_up(size_t bytes) { return (bytes + 7) / 8 * 8; }
+
+static size_t split_bytes(const Header *h) { return h->split_bits > 0 ? ((size_t)h->split_bits + 7) / 8 : 0; }
+
+static Sizes sizes_of(const Header *h) {
+    Sizes s = {.doors = round_up((size_t)h->door_count * sizeof(float)),
+               .splits = round_up(split_bytes(h)),
+               .radiosity = (size_t)h->element_count * 3 * sizeof(double),
+               .unshot = (size_t)h->patch_count * 3 * sizeof(double)};
+    s.total = s.doors + s.splits + s.radiosity + s.unshot;
     return s;
 }
 
@@ -63,25 +69,27 @@ static float stored_state(const unsigned char *body, int door) {
 // NULL stands for all wide open.
 static float door_state(const float *door_open, int door) { return door_open ? door_open[door] : 1; }
 
-static void write_body(unsigned char *body, const Sizes *s, int doors, const float *door_open,
+static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, const float *door_open,
                        const RadSolution *solution) {
-    for (int i = 0; i < doors; i++) {
+    Sizes s = sizes_of(h);
+    for (int i = 0; i < h->door_count; i++) {
         float state = door_state(door_open, i);
         memcpy(body + (size_t)i * sizeof state, &state, sizeof state);
     }
-    memcpy(body + s->doors, solution->radiosity, s->radiosity);
-    memcpy(body + s->doors + s->radiosity, solution->unshot, s->unshot);
+    body += s.doors;
+    if (h->split_bits > 0) memcpy(body, mesh->options.splits->bits, split_bytes(h));
+    memcpy(body + s.splits, solution->radiosity, s.radiosity);
+    memcpy(body + s.splits + s.radiosity, solution->unshot, s.unshot);
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
               Error *error) {
-    int doors = building_of(mesh)->opening_count;
-    Sizes s = sizes_of(doors, solution->element_count, solution->patch_count);
-    unsigned char *file = derived_new(path, &KIND, s.total, error);
-    if (!file) return false;
+    const MeshSplits *splits = mesh->options.splits;
     Header header = {.element_count = solution->element_count,
                      .patch_count = solution->patch_count,
-                     .door_count = doors,
+                     .door_count = building_of(mesh)->opening_count,
+                     .split_bits = splits ? splits->bit_count : -1,
+                     .even = splits ? splits->even : -1,
                      .per_patch = mesh->options.per_patch,
                      .element = mesh->options.element,
                      .shots = solution->shots};
@@ -89,16 +97,20 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
     header.rest = rest_hash(&header);
+    size_t total = sizes_of(&header).total;
+    unsigned char *file = derived_new(path, &KIND, total, error);
+    if (!file) return false;
     memcpy(file, &header, sizeof header);
-    write_body(file + sizeof header, &s, doors, door_open, solution);
-    bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, s.total, error);
+    write_body(file + sizeof header, &header, mesh, door_open, solution);
+    bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, total, error);
     free(file);
     return good;
 }
 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
+    bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_DEEPEST;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
-        h->patch_count >= 0)
+        h->patch_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
 }
@@ -112,7 +124,13 @@ static bool read_file(const char *path, const Building *building, Arena *arena, 
     *body = file.data + sizeof *h;
     return check_rest(path, h, building, error) &&
            derived_check_body(path, &KIND, file,
-                              sizes_of(h->door_count, h->element_count, h->patch_count).total, error);
+                              sizes_of(h).total, error);
+}
+
+static bool same_splits(const MeshSplits *splits, const Header *h, const unsigned char *body) {
+    if (!splits || h->split_bits < 0) return !splits && h->split_bits < 0;
+    return splits->bit_count == h->split_bits && splits->even == h->even &&
+           (split_bytes(h) == 0 || memcmp(splits->bits, body + sizes_of(h).doors, split_bytes(h)) == 0);
 }
 
 static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
@@ -122,6 +140,8 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
         return error_set(error, "%s: has elements of %g m, %d along a patch (asked for: %g m, %d)", path,
                          h->element, h->per_patch, o->element, o->per_patch);
     }
+    if (!same_splits(o->splits, h, body))
+        return error_set(error, "%s: its elements are not split as those asked for", path);
     for (int i = 0; i < h->door_count; i++) {
         if (stored_state(body, i) == door_state(door_open, i)) continue;
         return error_set(error, "%s: was made with door %s at %g (asked for: %g; 0 closed, 1 wide open)",
@@ -150,11 +170,12 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
     bool good = read_file(path, building_of(mesh), &scratch, &h, &body, error) &&
                 check_mesh(path, &h, mesh, door_open, body, error);
     if (good) {
-        Sizes s = sizes_of(h.door_count, h.element_count, h.patch_count);
+        Sizes s = sizes_of(&h);
+        const unsigned char *light = body + s.doors + s.splits;
         *out =
             (RadSolution){.element_count = h.element_count, .patch_count = h.patch_count, .shots = h.shots};
-        out->radiosity = memcpy(arena_alloc(arena, s.radiosity, 1), body + s.doors, s.radiosity);
-        out->unshot = memcpy(arena_alloc(arena, s.unshot, 1), body + s.doors + s.radiosity, s.unshot);
+        out->radiosity = memcpy(arena_alloc(arena, s.radiosity, 1), light, s.radiosity);
+        out->unshot = memcpy(arena_alloc(arena, s.unshot, 1), light + s.radiosity, s.unshot);
         memcpy(out->emitted, h.emitted, sizeof h.emitted);
         memcpy(out->absorbed, h.absorbed, sizeof h.absorbed);
         memcpy(out->escaped, h.escaped, sizeof h.escaped);
@@ -175,14 +196,25 @@ static bool check_options(const char *path, const Header *h, const unsigned char
     return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
 }
 
-bool rad_load_options(const char *path, const Building *building, MeshOptions *out, float *door_open,
-                      Error *error) {
+static MeshSplits *read_splits(const Header *h, const unsigned char *body, Arena *arena) {
+    if (h->split_bits < 0) return NULL;
+    MeshSplits *splits = ARENA_ARRAY(arena, MeshSplits, 1);
+    *splits = (MeshSplits){.bit_count = h->split_bits, .even = h->even};
+    if (h->split_bits == 0) return splits;
+    splits->bits = ARENA_ARRAY(arena, unsigned char, split_bytes(h));
+    memcpy(splits->bits, body + sizes_of(h).doors, split_bytes(h));
+    return splits;
+}
+
+bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
+                      float *door_open, Error *error) {
     Arena scratch = {0};
     Header h;
     const unsigned char *body;
     bool good = read_file(path, building, &scratch, &h, &body, error) && check_options(path, &h, body, error);
     if (good) {
-        *out = (MeshOptions){.element = h.element, .per_patch = h.per_patch};
+        *out = (MeshOptions){
+            .element = h.element, .per_patch = h.per_patch, .splits = read_splits(&h, body, arena)};
         memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);
     }
     arena_free(&scratch);

@@ -23,6 +23,7 @@ RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
                         .form_factor = form_factor_default_options(),
                         .culling = CULL_PORTALS,
+                        .lamp_detail = 4,
                         .reach = 2,
                         .residual = 0.001,
                         .row_bytes = (size_t)128 << 20};
@@ -153,6 +154,7 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
     Channels power = from->unshot * spread(from->area * row->scale), absorbed = power * spread(row->back);
     const float *density = row->density;
     const uint8_t *offset = row->offset;
+    const bool lamps_only = s->options->lamps_only;
     from->unshot = spread(0);
     shoot_queue_clear(&s->queue, patch);
     for (int r = 0; r < row->run_count; r++) {
@@ -172,7 +174,7 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
             elements[*offset++] += reflected * spread((double)*density++);
         to->unshot += reflected * spread(share * to->per_area);
         absorbed += (power - reflected) * spread(share);
-        shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
+        if (!lamps_only) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
     }
     s->absorbed += absorbed;
     s->escaped += power * spread(row->escaped);

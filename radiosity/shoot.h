@@ -10,6 +10,8 @@ typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
     ViewCulling culling;
+    bool lamps_only;   // only what is emitted is shot, nothing that was reflected
+    int lamp_detail;   // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
     double reach;      // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
@@ -54,7 +56,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
               Error *error);
 // Of a file: how its mesh was made, before there is one, and how the doors stood, [opening_count].
-bool rad_load_options(const char *path, const Building *building, MeshOptions *out, float *door_open,
-                      Error *error);
+bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
+                      float *door_open, Error *error);
 
 #endif

@@ -15,6 +15,8 @@
 // But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
 enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
+// What the rows of lamps may cost, in rows of the usual resolution.
+static const double MOST_LAMP_WORK = 16000;
 // Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
@@ -22,7 +24,7 @@ static const size_t BLOCK_BYTES = (size_t)1 << 20;
 typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
-    FormFactor *form_factor;
+    FormFactor *form_factor, *of_lamps;
     NearPairs *near;  // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
@@ -58,6 +60,20 @@ struct ShootRows {
     long long made;
 };
 
+static bool emits(const Mesh *mesh, const Patch *patch) {
+    Rgb e = mesh_material(mesh, patch->face)->emission;
+    return e.r + e.g + e.b > 0;
+}
+
+// A lamp's light is not one of many as what walls reflect is: its samples err alone. Where lamps are very many, they are.
+static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
+    int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
+    for (int p = 0; p < mesh->patch_count; p++) lamps += emits(mesh, &mesh->patches[p]);
+    while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
+    while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
+    return detail > 1 ? resolution * detail : resolution;
+}
+
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, Arena *arena) {
     ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
@@ -66,12 +82,17 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++)
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
+    FormFactorOptions detail = options->form_factor;
+    detail.resolution = lamp_resolution(mesh, options);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     for (int t = 0; t < rows->threads; t++) {
         Maker *maker = &rows->makers[t];
         maker->viewer = viewer_new(mesh, forest, door_open, &maker->arena);
         maker->form_factor = form_factor_new(options->method, mesh, &options->form_factor, &maker->arena);
+        maker->of_lamps = maker->form_factor;
+        if (detail.resolution != options->form_factor.resolution)
+            maker->of_lamps = form_factor_new(options->method, mesh, &detail, &maker->arena);
         if (options->reach > 0) maker->near = near_pairs_new(mesh, options->reach, &maker->arena);
     }
     rows->slot_count = AHEAD_MOST * rows->threads;
@@ -86,6 +107,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
 
 void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
+        if (rows->makers[t].of_lamps != rows->makers[t].form_factor) form_factor_end(rows->makers[t].of_lamps);
         form_factor_end(rows->makers[t].form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
@@ -199,7 +221,8 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
-    const Row *row = form_factor_row(maker->form_factor, view);
+    FormFactor *form_factor = emits(rows->mesh, patch) ? maker->of_lamps : maker->form_factor;
+    const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     int runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs, row->count);
@@ -248,6 +271,8 @@ void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
         elements += form_factor_work(rows->makers[t].form_factor).elements_drawn;
+        if (rows->makers[t].of_lamps != rows->makers[t].form_factor)
+            elements += form_factor_work(rows->makers[t].of_lamps).elements_drawn;
         report->seconds_visibility += rows->makers[t].seconds_visibility;
         report->row_bytes += rows->makers[t].kept_bytes;
         report->rows_kept += rows->makers[t].kept_count;

@@ -28,7 +28,7 @@ static RadOptions few_shots(long long shots) {
 
 static void make(Made *m) {
     StoreTarget *t = &m->target;
-    MeshOptions mesh = {1.5, 2};
+    MeshOptions mesh = {.element = 1.5, .per_patch = 2};
     RadOptions options = few_shots(5);
     RadSolution solution;
     store_target_start(t);
@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     else if (error.text[0] == 0)
         abort();
     error.text[0] = 0;
-    if (!rad_load_options(t->path, &t->building, &options, doors, &error) && error.text[0] == 0) abort();
+    if (!rad_load_options(t->path, &t->building, &t->arena, &options, doors, &error) && error.text[0] == 0) abort();
     arena_free(&arena);
     return 0;
 }

@@ -54,7 +54,7 @@ void lit_lamp(Lit *lit, Vec3 m) {
 void lit_finish(Lit *lit, double element, int per_patch) {
     Error error = {""};
     VisOptions options = vis_default_options();
-    MeshOptions mesh = {element, per_patch};
+    MeshOptions mesh = {.element = element, .per_patch = per_patch};
     options.threads = 1;
     cr_assert(vis_build_cells(lit->building, &options, &lit->arena, &lit->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&lit->graph, &options, NULL, &lit->arena, &lit->forest));

@@ -39,7 +39,7 @@ bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkL
     Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
-    bool good = rad_load_options(path, &scene->building, &options, doors, error);
+    bool good = rad_load_options(path, &scene->building, arena, &options, doors, error);
     if (good) {
         memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
         vis_pose(graph, doors, vertices);

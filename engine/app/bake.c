@@ -31,7 +31,7 @@ typedef struct Bake {
 
 BakeArguments bake_default_arguments(void) {
     BakeArguments a = {
-        .load = app_default_options(), .mesh = mesh_default_options(), .rad = rad_default_options()};
+        .load = app_default_options(), .mesh = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
     a.load.lamps = true;
     return a;
 }
@@ -69,7 +69,11 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
         memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
     bake->doors = make_doors(&bake->scene.building, bake->a->doors, arena);
     vis_pose(graph, bake->doors, vertices);
-    bool good = mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
+    AdaptScene scene = {graph, vertices, &bake->scene.forest, bake->doors};
+    Progress none = {0};
+    bool good = bake->a->adapt.contrast > 0
+                    ? adapt_mesh(&scene, &bake->a->mesh, &bake->a->adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
+                    : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
     arena_free(&scratch);
     bake->mesh_seconds = clock_seconds() - start;
     return good;

@@ -4,6 +4,7 @@
 
 #include "engine/app/app.h"
 #include "engine/app/bake_probes.h"
+#include "radiosity/adapt.h"
 
 enum { BAKE_DOORS_DRAWN, BAKE_DOORS_OPEN, BAKE_DOORS_CLOSED, BAKE_DOORS };
 extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];
@@ -11,6 +12,7 @@ extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];
 typedef struct BakeArguments {
     AppOptions load;
     MeshOptions mesh;
+    AdaptOptions adapt;
     RadOptions rad;
     const char *file, *out;  // out NULL: into the cache
     int doors;               // one of the above

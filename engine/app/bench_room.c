@@ -31,11 +31,11 @@ bool bench_room_make(int elements, int per_patch, Arena *arena, BenchRoom *out, 
     if (!plan_reader()->read("room", text, arena, &out->building, error)) return false;
     if (!vis_build_cells(&out->building, &vis, arena, &out->graph, error)) return false;
     vis_build_forest(&out->graph, &vis, NULL, arena, &out->forest);
-    MeshOptions best = {0, per_patch};
+    MeshOptions best = {.per_patch = per_patch};
     int least = INT32_MAX;
     for (int step = 10; step < 200; step++) {
         Arena scratch = {0};
-        MeshOptions options = {0.005 * step, per_patch};
+        MeshOptions options = {.element = 0.005 * step, .per_patch = per_patch};
         if (mesh_build(&out->graph, NULL, NULL, &options, &scratch, &out->mesh, error) &&
             abs(out->mesh.element_count - elements) < least) {
             least = abs(out->mesh.element_count - elements);

@@ -58,6 +58,8 @@ enum {
     RESOLUTION,
     CULLING,
     REACH,
+    CONTRAST,
+    SMALLEST,
     NO_CULL,
     ROW_MEMORY,
     PROBE,
@@ -80,6 +82,8 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"resolution", required_argument, NULL, RESOLUTION},
                                         {"culling", required_argument, NULL, CULLING},
                                         {"reach", required_argument, NULL, REACH},
+                                        {"contrast", required_argument, NULL, CONTRAST},
+                                        {"smallest", required_argument, NULL, SMALLEST},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
@@ -150,6 +154,10 @@ static int parse_light(int c, char **argv, Arguments *a) {
     case NO_CULL:
         rad->culling = CULL_NOTHING;
         return code;
+    case CONTRAST:
+        return parse_number("--contrast", 0, 100, &a->bake.adapt.contrast);
+    case SMALLEST:
+        return parse_number("--smallest", 0.01, 100, &a->bake.adapt.smallest);
     case REACH:
         return parse_number("--reach", 0, 100, &rad->reach);
     case RESIDUAL:

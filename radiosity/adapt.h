@@ -1,0 +1,25 @@
+// adapt.h - a mesh that is as fine as its light asks: elements are small where light changes, large where it is even.
+#ifndef RADIOSITY_ADAPT_H
+#define RADIOSITY_ADAPT_H
+
+#include "radiosity/shoot.h"
+
+typedef struct AdaptOptions {
+    double contrast;  // how much light may change across an element, as a share of it, 0.01 .. 10
+    double smallest;  // edge of the smallest elements, metres
+} AdaptOptions;
+AdaptOptions adapt_default_options(void);
+
+// What a mesh is made of.
+typedef struct AdaptScene {
+    const CellGraph *graph;
+    const Vec3 *vertices;  // as for mesh_build
+    const StabForest *forest;
+    const float *door_open;
+} AdaptScene;
+
+// `options` of the mesh: their splits are found here, `element` is that of a first, rough solution.
+bool adapt_mesh(const AdaptScene *scene, const MeshOptions *options, const AdaptOptions *adapt,
+                const RadOptions *rad, const Progress *progress, Arena *arena, Mesh *out, Error *error);
+
+#endif

@@ -14,11 +14,23 @@
 static const double FIRST_RESIDUAL = 0.02;
 static const int FIRST_RESOLUTION = 64;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
-enum { LAMP_ROUNDS = 2, SPLITS_A_ROUND = 2 };
+enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
+// How often roots are split, twice as long as patches usually are, into patches.
+enum { MOST_PATCH_SPLITS = 2 };
 // Light below this share of the mean counts as so much: nobody looks for shadows in the dark.
 static const double DARK = 0.1;
+// Where all is even, a change so small across a metre, of the light there, makes no difference.
+static const double EVEN = 0.02;
 
-AdaptOptions adapt_default_options(void) { return (AdaptOptions){.contrast = 0.3, .smallest = 0.08}; }
+AdaptOptions adapt_default_options(void) { return (AdaptOptions){.share = 0.4, .smallest = 0.06}; }
+
+// What an element asks for.
+typedef struct Wish {
+    double area, edge;  // now; square metres, metres
+    double rate;        // how fast light changes, of all the light there, 1/m
+    double light;       // W/m^2
+    double finest, coarsest;
+} Wish;
 
 typedef struct Adapt {
     const AdaptScene *scene;
@@ -28,8 +40,9 @@ typedef struct Adapt {
     Arena scratch;
     Mesh rough;
     double *reflected;  // [rough.element_count] of the first solution, without what lamps gave, W/m^2
-    double *edge;       // [rough.element_count] that reflected light asks for, metres
-    double dark;        // W/m^2
+    double *rate;       // [rough.element_count] of that light, of all there is, 1/m
+    double mean, dark;  // W/m^2
+    double most;        // elements there may be
 } Adapt;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -97,51 +110,110 @@ static int rough_element(const Adapt *a, const Mesh *mesh, int element) {
 
 // ---- rounds
 
+static bool build(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
+    return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
+}
+
+// What the reflected light of reflected light looks like, on patches of two by two elements.
 static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
     MeshOptions rough = *options;
     rough.splits = &ONCE;
-    if (!mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, &rough, &a->scratch, &a->rough, error))
-        return false;
+    if (!build(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
     double *lamps = ARENA_ARRAY(&a->scratch, double, count), power = 0, area = 0;
     a->reflected = ARENA_ARRAY(&a->scratch, double, count);
-    a->edge = ARENA_ARRAY(&a->scratch, double, count);
+    a->rate = ARENA_ARRAY(&a->scratch, double, count);
     if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, lamps, error)) return false;
     for (int e = 0; e < count; e++) {
         power += a->rough.elements[e].area * a->reflected[e];
-        area += a->rough.elements[e].area * (a->reflected[e] > 0);
+        area += a->rough.elements[e].area;
     }
-    a->dark = DARK * power / fmax(area, 1e-12);
+    a->mean = power / area;
+    a->dark = DARK * a->mean;
     double *indirect = ARENA_ARRAY(&a->scratch, double, count);
     for (int e = 0; e < count; e++) indirect[e] = fmax(0, a->reflected[e] - lamps[e]);
     const double *slope = find_slopes(&a->rough, indirect, &a->scratch);
     for (int e = 0; e < count; e++) {
-        a->edge[e] = a->options->contrast * fmax(a->reflected[e], a->dark) / fmax(slope[e], 1e-30);
+        a->rate[e] = slope[e] / fmax(a->reflected[e], fmax(a->dark, 1e-30));
         a->reflected[e] = indirect[e];
     }
     return true;
 }
 
-// How deep elements of `mesh` should be, for the light of lamps on it and what the first solution asks.
-static unsigned char *wanted(Adapt *a, const Mesh *mesh, const double *lamps) {
-    unsigned char *depth = mesh_depths(mesh, &a->scratch);
+static Wish *find_wishes(Adapt *a, const Mesh *mesh, const double *lamps) {
+    Wish *wishes = ARENA_ARRAY(&a->scratch, Wish, mesh->element_count);
     const double *slope = find_slopes(mesh, lamps, &a->scratch);
     for (int e = 0; e < mesh->element_count; e++) {
         int rough = rough_element(a, mesh, e);
-        double light = fmax(lamps[e] + a->reflected[rough], a->dark);
-        double edge = fmin(a->edge[rough], a->options->contrast * light / fmax(slope[e], 1e-30));
+        double light = lamps[e] + a->reflected[rough], rate = slope[e] / fmax(light, fmax(a->dark, 1e-30));
         double now = sqrt(mesh->elements[e].area);
-        int splits = (int)ceil(log2(now / fmax(edge, a->options->smallest)));
-        if (splits > SPLITS_A_ROUND) splits = SPLITS_A_ROUND;
-        int deep = depth[e] + splits;
-        depth[e] = (unsigned char)(deep < 0 ? 0 : deep > MESH_DEEPEST ? MESH_DEEPEST : deep);
+        wishes[e] = (Wish){.area = mesh->elements[e].area,
+                           .edge = now,
+                           .rate = fmax(EVEN, fmax(rate, a->rate[rough])),
+                           .light = light + emission_of(mesh, e),
+                           .finest = fmin(now, fmax(a->options->smallest, ldexp(now, -SPLITS_A_ROUND))),
+                           .coarsest = ldexp(now, MESH_DEEPEST)};
     }
-    return depth;
+    return wishes;
+}
+
+// Elements of edge h, of light that changes at a rate g, err by g h: the sum of squares over all area is least for a given number
+// of elements where h is as 1 / sqrt(g).
+static double wished_edge(const Wish *w, double scale) {
+    return fmin(fmax(scale / sqrt(w->rate), w->finest), w->coarsest);
+}
+
+static int splits_to(double edge, double wanted) { return (int)lround(log2(edge / wanted)); }
+
+static double count_of(const Wish *wishes, const unsigned char *depth, int count, double scale) {
+    double sum = 0;
+    for (int e = 0; e < count; e++) {
+        int splits = splits_to(wishes[e].edge, wished_edge(&wishes[e], scale));
+        sum += ldexp(1, 2 * (splits < -depth[e] ? -depth[e] : splits));
+    }
+    return sum;
+}
+
+static double find_scale(const Adapt *a, const Wish *wishes, const unsigned char *depth, int count) {
+    double low = 1e-3, high = 1e3;
+    for (int i = 0; i < 30; i++) {
+        double middle = sqrt(low * high);
+        *(count_of(wishes, depth, count, middle) > a->most ? &low : &high) = middle;
+    }
+    return high;
+}
+
+static unsigned char limit(int depth) {
+    return (unsigned char)(depth < 0 ? 0 : depth > MESH_DEEPEST ? MESH_DEEPEST : depth);
+}
+
+// Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
+// root of 1 / light. Lamps count as bright as they are.
+static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
+    double edge = mesh->options.element * mesh->options.per_patch * pow(fmax(light, a->dark) / a->mean, -0.25);
+    int depth = splits_to(root, edge);
+    return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
+}
+
+static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena *arena) {
+    const Wish *wishes = find_wishes(a, mesh, lamps);
+    int count = mesh->element_count;
+    const unsigned char *depth = mesh_depths(mesh, &a->scratch);
+    unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, count),
+                  *element = ARENA_ARRAY(&a->scratch, unsigned char, count);
+    double scale = find_scale(a, wishes, depth, count);
+    for (int e = 0; e < count; e++) {
+        element[e] = limit(depth[e] + splits_to(wishes[e].edge, wished_edge(&wishes[e], scale)));
+        patch[e] = limit(patch_depth(a, mesh, wishes[e].light, ldexp(wishes[e].edge, depth[e])));
+    }
+    return mesh_splits(mesh, patch, element, arena);
 }
 
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     if (!first_solution(a, options, error)) return false;
+    // The rough mesh has elements twice as long.
+    a->most = 4 * a->options->share * a->rough.element_count;
     const Mesh *mesh = &a->rough;
     MeshOptions finer = *options;
     for (int round = 0; round <= LAMP_ROUNDS; round++) {
@@ -149,10 +221,8 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         double *lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
         if (!solve(a, mesh, true, lamps, error)) return false;
         bool last = round == LAMP_ROUNDS;
-        finer.splits = mesh_splits(mesh, wanted(a, mesh, lamps), arena);
-        if (!mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, &finer, last ? arena : &a->scratch,
-                        last ? out : next, error))
-            return false;
+        finer.splits = split(a, mesh, lamps, arena);
+        if (!build(a, &finer, last ? arena : &a->scratch, last ? out : next, error)) return false;
         mesh = next;
     }
     return true;

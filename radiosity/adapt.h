@@ -5,7 +5,7 @@
 #include "radiosity/shoot.h"
 
 typedef struct AdaptOptions {
-    double contrast;  // how much light may change across an element, as a share of it, 0.01 .. 10
+    double share;     // elements there may be, of those of a mesh without splits; 0: no splits
     double smallest;  // edge of the smallest elements, metres
 } AdaptOptions;
 AdaptOptions adapt_default_options(void);
@@ -18,7 +18,7 @@ typedef struct AdaptScene {
     const float *door_open;
 } AdaptScene;
 
-// `options` of the mesh: their splits are found here, `element` is that of a first, rough solution.
+// `options` of the mesh: their splits are found here.
 bool adapt_mesh(const AdaptScene *scene, const MeshOptions *options, const AdaptOptions *adapt,
                 const RadOptions *rad, const Progress *progress, Arena *arena, Mesh *out, Error *error);
 

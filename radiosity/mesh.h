@@ -7,20 +7,24 @@
 
 #include "visibility/vis.h"
 
-// Where a mesh is finer than elsewhere: of each root square of each face, in their order, a quadtree, depth first, a bit a node:
-// split into four, or an element.
+// Where a mesh is finer than elsewhere: of each root of each face, in their order, a quadtree, depth first. A bit a node: split into
+// four, or not. Above patches that says which squares shoot together; where one is not split it is a patch, and a tree of its
+// elements follows.
 typedef struct MeshSplits {
     int bit_count;
-    unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is split
-    int even;             // so often
+    unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is a patch
+    int even;             // of elements split so often
 } MeshSplits;
 
-enum { MESH_DEEPEST = 6 };  // splits on top of one another
+enum {
+    MESH_DEEPEST = 6,   // splits on top of one another
+    MESH_IN_PATCH = 3,  // of a patch: it has 64 elements at most
+};
 
 typedef struct MeshOptions {
     double element;  // edge length aimed at, metres, 0.01 .. 100
     int per_patch;   // elements along the side of a patch, 1 .. 16
-    const MeshSplits *splits;  // NULL: all elements alike. Else `element` x `per_patch` is the edge of a root square
+    const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2
 
@@ -80,9 +84,10 @@ typedef struct Mesh {
 bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
 
-// Splits for a mesh that is as deep as `depth` [element_count] says where these elements are, 0 (one element to a root) ..
-// MESH_DEEPEST. `mesh` has splits, or 1, 2, 4 .. elements along the side of a patch: roots are its patches.
-MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *depth, Arena *arena);
+// Splits for a mesh as deep as `patch` and `element` [element_count] say where these elements are, 0 (all of a root) .. MESH_DEEPEST.
+// `mesh` has splits; an element is never larger than its patch.
+MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const unsigned char *element,
+                        Arena *arena);
 // How often the root of each element was split to make it, [element_count].
 unsigned char *mesh_depths(const Mesh *mesh, Arena *arena);
 

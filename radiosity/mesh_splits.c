@@ -1,29 +1,44 @@
 // mesh_splits.c - quadtrees over the faces of a mesh: which squares are one element, and which elements shoot together.
-#include <string.h>
-
 #include "engine/core/error.h"
 #include "radiosity/mesh_parts.h"
 
-// A patch's elements are at most so many splits smaller than it: of a patch that is finer somewhere, each quarter shoots, as light
-// that changes much within it should not leave from its middle.
-enum { SPLITS_IN_PATCH = 1 };
+// A node of a quadtree.
+typedef struct Node {
+    int depth, patch;  // the depth of the patch it is in; -1: above patches
+} Node;
 
-// Is the next node split?
-static bool is_split(const MeshSplits *splits, int *at, int depth) {
-    if (depth == MESH_DEEPEST) return false;
-    if (!splits->bits) return depth < splits->even;
-    int i = (*at)++;
-    return i < splits->bit_count && (splits->bits[i / 8] >> i % 8 & 1) != 0;
+static Node below(Node node) { return (Node){node.depth + 1, node.patch}; }
+
+static bool may_split(Node node) {
+    return node.depth < MESH_DEEPEST && (node.patch < 0 || node.depth - node.patch < MESH_IN_PATCH);
+}
+
+// Is the node split? One above patches that is not becomes a patch.
+static bool is_split(const MeshSplits *splits, int *at, Node *node) {
+    if (!splits->bits) {
+        node->patch = 0;
+        return node->depth < splits->even;
+    }
+    for (;;) {
+        int i = *at;
+        bool split = false;
+        if (may_split(*node)) {
+            split = i < splits->bit_count && (splits->bits[i / 8] >> i % 8 & 1) != 0;
+            (*at)++;
+        }
+        if (split || node->patch >= 0) return split;
+        node->patch = node->depth;
+    }
 }
 
 // ---- reading
 
-static int deepest(const MeshSplits *splits, int *at, int depth) {
-    if (!is_split(splits, at, depth)) return depth;
-    int most = depth;
+static int deepest(const MeshSplits *splits, int *at, Node node) {
+    if (!is_split(splits, at, &node)) return node.depth;
+    int most = 0;
     for (int k = 0; k < 4; k++) {
-        int below = deepest(splits, at, depth + 1);
-        most = below > most ? below : most;
+        int depth = deepest(splits, at, below(node));
+        most = depth > most ? depth : most;
     }
     return most;
 }
@@ -31,7 +46,7 @@ static int deepest(const MeshSplits *splits, int *at, int depth) {
 int mesh_deepest(MeshBuilder *builder, int roots) {
     int most = 0;
     for (int i = 0; i < roots; i++) {
-        int depth = deepest(builder->mesh->options.splits, &builder->laid, 0);
+        int depth = deepest(builder->mesh->options.splits, &builder->laid, (Node){0, -1});
         most = depth > most ? depth : most;
     }
     return most;
@@ -42,32 +57,16 @@ static MeshBlock quarter(MeshBlock b, int k) {
     return (MeshBlock){i, j, i + half - 1, j + half - 1};
 }
 
-// The leaves of a root under way.
-typedef struct Leaves {
-    MeshLeaf *out;
-    int count;
-} Leaves;
-
-static void make_patch(Leaves *leaves, int first, int end) {
-    for (int k = first; k < end; k++) leaves->out[k].patch = first;
-}
-
-// Returns how deep the leaves of a node are. Where it has splits to make one patch of all, those above it make patches.
-static int list_node(MeshBuilder *builder, MeshBlock block, int depth, Leaves *leaves) {
-    if (!is_split(builder->mesh->options.splits, &builder->cut, depth)) {
-        leaves->out[leaves->count++] = (MeshLeaf){.block = block};
-        return depth;
+// Returns how many leaves there are now. Those of one patch have the number of its first.
+static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch, MeshLeaf *out, int count) {
+    bool above = node.patch < 0, split = is_split(builder->mesh->options.splits, &builder->cut, &node);
+    if (above && node.patch >= 0) patch = count;
+    if (!split) {
+        out[count] = (MeshLeaf){.block = block, .patch = patch};
+        return count + 1;
     }
-    int first[5], below[4], most = depth;
-    for (int k = 0; k < 4; k++) {
-        first[k] = leaves->count;
-        below[k] = list_node(builder, quarter(block, k), depth + 1, leaves);
-        most = below[k] > most ? below[k] : most;
-    }
-    first[4] = leaves->count;
-    for (int k = 0; k < 4 && most - depth > SPLITS_IN_PATCH; k++)
-        if (below[k] - (depth + 1) <= SPLITS_IN_PATCH) make_patch(leaves, first[k], first[k + 1]);
-    return most;
+    for (int k = 0; k < 4; k++) count = list_node(builder, quarter(block, k), below(node), patch, out, count);
+    return count;
 }
 
 // Without splits: each patch's squares.
@@ -80,18 +79,15 @@ static int list_squares(const Face *face, int i0, int j0, int count, MeshLeaf *o
 }
 
 int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
-    Leaves leaves = {.out = out};
+    int count = 0;
     for (int j = 0; j < face->ny; j += face->root) {
         for (int i = 0; i < face->nx; i += face->root) {
             MeshBlock root = {i, j, i + face->root - 1, j + face->root - 1};
-            int first = leaves.count;
-            if (!builder->mesh->options.splits)
-                leaves.count = list_squares(face, i, j, leaves.count, out);
-            else if (list_node(builder, root, 0, &leaves) <= SPLITS_IN_PATCH)
-                make_patch(&leaves, first, leaves.count);
+            count = builder->mesh->options.splits ? list_node(builder, root, (Node){0, -1}, 0, out, count)
+                                                  : list_squares(face, i, j, count, out);
         }
     }
-    return leaves.count;
+    return count;
 }
 
 unsigned char *mesh_depths(const Mesh *mesh, Arena *arena) {
@@ -114,7 +110,7 @@ unsigned char *mesh_depths(const Mesh *mesh, Arena *arena) {
 typedef struct Writer {
     const Mesh *mesh;
     const Face *face;
-    const unsigned char *depth;
+    const unsigned char *patch, *element;
     Arena *arena;
     MeshSplits *out;
     int capacity;
@@ -126,34 +122,44 @@ static void write_bit(Writer *w, bool bit) {
     if (bit) w->out->bits[at / 8] = (unsigned char)(w->out->bits[at / 8] | 1 << at % 8);
 }
 
-static int wanted_in(const Writer *w, MeshBlock b) {
+static int wanted_in(const Writer *w, MeshBlock b, const unsigned char *depth) {
     int most = 0;
     for (int j = b.j0; j <= b.j1; j++) {
         for (int i = b.i0; i <= b.i1; i++) {
             int e = w->mesh->squares[w->face->first_square + j * w->face->nx + i];
-            if (e >= 0 && w->depth[e] > most) most = w->depth[e];
+            if (e >= 0 && depth[e] > most) most = depth[e];
         }
     }
     return most;
 }
 
-// Below a single square all is as that wants it.
-static void write_node(Writer *w, MeshBlock b, int depth) {
-    if (depth == MESH_DEEPEST) return;
-    bool split = wanted_in(w, b) > depth;
+static bool write_whether(Writer *w, MeshBlock b, Node node, const unsigned char *depth) {
+    if (!may_split(node)) return false;
+    bool split = wanted_in(w, b, depth) > node.depth;
     write_bit(w, split);
-    for (int k = 0; split && k < 4; k++) write_node(w, b.i0 == b.i1 ? b : quarter(b, k), depth + 1);
+    return split;
 }
 
-MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *depth, Arena *arena) {
-    Writer w = {mesh, NULL, depth, arena, ARENA_ARRAY(arena, MeshSplits, 1), 0};
+// Below a single square all is as that wants it.
+static void write_node(Writer *w, MeshBlock b, Node node) {
+    bool split = node.patch < 0 && write_whether(w, b, node, w->patch);
+    if (!split) {
+        if (node.patch < 0) node.patch = node.depth;
+        split = write_whether(w, b, node, w->element);
+    }
+    for (int k = 0; split && k < 4; k++) write_node(w, b.i0 == b.i1 ? b : quarter(b, k), below(node));
+}
+
+MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const unsigned char *element,
+                        Arena *arena) {
+    CORE_ASSERT(mesh->options.splits);
+    Writer w = {mesh, NULL, patch, element, arena, ARENA_ARRAY(arena, MeshSplits, 1), 0};
     for (int f = 0; f < mesh->face_count; f++) {
         w.face = &mesh->faces[f];
         int root = w.face->root;
-        CORE_ASSERT((root & (root - 1)) == 0);
         for (int j = 0; j < w.face->ny; j += root)
             for (int i = 0; i < w.face->nx; i += root)
-                write_node(&w, (MeshBlock){i, j, i + root - 1, j + root - 1}, 0);
+                write_node(&w, (MeshBlock){i, j, i + root - 1, j + root - 1}, (Node){0, -1});
     }
     return w.out;
 }

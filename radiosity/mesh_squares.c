@@ -15,10 +15,9 @@ static const double NOTHING = 1e-9;
 static const double LONGEST = 1.15;
 
 // How many patches, or roots, a side takes.
-static int patches_along(double length, const MeshOptions *options, bool emits) {
-    double patches = ceil(length / (LONGEST * options->element * options->per_patch));
-    // Lamps are where sharp shadows come from: twice as many shoot, each for a part of the penumbra.
-    if (options->splits && emits) patches *= 2;
+static int patches_along(double length, const MeshOptions *options) {
+    double edge = options->element * options->per_patch * (options->splits ? 2 : 1);
+    double patches = ceil(length / (LONGEST * edge));
     return patches < 1 ? 1 : (int)patches;
 }
 
@@ -45,10 +44,8 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
         y1 = fmax(y1, vec3_dot(y, p));
     }
     const MeshOptions *options = &builder->mesh->options;
-    Rgb e = builder->mesh->graph->building->materials[face->material].emission;
-    bool emits = e.r + e.g + e.b > 0;
-    face->nx = patches_along(x1 - x0, options, emits);
-    face->ny = patches_along(y1 - y0, options, emits);
+    face->nx = patches_along(x1 - x0, options);
+    face->ny = patches_along(y1 - y0, options);
     face->root = options->per_patch;
     if (options->splits) face->root = 1 << mesh_deepest(builder, face->nx * face->ny);
     face->nx *= face->root;

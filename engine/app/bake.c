@@ -71,7 +71,7 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     vis_pose(graph, bake->doors, vertices);
     AdaptScene scene = {graph, vertices, &bake->scene.forest, bake->doors};
     Progress none = {0};
-    bool good = bake->a->adapt.contrast > 0
+    bool good = bake->a->adapt.share > 0
                     ? adapt_mesh(&scene, &bake->a->mesh, &bake->a->adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
                     : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
     arena_free(&scratch);

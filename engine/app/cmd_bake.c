@@ -58,7 +58,7 @@ enum {
     RESOLUTION,
     CULLING,
     REACH,
-    CONTRAST,
+    REFINE,
     SMALLEST,
     NO_CULL,
     ROW_MEMORY,
@@ -82,7 +82,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"resolution", required_argument, NULL, RESOLUTION},
                                         {"culling", required_argument, NULL, CULLING},
                                         {"reach", required_argument, NULL, REACH},
-                                        {"contrast", required_argument, NULL, CONTRAST},
+                                        {"refine", required_argument, NULL, REFINE},
                                         {"smallest", required_argument, NULL, SMALLEST},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
@@ -154,8 +154,8 @@ static int parse_light(int c, char **argv, Arguments *a) {
     case NO_CULL:
         rad->culling = CULL_NOTHING;
         return code;
-    case CONTRAST:
-        return parse_number("--contrast", 0, 100, &a->bake.adapt.contrast);
+    case REFINE:
+        return parse_number("--refine", 0, 100, &a->bake.adapt.share);
     case SMALLEST:
         return parse_number("--smallest", 0.01, 100, &a->bake.adapt.smallest);
     case REACH:

@@ -141,13 +141,20 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     return true;
 }
 
+// Of the square that an element is, or is cut from, metres.
+static double edge_of(const Mesh *mesh, int element) {
+    const Face *face = &mesh->faces[mesh->elements[element].face];
+    double square = 1 / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
+    return ldexp(square * face->root, -mesh->elements[element].depth);
+}
+
 static Wish *find_wishes(Adapt *a, const Mesh *mesh, const double *lamps) {
     Wish *wishes = ARENA_ARRAY(&a->scratch, Wish, mesh->element_count);
     const double *slope = find_slopes(mesh, lamps, &a->scratch);
     for (int e = 0; e < mesh->element_count; e++) {
         int rough = rough_element(a, mesh, e);
         double light = lamps[e] + a->reflected[rough], rate = slope[e] / fmax(light, fmax(a->dark, 1e-30));
-        double now = sqrt(mesh->elements[e].area);
+        double now = edge_of(mesh, e);
         wishes[e] = (Wish){.area = mesh->elements[e].area,
                            .edge = now,
                            .rate = fmax(EVEN, fmax(rate, a->rate[rough])),
@@ -166,20 +173,20 @@ static double wished_edge(const Wish *w, double scale) {
 
 static int splits_to(double edge, double wanted) { return (int)lround(log2(edge / wanted)); }
 
-static double count_of(const Wish *wishes, const unsigned char *depth, int count, double scale) {
+static double count_of(const Wish *wishes, const Element *elements, int count, double scale) {
     double sum = 0;
     for (int e = 0; e < count; e++) {
         int splits = splits_to(wishes[e].edge, wished_edge(&wishes[e], scale));
-        sum += ldexp(1, 2 * (splits < -depth[e] ? -depth[e] : splits));
+        sum += ldexp(1, 2 * (splits < -elements[e].depth ? -elements[e].depth : splits));
     }
     return sum;
 }
 
-static double find_scale(const Adapt *a, const Wish *wishes, const unsigned char *depth, int count) {
+static double find_scale(const Adapt *a, const Wish *wishes, const Mesh *mesh) {
     double low = 1e-3, high = 1e3;
     for (int i = 0; i < 30; i++) {
         double middle = sqrt(low * high);
-        *(count_of(wishes, depth, count, middle) > a->most ? &low : &high) = middle;
+        *(count_of(wishes, mesh->elements, mesh->element_count, middle) > a->most ? &low : &high) = middle;
     }
     return high;
 }
@@ -199,13 +206,13 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double ro
 static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena *arena) {
     const Wish *wishes = find_wishes(a, mesh, lamps);
     int count = mesh->element_count;
-    const unsigned char *depth = mesh_depths(mesh, &a->scratch);
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, count),
                   *element = ARENA_ARRAY(&a->scratch, unsigned char, count);
-    double scale = find_scale(a, wishes, depth, count);
+    double scale = find_scale(a, wishes, mesh);
     for (int e = 0; e < count; e++) {
-        element[e] = limit(depth[e] + splits_to(wishes[e].edge, wished_edge(&wishes[e], scale)));
-        patch[e] = limit(patch_depth(a, mesh, wishes[e].light, ldexp(wishes[e].edge, depth[e])));
+        int depth = mesh->elements[e].depth;
+        element[e] = limit(depth + splits_to(wishes[e].edge, wished_edge(&wishes[e], scale)));
+        patch[e] = limit(patch_depth(a, mesh, wishes[e].light, ldexp(wishes[e].edge, depth)));
     }
     return mesh_splits(mesh, patch, element, arena);
 }

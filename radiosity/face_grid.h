@@ -9,7 +9,8 @@ typedef struct FaceGrid {
     Vec3 gx, gy;  // 1 / metres
     double x0, y0;
     int nx, ny;
-    const int *square;  // [nx * ny] elements, -1: none
+    const Mesh *mesh;
+    int first_square;
 } FaceGrid;
 
 static inline Vec3 face_grid_turn(const View *view, Vec3 v) {
@@ -25,19 +26,20 @@ static inline FaceGrid face_grid(const Mesh *mesh, const View *view, int face) {
                       .y0 = vec3_dot(f->gy, eye),
                       .nx = f->nx,
                       .ny = f->ny,
-                      .square = mesh->squares + f->first_square};
+                      .mesh = mesh,
+                      .first_square = f->first_square};
 }
 
 static inline int face_grid_clamp(double x, int n) { return x >= n ? n - 1 : x > 0 ? (int)x : 0; }
 
-// The element of a square; where there is none (a rounding past the polygon's edge) that of the nearest square.
+// The element of a square, of several the largest; where there is none (a rounding past the polygon's edge) that of the nearest square.
 static inline int face_grid_element(const FaceGrid *grid, int i, int j) {
-    int element = grid->square[j * grid->nx + i];
+    int element = mesh_square(grid->mesh, grid->first_square + j * grid->nx + i);
     for (int reach = 1; element < 0 && reach < grid->nx + grid->ny; reach++) {
         int i0 = i > reach ? i - reach : 0, i1 = i + reach < grid->nx ? i + reach : grid->nx - 1;
         int j0 = j > reach ? j - reach : 0, j1 = j + reach < grid->ny ? j + reach : grid->ny - 1;
         for (int v = j0; v <= j1 && element < 0; v++)
-            for (int u = i0; u <= i1 && element < 0; u++) element = grid->square[v * grid->nx + u];
+            for (int u = i0; u <= i1 && element < 0; u++) element = mesh_square(grid->mesh, grid->first_square + v * grid->nx + u);
     }
     return element;
 }

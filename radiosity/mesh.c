@@ -12,7 +12,7 @@ static const double MOST_ELEMENTS = 2e7;
 // a building has.
 static const double IN_FRONT = 1e-6;
 
-MeshOptions mesh_default_options(void) { return (MeshOptions){.element = 0.33, .per_patch = 2}; }
+MeshOptions mesh_default_options(void) { return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05}; }
 
 // ---- faces
 
@@ -197,6 +197,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     bool fits = list.elements <= MOST_ELEMENTS;
     if (fits && out->face_count > 0) {
         anchor_outlines(&builder, &list);
+        mesh_find_cuts(&builder);
         for (int f = 0; f < out->face_count; f++) mesh_cut_face(&builder, f);
         anchor_elements(&builder);
         out->vertices = builder.places.points;
@@ -204,6 +205,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
         find_cells(out);
     }
     arena_free(&builder.scratch);
+    arena_free(&builder.cut_arena);
     if (!fits)
         return error_set(error, "%s: elements of %g m would be %.0f (limit %.0f): take larger ones", source,
                          options->element, list.elements, MOST_ELEMENTS);
@@ -212,23 +214,52 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     return true;
 }
 
+// How far inside an element a point of its plane is, metres; below 0: outside.
+static double depth_in(const Mesh *mesh, int index, Vec3 point) {
+    const Element *element = &mesh->elements[index];
+    const int *corner = mesh->corners + element->first_corner;
+    Vec3 n = mesh->faces[element->face].plane.n;
+    double least = INFINITY;
+    for (int i = 0; i < element->corner_count; i++) {
+        Vec3 a = mesh->vertices[corner[i]], b = mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]];
+        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(b, a)));
+        least = fmin(least, vec3_dot(inwards, vec3_sub(point, a)));
+    }
+    return least;
+}
+
+static int element_of(const Mesh *mesh, int square, Vec3 point) {
+    int code = mesh->squares[square];
+    if (code >= -1) return code;
+    const int *several = mesh->shared + ~(code + 1);
+    int best = several[1];
+    double deepest = -INFINITY;
+    for (int i = 1; i <= several[0]; i++) {
+        double depth = depth_in(mesh, several[i], point);
+        if (depth <= deepest) continue;
+        deepest = depth;
+        best = several[i];
+    }
+    return best;
+}
+
 int mesh_element_at(const Mesh *mesh, int index, Vec3 point) {
     const Face *face = &mesh->faces[index];
     Vec3 p = vec3_sub(point, face->origin);
     double x = vec3_dot(face->gx, p), y = vec3_dot(face->gy, p);
     int i = x < 0 ? 0 : x >= face->nx ? face->nx - 1 : (int)x;
     int j = y < 0 ? 0 : y >= face->ny ? face->ny - 1 : (int)y;
-    const int *square = mesh->squares + face->first_square;
-    if (square[j * face->nx + i] >= 0) return square[j * face->nx + i];
+    int element = element_of(mesh, face->first_square + j * face->nx + i, point);
+    if (element >= 0) return element;
     // A rounding outside the outline: the nearest square that holds something.
     double nearest = INFINITY;
     int best = -1;
     for (int k = 0; k < face->nx * face->ny; k++) {
         double dx = k % face->nx + 0.5 - x, dy = k / face->nx + 0.5 - y;
-        if (square[k] < 0 || dx * dx + dy * dy >= nearest) continue;
+        if (mesh->squares[face->first_square + k] == -1 || dx * dx + dy * dy >= nearest) continue;
         nearest = dx * dx + dy * dy;
-        best = square[k];
+        best = k;
     }
     CORE_ASSERT(best >= 0);
-    return best;
+    return element_of(mesh, face->first_square + best, point);
 }

@@ -24,9 +24,10 @@ enum {
 typedef struct MeshOptions {
     double element;  // edge length aimed at, metres, 0.01 .. 100
     int per_patch;   // elements along the side of a patch, 1 .. 16
+    double close;    // elements are cut along what is so near to a face, metres, 0: none is, .. 1
     const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
 } MeshOptions;
-MeshOptions mesh_default_options(void);  // 0.33 m, 2
+MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m
 
 // A polygon as light sees it. It has a grid of nx x ny squares (parallelograms where it is clipped to fit): the point
 // p of its plane lies at x = dot(gx, p - origin), y = dot(gy, p - origin), in square (floor x, floor y).
@@ -38,7 +39,8 @@ typedef struct Face {
         vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
                           // face that lies on an edge among them, so that neighbours share whole edges
     Vec3 origin, gx, gy;  // 1 / metres
-    int nx, ny, first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not
+    int nx, ny, first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not, ~k - 1 where
+                               // several are: Mesh.shared[k] of them, k + 1 .., the largest first
     int root;                  // squares along the side of a root, or of a patch where there are no splits
     int first_element, element_count;
     int first_patch, patch_count;
@@ -49,6 +51,7 @@ typedef struct Element {
     int face, patch;
     int first_corner,
         corner_count;  // in Mesh.corners, counter-clockwise, vertices of neighbours on its edges included
+    int depth;         // how often its root was split
     double area;       // m^2
 } Element;
 
@@ -69,10 +72,11 @@ typedef struct Mesh {
     Vec3 *vertices;  // each place once
     int *outline;    // of faces, indices of vertices
     int *corners;    // of elements, indices of vertices
-    int *squares;
+    int *squares, *shared;
     int *
         face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area
-    int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count;
+    int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,
+        shared_count;
     // What was not taken as it is, for reports.
     int dropped_faces;    // without area
     int merged_elements;  // slivers that became part of their neighbours
@@ -88,11 +92,15 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
 // `mesh` has splits; an element is never larger than its patch.
 MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const unsigned char *element,
                         Arena *arena);
-// How often the root of each element was split to make it, [element_count].
-unsigned char *mesh_depths(const Mesh *mesh, Arena *arena);
 
 // The element of a face at a point of its plane; the nearest square's where the point is a rounding outside.
 int mesh_element_at(const Mesh *mesh, int face, Vec3 point);
+
+// The element of a square; of several the largest; -1: none.
+static inline int mesh_square(const Mesh *mesh, int square) {
+    int element = mesh->squares[square];
+    return element >= -1 ? element : mesh->shared[~(element + 1) + 1];
+}
 
 static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];

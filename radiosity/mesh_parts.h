@@ -5,10 +5,18 @@
 #include "radiosity/mesh.h"
 #include "radiosity/mesh_places.h"
 
+// A line that elements of a face are cut along, from the face's origin.
+typedef struct MeshCut {
+    Vec3 from, to;
+} MeshCut;
+
 typedef struct MeshBuilder {
     Mesh *mesh;
     Arena *arena, scratch;
     Places places;
+    Arena cut_arena;
+    MeshCut *cuts;  // of face f first_cut[f] .. first_cut[f + 1] - 1
+    int *first_cut, cut_count, cut_capacity, shared_capacity;
     int element_capacity, patch_capacity, corner_capacity, square_capacity;
     int laid, cut;  // bits of the splits read so far, by those who lay grids and by those who cut along them
 } MeshBuilder;
@@ -21,6 +29,7 @@ typedef struct MeshBlock {
 // An element to be, before it is cut: what a block of squares holds of the face.
 typedef struct MeshLeaf {
     MeshBlock block;
+    int depth;    // how often its root was split
     int patch;    // leaves of one have one number, each its own where they begin
     double area;  // m^2; 0: none, or joined to another
 } MeshLeaf;
@@ -32,6 +41,8 @@ int mesh_deepest(MeshBuilder *builder, int roots);
 
 // mesh_squares.c: the grid of a face with these corners, places of the builder.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
+// mesh_contacts.c: the cuts of all faces, whose outlines are places by then.
+void mesh_find_cuts(MeshBuilder *builder);
 // Its elements and patches; all faces' outlines are places by then.
 void mesh_cut_face(MeshBuilder *builder, int face);
 

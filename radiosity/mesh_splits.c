@@ -62,7 +62,7 @@ static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch
     bool above = node.patch < 0, split = is_split(builder->mesh->options.splits, &builder->cut, &node);
     if (above && node.patch >= 0) patch = count;
     if (!split) {
-        out[count] = (MeshLeaf){.block = block, .patch = patch};
+        out[count] = (MeshLeaf){.block = block, .depth = node.depth, .patch = patch};
         return count + 1;
     }
     for (int k = 0; k < 4; k++) count = list_node(builder, quarter(block, k), below(node), patch, out, count);
@@ -90,21 +90,6 @@ int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
     return count;
 }
 
-unsigned char *mesh_depths(const Mesh *mesh, Arena *arena) {
-    unsigned char *depth = ARENA_ARRAY(arena, unsigned char, mesh->element_count);
-    Arena scratch = {0};
-    int *squares = ARENA_ARRAY(&scratch, int, mesh->element_count);
-    for (int i = 0; i < mesh->square_count; i++)
-        if (mesh->squares[i] >= 0) squares[mesh->squares[i]]++;
-    for (int e = 0; e < mesh->element_count; e++) {
-        // Of one that was joined to another, the smaller's.
-        int side = mesh->faces[mesh->elements[e].face].root;
-        for (; side * side > squares[e] && side > 1; side /= 2) depth[e]++;
-    }
-    arena_free(&scratch);
-    return depth;
-}
-
 // ---- writing
 
 typedef struct Writer {
@@ -126,7 +111,7 @@ static int wanted_in(const Writer *w, MeshBlock b, const unsigned char *depth) {
     int most = 0;
     for (int j = b.j0; j <= b.j1; j++) {
         for (int i = b.i0; i <= b.i1; i++) {
-            int e = w->mesh->squares[w->face->first_square + j * w->face->nx + i];
+            int e = mesh_square(w->mesh, w->face->first_square + j * w->face->nx + i);
             if (e >= 0 && depth[e] > most) most = depth[e];
         }
     }

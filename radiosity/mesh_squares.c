@@ -59,6 +59,19 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
 
 // ---- parts of a face
 
+// A patch is cut along so many lines at most, the longest, and a leaf into so many pieces.
+enum { MOST_LINES = 12, MOST_PIECES = 24, SEVERAL = -2 };
+// Nothing thinner is cut off, metres.
+static const double THIN = 1e-3;
+
+// What of a leaf lies on certain sides of the lines.
+typedef struct Piece {
+    int leaf, element;
+    unsigned sides;  // bit k: before line k
+    int count;
+    Vec3 *v;  // [count] from the face's origin
+} Piece;
+
 typedef struct Cutting {
     MeshBuilder *builder;
     const Face *face;
@@ -68,6 +81,11 @@ typedef struct Cutting {
     MeshLeaf *leaves;    // [leaf_count]
     int leaf_count;
     int *owner;     // [nx * ny] the leaf whose block a square is in
+    int *element;   // [leaf_count] of each leaf, -1: none, SEVERAL: it is in pieces
+    MeshCut lines[MOST_LINES];  // that the patch at hand is cut along
+    int line_count;
+    Piece *pieces;  // of the patch at hand
+    int piece_count, piece_capacity;
     double square;  // area of a whole one, m^2
 } Cutting;
 
@@ -170,12 +188,12 @@ static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double 
 }
 
 // Returns false where nothing is left once its corners are places.
-static bool add_element(Cutting *c, MeshBlock block, Patch *patch, Vec3 *moment, double *weight) {
+static bool add_element(Cutting *c, const Vec3 *v, int count, int depth, Patch *patch, Vec3 *moment, double *weight) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
-    int count = part_in(c, block), first = mesh->corner_count;
+    int first = mesh->corner_count;
     for (int i = 0; i < count; i++) {
-        int place = places_add(&builder->places, vec3_add(c->face->origin, c->part[i]));
+        int place = places_add(&builder->places, vec3_add(c->face->origin, v[i]));
         if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
         *ARENA_PUSH(builder->arena, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
     }
@@ -185,49 +203,248 @@ static bool add_element(Cutting *c, MeshBlock block, Patch *patch, Vec3 *moment,
         mesh->corner_count = first;
         return false;
     }
-    double area = polygon_area(c->part, count);
+    double area = polygon_area(v, count);
     *ARENA_PUSH(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
-        (Element){patch->face, mesh->patch_count, first, mesh->corner_count - first, area};
-    add_centroid(c->part, count, c->face->plane.n, moment, weight);
+        (Element){patch->face, mesh->patch_count, first, mesh->corner_count - first, depth, area};
+    add_centroid(v, count, c->face->plane.n, moment, weight);
     patch->area += area;
     patch->element_count++;
     return true;
 }
 
-// The patch of leaves first .. end - 1; each leaf's number becomes that of its element, -1: none.
-static void add_patch(Cutting *c, int face, int first, int end, int *element_of) {
-    MeshBuilder *builder = c->builder;
-    Mesh *mesh = builder->mesh;
+static void finish_patch(Cutting *c, Patch *patch, Vec3 moment, double weight) {
+    Mesh *mesh = c->builder->mesh;
+    if (patch->element_count == 0) return;
+    patch->centre = vec3_scale(moment, 1 / weight);
+    // On the plane even where the polygon bends: an eye there must not see its own face.
+    Vec3 n = c->face->plane.n;
+    patch->centre = vec3_sub(patch->centre, vec3_scale(n, vec3_dot(n, patch->centre)));
+    patch->centre = vec3_add(c->face->origin, patch->centre);
+    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) = *patch;
+}
+
+// The patch of leaves first .. end - 1.
+static void add_whole_patch(Cutting *c, int face, int first, int end) {
+    Mesh *mesh = c->builder->mesh;
     Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
     Vec3 moment = {0};
     double weight = 0;
     for (int k = first; k < end; k++) {
-        bool own = c->leaves[k].area > 0 && add_element(c, c->leaves[k].block, &patch, &moment, &weight);
-        element_of[k] = own ? mesh->element_count - 1 : -1;
+        const MeshLeaf *leaf = &c->leaves[k];
+        c->element[k] = -1;
+        if (leaf->area == 0) continue;
+        int count = part_in(c, leaf->block);
+        if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight)) c->element[k] = mesh->element_count - 1;
     }
-    if (patch.element_count == 0) return;
-    patch.centre = vec3_scale(moment, 1 / weight);
-    // On the plane even where the polygon bends: an eye there must not see its own face.
-    Vec3 n = c->face->plane.n;
-    patch.centre = vec3_sub(patch.centre, vec3_scale(n, vec3_dot(n, patch.centre)));
-    patch.centre = vec3_add(c->face->origin, patch.centre);
-    *ARENA_PUSH(builder->arena, mesh->patches, mesh->patch_count, builder->patch_capacity) = patch;
+    finish_patch(c, &patch, moment, weight);
+}
+
+// ---- pieces
+
+static Vec3 on_grid(const Face *face, Vec3 p) { return vec3(vec3_dot(face->gx, p), vec3_dot(face->gy, p), 0); }
+
+// How long a line is within a block, metres.
+static double length_in(const Cutting *c, const MeshCut *cut, MeshBlock b) {
+    Vec3 p = on_grid(c->face, cut->from), q = on_grid(c->face, cut->to);
+    const double low[2] = {b.i0, b.j0}, high[2] = {b.i1 + 1, b.j1 + 1}, from[2] = {p.x, p.y}, to[2] = {q.x, q.y};
+    double t0 = 0, t1 = 1;
+    for (int k = 0; k < 2; k++) {
+        double way = to[k] - from[k];
+        if (way == 0 && (from[k] <= low[k] || from[k] >= high[k])) return 0;
+        if (way == 0) continue;
+        double in = (low[k] - from[k]) / way, out = (high[k] - from[k]) / way;
+        t0 = fmax(t0, fmin(in, out));
+        t1 = fmin(t1, fmax(in, out));
+    }
+    return t1 <= t0 ? 0 : (t1 - t0) * vec3_length(vec3_sub(cut->to, cut->from));
+}
+
+// What lies before the line.
+static Plane plane_of(const Cutting *c, const MeshCut *cut) {
+    Vec3 n = vec3_normalize(vec3_cross(c->face->plane.n, vec3_sub(cut->to, cut->from)));
+    return (Plane){n, vec3_dot(n, cut->from)};
+}
+
+static bool same_line(const Cutting *c, const MeshCut *a, const MeshCut *b) {
+    Plane plane = plane_of(c, a);
+    return fabs(plane_distance(plane, b->from)) < THIN && fabs(plane_distance(plane, b->to)) < THIN;
+}
+
+// Those that reach into the blocks of leaves first .. end - 1, each line once.
+static void find_lines(Cutting *c, int face, int first, int end) {
+    const MeshBuilder *builder = c->builder;
+    MeshBlock all = c->leaves[first].block;
+    for (int k = first; k < end; k++) {
+        MeshBlock b = c->leaves[k].block;
+        all = (MeshBlock){b.i0 < all.i0 ? b.i0 : all.i0, b.j0 < all.j0 ? b.j0 : all.j0, b.i1 > all.i1 ? b.i1 : all.i1,
+                          b.j1 > all.j1 ? b.j1 : all.j1};
+    }
+    double length[MOST_LINES];
+    c->line_count = 0;
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        double now = length_in(c, cut, all);
+        if (now < THIN) continue;
+        bool known = false;
+        for (int k = 0; k < c->line_count && !known; k++) known = same_line(c, &c->lines[k], cut);
+        if (known) continue;
+        if (c->line_count == MOST_LINES && length[MOST_LINES - 1] >= now) continue;
+        int at = c->line_count < MOST_LINES ? c->line_count++ : MOST_LINES - 1;
+        for (; at > 0 && length[at - 1] < now; at--) {
+            c->lines[at] = c->lines[at - 1];
+            length[at] = length[at - 1];
+        }
+        c->lines[at] = *cut;
+        length[at] = now;
+    }
+}
+
+static void side_range(Plane plane, const Vec3 *v, int count, double *low, double *high) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        double d = plane_distance(plane, v[i]);
+        *low = fmin(*low, d);
+        *high = fmax(*high, d);
+    }
+}
+
+// Cuts what is there of pieces `first` .. of a leaf along a line.
+static void cut_pieces(Cutting *c, int first, int line) {
+    Plane plane = plane_of(c, &c->lines[line]);
+    for (int i = first, count = c->piece_count; i < count; i++) {
+        Piece *piece = &c->pieces[i];
+        double low, high;
+        side_range(plane, piece->v, piece->count, &low, &high);
+        if (low > -THIN || high < THIN || c->piece_count - first >= MOST_PIECES) {
+            piece->sides |= (unsigned)(high > -low) << line;
+            continue;
+        }
+        Piece behind = {.leaf = piece->leaf, .sides = piece->sides};
+        Vec3 *before = ARENA_ARRAY(&c->builder->scratch, Vec3, piece->count + 1);
+        behind.v = ARENA_ARRAY(&c->builder->scratch, Vec3, piece->count + 1);
+        behind.count = polygon_clip(piece->v, piece->count, (Plane){vec3_scale(plane.n, -1), -plane.d}, 0, behind.v);
+        piece->count = polygon_clip(piece->v, piece->count, plane, 0, before);
+        piece->v = before;
+        piece->sides |= 1u << line;
+        *ARENA_PUSH(&c->builder->scratch, c->pieces, c->piece_count, c->piece_capacity) = behind;
+    }
+}
+
+static void find_pieces(Cutting *c, int first, int end) {
+    c->piece_count = 0;
+    for (int k = first; k < end; k++) {
+        c->element[k] = -1;
+        if (c->leaves[k].area == 0) continue;
+        int count = part_in(c, c->leaves[k].block), own = c->piece_count;
+        Piece piece = {.leaf = k, .element = -1, .count = count, .v = ARENA_ARRAY(&c->builder->scratch, Vec3, count + 1)};
+        memcpy(piece.v, c->part, (size_t)count * sizeof *piece.v);
+        *ARENA_PUSH(&c->builder->scratch, c->pieces, c->piece_count, c->piece_capacity) = piece;
+        for (int line = 0; line < c->line_count; line++) cut_pieces(c, own, line);
+    }
+}
+
+// Those on the same sides of all lines are a patch: so none shoots from under what stands on it.
+static void add_patch_of(Cutting *c, int face, unsigned sides) {
+    Mesh *mesh = c->builder->mesh;
+    Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
+    Vec3 moment = {0};
+    double weight = 0;
+    for (int i = 0; i < c->piece_count; i++) {
+        Piece *piece = &c->pieces[i];
+        if (piece->sides != sides) continue;
+        int depth = c->leaves[piece->leaf].depth;
+        bool good = piece->count >= 3 && add_element(c, piece->v, piece->count, depth, &patch, &moment, &weight);
+        piece->element = good ? mesh->element_count - 1 : -1;
+    }
+    finish_patch(c, &patch, moment, weight);
+}
+
+static void push_shared(Cutting *c, int number) {
+    Mesh *mesh = c->builder->mesh;
+    *ARENA_PUSH(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
+}
+
+// Notes which elements the pieces of a leaf became, the largest first; returns the code of its squares.
+static int share_leaf(Cutting *c, int first, int end) {
+    Mesh *mesh = c->builder->mesh;
+    int count = 0, at = mesh->shared_count;
+    for (int i = first; i < end; i++) count += c->pieces[i].element >= 0;
+    if (count == 0) return -1;
+    push_shared(c, count);
+    for (int i = first; i < end; i++)
+        if (c->pieces[i].element >= 0) push_shared(c, c->pieces[i].element);
+    for (int i = 1; i < count; i++) {
+        int *list = mesh->shared + at + 1;
+        for (int k = i; k > 0 && mesh->elements[list[k]].area > mesh->elements[list[k - 1]].area; k--) {
+            int swap = list[k];
+            list[k] = list[k - 1];
+            list[k - 1] = swap;
+        }
+    }
+    return count == 1 ? mesh->shared[at + 1] : ~at - 1;
+}
+
+// Squares that no line of the patch crosses have one element.
+static void give_squares(Cutting *c, int leaf, int first, int end, int *squares) {
+    const Face *face = c->face;
+    MeshBlock b = c->leaves[leaf].block;
+    int code = share_leaf(c, first, end);
+    double reach = 0.5 / fmin(vec3_length(face->gx), vec3_length(face->gy));
+    Vec3 step_x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
+         step_y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    for (int j = b.j0; j <= b.j1; j++) {
+        for (int i = b.i0; i <= b.i1; i++) {
+            Vec3 middle = vec3_add(vec3_scale(step_x, i + 0.5), vec3_scale(step_y, j + 0.5));
+            int here = code;
+            for (int k = first; code < -1 && k < end && here == code; k++) {
+                bool inside = c->pieces[k].element >= 0;
+                for (int line = 0; line < c->line_count && inside; line++) {
+                    double side = plane_distance(plane_of(c, &c->lines[line]), middle);
+                    bool before = (c->pieces[k].sides >> line & 1) != 0;
+                    inside = before ? side > 1.5 * reach : side < -1.5 * reach;
+                }
+                if (inside) here = c->pieces[k].element;
+            }
+            squares[j * face->nx + i] = here;
+        }
+    }
+}
+
+static void add_cut_patch(Cutting *c, int face, int first, int end, int *squares) {
+    find_pieces(c, first, end);
+    for (int i = 0; i < c->piece_count; i++) {
+        bool done = false;
+        for (int k = 0; k < i && !done; k++) done = c->pieces[k].sides == c->pieces[i].sides;
+        if (!done) add_patch_of(c, face, c->pieces[i].sides);
+    }
+    for (int i = 0, next; i < c->piece_count; i = next) {
+        for (next = i + 1; next < c->piece_count && c->pieces[next].leaf == c->pieces[i].leaf;) next++;
+        c->element[c->pieces[i].leaf] = SEVERAL;
+        give_squares(c, c->pieces[i].leaf, i, next, squares);
+    }
 }
 
 static void add_patches(Cutting *c, Face *face, int index) {
     Mesh *mesh = c->builder->mesh;
-    int *element_of = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count), squares = face->nx * face->ny;
+    c->element = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count);
+    int squares = face->nx * face->ny;
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;
+    for (int i = 0; i < squares; i++)
+        *ARENA_PUSH(c->builder->arena, mesh->squares, mesh->square_count, c->builder->square_capacity) = -1;
+    int *square = mesh->squares + face->first_square;
     for (int first = 0, end; first < c->leaf_count; first = end) {
         for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
-        add_patch(c, index, first, end, element_of);
+        find_lines(c, index, first, end);
+        if (c->line_count == 0)
+            add_whole_patch(c, index, first, end);
+        else
+            add_cut_patch(c, index, first, end, square);
     }
-    for (int i = 0; i < squares; i++) {
-        *ARENA_PUSH(c->builder->arena, mesh->squares, mesh->square_count, c->builder->square_capacity) =
-            element_of[c->owner[i]];
-    }
+    for (int i = 0; i < squares; i++)
+        if (c->element[c->owner[i]] != SEVERAL) square[i] = c->element[c->owner[i]];
     face->element_count = mesh->element_count - face->first_element;
     face->patch_count = mesh->patch_count - face->first_patch;
 }

@@ -15,7 +15,7 @@ typedef struct Header {
     uint64_t rest;  // checksum of what comes after it in the header
     int32_t element_count, patch_count, door_count, per_patch;
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
-    double element;
+    double element, close;
     double emitted[3], absorbed[3], escaped[3];
     int64_t shots;
 } Header;
@@ -92,6 +92,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .even = splits ? splits->even : -1,
                      .per_patch = mesh->options.per_patch,
                      .element = mesh->options.element,
+                     .close = mesh->options.close,
                      .shots = solution->shots};
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
@@ -140,6 +141,9 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
         return error_set(error, "%s: has elements of %g m, %d along a patch (asked for: %g m, %d)", path,
                          h->element, h->per_patch, o->element, o->per_patch);
     }
+    if (h->close != o->close)
+        return error_set(error, "%s: has elements cut along what is %g m from them (asked for: %g m)", path, h->close,
+                         o->close);
     if (!same_splits(o->splits, h, body))
         return error_set(error, "%s: its elements are not split as those asked for", path);
     for (int i = 0; i < h->door_count; i++) {
@@ -190,7 +194,8 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
 }
 
 static bool check_options(const char *path, const Header *h, const unsigned char *body, Error *error) {
-    bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16;
+    bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16 &&
+                h->close >= 0 && h->close <= 1;
     for (int i = 0; i < h->door_count; i++)
         good = good && stored_state(body, i) >= 0 && stored_state(body, i) <= 1;
     return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
@@ -214,7 +219,7 @@ bool rad_load_options(const char *path, const Building *building, Arena *arena, 
     bool good = read_file(path, building, &scratch, &h, &body, error) && check_options(path, &h, body, error);
     if (good) {
         *out = (MeshOptions){
-            .element = h.element, .per_patch = h.per_patch, .splits = read_splits(&h, body, arena)};
+            .element = h.element, .per_patch = h.per_patch, .close = h.close, .splits = read_splits(&h, body, arena)};
         memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);
     }
     arena_free(&scratch);

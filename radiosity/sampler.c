@@ -136,7 +136,7 @@ static void scale_weights(Sampler *s) {
 static int lone_square(const Mesh *mesh, const Face *face) {
     int at = face->first_square;
     if (face->element_count != 1) return MANY;
-    while (mesh->squares[at] < 0) at++;
+    while (mesh->squares[at] == -1) at++;
     return at;
 }
 

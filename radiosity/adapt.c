@@ -219,8 +219,7 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena 
 
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     if (!first_solution(a, options, error)) return false;
-    // The rough mesh has elements twice as long.
-    a->most = 4 * a->options->share * a->rough.element_count;
+    a->most = a->options->share * mesh_count_even(&a->rough);
     const Mesh *mesh = &a->rough;
     MeshOptions finer = *options;
     for (int round = 0; round <= LAMP_ROUNDS; round++) {

@@ -221,9 +221,9 @@ static double depth_in(const Mesh *mesh, int index, Vec3 point) {
     Vec3 n = mesh->faces[element->face].plane.n;
     double least = INFINITY;
     for (int i = 0; i < element->corner_count; i++) {
-        Vec3 a = mesh->vertices[corner[i]], b = mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]];
-        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(b, a)));
-        least = fmin(least, vec3_dot(inwards, vec3_sub(point, a)));
+        Vec3 edge[2] = {mesh->vertices[corner[i]], mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]]};
+        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(edge[1], edge[0])));
+        least = fmin(least, vec3_dot(inwards, vec3_sub(point, edge[0])));
     }
     return least;
 }

@@ -93,6 +93,9 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
 MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const unsigned char *element,
                         Arena *arena);
 
+// About how many elements the same polygons have without splits.
+double mesh_count_even(const Mesh *mesh);
+
 // The element of a face at a point of its plane; the nearest square's where the point is a rounding outside.
 int mesh_element_at(const Mesh *mesh, int face, Vec3 point);
 

@@ -10,6 +10,8 @@ static const double SHORTEST = 0.04;
 static const double AT_BORDER = 1e-3;
 // Faces that look the same way, as a cosine, are neighbours in one surface and cover nothing of each other.
 static const double SAME_WAY = 0.99;
+// A face that lies along another, as a cosine, does not say which side of its edges it covers.
+static const double ALONG = 0.9;
 // Side of the squares that faces are sorted into, metres.
 static const double SIDE = 1;
 
@@ -81,7 +83,7 @@ static void sort_faces(Contacts *c, Arena *scratch) {
 // ---- lines on a face
 
 // Puts what of a -> b, which lies on the face's plane, is inside its outline.
-static void add_cut(Contacts *c, const Face *face, Vec3 a, Vec3 b) {
+static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Vec3 b) {
     MeshBuilder *builder = c->builder;
     const int *outline = builder->mesh->outline + face->first_vertex;
     double t0 = 0, t1 = 1;
@@ -94,7 +96,11 @@ static void add_cut(Contacts *c, const Face *face, Vec3 a, Vec3 b) {
         if (to < 0) t1 = fmin(t1, from / (from - to));
     }
     if ((t1 - t0) * vec3_length(vec3_sub(b, a)) < SHORTEST) return;
-    MeshCut cut = {vec3_sub(vec3_lerp(a, b, t0), face->origin), vec3_sub(vec3_lerp(a, b, t1), face->origin)};
+    // Things are closed: what a face's back looks into is covered.
+    double facing = vec3_dot(face->plane.n, other->plane.n);
+    Vec3 open = vec3_sub(other->plane.n, vec3_scale(face->plane.n, facing));
+    if (fabs(facing) > ALONG) open = vec3(0, 0, 0);
+    MeshCut cut = {vec3_sub(vec3_lerp(a, b, t0), face->origin), vec3_sub(vec3_lerp(a, b, t1), face->origin), open};
     *ARENA_PUSH(&builder->cut_arena, builder->cuts, builder->cut_count, builder->cut_capacity) = cut;
 }
 
@@ -109,13 +115,13 @@ static void meet(Contacts *c, const Face *face, const Face *other) {
         double above_a = plane_distance(face->plane, a), above_b = plane_distance(face->plane, b);
         bool close_a = above_a > -AT_BORDER && above_a < c->close, close_b = above_b > -AT_BORDER && above_b < c->close;
         if (close_a && close_b) {
-            add_cut(c, face, vec3_sub(a, vec3_scale(face->plane.n, above_a)),
+            add_cut(c, face, other, vec3_sub(a, vec3_scale(face->plane.n, above_a)),
                     vec3_sub(b, vec3_scale(face->plane.n, above_b)));
         } else if ((above_a < -AT_BORDER) != (above_b < -AT_BORDER) && crossings < 2) {
             crossing[crossings++] = vec3_lerp(a, b, above_a / (above_a - above_b));
         }
     }
-    if (crossings == 2) add_cut(c, face, crossing[0], crossing[1]);
+    if (crossings == 2) add_cut(c, face, other, crossing[0], crossing[1]);
 }
 
 static void find_cuts(Contacts *c, int index) {

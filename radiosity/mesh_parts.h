@@ -8,6 +8,7 @@
 // A line that elements of a face are cut along, from the face's origin.
 typedef struct MeshCut {
     Vec3 from, to;
+    Vec3 open;  // in the plane, away from what stands there; 0: not known
 } MeshCut;
 
 typedef struct MeshBuilder {
@@ -43,6 +44,21 @@ int mesh_deepest(MeshBuilder *builder, int roots);
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
 // mesh_contacts.c: the cuts of all faces, whose outlines are places by then.
 void mesh_find_cuts(MeshBuilder *builder);
+
+// A convex part of an element to be, from the face's origin.
+typedef struct MeshPiece {
+    Vec3 *v;  // [count]
+    int count;
+    int element;  // that it became; -1: none
+} MeshPiece;
+enum { MESH_MOST_PIECES = 32 };
+// mesh_pieces.c: cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena, MeshPiece *out);
+// Does something stand on that point of a face, or close before it? As the nearest cut has it.
+bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point);
+// How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
+double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
+
 // Its elements and patches; all faces' outlines are places by then.
 void mesh_cut_face(MeshBuilder *builder, int face);
 

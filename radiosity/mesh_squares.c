@@ -14,11 +14,20 @@ static const double NOTHING = 1e-9;
 // How much longer than asked for an element's edges may be. Small faces make them shorter on the average.
 static const double LONGEST = 1.15;
 
-// How many patches, or roots, a side takes.
-static int patches_along(double length, const MeshOptions *options) {
-    double edge = options->element * options->per_patch * (options->splits ? 2 : 1);
+// How many patches of an edge length a side takes.
+static int patches_along(double length, double edge) {
     double patches = ceil(length / (LONGEST * edge));
     return patches < 1 ? 1 : (int)patches;
+}
+
+double mesh_count_even(const Mesh *mesh) {
+    double edge = mesh->options.element * mesh->options.per_patch, per = mesh->options.per_patch, count = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        count += per * patches_along(face->nx / vec3_length(face->gx), edge) * per *
+                 patches_along(face->ny / vec3_length(face->gy), edge);
+    }
+    return count;
 }
 
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count) {
@@ -44,8 +53,9 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
         y1 = fmax(y1, vec3_dot(y, p));
     }
     const MeshOptions *options = &builder->mesh->options;
-    face->nx = patches_along(x1 - x0, options);
-    face->ny = patches_along(y1 - y0, options);
+    double edge = options->element * options->per_patch * (options->splits ? 2 : 1);
+    face->nx = patches_along(x1 - x0, edge);
+    face->ny = patches_along(y1 - y0, edge);
     face->root = options->per_patch;
     if (options->splits) face->root = 1 << mesh_deepest(builder, face->nx * face->ny);
     face->nx *= face->root;
@@ -59,18 +69,7 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
 
 // ---- parts of a face
 
-// A patch is cut along so many lines at most, the longest, and a leaf into so many pieces.
-enum { MOST_LINES = 12, MOST_PIECES = 24, SEVERAL = -2 };
-// Nothing thinner is cut off, metres.
-static const double THIN = 1e-3;
-
-// What of a leaf lies on certain sides of the lines.
-typedef struct Piece {
-    int leaf, element;
-    unsigned sides;  // bit k: before line k
-    int count;
-    Vec3 *v;  // [count] from the face's origin
-} Piece;
+enum { SEVERAL = -2 };
 
 typedef struct Cutting {
     MeshBuilder *builder;
@@ -82,10 +81,6 @@ typedef struct Cutting {
     int leaf_count;
     int *owner;     // [nx * ny] the leaf whose block a square is in
     int *element;   // [leaf_count] of each leaf, -1: none, SEVERAL: it is in pieces
-    MeshCut lines[MOST_LINES];  // that the patch at hand is cut along
-    int line_count;
-    Piece *pieces;  // of the patch at hand
-    int piece_count, piece_capacity;
     double square;  // area of a whole one, m^2
 } Cutting;
 
@@ -234,128 +229,54 @@ static void add_whole_patch(Cutting *c, int face, int first, int end) {
         c->element[k] = -1;
         if (leaf->area == 0) continue;
         int count = part_in(c, leaf->block);
-        if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight)) c->element[k] = mesh->element_count - 1;
+        if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight))
+            c->element[k] = mesh->element_count - 1;
     }
     finish_patch(c, &patch, moment, weight);
 }
 
-// ---- pieces
+// ---- leaves in pieces
 
-static Vec3 on_grid(const Face *face, Vec3 p) { return vec3(vec3_dot(face->gx, p), vec3_dot(face->gy, p), 0); }
+// Those of a patch's leaves first .. end - 1.
+typedef struct Pieces {
+    MeshPiece *pieces;  // [first_of[end - first]]
+    int *first_of;
+} Pieces;
 
-// How long a line is within a block, metres.
-static double length_in(const Cutting *c, const MeshCut *cut, MeshBlock b) {
-    Vec3 p = on_grid(c->face, cut->from), q = on_grid(c->face, cut->to);
-    const double low[2] = {b.i0, b.j0}, high[2] = {b.i1 + 1, b.j1 + 1}, from[2] = {p.x, p.y}, to[2] = {q.x, q.y};
-    double t0 = 0, t1 = 1;
-    for (int k = 0; k < 2; k++) {
-        double way = to[k] - from[k];
-        if (way == 0 && (from[k] <= low[k] || from[k] >= high[k])) return 0;
-        if (way == 0) continue;
-        double in = (low[k] - from[k]) / way, out = (high[k] - from[k]) / way;
-        t0 = fmax(t0, fmin(in, out));
-        t1 = fmin(t1, fmax(in, out));
-    }
-    return t1 <= t0 ? 0 : (t1 - t0) * vec3_length(vec3_sub(cut->to, cut->from));
-}
-
-// What lies before the line.
-static Plane plane_of(const Cutting *c, const MeshCut *cut) {
-    Vec3 n = vec3_normalize(vec3_cross(c->face->plane.n, vec3_sub(cut->to, cut->from)));
-    return (Plane){n, vec3_dot(n, cut->from)};
-}
-
-static bool same_line(const Cutting *c, const MeshCut *a, const MeshCut *b) {
-    Plane plane = plane_of(c, a);
-    return fabs(plane_distance(plane, b->from)) < THIN && fabs(plane_distance(plane, b->to)) < THIN;
-}
-
-// Those that reach into the blocks of leaves first .. end - 1, each line once.
-static void find_lines(Cutting *c, int face, int first, int end) {
-    const MeshBuilder *builder = c->builder;
-    MeshBlock all = c->leaves[first].block;
+static Pieces find_pieces(Cutting *c, int face, int first, int end) {
+    Arena *arena = &c->builder->scratch;
+    Pieces p = {.first_of = ARENA_ARRAY(arena, int, end - first + 1)};
+    int count = 0, capacity = 0;
     for (int k = first; k < end; k++) {
-        MeshBlock b = c->leaves[k].block;
-        all = (MeshBlock){b.i0 < all.i0 ? b.i0 : all.i0, b.j0 < all.j0 ? b.j0 : all.j0, b.i1 > all.i1 ? b.i1 : all.i1,
-                          b.j1 > all.j1 ? b.j1 : all.j1};
+        MeshPiece own[MESH_MOST_PIECES];
+        int corners = c->leaves[k].area > 0 ? part_in(c, c->leaves[k].block) : 0;
+        int pieces = corners >= 3 ? mesh_cut_pieces(c->builder, face, c->part, corners, arena, own) : 0;
+        p.first_of[k - first] = count;
+        for (int i = 0; i < pieces; i++) *ARENA_PUSH(arena, p.pieces, count, capacity) = own[i];
     }
-    double length[MOST_LINES];
-    c->line_count = 0;
-    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
-        const MeshCut *cut = &builder->cuts[i];
-        double now = length_in(c, cut, all);
-        if (now < THIN) continue;
-        bool known = false;
-        for (int k = 0; k < c->line_count && !known; k++) known = same_line(c, &c->lines[k], cut);
-        if (known) continue;
-        if (c->line_count == MOST_LINES && length[MOST_LINES - 1] >= now) continue;
-        int at = c->line_count < MOST_LINES ? c->line_count++ : MOST_LINES - 1;
-        for (; at > 0 && length[at - 1] < now; at--) {
-            c->lines[at] = c->lines[at - 1];
-            length[at] = length[at - 1];
-        }
-        c->lines[at] = *cut;
-        length[at] = now;
-    }
+    p.first_of[end - first] = count;
+    return p;
 }
 
-static void side_range(Plane plane, const Vec3 *v, int count, double *low, double *high) {
-    *low = INFINITY;
-    *high = -INFINITY;
-    for (int i = 0; i < count; i++) {
-        double d = plane_distance(plane, v[i]);
-        *low = fmin(*low, d);
-        *high = fmax(*high, d);
-    }
+static Vec3 middle_of(const MeshPiece *piece) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
+    return vec3_scale(sum, 1.0 / piece->count);
 }
 
-// Cuts what is there of pieces `first` .. of a leaf along a line.
-static void cut_pieces(Cutting *c, int first, int line) {
-    Plane plane = plane_of(c, &c->lines[line]);
-    for (int i = first, count = c->piece_count; i < count; i++) {
-        Piece *piece = &c->pieces[i];
-        double low, high;
-        side_range(plane, piece->v, piece->count, &low, &high);
-        if (low > -THIN || high < THIN || c->piece_count - first >= MOST_PIECES) {
-            piece->sides |= (unsigned)(high > -low) << line;
-            continue;
-        }
-        Piece behind = {.leaf = piece->leaf, .sides = piece->sides};
-        Vec3 *before = ARENA_ARRAY(&c->builder->scratch, Vec3, piece->count + 1);
-        behind.v = ARENA_ARRAY(&c->builder->scratch, Vec3, piece->count + 1);
-        behind.count = polygon_clip(piece->v, piece->count, (Plane){vec3_scale(plane.n, -1), -plane.d}, 0, behind.v);
-        piece->count = polygon_clip(piece->v, piece->count, plane, 0, before);
-        piece->v = before;
-        piece->sides |= 1u << line;
-        *ARENA_PUSH(&c->builder->scratch, c->pieces, c->piece_count, c->piece_capacity) = behind;
-    }
-}
-
-static void find_pieces(Cutting *c, int first, int end) {
-    c->piece_count = 0;
-    for (int k = first; k < end; k++) {
-        c->element[k] = -1;
-        if (c->leaves[k].area == 0) continue;
-        int count = part_in(c, c->leaves[k].block), own = c->piece_count;
-        Piece piece = {.leaf = k, .element = -1, .count = count, .v = ARENA_ARRAY(&c->builder->scratch, Vec3, count + 1)};
-        memcpy(piece.v, c->part, (size_t)count * sizeof *piece.v);
-        *ARENA_PUSH(&c->builder->scratch, c->pieces, c->piece_count, c->piece_capacity) = piece;
-        for (int line = 0; line < c->line_count; line++) cut_pieces(c, own, line);
-    }
-}
-
-// Those on the same sides of all lines are a patch: so none shoots from under what stands on it.
-static void add_patch_of(Cutting *c, int face, unsigned sides) {
+// What is covered has a patch of its own, which nothing open shoots from.
+static void add_patch_of(Cutting *c, int face, const Pieces *p, int first, int end, bool covered) {
     Mesh *mesh = c->builder->mesh;
     Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
     Vec3 moment = {0};
     double weight = 0;
-    for (int i = 0; i < c->piece_count; i++) {
-        Piece *piece = &c->pieces[i];
-        if (piece->sides != sides) continue;
-        int depth = c->leaves[piece->leaf].depth;
-        bool good = piece->count >= 3 && add_element(c, piece->v, piece->count, depth, &patch, &moment, &weight);
-        piece->element = good ? mesh->element_count - 1 : -1;
+    for (int k = first; k < end; k++) {
+        for (int i = p->first_of[k - first]; i < p->first_of[k - first + 1]; i++) {
+            MeshPiece *piece = &p->pieces[i];
+            if (piece->count < 3 || mesh_is_covered(c->builder, face, middle_of(piece)) != covered) continue;
+            if (add_element(c, piece->v, piece->count, c->leaves[k].depth, &patch, &moment, &weight))
+                piece->element = mesh->element_count - 1;
+        }
     }
     finish_patch(c, &patch, moment, weight);
 }
@@ -366,62 +287,57 @@ static void push_shared(Cutting *c, int number) {
 }
 
 // Notes which elements the pieces of a leaf became, the largest first; returns the code of its squares.
-static int share_leaf(Cutting *c, int first, int end) {
+static int share_leaf(Cutting *c, const MeshPiece *pieces, int piece_count) {
     Mesh *mesh = c->builder->mesh;
     int count = 0, at = mesh->shared_count;
-    for (int i = first; i < end; i++) count += c->pieces[i].element >= 0;
-    if (count == 0) return -1;
-    push_shared(c, count);
-    for (int i = first; i < end; i++)
-        if (c->pieces[i].element >= 0) push_shared(c, c->pieces[i].element);
-    for (int i = 1; i < count; i++) {
-        int *list = mesh->shared + at + 1;
-        for (int k = i; k > 0 && mesh->elements[list[k]].area > mesh->elements[list[k - 1]].area; k--) {
-            int swap = list[k];
-            list[k] = list[k - 1];
-            list[k - 1] = swap;
-        }
+    push_shared(c, 0);
+    for (int i = 0; i < piece_count; i++) {
+        int element = pieces[i].element;
+        if (element < 0) continue;
+        push_shared(c, element);
+        int k = at + ++count;
+        for (; k > at + 1 && mesh->elements[mesh->shared[k - 1]].area < mesh->elements[element].area; k--)
+            mesh->shared[k] = mesh->shared[k - 1];
+        mesh->shared[k] = element;
     }
-    return count == 1 ? mesh->shared[at + 1] : ~at - 1;
+    mesh->shared[at] = count;
+    if (count > 1) return ~at - 1;
+    mesh->shared_count = at;
+    return count == 1 ? mesh->shared[at + 1] : -1;
 }
 
-// Squares that no line of the patch crosses have one element.
-static void give_squares(Cutting *c, int leaf, int first, int end, int *squares) {
+// The element that a whole square is in, else `code`.
+static int element_about(const Cutting *c, Vec3 middle, double reach, const MeshPiece *pieces, int count, int code) {
+    for (int i = 0; i < count; i++) {
+        const MeshPiece *piece = &pieces[i];
+        if (piece->element >= 0 && mesh_inside(piece->v, piece->count, c->face->plane.n, middle) > reach)
+            return piece->element;
+    }
+    return code;
+}
+
+static void give_squares(Cutting *c, MeshBlock b, const MeshPiece *pieces, int count, int *squares) {
     const Face *face = c->face;
-    MeshBlock b = c->leaves[leaf].block;
-    int code = share_leaf(c, first, end);
-    double reach = 0.5 / fmin(vec3_length(face->gx), vec3_length(face->gy));
-    Vec3 step_x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
-         step_y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    int code = share_leaf(c, pieces, count);
+    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)), y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    double reach = 0.5 * vec3_length(vec3_add(x, y));
     for (int j = b.j0; j <= b.j1; j++) {
         for (int i = b.i0; i <= b.i1; i++) {
-            Vec3 middle = vec3_add(vec3_scale(step_x, i + 0.5), vec3_scale(step_y, j + 0.5));
-            int here = code;
-            for (int k = first; code < -1 && k < end && here == code; k++) {
-                bool inside = c->pieces[k].element >= 0;
-                for (int line = 0; line < c->line_count && inside; line++) {
-                    double side = plane_distance(plane_of(c, &c->lines[line]), middle);
-                    bool before = (c->pieces[k].sides >> line & 1) != 0;
-                    inside = before ? side > 1.5 * reach : side < -1.5 * reach;
-                }
-                if (inside) here = c->pieces[k].element;
-            }
-            squares[j * face->nx + i] = here;
+            Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
+            squares[j * face->nx + i] = code < -1 ? element_about(c, middle, reach, pieces, count, code) : code;
         }
     }
 }
 
-static void add_cut_patch(Cutting *c, int face, int first, int end, int *squares) {
-    find_pieces(c, first, end);
-    for (int i = 0; i < c->piece_count; i++) {
-        bool done = false;
-        for (int k = 0; k < i && !done; k++) done = c->pieces[k].sides == c->pieces[i].sides;
-        if (!done) add_patch_of(c, face, c->pieces[i].sides);
-    }
-    for (int i = 0, next; i < c->piece_count; i = next) {
-        for (next = i + 1; next < c->piece_count && c->pieces[next].leaf == c->pieces[i].leaf;) next++;
-        c->element[c->pieces[i].leaf] = SEVERAL;
-        give_squares(c, c->pieces[i].leaf, i, next, squares);
+static void add_cut_patches(Cutting *c, int face, int first, int end, int *squares) {
+    Pieces p = find_pieces(c, face, first, end);
+    add_patch_of(c, face, &p, first, end, false);
+    add_patch_of(c, face, &p, first, end, true);
+    for (int k = first; k < end; k++) {
+        int at = p.first_of[k - first];
+        c->element[k] = SEVERAL;
+        if (c->leaves[k].area > 0)
+            give_squares(c, c->leaves[k].block, p.pieces + at, p.first_of[k - first + 1] - at, squares);
     }
 }
 
@@ -429,6 +345,7 @@ static void add_patches(Cutting *c, Face *face, int index) {
     Mesh *mesh = c->builder->mesh;
     c->element = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count);
     int squares = face->nx * face->ny;
+    bool is_cut = c->builder->first_cut[index + 1] > c->builder->first_cut[index];
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;
@@ -437,11 +354,10 @@ static void add_patches(Cutting *c, Face *face, int index) {
     int *square = mesh->squares + face->first_square;
     for (int first = 0, end; first < c->leaf_count; first = end) {
         for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
-        find_lines(c, index, first, end);
-        if (c->line_count == 0)
-            add_whole_patch(c, index, first, end);
+        if (is_cut)
+            add_cut_patches(c, index, first, end, square);
         else
-            add_cut_patch(c, index, first, end, square);
+            add_whole_patch(c, index, first, end);
     }
     for (int i = 0; i < squares; i++)
         if (c->element[c->owner[i]] != SEVERAL) square[i] = c->element[c->owner[i]];

@@ -1,0 +1,87 @@
+// mesh_pieces.c - elements that something stands on in part, cut into what is open and what is covered.
+#include <string.h>
+
+#include "engine/core/polygon.h"
+#include "radiosity/mesh_parts.h"
+
+// Nothing thinner is cut off, metres.
+static const double THIN = 1e-3;
+
+double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
+    double least = INFINITY;
+    for (int i = 0; i < count; i++) {
+        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i])));
+        least = fmin(least, vec3_dot(inwards, vec3_sub(point, v[i])));
+    }
+    return least;
+}
+
+// How long a line is within a convex polygon, metres.
+static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
+    double t0 = 0, t1 = 1;
+    for (int i = 0; i < count; i++) {
+        Vec3 inwards = vec3_cross(n, vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]));
+        double from = vec3_dot(inwards, vec3_sub(cut->from, v[i])), to = vec3_dot(inwards, vec3_sub(cut->to, v[i]));
+        if (from <= 0 && to <= 0) return 0;
+        if (from < 0) t0 = fmax(t0, from / (from - to));
+        if (to < 0) t1 = fmin(t1, from / (from - to));
+    }
+    return t1 <= t0 ? 0 : (t1 - t0) * vec3_length(vec3_sub(cut->to, cut->from));
+}
+
+// Are parts of the polygon on both sides, thick enough to count?
+static bool crosses(Plane plane, const Vec3 *v, int count) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        double d = plane_distance(plane, v[i]);
+        low = fmin(low, d);
+        high = fmax(high, d);
+    }
+    return low < -THIN && high > THIN;
+}
+
+static MeshPiece half(const MeshPiece *piece, Plane keep, Arena *arena) {
+    MeshPiece out = {.v = ARENA_ARRAY(arena, Vec3, piece->count + 1), .element = -1};
+    out.count = polygon_clip(piece->v, piece->count, keep, 0, out.v);
+    return out;
+}
+
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena, MeshPiece *out) {
+    Vec3 n = builder->mesh->faces[face].plane.n;
+    int pieces = 1;
+    out[0] = (MeshPiece){.v = ARENA_ARRAY(arena, Vec3, count), .count = count, .element = -1};
+    memcpy(out[0].v, v, (size_t)count * sizeof *v);
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
+        Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
+        // Those that the line itself runs through, not what lies beyond its ends.
+        for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
+            MeshPiece whole = out[k];
+            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN) continue;
+            out[k] = half(&whole, before, arena);
+            out[pieces++] = half(&whole, behind, arena);
+        }
+    }
+    return pieces;
+}
+
+static double distance_to(const MeshCut *cut, Vec3 point) {
+    Vec3 along = vec3_sub(cut->to, cut->from), off = vec3_sub(point, cut->from);
+    double t = vec3_dot(along, off) / vec3_dot(along, along);
+    return vec3_length(vec3_sub(off, vec3_scale(along, fmin(fmax(t, 0), 1))));
+}
+
+bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point) {
+    // At a corner two lines are nearest: what is before either is open.
+    double nearest = INFINITY, most = -INFINITY;
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        if (vec3_dot(cut->open, cut->open) == 0) continue;
+        double distance = distance_to(cut, point), before = vec3_dot(cut->open, vec3_sub(point, cut->from));
+        if (distance > nearest + THIN) continue;
+        most = distance < nearest - THIN ? before : fmax(most, before);
+        nearest = fmin(nearest, distance);
+    }
+    return most < 0;
+}

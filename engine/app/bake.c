@@ -36,7 +36,7 @@ BakeArguments bake_default_arguments(void) {
     return a;
 }
 
-static float *make_doors(const Building *b, int state, Arena *arena) {
+float *bake_doors(const Building *b, int state, Arena *arena) {
     float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
@@ -44,6 +44,14 @@ static float *make_doors(const Building *b, int state, Arena *arena) {
         doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
     }
     return doors;
+}
+
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
+    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
+    if (graph->vertex_count > 0)
+        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
+    vis_pose(graph, doors, vertices);
+    return vertices;
 }
 
 static bool check_size(const Bake *bake, Error *error) {
@@ -64,11 +72,8 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
     double start = clock_seconds();
     Arena scratch = {0};
-    Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
-    if (graph->vertex_count > 0)
-        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    bake->doors = make_doors(&bake->scene.building, bake->a->doors, arena);
-    vis_pose(graph, bake->doors, vertices);
+    bake->doors = bake_doors(&bake->scene.building, bake->a->doors, arena);
+    Vec3 *vertices = bake_vertices(graph, bake->doors, &scratch);
     bool good = mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
     arena_free(&scratch);
     bake->mesh_seconds = clock_seconds() - start;

@@ -19,6 +19,10 @@ typedef struct BakeArguments {
 } BakeArguments;
 BakeArguments bake_default_arguments(void);
 
+// How far each door is open in one of these states, [opening_count]; and the graph's vertices with the doors there.
+float *bake_doors(const Building *building, int state, Arena *arena);
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena);
+
 int bake(BakeArguments *arguments);  // the exit code
 
 #endif

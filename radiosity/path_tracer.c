@@ -201,3 +201,17 @@ void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, 
     Asked asked = {tracer, queries, results};
     parallel_for(parallel_threads(threads), count, answer, &asked);
 }
+
+double path_tracer_open(const PathTracer *t, Vec3 point, Vec3 normal, double near) {
+    Lattice numbers = lattice_of(0, 0);
+    Vec3 from = path_scene_off(t->scene, vec3_sub(point, t->scene->origin), normal);
+    int open = 0;
+    for (numbers.path = 0; numbers.path < BLOCK; numbers.path++) {
+        double u[NUMBERS];
+        numbers_at(&numbers, 0, u);
+        PathHit hit =
+            path_scene_trace(t->scene, from, cosine_direction(normal, u[DIRECTION], u[DIRECTION + 1]));
+        open += hit.face < 0 || (hit.front && vec3_length(vec3_sub(hit.point, from)) > near);
+    }
+    return (double)open / BLOCK;
+}

@@ -28,4 +28,8 @@ typedef struct PathResult {
 void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, int count, int threads,
                             PathResult *results);
 
+// The share of the light that leaves a point that meets a front farther than `near`, metres, or nothing: 0 inside of what is
+// closed, or where another surface lies against it.
+double path_tracer_open(const PathTracer *tracer, Vec3 point, Vec3 normal, double near);
+
 #endif

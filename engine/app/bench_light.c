@@ -16,8 +16,10 @@ static const char HEAD[] =
     "building,configuration,element_m,per_patch,culling,row_mb,residual,resolution,elements,patches,shots,"
     "rows_"
     "made,bake_seconds,probe_seconds,"
-    "gather_median,gather_rms,gather_p90,gather_max,element_median,element_rms,element_p90,element_max,"
-    "vertex_median,vertex_rms,vertex_p90,vertex_max,points,points_reflecting,points_dark,truth_error\n";
+    "gather_median,gather_rms,gather_p90,gather_max,gather_lit_median,gather_lit_rms,"
+    "element_median,element_rms,element_p90,element_max,element_lit_median,element_lit_rms,"
+    "vertex_median,vertex_rms,vertex_p90,vertex_max,vertex_lit_median,vertex_lit_rms,"
+    "points,points_reflecting,points_dark,truth_error\n";
 
 // ---- ways to bake
 
@@ -46,8 +48,10 @@ static const Way WAYS[] = {
     {.name = "residual-0.1", .residual = 0.1},
     {.name = "residual-0.01", .residual = 0.01},
     {.name = "residual-0.001", .residual = 0.001},
+    {.name = "residual-0.0001", .residual = 1e-4},
     {.name = "resolution-50", .resolution = 50},
     {.name = "resolution-200", .resolution = 200},
+    {.name = "finest", .element = 0.17, .per_patch = 1, .residual = 1e-4, .resolution = 200},
 };
 
 enum { WAY_COUNT = sizeof WAYS / sizeof *WAYS };
@@ -132,17 +136,21 @@ typedef struct Spread {
     int count;
 } Spread;
 
+static bool is_lit(const LightPoint *p) { return light_point_irradiance(p) >= p->scale; }
+
 static int by_size(const void *a, const void *b) {
     double p = *(const double *)a, q = *(const double *)b;
     return p < q ? -1 : p > q;
 }
 
-static Spread spread_of(const double *error, int count) {
+// Of all points, or of those that are lit.
+static Spread spread_of(const LightPoints *points, const double *error, bool lit) {
+    int count = points->count;
     Arena scratch = {0};
     double *size = ARENA_ARRAY(&scratch, double, count + 1), squares = 0;
     Spread s = {0};
     for (int i = 0; i < count; i++)
-        if (!isnan(error[i])) size[s.count++] = fabs(error[i]);
+        if (!isnan(error[i]) && (!lit || is_lit(&points->points[i]))) size[s.count++] = fabs(error[i]);
     qsort(size, (size_t)s.count, sizeof *size, by_size);
     for (int i = 0; i < s.count; i++) squares += size[i] * size[i];
     if (s.count > 0) {
@@ -188,7 +196,7 @@ static double truth_error(const LightPoints *points, int *dark) {
     for (int i = 0; i < points->count; i++) {
         const LightPoint *p = &points->points[i];
         sum += p->standard_error / p->scale * p->standard_error / p->scale;
-        *dark += light_point_irradiance(p) < p->scale;
+        *dark += !is_lit(p);
     }
     return 100 * sqrt(sum / points->count);
 }
@@ -210,8 +218,10 @@ static void add_row(const LightBench *b, const Way *way, const Baked *baked, Tex
                 baked->probe_seconds);
     int reflecting = 0, dark;
     for (int what = 0; what < COMPARED; what++) {
-        Spread s = spread_of(b->error[what], b->points.count);
-        text_append(csv, ",%.4f,%.4f,%.4f,%.4f", s.median, s.rms, s.p90, s.most);
+        Spread s = spread_of(&b->points, b->error[what], false);
+        Spread lit = spread_of(&b->points, b->error[what], true);
+        text_append(csv, ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f", s.median, s.rms, s.p90, s.most, lit.median,
+                    lit.rms);
         reflecting = s.count;
         if (b->arguments->verbose) print_worst(b, way, what);
     }

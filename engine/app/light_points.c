@@ -10,6 +10,10 @@
 static const long long MOST_PATHS = 4000000;
 // Points with less light than this share of the mean are measured against it.
 static const double DARK = 0.01;
+// A face nearer than this lies against a point, metres.
+static const double TOUCHING = 0.001;
+// Tries for each point.
+enum { TRIES = 1000 };
 
 static bool is_indoors(const Mesh *mesh, const Element *element) {
     int cell = mesh->patches[element->patch].cell;
@@ -35,6 +39,19 @@ static Vec3 point_in(const Mesh *mesh, const Element *element, Random *random) {
     }
 }
 
+// The first element up to which the areas exceed `at`.
+static int element_up_to(const double *up_to, int count, double at) {
+    int low = 0, high = count - 1;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (up_to[middle] > at)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
 bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *arena, LightPoints *out,
                          Error *error) {
     Arena scratch = {0};
@@ -44,25 +61,22 @@ bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *aren
         up_to[e] = area;
     }
     Random random = {seed};
-    *out = (LightPoints){.points = ARENA_ARRAY(arena, LightPoint, count), .count = count};
-    for (int i = 0; i < count && area > 0; i++) {
-        double at = random_unit(&random) * area;
-        int low = 0, high = mesh->element_count - 1;
-        while (low < high) {
-            int middle = (low + high) / 2;
-            if (up_to[middle] > at)
-                high = middle;
-            else
-                low = middle + 1;
-        }
-        const Element *element = &mesh->elements[low];
-        const Face *face = &mesh->faces[element->face];
-        out->points[i] = (LightPoint){
-            .place = point_in(mesh, element, &random), .normal = face->plane.n, .polygon = face->polygon};
+    PathTracer *tracer = path_tracer_new(mesh, NULL, &scratch);
+    *out = (LightPoints){.points = ARENA_ARRAY(arena, LightPoint, count)};
+    for (int i = 0; i < count * TRIES && out->count < count && area > 0; i++) {
+        int e = element_up_to(up_to, mesh->element_count, random_unit(&random) * area);
+        const Face *face = &mesh->faces[mesh->elements[e].face];
+        LightPoint point = {.place = point_in(mesh, &mesh->elements[e], &random),
+                            .normal = face->plane.n,
+                            .polygon = face->polygon};
+        if (path_tracer_open(tracer, point.place, point.normal, TOUCHING) > 0)
+            out->points[out->count++] = point;
     }
+    path_tracer_end(tracer);
     arena_free(&scratch);
-    if (area > 0) return true;
-    return error_set(error, "%s: has no surface in a room", mesh->graph->building->source);
+    if (out->count == count) return true;
+    return error_set(error, "%s: has no surface in a room that light could reach",
+                     mesh->graph->building->source);
 }
 
 static void take_results(LightPoints *points, const PathResult *results) {

@@ -19,7 +19,8 @@ typedef struct LightPoints {
     double seconds;  // of path tracing, all cores
 } LightPoints;
 
-// Evenly over the fronts of what stands in rooms, by area. Fails where there are none.
+// Evenly over the fronts of what stands in rooms, by area, but where backs alone are before them, or another front lies against
+// them: nobody sees that. Fails where there are none.
 bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *arena, LightPoints *out,
                          Error *error);
 // The truth at each, to a standard error of `error` of the point's scale: the irradiance there, or a hundredth of the mean of all

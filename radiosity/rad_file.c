@@ -8,14 +8,14 @@
 #include "engine/core/derived.h"
 #include "radiosity/shoot.h"
 
-enum { VERSION = 1 };
+enum { VERSION = 2 };
 
 typedef struct Header {
     DerivedHead head;
     uint64_t rest;  // checksum of what comes after it in the header
     int32_t element_count, patch_count, door_count, per_patch;
     double element;
-    double emitted[3], absorbed[3], escaped[3];
+    double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
     int64_t shots;
 } Header;
 
@@ -87,6 +87,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .shots = solution->shots};
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
+    memcpy(header.outdoors, solution->outdoors, sizeof header.outdoors);
+    memcpy(header.sky, solution->sky, sizeof header.sky);
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
     header.rest = rest_hash(&header);
     memcpy(file, &header, sizeof header);
@@ -157,10 +159,13 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
         out->unshot = memcpy(arena_alloc(arena, s.unshot, 1), body + s.doors + s.radiosity, s.unshot);
         memcpy(out->emitted, h.emitted, sizeof h.emitted);
         memcpy(out->absorbed, h.absorbed, sizeof h.absorbed);
+        memcpy(out->outdoors, h.outdoors, sizeof out->outdoors);
+        memcpy(out->sky, h.sky, sizeof out->sky);
         memcpy(out->escaped, h.escaped, sizeof h.escaped);
         good = is_light(&out->radiosity[0][0], s.radiosity / sizeof(double)) &&
                is_light(&out->unshot[0][0], s.unshot / sizeof(double)) && is_light(out->emitted, 3) &&
-               is_light(out->absorbed, 3) && is_light(out->escaped, 3) && out->shots >= 0 &&
+               is_light(out->absorbed, 3) && is_light(out->escaped, 3) && is_light(out->sky, 3) &&
+               is_light(out->outdoors, 3) && out->shots >= 0 &&
                out->emitted[0] + out->emitted[1] + out->emitted[2] > 0;
         if (!good) error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
     }

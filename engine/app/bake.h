@@ -14,6 +14,7 @@ typedef struct BakeArguments {
     RadOptions rad;
     const char *file, *out;  // out NULL: into the cache
     int doors;               // one of the above
+    double sky[3];           // radiance, W/m^2/sr a channel; 0: night
     bool resume, json;
     Probes probes;
 } BakeArguments;

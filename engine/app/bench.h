@@ -26,6 +26,7 @@ typedef struct BenchArguments {
     int rays;              // of the reference, a shooter
     int points;            // at which light is compared
     double error;          // standard error of the truth there, relative
+    double sky[3];         // radiance, W/m^2/sr a channel
     bool verbose;          // the worst points on standard error
     const char *pictures;  // a folder for those that go with a table, or NULL
 } BenchArguments;

@@ -67,6 +67,7 @@ static const char OF_LIGHT[] =
     "    --points N          1 to 1000000 (default 100)\n"
     "    --error E           standard error of the truth, relative, 1e-6 to 1 (default 0.003)\n"
     "    --seed N            of points and paths\n"
+    "    --sky L             daylight, as `enfilade bake` has it\n"
     "    --verbose           the three worst points of each row on standard error\n"
     "    --csv OUT           as above\n\n"
     "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"

@@ -11,6 +11,7 @@
 #include "engine/app/light_field.h"
 #include "engine/app/light_points.h"
 #include "engine/core/clock.h"
+#include "radiosity/sky.h"
 
 static const char HEAD[] =
     "building,configuration,element_m,per_patch,culling,row_mb,residual,resolution,elements,patches,shots,"
@@ -239,8 +240,10 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     apply(way, &baked.mesh, &baked.rad);
     double begin = clock_seconds();
     bool good = mesh_build(&b->scene.graph, b->vertices, b->doors, &baked.mesh, &arena, &mesh, error) &&
-                rad_start(&mesh, &arena, &solution, error);
+                rad_start_dark(&mesh, &arena, &solution, error);
     if (good) {
+        if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
+            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, &solution);
         baked.report = rad_shoot(&mesh, &b->scene.forest, b->doors, &baked.rad, NULL, &solution);
         baked.seconds = clock_seconds() - begin;
         baked.elements = mesh.element_count;
@@ -262,7 +265,7 @@ static bool make_points(LightBench *b, Arena *arena, Error *error) {
     bool good = mesh_build(&b->scene.graph, b->vertices, b->doors, &options, &scratch, &mesh, error) &&
                 light_points_choose(&mesh, a->points, a->seed, arena, &b->points, error);
     if (good) {
-        light_points_trace(&mesh, a->error, a->seed, &b->points);
+        light_points_trace(&mesh, a->sky, a->error, a->seed, &b->points);
         fprintf(stderr, "%s: %lld paths to %d points in %.1f s, mean irradiance %.4g W/m^2\n",
                 bench_name(b->file), b->points.paths, b->points.count, b->points.seconds, b->points.mean);
     }

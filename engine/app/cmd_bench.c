@@ -83,7 +83,8 @@ enum {
     PICTURES,
     POINTS,
     TRUTH_ERROR,
-    VERBOSE
+    VERBOSE,
+    SKY
 };
 
 // Whole numbers, separated by commas.
@@ -106,6 +107,9 @@ static int parse_light_option(int c, char **argv, BenchArguments *a) {
     case TRUTH_ERROR:
         if (app_parse_number(optarg, 1e-6, 1, &a->error)) return APP_GOOD;
         return app_misuse("bench", "bench: --error is `%s` (allowed 1e-6 to 1)", optarg);
+    case SKY:
+        if (app_parse_sky(optarg, a->sky)) return APP_GOOD;
+        return app_misuse("bench", "bench: --sky is `%s` (allowed L or R,G,B, 0 to 1e6 each)", optarg);
     case VERBOSE:
         a->verbose = true;
         return APP_GOOD;
@@ -213,6 +217,7 @@ int cmd_bench(int argc, char **argv) {
                                             {"points", required_argument, NULL, POINTS},
                                             {"error", required_argument, NULL, TRUTH_ERROR},
                                             {"verbose", no_argument, NULL, VERBOSE},
+                                            {"sky", required_argument, NULL, SKY},
                                             {0}};
     static char office[] = "build/maps/office.plan", plain[] = "build/maps/office-plain.plan",
                 house[] = "build/maps/house.plan";

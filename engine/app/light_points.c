@@ -95,10 +95,11 @@ static void take_results(LightPoints *points, const PathResult *results) {
         points->points[i].scale = fmax(light_point_irradiance(&points->points[i]), DARK * points->mean);
 }
 
-void light_points_trace(const Mesh *mesh, double error, uint64_t seed, LightPoints *points) {
+void light_points_trace(const Mesh *mesh, const double sky[3], double error, uint64_t seed,
+                        LightPoints *points) {
     Arena scratch = {0};
     double begin = clock_seconds();
-    PathTracer *tracer = path_tracer_new(mesh, NULL, &scratch);
+    PathTracer *tracer = path_tracer_new(mesh, sky, &scratch);
     PathQuery *queries = ARENA_ARRAY(&scratch, PathQuery, points->count);
     PathResult *results = ARENA_ARRAY(&scratch, PathResult, points->count);
     for (int i = 0; i < points->count; i++)

@@ -25,7 +25,8 @@ bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *aren
                          Error *error);
 // The truth at each, to a standard error of `error` of the point's scale: the irradiance there, or a hundredth of the mean of all
 // points where that is more, so that points in the dark do not decide.
-void light_points_trace(const Mesh *mesh, double error, uint64_t seed, LightPoints *points);
+void light_points_trace(const Mesh *mesh, const double sky[3], double error, uint64_t seed,
+                        LightPoints *points);
 
 static inline double light_point_irradiance(const LightPoint *p) {
     return p->truth[0] + p->truth[1] + p->truth[2];

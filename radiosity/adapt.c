@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "radiosity/sky.h"
 
 // Of the first solution.
 static const double FIRST_RESIDUAL = 0.02;
@@ -62,8 +63,10 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
     if (!lamps_only && options.form_factor.resolution > FIRST_RESOLUTION)
         options.form_factor.resolution = FIRST_RESOLUTION;
-    bool good = rad_start(mesh, &arena, &solution, error);
+    bool good = rad_start_dark(mesh, &arena, &solution, error);
     if (good) {
+        if (sum3(a->options->sky) > 0)
+            rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, &solution);
         rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
         for (int e = 0; e < mesh->element_count; e++)
             reflected[e] = fmax(0, sum3(solution.radiosity[e]) - emission_of(mesh, e));

@@ -1,6 +1,8 @@
 // analytic_row.c - the row of a point without samples: each face less all that hides it, cut along its grid, each
 // piece by Lambert's formula (analytic.c). Exact but for rounding, and slow: what other methods are measured against.
 
+#include <math.h>
+
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/analytic.h"
@@ -13,6 +15,9 @@
 // share of the eye's distance from the origin in metres.
 #define ANALYTIC_SLIT 1e-13
 #define ANALYTIC_SLIT_FAR 4e-15
+
+// How much farther than the farthest corner of a face the sky is; its triangles are nearest in their middles, at 0.58 of that.
+#define BEHIND 2
 
 typedef struct Analytic {
     const Mesh *mesh;
@@ -81,6 +86,21 @@ static void add_piece(void *context, const Vec3 *polygon, int count) {
     }
 }
 
+// What is left of a quarter of the sky, from one horizontal axis of the building to the next: a triangle with the zenith, behind
+// all faces.
+static double sky_of(const Analytic *self, const View *view, int quarter, int occluders) {
+    static const Vec3 AXES[5] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
+    static const Vec3 ZENITH = {0, 0, 1};
+    double far = 1;
+    for (int i = 0; i < view->vertex_count; i++) far = fmax(far, vec3_length(view->vertices[i]));
+    Vec3 corner[3] = {ZENITH, AXES[quarter], AXES[quarter + 1]};
+    for (int i = 0; i < 3; i++) {
+        Vec3 v = vec3_scale(corner[i], BEHIND * far);
+        corner[i] = vec3(vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v));
+    }
+    return analytic_point_visible(corner, 3, self->occluder, occluders);
+}
+
 static void row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
     Analytic *self = context;
     self->sum = sum;
@@ -104,7 +124,9 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
         work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count,
                                         form_factor_rank(f), self->occluder, occluders, add_piece, self);
     }
-    if (1 - self->total > ANALYTIC_CLOSED) sum->escaped += 1 - self->total;
+    if (1 - self->total <= ANALYTIC_CLOSED) return;
+    sum->escaped += 1 - self->total;
+    for (int quarter = 0; quarter < 4; quarter++) sum->sky += sky_of(self, view, quarter, occluders);
 }
 
 const FormFactorMethod FORM_FACTOR_ANALYTIC = {

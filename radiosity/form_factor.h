@@ -23,6 +23,9 @@ typedef struct Row {
     int *element;   // [count] increasing
     float *factor;  // [count] above 0; their sum, back and escaped make 1
     double back, escaped;
+    // Of what escaped, the part that goes upwards in building space: the sky's. Told by projective methods, rays and
+    // `analytic`; others say 0.
+    double sky;
 } Row;
 
 // What it took, for tables.

@@ -109,4 +109,9 @@ static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];
 }
 
+static inline bool mesh_emits(const Mesh *mesh, int face) {
+    Rgb e = mesh_material(mesh, face)->emission;
+    return e.r + e.g + e.b > 0;
+}
+
 #endif

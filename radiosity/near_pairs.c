@@ -274,6 +274,7 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
                       .element = row->element,
                       .factor = self->factor,
                       .back = row->back * scale,
-                      .escaped = row->escaped * scale};
+                      .escaped = row->escaped * scale,
+                      .sky = row->sky * scale};
     return &self->row;
 }

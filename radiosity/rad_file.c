@@ -16,7 +16,7 @@ typedef struct Header {
     int32_t element_count, patch_count, door_count, per_patch;
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element, close;
-    double emitted[3], absorbed[3], escaped[3];
+    double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
     int64_t shots;
 } Header;
 
@@ -96,6 +96,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .shots = solution->shots};
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
+    memcpy(header.outdoors, solution->outdoors, sizeof header.outdoors);
+    memcpy(header.sky, solution->sky, sizeof header.sky);
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
     header.rest = rest_hash(&header);
     size_t total = sizes_of(&header).total;
@@ -182,10 +184,13 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
         out->unshot = memcpy(arena_alloc(arena, s.unshot, 1), light + s.radiosity, s.unshot);
         memcpy(out->emitted, h.emitted, sizeof h.emitted);
         memcpy(out->absorbed, h.absorbed, sizeof h.absorbed);
+        memcpy(out->outdoors, h.outdoors, sizeof out->outdoors);
+        memcpy(out->sky, h.sky, sizeof out->sky);
         memcpy(out->escaped, h.escaped, sizeof h.escaped);
         good = is_light(&out->radiosity[0][0], s.radiosity / sizeof(double)) &&
                is_light(&out->unshot[0][0], s.unshot / sizeof(double)) && is_light(out->emitted, 3) &&
-               is_light(out->absorbed, 3) && is_light(out->escaped, 3) && out->shots >= 0 &&
+               is_light(out->absorbed, 3) && is_light(out->escaped, 3) && is_light(out->sky, 3) &&
+               is_light(out->outdoors, 3) && out->shots >= 0 &&
                out->emitted[0] + out->emitted[1] + out->emitted[2] > 0;
         if (!good) error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
     }

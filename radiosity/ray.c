@@ -113,6 +113,13 @@ static void items(void *data, const View *view, int32_t *item, FormFactorWork *w
     work->tests += self->samples.count;
 }
 
+static void add_nothing(const RayMethod *self, const View *view, int i, RowSum *sum) {
+    const FormFactorSamples *s = &self->samples;
+    double height = (double)s->x[i] * view->x.z + (double)s->y[i] * view->y.z + (double)s->z[i] * view->z.z;
+    sum->escaped += (double)s->weight[i];
+    if (height > 0) sum->sky += (double)s->weight[i];
+}
+
 // Needs only the eye and the axes of the view: rays find the faces by themselves.
 static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
     RayMethod *self = data;
@@ -126,7 +133,7 @@ static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work)
             else if (face[k] >= 0)
                 sum->back += share;
             else
-                sum->escaped += share;
+                add_nothing(self, view, i + k, sum);
         }
     }
     work->samples += self->samples.count;

@@ -2,6 +2,7 @@
 // plane: with the face's grid in the view's axes that is one division a sample, whatever the number of elements.
 #include "radiosity/row.h"
 
+#include <math.h>
 #include <stdint.h>
 
 #include "engine/core/error.h"
@@ -61,8 +62,10 @@ const Row *row_finish(RowSum *sum) {
     }
     row->back = sum->back * scale;
     row->escaped = sum->escaped * scale;
+    // Shares of faces close by are put right, after which less may escape.
+    row->sky = fmin(sum->sky * scale, row->escaped);
     sum->touched_count = 0;
-    sum->back = sum->escaped = 0;
+    sum->back = sum->escaped = sum->sky = 0;
     return row;
 }
 
@@ -106,6 +109,10 @@ static int stray(const RowSum *sum, const View *view, int item, Vec3 w) {
     return mesh_element_at(sum->mesh, seen->face, vec3_add(view->eye, vec3_scale(along, r)));
 }
 
+static float height_of(const View *view, const FormFactorSamples *s, int i) {
+    return (float)view->x.z * s->x[i] + (float)view->y.z * s->y[i] + (float)view->z.z * s->z[i];
+}
+
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item) {
     const int *squares = sum->mesh->squares;
     if (++sum->stamp == 0) {
@@ -116,6 +123,7 @@ void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *sample
     for (int i = 0; i < samples->count; i++) {
         if (item[i] < 0) {
             sum->escaped += (double)samples->weight[i];
+            if (height_of(view, samples, i) > 0) sum->sky += (double)samples->weight[i];
             continue;
         }
         RowFace *face = &sum->faces[item[i]];

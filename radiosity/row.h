@@ -9,7 +9,7 @@ struct RowSum {
     double *share;  // [element_count] 0 but for those touched
     int *touched;   // [element_count + 1]
     int touched_count;
-    double back, escaped;
+    double back, escaped, sky;  // sky: the part of `escaped` that goes upwards
     Row row;
     uint64_t *marked;       // [word_count] scratch: a bit for each element
     struct RowFace *faces;  // [face_count] scratch: of the view

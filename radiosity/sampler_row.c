@@ -124,6 +124,19 @@ static void add_beside(const Sampler *s, const View *view, int block, uint64_t r
     }
 }
 
+static void add_nothing(const Sampler *s, const View *view, int block, uint64_t run, RowSum *sum) {
+    const SampleBlock *b = &s->blocks[block];
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
+    sum->escaped += share_of(s, block, run);
+    for (; run; run &= run - 1) {
+        int at = __builtin_ctzll(run), row = at / LANES, lane = at % LANES;
+        double height = (double)b->x[row][lane] * side.z + (double)b->y[row][lane] * up.z +
+                        (double)b->z[row][lane] * view->z.z;
+        if (height > 0) sum->sky += share_of(s, block, run & -run);
+    }
+}
+
 // A block's directions, neighbours in one square at once.
 static void add_block(Sampler *s, const View *view, int block, uint64_t mask, RowSum *sum) {
     LaneInt square[SAMPLER_BLOCK] = {0};
@@ -148,7 +161,7 @@ static void add_block(Sampler *s, const View *view, int block, uint64_t mask, Ro
         else if (at == BACK)
             sum->back += share;
         else
-            sum->escaped += share;
+            add_nothing(s, view, block, run, sum);
     }
 }
 

@@ -8,6 +8,7 @@
 // escaped: no sum over all patches is needed to know when to stop.
 #include "radiosity/shoot.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #include "engine/core/clock.h"
@@ -18,6 +19,8 @@
 enum { SHOTS_A_LOOK = 64 };
 // Rows are made ahead of patches with at least this share of the strongest one's power.
 static const double WORTH_MAKING = 1.0 / 16;
+// The least share of the light that counts as indoors.
+static const double LEAST_INDOORS = 0.01;
 
 RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
@@ -55,7 +58,7 @@ static bool check_material(const Material *m, int face, Error *error) {
     return true;
 }
 
-bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
     *out = (RadSolution){.element_count = mesh->element_count, .patch_count = mesh->patch_count};
     out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
@@ -72,6 +75,11 @@ bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
             for (int i = 0; i < patch->element_count; i++) out->radiosity[patch->first_element + i][c] = e[c];
         }
     }
+    return true;
+}
+
+bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+    if (!rad_start_dark(mesh, arena, out, error)) return false;
     if (sum3(out->emitted) > 0) return true;
     return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
 }
@@ -132,7 +140,8 @@ static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const 
                                      patch->first_element,
                                      patch->area,
                                      1 / patch->area};
-        shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
+        if (!options->lamps_only || mesh_emits(mesh, patch->face))
+            shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
     }
 }
 
@@ -192,10 +201,12 @@ static const ShootRow *row_of(Shooter *s, int patch) {
     return shoot_rows_of(s->rows, patch);
 }
 
+// Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
+// what is indoors.
 static double residual_of(const Shooter *s) {
-    double emitted = sum3(s->solution->emitted), gone[3];
+    double emitted = sum3(s->solution->emitted), outdoors = sum3(s->solution->outdoors), gone[3];
     store(s->absorbed + s->escaped, gone);
-    return (emitted - sum3(gone)) / emitted;
+    return (emitted - sum3(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
 }
 
 // Residuals fall about exponentially, once the lamps have shot.
@@ -237,7 +248,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
 }
 
 void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]) {
-    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (int c = 0; c < 3; c++) irradiance[c] = row->sky * M_PI * solution->sky[c];
     for (int i = 0; i < row->count; i++) {
         for (int c = 0; c < 3; c++)
             irradiance[c] += (double)row->factor[i] * solution->radiosity[row->element[i]][c];

@@ -28,11 +28,13 @@ typedef struct RadSolution {
     double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
+    double sky[3];       // radiance of the sky that shone (sky.h), W/m^2/sr; what it sent in was emitted
+    double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
     long long shots;
 } RadSolution;
 
 typedef struct RadReport {
-    double residual;  // unshot power / emitted power, all channels
+    double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
     long long shots, rows_made, rows_kept;
     double faces_drawn_mean, elements_drawn_mean;  // of rows made
     double seconds, seconds_visibility;            // wall; of all threads
@@ -42,11 +44,14 @@ typedef struct RadReport {
 
 // What is emitted, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
 bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
+// The same, but nothing needs to emit light: the sky may shine.
+bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
 // Goes on from `solution`, which is valid whenever it stops.
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution);
 
-// The light that arrives at a point with a normal, W/m^2 a channel: what it sees by `form_factor`'s rows.
+// The light that arrives at a point with a normal, W/m^2 a channel: what it sees by `form_factor`'s rows, and
+// the sky.
 void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]);
 
 // The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and

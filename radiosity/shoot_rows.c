@@ -60,15 +60,10 @@ struct ShootRows {
     long long made;
 };
 
-static bool emits(const Mesh *mesh, const Patch *patch) {
-    Rgb e = mesh_material(mesh, patch->face)->emission;
-    return e.r + e.g + e.b > 0;
-}
-
 // A lamp's light is not one of many as what walls reflect is: its samples err alone. Where lamps are very many, they are.
 static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
-    for (int p = 0; p < mesh->patch_count; p++) lamps += emits(mesh, &mesh->patches[p]);
+    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_emits(mesh, mesh->patches[p].face);
     while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
@@ -221,7 +216,7 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
-    FormFactor *form_factor = emits(rows->mesh, patch) ? maker->of_lamps : maker->form_factor;
+    FormFactor *form_factor = mesh_emits(rows->mesh, patch->face) ? maker->of_lamps : maker->form_factor;
     const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     int runs = count_runs(rows, row);

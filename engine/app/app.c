@@ -220,6 +220,20 @@ bool app_parse_int(const char *text, int low, int high, int *out) {
     return end != text && *end == 0 && value >= low && value <= high;
 }
 
+bool app_parse_sky(const char *text, double radiance[3]) {
+    char number[64];
+    int count = 0;
+    for (const char *at = text;; at++) {
+        int length = (int)strcspn(at, ",");
+        snprintf(number, sizeof number, "%.*s", length, at);
+        if (count == 3 || !app_parse_number(number, 0, 1e6, &radiance[count++])) return false;
+        at += length;
+        if (*at == 0) break;
+    }
+    if (count == 1) radiance[1] = radiance[2] = radiance[0];
+    return count != 2;
+}
+
 bool app_parse_point(const char *text, Vec3 *out) {
     char extra;
     return sscanf(text, "%lf,%lf,%lf%c", &out->x, &out->y, &out->z, &extra) == 3 && isfinite(out->x) &&

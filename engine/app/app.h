@@ -77,6 +77,7 @@ int app_misuse_option(const char *command, int answer, char **argv);
 // Numbers on the command line: the whole text must be one. `low` and `high` included.
 bool app_parse_number(const char *text, double low, double high, double *out);
 bool app_parse_int(const char *text, int low, int high, int *out);
+bool app_parse_sky(const char *text, double radiance[3]);        // L or R,G,B, 0 to 1e6 each, W/m^2/sr
 bool app_parse_point(const char *text, Vec3 *out);               // X,Y,Z
 bool app_parse_size(const char *text, int *width, int *height);  // WxH, 16 to 8192 each
 

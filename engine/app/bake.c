@@ -8,6 +8,7 @@
 
 #include "engine/app/app_light.h"
 #include "engine/core/clock.h"
+#include "radiosity/sky.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
@@ -26,8 +27,10 @@ typedef struct Bake {
     RadSolution solution;
     RadReport report;
     const char *out;
-    double mesh_seconds, seconds;
+    double mesh_seconds, sky_seconds, seconds;
 } Bake;
+
+static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 BakeArguments bake_default_arguments(void) {
     BakeArguments a = {
@@ -36,7 +39,7 @@ BakeArguments bake_default_arguments(void) {
     return a;
 }
 
-static float *make_doors(const Building *b, int state, Arena *arena) {
+float *bake_doors(const Building *b, int state, Arena *arena) {
     float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
@@ -44,6 +47,14 @@ static float *make_doors(const Building *b, int state, Arena *arena) {
         doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
     }
     return doors;
+}
+
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
+    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
+    if (graph->vertex_count > 0)
+        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
+    vis_pose(graph, doors, vertices);
+    return vertices;
 }
 
 static bool check_size(const Bake *bake, Error *error) {
@@ -64,15 +75,14 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
     double start = clock_seconds();
     Arena scratch = {0};
-    Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
-    if (graph->vertex_count > 0)
-        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    bake->doors = make_doors(&bake->scene.building, bake->a->doors, arena);
-    vis_pose(graph, bake->doors, vertices);
+    bake->doors = bake_doors(&bake->scene.building, bake->a->doors, arena);
+    Vec3 *vertices = bake_vertices(graph, bake->doors, &scratch);
     AdaptScene scene = {graph, vertices, &bake->scene.forest, bake->doors};
+    AdaptOptions adapt = bake->a->adapt;
+    memcpy(adapt.sky, bake->a->sky, sizeof adapt.sky);
     Progress none = {0};
-    bool good = bake->a->adapt.share > 0
-                    ? adapt_mesh(&scene, &bake->a->mesh, &bake->a->adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
+    bool good = adapt.share > 0
+                    ? adapt_mesh(&scene, &bake->a->mesh, &adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
                     : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
     arena_free(&scratch);
     bake->mesh_seconds = clock_seconds() - start;
@@ -89,9 +99,31 @@ static bool find_place(Bake *bake, Arena *arena, Error *error) {
     return error_set(error, "%s: cannot be written: %s", bake->out, strerror(errno));
 }
 
+// A file tells under which sky it was made.
+static bool check_sky(const Bake *bake, Error *error) {
+    const double *had = bake->solution.sky, *sky = bake->a->sky;
+    if (memcmp(had, sky, sizeof bake->solution.sky) == 0) return true;
+    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)", bake->out,
+                     had[0], had[1], had[2], sky[0], sky[1], sky[2]);
+}
+
+static bool shine(Bake *bake, Error *error) {
+    double start = clock_seconds();
+    rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->a->rad, bake->a->sky, &bake->solution);
+    bake->sky_seconds = clock_seconds() - start;
+    if (sum3(bake->solution.emitted) > 0) return true;
+    return error_set(error, "nothing emits light, and none of the sky's comes in");
+}
+
 static bool begin(Bake *bake, Arena *arena, Error *error) {
-    if (bake->a->resume) return rad_load(bake->out, &bake->mesh, bake->doors, arena, &bake->solution, error);
-    if (rad_start(&bake->mesh, arena, &bake->solution, error)) return true;
+    if (bake->a->resume)
+        return rad_load(bake->out, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
+               check_sky(bake, error);
+    bool day = sum3(bake->a->sky) > 0;
+    bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
+                    : rad_start(&bake->mesh, arena, &bake->solution, error);
+    if (good && day) good = shine(bake, error);
+    if (good) return true;
     Error reason = *error;
     return error_set(error, "%s: %.900s", bake->a->file, reason.text);
 }
@@ -126,12 +158,20 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     return rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error);
 }
 
-static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
-
 static double peak_mb(void) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     return (double)usage.ru_maxrss / 1024;
+}
+
+// What lamps emit, W; the rest came from the sky.
+static double lamp_power(const Mesh *mesh) {
+    double power = 0;
+    for (int p = 0; p < mesh->patch_count; p++) {
+        Rgb e = mesh_material(mesh, mesh->patches[p].face)->emission;
+        power += ((double)e.r + (double)e.g + (double)e.b) * mesh->patches[p].area;
+    }
+    return power;
 }
 
 static json_t *facts_of(const Bake *bake) {
@@ -139,18 +179,21 @@ static json_t *facts_of(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->a->rad;
     double emitted = sum3(s->emitted);
-    return json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:s s:i s:s s:s s:b}",
-        "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
-        bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
-        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
-        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
-        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
-        sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds,
-        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
-        r->seconds_visibility, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
-        rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "file", bake->out,
-        "stopped", (int)r->stopped);
+    return json_pack("{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:s s:i "
+                     "s:s s:s s:b s:f s:f}",
+                     "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
+                     bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots",
+                     (json_int_t)s->shots, "residual", r->residual, "rows_made", (json_int_t)r->rows_made,
+                     "rows_kept", (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20),
+                     "elements_drawn_mean", r->elements_drawn_mean, "polygons_drawn_mean",
+                     r->faces_drawn_mean, "emitted", emitted, "absorbed", sum3(s->absorbed) / emitted,
+                     "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds, "seconds_mesh",
+                     bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
+                     r->seconds_visibility, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
+                     rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "file",
+                     bake->out, "stopped", (int)r->stopped, "sky",
+                     sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
+                     bake->sky_seconds);
 }
 
 static void print_facts(json_t *facts) {
@@ -183,7 +226,7 @@ static void print_warnings(const Bake *bake) {
     const Mesh *mesh = &bake->mesh;
     app_print_notes(&bake->scene.building, MOST_NOTES);
     double escaped = sum3(s->escaped) / sum3(s->emitted);
-    if (escaped > OPEN)
+    if (escaped > OPEN && sum3(s->sky) == 0)
         fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);
     int lost = lost_in_light(bake);
     if (lost > 0)

@@ -16,10 +16,15 @@ typedef struct BakeArguments {
     RadOptions rad;
     const char *file, *out;  // out NULL: into the cache
     int doors;               // one of the above
+    double sky[3];           // radiance, W/m^2/sr a channel; 0: night
     bool resume, json;
     Probes probes;
 } BakeArguments;
 BakeArguments bake_default_arguments(void);
+
+// How far each door is open in one of these states, [opening_count]; and the graph's vertices with the doors there.
+float *bake_doors(const Building *building, int state, Arena *arena);
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena);
 
 int bake(BakeArguments *arguments);  // the exit code
 

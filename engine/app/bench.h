@@ -24,6 +24,10 @@ typedef struct BenchArguments {
     int resolutions[16], resolution_count;
     int shooters;
     int rays;              // of the reference, a shooter
+    int points;            // at which light is compared
+    double error;          // standard error of the truth there, relative
+    double sky[3];         // radiance, W/m^2/sr a channel
+    bool verbose;          // the worst points on standard error
     const char *pictures;  // a folder for those that go with a table, or NULL
 } BenchArguments;
 
@@ -33,6 +37,8 @@ bool bench_visibility(const BenchArguments *arguments, Error *error);
 bool bench_formfactors(const BenchArguments *arguments, Error *error);
 bool bench_formfactors_knows(const char *method);  // of --methods
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
+bool bench_light(const BenchArguments *arguments, Error *error);
+bool bench_light_knows(const char *way);  // of --methods
 bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
 
@@ -44,6 +50,7 @@ bool bench_table(const BenchArguments *arguments, const char *head,
                  bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
                  Error *error);
 
+bool bench_print_help(void);               // false: standard output is closed
 const char *bench_name(const char *file);  // of a building in the CSV: without its folder
 
 #endif

@@ -20,6 +20,8 @@ static const char HELP[] =
     "  -o OUT.rad        where to write\n"
     "  --resume          go on from what is there, made with the same elements and doors\n"
     "  --doors STATE     drawn (default), open or closed\n"
+    "  --sky L           daylight: a sky of radiance L, or R,G,B, W/m^2/sr, 0 to 1e6, the same all over "
+    "(default 0)\n"
     "  --element M       edge of an element aimed at, metres, 0.01 to 100 (default 0.33)\n"
     "  --per-patch K     elements along the side of a patch, 1 to 16 (default 2)\n"
     "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001)\n"
@@ -64,6 +66,7 @@ enum {
     ROW_MEMORY,
     PROBE,
     PROBES,
+    SKY,
 };
 
 static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
@@ -88,6 +91,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
                                         {"probes", required_argument, NULL, PROBES},
+                                        {"sky", required_argument, NULL, SKY},
                                         {0}};
 
 typedef struct Arguments {
@@ -206,6 +210,9 @@ static int parse_option(int c, char **argv, Arguments *a) {
         return parse_number("--element", 0.01, 100, &b->mesh.element);
     case PER_PATCH:
         return parse_whole("--per-patch", 1, 16, &b->mesh.per_patch);
+    case SKY:
+        if (app_parse_sky(optarg, b->sky)) return APP_GOOD;
+        return app_misuse("bake", "bake: --sky is `%s` (allowed L or R,G,B, 0 to 1e6 each)", optarg);
     case PROBE:
     case PROBES:
         return parse_probes(c == PROBES, a);

@@ -8,61 +8,6 @@
 #include "radiosity/form_factor.h"
 #include "visibility/pairs/pairs.h"
 
-static const char HELP[] =
-    "usage: enfilade bench NAME [FILE ...] [options]\n\n"
-    "Measures, and writes CSV with a header on standard output (default FILE: build/maps/office.plan).\n"
-    "--map NAME chooses among the maps of files that hold several (default: the first).\n\n"
-    "  walk           each culling method along the auto tour of each building: polygons drawn, cells seen, "
-    "time of\n"
-    "                 the query and of the whole frame\n"
-    "    --size WxH   of the frames, pixels, 16 to 8192 each (default 640x360)\n"
-    "    --look NAME  fast (default) or fine\n"
-    "    --frames N   of the tour, evenly taken, each after the one before it, 1 to 1000000 (default 200)\n\n"
-    "  collision      a body walks at random while doors move: walls and pieces of furniture looked at a "
-    "step, places\n"
-    "                 where it may not be, ways of a flood of the floor that it cannot walk, time\n"
-    "    --steps N    1 to 100000000 (default 100000)\n"
-    "    --seed N     of the walk, 0 to 2147483647 (default 1)\n\n"
-    "  visibility     each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible pairs, "
-    "over-estimate\n"
-    "                 against pairs proven by sightlines, misses, pairs left undecided\n"
-    "    --methods A,B   some of the methods (default: all; `enfilade vis --help` lists them)\n"
-    "    --samples N     points on each portal for the proven pairs, 0 to 1000000 (default 12); a file of "
-    "proven\n"
-    "                    pairs beside FILE, with the suffix .seen, is taken besides\n"
-    "    --seed N        of the samples\n"
-    "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
-    "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
-    "    --csv OUT       writes the table there besides, whole or not at all\n\n"
-    "  formfactors    one shot by each form-factor method: time and error against random rays, what was "
-    "drawn; "
-    "and how\n"
-    "                 much faster than rays it is at equal error\n"
-    "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them), "
-    "hemicube-raycast and\n"
-    "                        hemicube-osmesa: the sides filled by these hidden-surface methods\n"
-    "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
-    "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
-    "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
-    "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
-    "    --quick             20 shooters, 300000 rays\n"
-    "    --csv OUT           as above\n\n"
-    "  radiosity      the tables of the papers again, on scenes of their sizes: what culling saves of FILE "
-    "(Oki), "
-    "the\n"
-    "                 hemisphere base against the hemicube in a furnished room (Doi & Itoh)\n"
-    "    --pictures DIR      of the room by each method, DIR/doi-itoh-2-hemicube.png and so on\n"
-    "    --csv OUT           as above\n\n"
-    "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
-    "    --seed N            of the patches that shoot\n"
-    "    --csv OUT           as above\n\n"
-    "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
-    "the "
-    "distance\n"
-    "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
-    "own\n"
-    "    --seed N            of their turns\n";
-
 static bool is_pair_method(const char *name) { return pair_method(name) != NULL; }
 static bool is_culling(const char *name) {
     for (int c = 0; c < VIEW_CULLINGS; c++)
@@ -80,10 +25,11 @@ static const struct {
                {"visibility", bench_visibility, is_pair_method, "vis"},
                {"formfactors", bench_formfactors, bench_formfactors_knows, "bake"},
                {"radiosity", bench_radiosity, NULL, NULL},
+               {"light", bench_light, bench_light_knows, "bench"},
                {"rooms", bench_rooms, NULL, NULL},
                {"breaks", bench_breaks, NULL, NULL}};
 
-static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, light, rooms, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -123,7 +69,23 @@ static bool are_methods(const char *names, bool (*knows)(const char *)) {
     return true;
 }
 
-enum { METHODS = 256, SAMPLES, SECONDS, PEER, CSV, RESOLUTIONS, CULLINGS, SHOOTERS, RAYS, QUICK, PICTURES };
+enum {
+    METHODS = 256,
+    SAMPLES,
+    SECONDS,
+    PEER,
+    CSV,
+    RESOLUTIONS,
+    CULLINGS,
+    SHOOTERS,
+    RAYS,
+    QUICK,
+    PICTURES,
+    POINTS,
+    TRUTH_ERROR,
+    VERBOSE,
+    SKY
+};
 
 // Whole numbers, separated by commas.
 static bool parse_resolutions(const char *text, BenchArguments *a) {
@@ -135,6 +97,25 @@ static bool parse_resolutions(const char *text, BenchArguments *a) {
         text += length;
     }
     return *text == 0 && a->resolution_count > 0;
+}
+
+static int parse_light_option(int c, char **argv, BenchArguments *a) {
+    switch (c) {
+    case POINTS:
+        if (app_parse_int(optarg, 1, 1000000, &a->points)) return APP_GOOD;
+        return app_misuse("bench", "bench: --points is `%s` (allowed 1 to 1000000)", optarg);
+    case TRUTH_ERROR:
+        if (app_parse_number(optarg, 1e-6, 1, &a->error)) return APP_GOOD;
+        return app_misuse("bench", "bench: --error is `%s` (allowed 1e-6 to 1)", optarg);
+    case SKY:
+        if (app_parse_sky(optarg, a->sky)) return APP_GOOD;
+        return app_misuse("bench", "bench: --sky is `%s` (allowed L or R,G,B, 0 to 1e6 each)", optarg);
+    case VERBOSE:
+        a->verbose = true;
+        return APP_GOOD;
+    default:
+        return app_misuse_option("bench", c, argv);
+    }
 }
 
 static int parse_form_factor_option(int c, char **argv, BenchArguments *a) {
@@ -161,7 +142,7 @@ static int parse_form_factor_option(int c, char **argv, BenchArguments *a) {
         a->pictures = optarg;
         return APP_GOOD;
     default:
-        return app_misuse_option("bench", c, argv);
+        return parse_light_option(c, argv, a);
     }
 }
 
@@ -233,9 +214,14 @@ int cmd_bench(int argc, char **argv) {
                                             {"rays", required_argument, NULL, RAYS},
                                             {"quick", no_argument, NULL, QUICK},
                                             {"pictures", required_argument, NULL, PICTURES},
+                                            {"points", required_argument, NULL, POINTS},
+                                            {"error", required_argument, NULL, TRUTH_ERROR},
+                                            {"verbose", no_argument, NULL, VERBOSE},
+                                            {"sky", required_argument, NULL, SKY},
                                             {0}};
-    static char office[] = "build/maps/office.plan";
-    static char *usual[] = {office};
+    static char office[] = "build/maps/office.plan", plain[] = "build/maps/office-plain.plan",
+                house[] = "build/maps/house.plan";
+    static char *usual[] = {office}, *usual_light[] = {plain, house};
     BenchArguments a = {.width = 640,
                         .height = 360,
                         .frames = 200,
@@ -246,10 +232,12 @@ int cmd_bench(int argc, char **argv) {
                         .resolutions = {50, 71, 100, 141, 200},
                         .resolution_count = 5,
                         .shooters = 60,
-                        .rays = 4000000};
+                        .rays = 4000000,
+                        .points = 100,
+                        .error = 0.003};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
-        if (c == 'h') return fputs(HELP, stdout) >= 0 ? APP_GOOD : APP_BAD_INPUT;
+        if (c == 'h') return bench_print_help() ? APP_GOOD : APP_BAD_INPUT;
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
@@ -257,6 +245,10 @@ int cmd_bench(int argc, char **argv) {
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
+    if (!given && strcmp(argv[optind], "light") == 0) {
+        a.files = usual_light;
+        a.file_count = 2;
+    }
     for (int i = 0; i < BENCH_COUNT; i++) {
         if (strcmp(BENCHES[i].name, argv[optind]) != 0) continue;
         if (a.methods && BENCHES[i].knows && !are_methods(a.methods, BENCHES[i].knows))

@@ -17,8 +17,10 @@
 
 // Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
-// Pieces whose light is found at a time, and elements that one thread takes at a time.
-enum { BATCH = 256, RUN = 64 };
+// Pieces whose light is found at a time.
+enum { BATCH = 256 };
+// A patch that has lost less than this of the sky is not cut up.
+static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
 // Openings nearer than this to a piece's middle are its own plane, metres.
@@ -132,16 +134,37 @@ static double sky_share(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int c
     return share;
 }
 
-static void look_from_elements(void *context, int run, int thread) {
+// Of a place that nothing stands before.
+static double open_share(Vec3 normal) { return 0.5 + 0.5 * normal.z; }
+
+static int cell_before(const Shine *s, Vec3 eye, Vec3 normal, int hint) {
+    return vis_locate(s->mesh->graph, vec3_add(eye, vec3_scale(normal, IN_FRONT)), hint);
+}
+
+static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patch_cell) {
+    Vec3 eye = centre_of(s->mesh, &s->mesh->elements[e]);
+    int cell = cell_before(s, eye, normal, patch_cell);
+    s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
+    if (s->looks[e]) s->share[e] = sky_share(s, w, eye, normal, cell);
+}
+
+// Under the open sky a patch looks for all its elements.
+static void look_from_patch(void *context, int index, int thread) {
     Shine *s = context;
-    const Mesh *mesh = s->mesh;
-    for (int e = run * RUN; e < (run + 1) * RUN && e < mesh->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        Vec3 n = mesh->faces[element->face].plane.n, eye = centre_of(mesh, element);
-        int cell = mesh->patches[element->patch].cell;
-        cell = vis_locate(mesh->graph, vec3_add(eye, vec3_scale(n, IN_FRONT)), cell);
-        s->looks[e] = cell < 0 || sky_is_outdoors(mesh->graph, cell);
-        if (s->looks[e]) s->share[e] = sky_share(s, &s->watchers[thread], eye, n, cell);
+    const Patch *patch = &s->mesh->patches[index];
+    Vec3 n = s->mesh->faces[patch->face].plane.n;
+    Watcher *w = &s->watchers[thread];
+    double share = 0;
+    bool open = patch->cell >= 0 && sky_is_outdoors(s->mesh->graph, patch->cell);
+    if (open) {
+        share = sky_share(s, w, patch->centre, n, patch->cell);
+        open = share > (1 - STANDS_FREE) * open_share(n);
+    }
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        if (!open)
+            look_from_element(s, w, e, n, patch->cell);
+        else
+            s->looks[e] = true, s->share[e] = share;
     }
 }
 
@@ -280,7 +303,7 @@ static void shine(Shine *s, int threads, const double radiance[3], RadSolution *
     const Mesh *mesh = s->mesh;
     double lamps[3];
     memcpy(lamps, solution->emitted, sizeof lamps);
-    parallel_for(threads, (mesh->element_count + RUN - 1) / RUN, look_from_elements, s);
+    parallel_for(threads, mesh->patch_count, look_from_patch, s);
     for (int e = 0; e < mesh->element_count; e++)
         if (s->share[e] > 0)
             receive(mesh, e, M_PI * mesh->elements[e].area * s->share[e], radiance, solution);

@@ -54,6 +54,9 @@ expect 2 "$program" bake --method nonsense $maps/two-rooms.plan && says err '`no
 expect 2 "$program" bake --resolution 7 $maps/two-rooms.plan && says err 'allowed 8 to 2000'
 expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0.01 to 100'
 expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 1e-09 to 1'
+for sky in x -1 1,2 1,2,3,4 1,2, 2e6 ''; do
+    expect 2 "$program" bake --sky "$sky" $maps/two-rooms.plan && says err 'allowed L or R,G,B'
+done
 expect 2 "$program" bake --culling most $maps/two-rooms.plan && says err '`most`'
 expect 2 "$program" bake --probe 1,2,3 $maps/two-rooms.plan && says err 'X,Y,Z,NX,NY,NZ'
 expect 2 "$program" bake --probe 1,2,3,0,0,0 $maps/two-rooms.plan && says err 'a probe has no normal'
@@ -183,6 +186,7 @@ bake 0 -o "$work/part.rad" --resume
 cmp -s "$work/1.rad" "$work/part.rad" || fail 'a resumed bake ends otherwise'
 bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
 bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
+bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under a sky of 0,0,0'
 bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
 printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'
@@ -207,6 +211,7 @@ printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
 expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
 printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
 expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is open: 100 % of its light escaped'
+expect 0 "$program" bake "$work/dark.quads" --sky 5 -o "$work/x.rad" && says out 'sky  *[1-9]'
 expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
 # Surfaces that cannot be, each with its line; those that are mended are told of.
 lamp='quad l 0 5 0 0 2 0 1 2 1 1 2 1 0 2'

@@ -39,7 +39,8 @@ typedef struct Fit {
     Arena scratch;
 } Fit;
 
-static Vec3 centroid_of(const Mesh *mesh, const Element *e) {
+Vec3 element_centroid(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
     const int *corner = mesh->corners + e->first_corner;
     Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[corner[0]], moment = {0};
     double twice = 0;
@@ -155,7 +156,7 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
     Fit fit = {.mesh = mesh, .nodes = nodes};
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->element_count);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
-    for (int e = 0; e < mesh->element_count; e++) fit.centroid[e] = centroid_of(mesh, &mesh->elements[e]);
+    for (int e = 0; e < mesh->element_count; e++) fit.centroid[e] = element_centroid(mesh, e);
     for (int n = 0; n < nodes->count; n++) {
         find_factors(&fit, n);
         for (int c = 0; c < 3; c++) {

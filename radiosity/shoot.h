@@ -43,9 +43,6 @@ bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution);
 
-// The light that arrives at a point with a normal, W/m^2 a channel: what it sees by `form_factor`'s rows.
-void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]);
-
 // The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and
 // the doors' states, and is refused where they differ.
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,

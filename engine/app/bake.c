@@ -189,12 +189,18 @@ static void print_warnings(const Bake *bake) {
         fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
 }
 
+// Of constant elements: slopes would make more of what is wrong with elements in corners, where shooters are near.
+static void gather_probes(const Bake *bake, Probes *probes) {
+    if (probes->count == 0) return;
+    GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, NULL};
+    bake_probes_gather(&scene, probes);
+}
+
 static void print_result(Bake *bake) {
     BakeArguments a = *bake->a;
     json_t *facts = facts_of(bake);
     CORE_ASSERT(facts);
-    if (a.probes.count > 0)
-        bake_probes_gather(&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &a.probes);
+    gather_probes(bake, &a.probes);
     if (a.json) {
         if (a.probes.count > 0) json_object_set_new(facts, "probes", bake_probes_json(&a.probes));
         app_print_json(facts);

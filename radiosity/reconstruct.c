@@ -8,6 +8,7 @@
 // come back as they are, also at borders and where elements of several sizes meet.
 #include "radiosity/reconstruct.h"
 
+#include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
 // A node's value is a sum of its elements' with factors that sum to 1; the sum of their squares says how much noise of elements
@@ -184,8 +185,12 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
                        arena_alloc(arena, (size_t)mesh->face_count, sizeof *out.face)};
     Arena scratch = {0};
     Nodes nodes = nodes_of(mesh, &scratch);
-    double(*value)[3] = arena_alloc(&scratch, (size_t)nodes.count, sizeof *value);
-    reconstruct_nodes(mesh, &nodes, solution, value);
+    double(*value)[3] = solution->node;
+    CORE_ASSERT(!value || solution->node_count == nodes.count);
+    if (!value) {
+        value = arena_alloc(&scratch, (size_t)nodes.count, sizeof *value);
+        reconstruct_nodes(mesh, &nodes, solution, value);
+    }
     for (int i = 0; i < mesh->corner_count; i++)
         memcpy(out.corner[i], value[nodes.of_corner[i]], sizeof *value);
     for (int f = 0; f < mesh->face_count; f++) fill_face(mesh, f, solution, out.face[f]);

@@ -11,6 +11,7 @@ typedef struct VertexLight {
     double (*face)[3];    // [mesh->face_count] mean by area
 } VertexLight;
 
+// A solution that was gathered at nodes is taken as it is there.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
 // [nodes->count]

@@ -26,6 +26,9 @@ typedef struct RadSolution {
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
     long long shots;
+    // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.
+    double (*node)[3];
+    int node_count;
 } RadSolution;
 
 typedef struct RadReport {

@@ -183,6 +183,12 @@ bake 0 -o "$work/part.rad" --resume
 cmp -s "$work/1.rad" "$work/part.rad" || fail 'a resumed bake ends otherwise'
 bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
 bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
+bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
+bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2
+cmp -s "$work/gathered.rad" "$work/gathered.2.rad" || fail 'the final gather depends on threads'
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
+bake 0 -o "$work/gathered.rad" --resume
+cmp -s "$work/gathered.rad" "$work/1.rad" || fail 'a resumed bake keeps what was gathered before'
 bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
 printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'

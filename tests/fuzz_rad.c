@@ -5,7 +5,7 @@
 #include "tests/store_target.h"
 
 // The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
-enum { HEADER = 152, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8, VERSION = 1 };
+enum { HEADER = 160, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8, VERSION = 2 };
 
 static void put_right(unsigned char *file) {
     uint64_t sum = file_hash(file + REST, HEADER - REST, VERSION);

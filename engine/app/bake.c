@@ -8,6 +8,7 @@
 
 #include "engine/app/app_light.h"
 #include "engine/core/clock.h"
+#include "radiosity/final_gather.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
@@ -26,7 +27,7 @@ typedef struct Bake {
     RadSolution solution;
     RadReport report;
     const char *out;
-    double mesh_seconds, seconds;
+    double mesh_seconds, gather_seconds, seconds;
 } Bake;
 
 BakeArguments bake_default_arguments(void) {
@@ -109,6 +110,24 @@ static bool report_timed(void *context, const char *stage, double done) {
     return progress_report(&timed->bar, line, done);
 }
 
+// At all nodes, of what was shot now: what an earlier run gathered is of the past.
+static void gather_nodes(Bake *bake, Arena *arena) {
+    bake->solution.node = NULL;
+    bake->solution.node_count = 0;
+    if (!bake->a->final_gather || bake->report.stopped) return;
+    Arena scratch = {0};
+    Timed timed = {app_progress_stoppable(0), clock_seconds()};
+    Progress progress = {report_timed, &timed};
+    VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
+    GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &light};
+    GatherOptions options = gather_default_options();
+    bake->report.stopped =
+        !final_gather(&scene, &options, bake->a->rad.threads, &progress, arena, &bake->solution);
+    app_progress_end();
+    bake->gather_seconds = clock_seconds() - timed.start;
+    arena_free(&scratch);
+}
+
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_place(bake, arena, error) ||
@@ -119,6 +138,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     bake->report =
         rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &a->rad, &progress, &bake->solution);
     app_progress_end();
+    gather_nodes(bake, arena);
     return rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error);
 }
 
@@ -136,7 +156,8 @@ static json_t *facts_of(const Bake *bake) {
     const RadOptions *rad = &bake->a->rad;
     double emitted = sum3(s->emitted);
     return json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:s s:i s:s s:s s:b}",
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:s s:i s:s "
+        "s:s s:b}",
         "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
         bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
         "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
@@ -144,9 +165,9 @@ static json_t *facts_of(const Bake *bake) {
         "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
         sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds,
         "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
-        r->seconds_visibility, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
-        rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "file", bake->out,
-        "stopped", (int)r->stopped);
+        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
+        peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
+        VIEW_CULLING_NAMES[rad->culling], "file", bake->out, "stopped", (int)r->stopped);
 }
 
 static void print_facts(json_t *facts) {

@@ -14,7 +14,7 @@ typedef struct BakeArguments {
     RadOptions rad;
     const char *file, *out;  // out NULL: into the cache
     int doors;               // one of the above
-    bool resume, json;
+    bool final_gather, resume, json;
     Probes probes;
 } BakeArguments;
 BakeArguments bake_default_arguments(void);

@@ -25,6 +25,10 @@ static const char HELP[] =
     "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001)\n"
     "  --shots N         stop when so many were shot, those of a run that is resumed included\n"
     "  --seconds S       stop after S seconds of shooting, 0.001 to 1e6\n"
+    "  --final-gather    then gather the light at every vertex once more, from all that it sees: sharper "
+    "shadows, "
+    "for\n"
+    "                    about half a millisecond each\n"
     "  --method NAME     how form factors are found (default hemisphere); below\n"
     "  --resolution R    pixels, lines or rays across, 8 to 2000 (default 100)\n"
     "  --hidden NAME     what fills the sides of `hemicube`: one of the hidden-surface methods below "
@@ -53,6 +57,7 @@ enum {
     RESIDUAL,
     SHOTS,
     SECONDS,
+    FINAL_GATHER,
     METHOD,
     HIDDEN,
     RESOLUTION,
@@ -74,6 +79,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"residual", required_argument, NULL, RESIDUAL},
                                         {"shots", required_argument, NULL, SHOTS},
                                         {"seconds", required_argument, NULL, SECONDS},
+                                        {"final-gather", no_argument, NULL, FINAL_GATHER},
                                         {"method", required_argument, NULL, METHOD},
                                         {"hidden", required_argument, NULL, HIDDEN},
                                         {"resolution", required_argument, NULL, RESOLUTION},
@@ -187,6 +193,9 @@ static int parse_option(int c, char **argv, Arguments *a) {
         return APP_GOOD;
     case RESUME:
         b->resume = true;
+        return APP_GOOD;
+    case FINAL_GATHER:
+        b->final_gather = true;
         return APP_GOOD;
     case DOORS:
         return parse_index("--doors", BAKE_DOORS_NAMES, BAKE_DOORS, &b->doors);

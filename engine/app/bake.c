@@ -1,4 +1,4 @@
-// bake.c - a bake from a building's file to a .rad file: cells and stab trees, mesh, shooting, what to say of it.
+// bake.c - a bake from a building's file to a .rad or .glb file: cells and stab trees, mesh, shooting, what to say of it.
 #include "engine/app/bake.h"
 
 #include <errno.h>
@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "engine/app/app_light.h"
+#include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "radiosity/final_gather.h"
 
@@ -26,7 +27,7 @@ typedef struct Bake {
     Mesh mesh;
     RadSolution solution;
     RadReport report;
-    const char *out;
+    const char *out;  // the .rad file, NULL: none
     double mesh_seconds, gather_seconds, seconds;
 } Bake;
 
@@ -77,13 +78,21 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
 }
 
 // Known to be writable as far as one can tell, before hours of work rather than after them.
-static bool find_place(Bake *bake, Arena *arena, Error *error) {
-    bake->out = bake->a->out;
-    if (!bake->out && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
-    const char *slash = strrchr(bake->out, '/');
-    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - bake->out), bake->out) : ".";
+static bool check_place(const char *path, Arena *arena, Error *error) {
+    const char *slash = strrchr(path, '/');
+    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - path), path) : ".";
     if (access(folder, W_OK | X_OK) == 0) return true;
-    return error_set(error, "%s: cannot be written: %s", bake->out, strerror(errno));
+    return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+// What is resumed is in the cache where no .rad file is named.
+static bool find_places(Bake *bake, Arena *arena, Error *error) {
+    const BakeArguments *a = bake->a;
+    bake->out = a->out;
+    bool cached = !a->out && (!a->model || a->resume);
+    if (cached && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
+    return (!bake->out || check_place(bake->out, arena, error)) &&
+           (!a->model || check_place(a->model, arena, error));
 }
 
 static bool begin(Bake *bake, Arena *arena, Error *error) {
@@ -128,9 +137,15 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     arena_free(&scratch);
 }
 
+static bool store(const Bake *bake, Error *error) {
+    const char *model = bake->a->model;
+    return (!bake->out || rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error)) &&
+           (!model || export_glb(model, &bake->mesh, &bake->solution, bake->doors, error));
+}
+
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
-    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_place(bake, arena, error) ||
+    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !begin(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
@@ -139,7 +154,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &a->rad, &progress, &bake->solution);
     app_progress_end();
     gather_nodes(bake, arena);
-    return rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error);
+    return store(bake, error);
 }
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -155,9 +170,8 @@ static json_t *facts_of(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->a->rad;
     double emitted = sum3(s->emitted);
-    return json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:s s:i s:s "
-        "s:s s:b}",
+    json_t *facts = json_pack(
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s s:i s:s}",
         "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
         bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
         "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
@@ -167,7 +181,12 @@ static json_t *facts_of(const Bake *bake) {
         "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
         r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
         peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
-        VIEW_CULLING_NAMES[rad->culling], "file", bake->out, "stopped", (int)r->stopped);
+        VIEW_CULLING_NAMES[rad->culling]);
+    CORE_ASSERT(facts);
+    if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
+    if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
+    json_object_set_new(facts, "stopped", json_boolean(r->stopped));
+    return facts;
 }
 
 static void print_facts(json_t *facts) {
@@ -220,7 +239,6 @@ static void gather_probes(const Bake *bake, Probes *probes) {
 static void print_result(Bake *bake) {
     BakeArguments a = *bake->a;
     json_t *facts = facts_of(bake);
-    CORE_ASSERT(facts);
     gather_probes(bake, &a.probes);
     if (a.json) {
         if (a.probes.count > 0) json_object_set_new(facts, "probes", bake_probes_json(&a.probes));

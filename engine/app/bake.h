@@ -1,4 +1,4 @@
-// bake.h - a bake from a building's file to a .rad file.
+// bake.h - a bake from a building's file to a .rad file, a .glb file, or both.
 #ifndef APP_BAKE_H
 #define APP_BAKE_H
 
@@ -12,8 +12,9 @@ typedef struct BakeArguments {
     AppOptions load;
     MeshOptions mesh;
     RadOptions rad;
-    const char *file, *out;  // out NULL: into the cache
-    int doors;               // one of the above
+    const char *file;
+    const char *out, *model;  // .rad and .glb, NULL: none; both NULL: a .rad into the cache
+    int doors;                // one of the above
     bool final_gather, resume, json;
     Probes probes;
 } BakeArguments;

@@ -1,13 +1,14 @@
 // cmd_bake.c - `enfilade bake FILE`: computes the light of a building by radiosity, and stores it.
 #include <getopt.h>
 #include <stdio.h>
+#include <strings.h>
 
 #include "engine/app/app.h"
 #include "engine/app/bake.h"
 #include "visibility/hidden/hidden.h"
 
 static const char HELP[] =
-    "usage: enfilade bake FILE [-o OUT.rad] [OPTIONS]\n\n"
+    "usage: enfilade bake FILE [-o OUT.rad] [-o OUT.glb] [OPTIONS]\n\n"
     "Computes the light of a building by radiosity: its polygons are cut into elements, patches of elements "
     "shoot\n"
     "the light they have, the strongest first, until little is left. Only what the stab tree of a patch's "
@@ -18,6 +19,9 @@ static const char HELP[] =
     "number of threads, and with culling or without. Ctrl-C stops early and stores what there is.\n\n"
     "  --map NAME        which one of a file that holds several maps (default: the first)\n"
     "  -o OUT.rad        where to write\n"
+    "  -o OUT.glb        a model for Blender and browsers, its light in the colours of its vertices; without "
+    "-o OUT.rad\n"
+    "                    the light is stored there alone\n"
     "  --resume          go on from what is there, made with the same elements and doors\n"
     "  --doors STATE     drawn (default), open or closed\n"
     "  --element M       edge of an element aimed at, metres, 0.01 to 100 (default 0.33)\n"
@@ -171,6 +175,11 @@ static int parse_light(int c, char **argv, Arguments *a) {
     }
 }
 
+static bool is_model(const char *path) {
+    size_t length = strlen(path);
+    return length > 4 && strcasecmp(path + length - 4, ".glb") == 0;
+}
+
 static int parse_option(int c, char **argv, Arguments *a) {
     BakeArguments *b = &a->bake;
     switch (c) {
@@ -184,7 +193,7 @@ static int parse_option(int c, char **argv, Arguments *a) {
         b->load.map = optarg;
         return APP_GOOD;
     case 'o':
-        b->out = optarg;
+        *(is_model(optarg) ? &b->model : &b->out) = optarg;
         return APP_GOOD;
     case 't':
         b->rad.threads = b->load.vis.threads = 1;

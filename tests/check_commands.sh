@@ -189,6 +189,16 @@ cmp -s "$work/gathered.rad" "$work/gathered.2.rad" || fail 'the final gather dep
 expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
 bake 0 -o "$work/gathered.rad" --resume
 cmp -s "$work/gathered.rad" "$work/1.rad" || fail 'a resumed bake keeps what was gathered before'
+# A model beside the light or instead of it; whole or not at all.
+bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
+cmp -s "$work/both.rad" "$work/1.rad" || fail 'a model changes the light'
+bake 0 -o "$work/one.glb" --threads 3 && cmp -s "$work/one.glb" "$work/both.GLB" || fail 'models differ'
+[ -z "$(ls "$work"/cache/enfilade/*.rad 2>/dev/null)" ] || fail 'a model asked for alone leaves light in the cache'
+expect 0 "$program" info "$work/one.glb" && says out 'polygons'
+bake 1 -o "$work/no/such/folder/x.glb" && says err 'cannot be written'
+(trap '' XFSZ; ulimit -f 8; exec "$program" bake $maps/two-rooms.plan -o "$work/one.glb") >/dev/null 2>"$work/err"
+[ $? -eq 1 ] || fail 'a full disk went unseen by a model'
+cmp -s "$work/one.glb" "$work/both.GLB" || fail 'an earlier .glb file was lost'
 bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
 printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'

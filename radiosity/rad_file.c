@@ -1,11 +1,13 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot. The mesh is not stored: it is made again from
+// Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
+// gathered. The mesh is not stored: it is made again from
 // the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/derived.h"
+#include "radiosity/nodes.h"
 #include "radiosity/shoot.h"
 
 enum { VERSION = 2 };
@@ -13,7 +15,7 @@ enum { VERSION = 2 };
 typedef struct Header {
     DerivedHead head;
     uint64_t rest;  // checksum of what comes after it in the header
-    int32_t element_count, patch_count, door_count, per_patch;
+    int32_t element_count, patch_count, door_count, per_patch, node_count, unused;
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element, close;
     double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
@@ -40,7 +42,7 @@ static uint64_t mesh_hash(const Mesh *mesh) {
 }
 
 typedef struct Sizes {
-    size_t doors, splits, radiosity, unshot, total;
+    size_t doors, splits, radiosity, unshot, nodes, total;
 } Sizes;
 
 // Doubles stay aligned.
@@ -52,8 +54,9 @@ static Sizes sizes_of(const Header *h) {
     Sizes s = {.doors = round_up((size_t)h->door_count * sizeof(float)),
                .splits = round_up(split_bytes(h)),
                .radiosity = (size_t)h->element_count * 3 * sizeof(double),
-               .unshot = (size_t)h->patch_count * 3 * sizeof(double)};
-    s.total = s.doors + s.splits + s.radiosity + s.unshot;
+               .unshot = (size_t)h->patch_count * 3 * sizeof(double),
+               .nodes = (size_t)h->node_count * 3 * sizeof(double)};
+    s.total = s.doors + s.splits + s.radiosity + s.unshot + s.nodes;
     return s;
 }
 
@@ -80,6 +83,7 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     if (h->split_bits > 0) memcpy(body, mesh->options.splits->bits, split_bytes(h));
     memcpy(body + s.splits, solution->radiosity, s.radiosity);
     memcpy(body + s.splits + s.radiosity, solution->unshot, s.unshot);
+    if (solution->node) memcpy(body + s.splits + s.radiosity + s.unshot, solution->node, s.nodes);
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -91,6 +95,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .split_bits = splits ? splits->bit_count : -1,
                      .even = splits ? splits->even : -1,
                      .per_patch = mesh->options.per_patch,
+                     .node_count = solution->node_count,
                      .element = mesh->options.element,
                      .close = mesh->options.close,
                      .shots = solution->shots};
@@ -113,7 +118,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
     bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_DEEPEST;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
-        h->patch_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
+        h->patch_count >= 0 && h->node_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
 }
@@ -136,6 +141,13 @@ static bool same_splits(const MeshSplits *splits, const Header *h, const unsigne
            (split_bytes(h) == 0 || memcmp(splits->bits, body + sizes_of(h).doors, split_bytes(h)) == 0);
 }
 
+static bool check_nodes(const Header *h, const Mesh *mesh) {
+    Arena scratch = {0};
+    bool good = h->node_count == 0 || h->node_count == nodes_of(mesh, &scratch).count;
+    arena_free(&scratch);
+    return good;
+}
+
 static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
                        const unsigned char *body, Error *error) {
     const MeshOptions *o = &mesh->options;
@@ -155,17 +167,47 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
                          (double)door_state(door_open, i));
     }
     if (h->element_count == mesh->element_count && h->patch_count == mesh->patch_count &&
-        h->head.geometry == mesh_hash(mesh))
+        h->head.geometry == mesh_hash(mesh) && check_nodes(h, mesh))
         return true;
     return error_set(error, "%s: its elements are not those of this program's version", path);
 }
 
+static void *take(Arena *arena, const unsigned char *from, size_t size) {
+    return memcpy(arena_alloc(arena, size, 1), from, size);
+}
+
+static void take_body(const Header *h, const unsigned char *body, Arena *arena, RadSolution *out) {
+    Sizes s = sizes_of(h);
+    *out = (RadSolution){.element_count = h->element_count,
+                         .patch_count = h->patch_count,
+                         .node_count = h->node_count,
+                         .shots = h->shots};
+    body += s.doors + s.splits;
+    out->radiosity = take(arena, body, s.radiosity);
+    out->unshot = take(arena, body + s.radiosity, s.unshot);
+    if (h->node_count > 0) out->node = take(arena, body + s.radiosity + s.unshot, s.nodes);
+    memcpy(out->emitted, h->emitted, sizeof h->emitted);
+    memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
+    memcpy(out->escaped, h->escaped, sizeof h->escaped);
+    memcpy(out->sky, h->sky, sizeof h->sky);
+    memcpy(out->outdoors, h->outdoors, sizeof h->outdoors);
+}
+
 // The checksums find accidents; this keeps a forged file from spreading what is no light.
-static bool is_light(const double *v, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        if (!(v[i] >= 0 && isfinite(v[i]))) return false;
+static bool is_light(double (*v)[3], int count) {
+    for (int i = 0; i < count; i++) {
+        for (int c = 0; c < 3; c++)
+            if (!(v[i][c] >= 0 && isfinite(v[i][c]))) return false;
     }
     return true;
+}
+
+static bool check_light(const char *path, RadSolution *s, Error *error) {
+    if (is_light(s->radiosity, s->element_count) && is_light(s->unshot, s->patch_count) &&
+        is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
+        is_light(&s->escaped, 1) && is_light(&s->sky, 1) && is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        return true;
+    return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }
 
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
@@ -175,25 +217,8 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
     const unsigned char *body;
     bool good = read_file(path, building_of(mesh), &scratch, &h, &body, error) &&
                 check_mesh(path, &h, mesh, door_open, body, error);
-    if (good) {
-        Sizes s = sizes_of(&h);
-        const unsigned char *light = body + s.doors + s.splits;
-        *out =
-            (RadSolution){.element_count = h.element_count, .patch_count = h.patch_count, .shots = h.shots};
-        out->radiosity = memcpy(arena_alloc(arena, s.radiosity, 1), light, s.radiosity);
-        out->unshot = memcpy(arena_alloc(arena, s.unshot, 1), light + s.radiosity, s.unshot);
-        memcpy(out->emitted, h.emitted, sizeof h.emitted);
-        memcpy(out->absorbed, h.absorbed, sizeof h.absorbed);
-        memcpy(out->outdoors, h.outdoors, sizeof out->outdoors);
-        memcpy(out->sky, h.sky, sizeof out->sky);
-        memcpy(out->escaped, h.escaped, sizeof h.escaped);
-        good = is_light(&out->radiosity[0][0], s.radiosity / sizeof(double)) &&
-               is_light(&out->unshot[0][0], s.unshot / sizeof(double)) && is_light(out->emitted, 3) &&
-               is_light(out->absorbed, 3) && is_light(out->escaped, 3) && is_light(out->sky, 3) &&
-               is_light(out->outdoors, 3) && out->shots >= 0 &&
-               out->emitted[0] + out->emitted[1] + out->emitted[2] > 0;
-        if (!good) error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
-    }
+    if (good) take_body(&h, body, arena, out);
+    good = good && check_light(path, out, error);
     arena_free(&scratch);
     return good;
 }

@@ -246,11 +246,3 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     arena_free(&arena);
     return report;
 }
-
-void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]) {
-    for (int c = 0; c < 3; c++) irradiance[c] = row->sky * M_PI * solution->sky[c];
-    for (int i = 0; i < row->count; i++) {
-        for (int c = 0; c < 3; c++)
-            irradiance[c] += (double)row->factor[i] * solution->radiosity[row->element[i]][c];
-    }
-}

@@ -31,6 +31,9 @@ typedef struct RadSolution {
     double sky[3];       // radiance of the sky that shone (sky.h), W/m^2/sr; what it sent in was emitted
     double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
     long long shots;
+    // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.
+    double (*node)[3];
+    int node_count;
 } RadSolution;
 
 typedef struct RadReport {
@@ -49,10 +52,6 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
 // Goes on from `solution`, which is valid whenever it stops.
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution);
-
-// The light that arrives at a point with a normal, W/m^2 a channel: what it sees by `form_factor`'s rows, and
-// the sky.
-void rad_gather(const RadSolution *solution, const Row *row, double irradiance[3]);
 
 // The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and
 // the doors' states, and is refused where they differ.

@@ -187,6 +187,22 @@ cmp -s "$work/1.rad" "$work/part.rad" || fail 'a resumed bake ends otherwise'
 bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
 bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
 bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under a sky of 0,0,0'
+bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
+bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2
+cmp -s "$work/gathered.rad" "$work/gathered.2.rad" || fail 'the final gather depends on threads'
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
+bake 0 -o "$work/gathered.rad" --resume
+cmp -s "$work/gathered.rad" "$work/1.rad" || fail 'a resumed bake keeps what was gathered before'
+# A model beside the light or instead of it; whole or not at all.
+bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
+cmp -s "$work/both.rad" "$work/1.rad" || fail 'a model changes the light'
+bake 0 -o "$work/one.glb" --threads 3 && cmp -s "$work/one.glb" "$work/both.GLB" || fail 'models differ'
+[ -z "$(ls "$work"/cache/enfilade/*.rad 2>/dev/null)" ] || fail 'a model asked for alone leaves light in the cache'
+expect 0 "$program" info "$work/one.glb" && says out 'polygons'
+bake 1 -o "$work/no/such/folder/x.glb" && says err 'cannot be written'
+(trap '' XFSZ; ulimit -f 8; exec "$program" bake $maps/two-rooms.plan -o "$work/one.glb") >/dev/null 2>"$work/err"
+[ $? -eq 1 ] || fail 'a full disk went unseen by a model'
+cmp -s "$work/one.glb" "$work/both.GLB" || fail 'an earlier .glb file was lost'
 bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
 printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'

@@ -1,11 +1,11 @@
 // fuzz_rad.c - libFuzzer on the .rad reader: a file is refused with a sentence, or it holds light that can be shot on.
 #include <stdlib.h>
 
-#include "radiosity/shoot.h"
+#include "radiosity/reconstruct.h"
 #include "tests/store_target.h"
 
 // The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
-enum { HEADER = 200, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8, VERSION = 2 };
+enum { HEADER = 224, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8, VERSION = 2 };
 
 static void put_right(unsigned char *file) {
     uint64_t sum = file_hash(file + REST, HEADER - REST, VERSION);
@@ -36,6 +36,8 @@ static void make(Made *m) {
         !rad_start(&m->mesh, &t->arena, &solution, NULL))
         abort();
     rad_shoot(&m->mesh, &t->forest, m->doors, &options, NULL, &solution);
+    solution.node_count = nodes_of(&m->mesh, &t->arena).count;
+    solution.node = arena_alloc(&t->arena, (size_t)solution.node_count, sizeof *solution.node);
     if (!rad_save(t->saved, &m->mesh, m->doors, &solution, NULL)) abort();
     store_target_keep(t);
 }
@@ -44,6 +46,9 @@ static void make(Made *m) {
 static void use(const Made *m, RadSolution *solution) {
     RadOptions options = few_shots(solution->shots < 1000 ? solution->shots + 3 : 1000);
     rad_shoot(&m->mesh, &m->target.forest, m->doors, &options, NULL, solution);
+    Arena arena = {0};
+    reconstruct_light(&m->mesh, solution, &arena);
+    arena_free(&arena);
     for (int e = 0; e < solution->element_count; e++) {
         for (int c = 0; c < 3; c++)
             if (solution->radiosity[e][c] < 0) abort();

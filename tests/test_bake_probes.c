@@ -45,7 +45,7 @@ static Differences differences(const char *name, double element) {
     Probes probes = {0};
     Error error = {""};
     cr_assert(bake_probes_read(path, &arena, &probes, &error), "%s", error.text);
-    bake_probes_gather(&lit->mesh, &lit->forest, NULL, &solution, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, &probes);
     Differences d = {.count = probes.count};
     for (int i = 0; i < probes.count; i++) {
         double h = expected_irradiance(&arena, name, i);
@@ -99,7 +99,7 @@ Test(bake_probes, closed_forms) {
                                          "2,1.5,1,0,0,-1"};
     for (int i = 0; i < 5; i++)
         cr_assert(bake_probe_parse(POINTS[i], &arena, &probes, &error), "%s", error.text);
-    bake_probes_gather(&lit->mesh, &lit->forest, NULL, &solution, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, &probes);
     const Probe *p = probes.probes;
     // A point under the centre and under a corner of a unit square, 1 m below: references.md's table in ../shared.
     cr_assert_float_eq(p[0].irradiance[0], 12 * .23945647046, 1e-6);

@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <stddef.h>
 
+#include "radiosity/nodes.h"
 #include "tests/fixture.h"
 #include "tests/lit_fixture.h"
 #include "tests/support.h"
@@ -55,6 +56,29 @@ Test(rad_file, comes_back) {
     cr_assert(rad_load_options(s.path, s.lit->building, &s.lit->arena, &options, doors, &error), "%s", error.text);
     cr_assert(options.element == 0.5 && options.per_patch == 2);
     cr_assert_eq(memcmp(doors, s.doors, (size_t)s.lit->building->opening_count * sizeof *doors), 0);
+    lit_free(s.lit);
+}
+
+// Proves that what was gathered at nodes comes back, and is refused where the nodes are others.
+Test(rad_file, nodes_come_back) {
+    Saved s = save(3);
+    RadSolution back;
+    Error error = {""};
+    Arena *arena = &s.lit->arena;
+    s.solution.node_count = nodes_of(&s.lit->mesh, arena).count;
+    s.solution.node = arena_alloc(arena, (size_t)s.solution.node_count, sizeof *s.solution.node);
+    for (int n = 0; n < s.solution.node_count; n++) s.solution.node[n][n % 3] = n;
+    cr_assert(rad_save(s.path, &s.lit->mesh, s.doors, &s.solution, &error), "%s", error.text);
+    cr_assert(rad_load(s.path, &s.lit->mesh, s.doors, arena, &back, &error), "%s", error.text);
+    cr_assert_eq(back.node_count, s.solution.node_count);
+    cr_assert_eq(memcmp(back.node, s.solution.node, (size_t)back.node_count * sizeof *back.node), 0);
+    s.solution.node_count--;
+    cr_assert(rad_save(s.path, &s.lit->mesh, s.doors, &s.solution, &error), "%s", error.text);
+    refuse(&s, &s.lit->mesh, s.doors, "its elements are not those of this program's version");
+    s.solution.node_count++;
+    s.solution.node[7][1] = NAN;
+    cr_assert(rad_save(s.path, &s.lit->mesh, s.doors, &s.solution, &error), "%s", error.text);
+    refuse(&s, &s.lit->mesh, s.doors, "not all its radiosities are finite");
     lit_free(s.lit);
 }
 

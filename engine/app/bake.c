@@ -1,4 +1,4 @@
-// bake.c - a bake from a building's file to a .rad file: cells and stab trees, mesh, shooting, what to say of it.
+// bake.c - a bake from a building's file to a .rad or .glb file: cells and stab trees, mesh, shooting, what to say of it.
 #include "engine/app/bake.h"
 
 #include <errno.h>
@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include "engine/app/app_light.h"
+#include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
+#include "radiosity/final_gather.h"
 #include "radiosity/sky.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
@@ -26,8 +28,8 @@ typedef struct Bake {
     Mesh mesh;
     RadSolution solution;
     RadReport report;
-    const char *out;
-    double mesh_seconds, sky_seconds, seconds;
+    const char *out;  // the .rad file, NULL: none
+    double mesh_seconds, sky_seconds, gather_seconds, seconds;
 } Bake;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -90,13 +92,21 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
 }
 
 // Known to be writable as far as one can tell, before hours of work rather than after them.
-static bool find_place(Bake *bake, Arena *arena, Error *error) {
-    bake->out = bake->a->out;
-    if (!bake->out && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
-    const char *slash = strrchr(bake->out, '/');
-    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - bake->out), bake->out) : ".";
+static bool check_place(const char *path, Arena *arena, Error *error) {
+    const char *slash = strrchr(path, '/');
+    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - path), path) : ".";
     if (access(folder, W_OK | X_OK) == 0) return true;
-    return error_set(error, "%s: cannot be written: %s", bake->out, strerror(errno));
+    return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+// What is resumed is in the cache where no .rad file is named.
+static bool find_places(Bake *bake, Arena *arena, Error *error) {
+    const BakeArguments *a = bake->a;
+    bake->out = a->out;
+    bool cached = !a->out && (!a->model || a->resume);
+    if (cached && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
+    return (!bake->out || check_place(bake->out, arena, error)) &&
+           (!a->model || check_place(a->model, arena, error));
 }
 
 // A file tells under which sky it was made.
@@ -145,9 +155,33 @@ static bool report_timed(void *context, const char *stage, double done) {
     return progress_report(&timed->bar, line, done);
 }
 
+// At all nodes, of what was shot now: what an earlier run gathered is of the past.
+static void gather_nodes(Bake *bake, Arena *arena) {
+    bake->solution.node = NULL;
+    bake->solution.node_count = 0;
+    if (!bake->a->final_gather || bake->report.stopped) return;
+    Arena scratch = {0};
+    Timed timed = {app_progress_stoppable(0), clock_seconds()};
+    Progress progress = {report_timed, &timed};
+    VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
+    GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &light};
+    GatherOptions options = gather_default_options();
+    bake->report.stopped =
+        !final_gather(&scene, &options, bake->a->rad.threads, &progress, arena, &bake->solution);
+    app_progress_end();
+    bake->gather_seconds = clock_seconds() - timed.start;
+    arena_free(&scratch);
+}
+
+static bool store(const Bake *bake, Error *error) {
+    const char *model = bake->a->model;
+    return (!bake->out || rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error)) &&
+           (!model || export_glb(model, &bake->mesh, &bake->solution, bake->doors, error));
+}
+
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
-    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_place(bake, arena, error) ||
+    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !begin(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
@@ -155,7 +189,8 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     bake->report =
         rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &a->rad, &progress, &bake->solution);
     app_progress_end();
-    return rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error);
+    gather_nodes(bake, arena);
+    return store(bake, error);
 }
 
 static double peak_mb(void) {
@@ -179,21 +214,24 @@ static json_t *facts_of(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->a->rad;
     double emitted = sum3(s->emitted);
-    return json_pack("{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:s s:i "
-                     "s:s s:s s:b s:f s:f}",
-                     "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
-                     bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots",
-                     (json_int_t)s->shots, "residual", r->residual, "rows_made", (json_int_t)r->rows_made,
-                     "rows_kept", (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20),
-                     "elements_drawn_mean", r->elements_drawn_mean, "polygons_drawn_mean",
-                     r->faces_drawn_mean, "emitted", emitted, "absorbed", sum3(s->absorbed) / emitted,
-                     "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds, "seconds_mesh",
-                     bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
-                     r->seconds_visibility, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
-                     rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "file",
-                     bake->out, "stopped", (int)r->stopped, "sky",
-                     sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
-                     bake->sky_seconds);
+    json_t *facts = json_pack(
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s s:i s:s s:f s:f}",
+        "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
+        bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
+        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
+        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
+        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
+        sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds,
+        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
+        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
+        peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
+        VIEW_CULLING_NAMES[rad->culling], "sky",
+        sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky", bake->sky_seconds);
+    CORE_ASSERT(facts);
+    if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
+    if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
+    json_object_set_new(facts, "stopped", json_boolean(r->stopped));
+    return facts;
 }
 
 static void print_facts(json_t *facts) {
@@ -236,12 +274,17 @@ static void print_warnings(const Bake *bake) {
         fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
 }
 
+// Of constant elements: slopes would make more of what is wrong with elements in corners, where shooters are near.
+static void gather_probes(const Bake *bake, Probes *probes) {
+    if (probes->count == 0) return;
+    GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, NULL};
+    bake_probes_gather(&scene, probes);
+}
+
 static void print_result(Bake *bake) {
     BakeArguments a = *bake->a;
     json_t *facts = facts_of(bake);
-    CORE_ASSERT(facts);
-    if (a.probes.count > 0)
-        bake_probes_gather(&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &a.probes);
+    gather_probes(bake, &a.probes);
     if (a.json) {
         if (a.probes.count > 0) json_object_set_new(facts, "probes", bake_probes_json(&a.probes));
         app_print_json(facts);

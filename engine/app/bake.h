@@ -1,4 +1,4 @@
-// bake.h - a bake from a building's file to a .rad file.
+// bake.h - a bake from a building's file to a .rad file, a .glb file, or both.
 #ifndef APP_BAKE_H
 #define APP_BAKE_H
 
@@ -14,10 +14,11 @@ typedef struct BakeArguments {
     MeshOptions mesh;
     AdaptOptions adapt;
     RadOptions rad;
-    const char *file, *out;  // out NULL: into the cache
-    int doors;               // one of the above
-    double sky[3];           // radiance, W/m^2/sr a channel; 0: night
-    bool resume, json;
+    const char *file;
+    const char *out, *model;  // .rad and .glb, NULL: none; both NULL: a .rad into the cache
+    int doors;                // one of the above
+    double sky[3];            // radiance, W/m^2/sr a channel; 0: night
+    bool final_gather, resume, json;
     Probes probes;
 } BakeArguments;
 BakeArguments bake_default_arguments(void);

@@ -121,20 +121,17 @@ static void set_radiosity(const Mesh *mesh, Probe *probe) {
     for (int c = 0; c < 3; c++) probe->radiosity[c] = (double)e[c] + (double)rho[c] * probe->irradiance[c];
 }
 
-void bake_probes_gather(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                        const RadSolution *solution, Probes *probes) {
+void bake_probes_gather(const GatherScene *scene, Probes *probes) {
     Arena scratch = {0};
-    FormFactorOptions options = form_factor_default_options();
-    Viewer *viewer = viewer_new(mesh, forest, door_open, &scratch);
-    FormFactor *rows = form_factor_new(form_factor_method("analytic"), mesh, &options, &scratch);
+    GatherOptions options = gather_exact_options();
+    Gatherer *gatherer = gatherer_new(scene, &options, &scratch);
     for (int i = 0; i < probes->count; i++) {
         Probe *probe = &probes->probes[i];
-        ViewPoint from = {probe->place, probe->normal, -1};
-        rad_gather(solution, form_factor_row(rows, viewer_look(viewer, &from, CULL_NOTHING)),
-                   probe->irradiance);
-        set_radiosity(mesh, probe);
+        int cell = gather_cell(scene->mesh->graph, probe->place, probe->normal, -1);
+        gather(gatherer, &(ViewPoint){probe->place, probe->normal, cell}, probe->irradiance);
+        set_radiosity(scene->mesh, probe);
     }
-    form_factor_end(rows);
+    gatherer_end(gatherer);
     arena_free(&scratch);
 }
 

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-#include "radiosity/shoot.h"
+#include "radiosity/gather.h"
 
 typedef struct Probe {
     Vec3 place, normal;    // unit
@@ -22,10 +22,9 @@ bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error)
 // A file of them, a line each, numbers with commas or spaces between; `#` begins a remark. Of a .quads file, its points.
 bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error);
 
-// Gathers what each point sees, by an exact row of its own (method `analytic`): of the light that arrives at a point, a
-// sliver of a lamp in a doorway's corner may be a third.
-void bake_probes_gather(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                        const RadSolution *solution, Probes *probes);
+// Gathers what each point sees, by an exact row of its own: of the light that arrives at a point, a sliver of a lamp in a
+// doorway's corner may be a third.
+void bake_probes_gather(const GatherScene *scene, Probes *probes);
 
 void bake_probes_print(const Probes *probes);  // x y z nx ny nz HR HG HB BR BG BB, a line each
 json_t *bake_probes_json(const Probes *probes);

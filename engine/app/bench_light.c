@@ -8,7 +8,6 @@
 
 #include "engine/app/bake.h"
 #include "engine/app/bench.h"
-#include "engine/app/light_field.h"
 #include "engine/app/light_points.h"
 #include "engine/core/clock.h"
 #include "radiosity/sky.h"
@@ -132,18 +131,20 @@ static double find_errors(LightBench *b, const Mesh *mesh, const RadSolution *so
     for (int i = 0; i < count; i++)
         probes.probes[i] = (Probe){.place = b->points.points[i].place, .normal = b->points.points[i].normal};
     double begin = clock_seconds();
-    bake_probes_gather(mesh, &b->scene.forest, b->doors, solution, &probes);
+    VertexLight field = reconstruct_light(mesh, solution, &scratch);
+    GatherScene scene = {mesh, &b->scene.forest, b->doors, solution, getenv("SLOPES") ? &field : NULL};
+    bake_probes_gather(&scene, &probes);
     double seconds = clock_seconds() - begin;
-    LightField field = light_field(mesh, solution, &scratch);
     for (int i = 0; i < count; i++) {
         const LightPoint *p = &b->points.points[i];
-        const Material *m = mesh_material(mesh, mesh->face_of[p->polygon]);
+        int face = mesh->face_of[p->polygon];
+        const Material *m = mesh_material(mesh, face);
         const double *h = probes.probes[i].irradiance;
         double light[3];
         b->error[GATHERED][i] = relative(p, h[0] + h[1] + h[2]);
-        light_field_element(&field, p->polygon, p->place, light);
-        b->error[OF_ELEMENT][i] = reflects(m) ? relative(p, irradiance_of(p, m, light)) : NAN;
-        light_field_vertex(&field, p->polygon, p->place, light);
+        const double *own = solution->radiosity[mesh_element_at(mesh, face, p->place)];
+        b->error[OF_ELEMENT][i] = reflects(m) ? relative(p, irradiance_of(p, m, own)) : NAN;
+        reconstruct_at(mesh, &field, face, p->place, light);
         b->error[BETWEEN_CORNERS][i] = reflects(m) ? relative(p, irradiance_of(p, m, light)) : NAN;
     }
     arena_free(&scratch);

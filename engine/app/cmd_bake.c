@@ -1,13 +1,14 @@
 // cmd_bake.c - `enfilade bake FILE`: computes the light of a building by radiosity, and stores it.
 #include <getopt.h>
 #include <stdio.h>
+#include <strings.h>
 
 #include "engine/app/app.h"
 #include "engine/app/bake.h"
 #include "visibility/hidden/hidden.h"
 
 static const char HELP[] =
-    "usage: enfilade bake FILE [-o OUT.rad] [OPTIONS]\n\n"
+    "usage: enfilade bake FILE [-o OUT.rad] [-o OUT.glb] [OPTIONS]\n\n"
     "Computes the light of a building by radiosity: its polygons are cut into elements, patches of elements "
     "shoot\n"
     "the light they have, the strongest first, until little is left. Only what the stab tree of a patch's "
@@ -18,6 +19,9 @@ static const char HELP[] =
     "number of threads, and with culling or without. Ctrl-C stops early and stores what there is.\n\n"
     "  --map NAME        which one of a file that holds several maps (default: the first)\n"
     "  -o OUT.rad        where to write\n"
+    "  -o OUT.glb        a model for Blender and browsers, its light in the colours of its vertices; without "
+    "-o OUT.rad\n"
+    "                    the light is stored there alone\n"
     "  --resume          go on from what is there, made with the same elements and doors\n"
     "  --doors STATE     drawn (default), open or closed\n"
     "  --sky L           daylight: a sky of radiance L, or R,G,B, W/m^2/sr, 0 to 1e6, the same all over "
@@ -27,6 +31,10 @@ static const char HELP[] =
     "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001)\n"
     "  --shots N         stop when so many were shot, those of a run that is resumed included\n"
     "  --seconds S       stop after S seconds of shooting, 0.001 to 1e6\n"
+    "  --final-gather    then gather the light at every vertex once more, from all that it sees: sharper "
+    "shadows, "
+    "for\n"
+    "                    about half a millisecond each\n"
     "  --method NAME     how form factors are found (default hemisphere); below\n"
     "  --resolution R    pixels, lines or rays across, 8 to 2000 (default 100)\n"
     "  --hidden NAME     what fills the sides of `hemicube`: one of the hidden-surface methods below "
@@ -55,6 +63,7 @@ enum {
     RESIDUAL,
     SHOTS,
     SECONDS,
+    FINAL_GATHER,
     METHOD,
     HIDDEN,
     RESOLUTION,
@@ -80,6 +89,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"residual", required_argument, NULL, RESIDUAL},
                                         {"shots", required_argument, NULL, SHOTS},
                                         {"seconds", required_argument, NULL, SECONDS},
+                                        {"final-gather", no_argument, NULL, FINAL_GATHER},
                                         {"method", required_argument, NULL, METHOD},
                                         {"hidden", required_argument, NULL, HIDDEN},
                                         {"resolution", required_argument, NULL, RESOLUTION},
@@ -181,6 +191,11 @@ static int parse_light(int c, char **argv, Arguments *a) {
     }
 }
 
+static bool is_model(const char *path) {
+    size_t length = strlen(path);
+    return length > 4 && strcasecmp(path + length - 4, ".glb") == 0;
+}
+
 static int parse_option(int c, char **argv, Arguments *a) {
     BakeArguments *b = &a->bake;
     switch (c) {
@@ -194,7 +209,7 @@ static int parse_option(int c, char **argv, Arguments *a) {
         b->load.map = optarg;
         return APP_GOOD;
     case 'o':
-        b->out = optarg;
+        *(is_model(optarg) ? &b->model : &b->out) = optarg;
         return APP_GOOD;
     case 't':
         b->rad.threads = b->load.vis.threads = 1;
@@ -203,6 +218,9 @@ static int parse_option(int c, char **argv, Arguments *a) {
         return APP_GOOD;
     case RESUME:
         b->resume = true;
+        return APP_GOOD;
+    case FINAL_GATHER:
+        b->final_gather = true;
         return APP_GOOD;
     case DOORS:
         return parse_index("--doors", BAKE_DOORS_NAMES, BAKE_DOORS, &b->doors);

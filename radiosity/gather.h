@@ -1,0 +1,36 @@
+// gather.h - the light that arrives at a point, gathered from all that it sees of a solution (final gather; Reichert 1992).
+#ifndef RADIOSITY_GATHER_H
+#define RADIOSITY_GATHER_H
+
+#include "radiosity/reconstruct.h"
+
+typedef struct GatherOptions {
+    const FormFactorMethod *method;  // what the mean of each element counts
+    int resolution;                  // of it, 8 .. 2000
+    ViewCulling culling;
+    bool exact_lamps;  // what faces emit by closed form, whatever the method
+} GatherOptions;
+GatherOptions gather_default_options(void);
+// As exact as it gets, at ten times the cost: analytic rows.
+GatherOptions gather_exact_options(void);
+
+// What is gathered.
+typedef struct GatherScene {
+    const Mesh *mesh;
+    const StabForest *forest;
+    const float *door_open;
+    const RadSolution *solution;
+    const VertexLight *light;  // says how light slopes in each element; NULL: not at all
+} GatherScene;
+
+// One thread's.
+typedef struct Gatherer Gatherer;
+Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena);
+void gatherer_end(Gatherer *self);
+// W/m^2 a channel. Allocates nothing.
+void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);
+
+// The cell in front of a point of a surface, -1 where there is none (then nothing is culled); `hint` as for vis_locate.
+int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint);
+
+#endif

@@ -1,0 +1,167 @@
+// test_gather.c - light gathered at points: lamps as closed forms say whatever samples see, slopes in elements as finer elements have
+// them, and what is culled is not missed.
+#include <criterion/criterion.h>
+#include <stdio.h>
+
+#include "radiosity/final_gather.h"
+#include "tests/lit_fixture.h"
+
+static void gather_once(const GatherScene *scene, const GatherOptions *options, Vec3 p, Vec3 n,
+                        double out[3]) {
+    Arena arena = {0};
+    Gatherer *gatherer = gatherer_new(scene, options, &arena);
+    gather(gatherer, &(ViewPoint){p, n, gather_cell(scene->mesh->graph, p, n, -1)}, out);
+    gatherer_end(gatherer);
+    arena_free(&arena);
+}
+
+// Proves that with exact lamps a few hundred samples give direct light to rounding: a unit square 1 m above a point, by the table of
+// ../shared/references.md; and that half of it hidden by an edge is half of it.
+Test(gather, lamps_are_exact) {
+    for (int hidden = 0; hidden < 2; hidden++) {
+        Lit *lit = lit_new();
+        RadSolution s;
+        lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+        lit_lamp(lit, vec3(2, 1.5, 2));
+        if (hidden)
+            lit_quad(lit, vec3(2, 0.5, 1.5), vec3(4, 0.5, 1.5), vec3(4, 2.5, 1.5), vec3(2, 2.5, 1.5),
+                     LIT_WALL);
+        lit_finish(lit, 0.5, 2);
+        RadOptions nothing = rad_default_options();
+        nothing.residual = 1;
+        lit_shoot(lit, &nothing, &s);
+        GatherScene scene = {&lit->mesh, &lit->forest, NULL, &s, NULL};
+        GatherOptions options = gather_default_options();
+        options.resolution = 16;
+        double h[3], expected = .23945647046 / (hidden ? 2 : 1);
+        gather_once(&scene, &options, vec3(2, 1.5, 1), vec3(0, 0, 1), h);
+        cr_assert_float_eq(h[0], 12 * expected, 1e-6);
+        cr_assert_float_eq(h[2], 6 * expected, 1e-6);
+        gather_once(&scene, &options, vec3(2, 1.5, 2), vec3(0, 0, -1), h);
+        cr_assert_eq(h[0], 0);
+        lit_free(lit);
+    }
+}
+
+// Light that grows along a room's floor and walls, as elements of a side hold it.
+static double in_sloped_room(double side, bool slopes, const GatherOptions *options, Vec3 p, Vec3 n) {
+    Lit *lit = lit_new();
+    double h[3];
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_finish(lit, side, 2);
+    RadSolution s = {.element_count = lit->mesh.element_count};
+    s.radiosity = arena_alloc(&lit->arena, (size_t)s.element_count, sizeof *s.radiosity);
+    for (int e = 0; e < s.element_count; e++) {
+        Vec3 c = element_centroid(&lit->mesh, e);
+        s.radiosity[e][0] = s.radiosity[e][1] = s.radiosity[e][2] = 0.2 + 3 * c.z + c.x * 0.5;
+    }
+    VertexLight light = reconstruct_light(&lit->mesh, &s, &lit->arena);
+    GatherScene scene = {&lit->mesh, &lit->forest, NULL, &s, slopes ? &light : NULL};
+    gather_once(&scene, options, p, n, h);
+    lit_free(lit);
+    return h[1];
+}
+
+// Proves that elements of half a metre with slopes give what elements of 4 cm give, at a point of the floor 2 cm from a wall,
+// which sees the foot of the wall alone on that side: within 0.3 % where constant elements are 5 % off. By both methods.
+Test(gather, slopes_are_seen) {
+    Vec3 p = {2, 0.02, 0}, n = {0, 0, 1};
+    GatherOptions fast = gather_default_options(), exact = gather_exact_options();
+    double truth = in_sloped_room(0.04, false, &exact, p, n);
+    double constant = in_sloped_room(0.5, false, &exact, p, n) / truth - 1;
+    double off = in_sloped_room(0.5, true, &exact, p, n) / truth - 1;
+    double off_fast = in_sloped_room(0.5, true, &fast, p, n) / truth - 1;
+    printf("constant %.2f %%, with slopes %.3f %%, by samples %.3f %%\n", 100 * constant, 100 * off,
+           100 * off_fast);
+    cr_assert(fabs(constant) > 0.03);
+    cr_assert(fabs(off) < 0.003);
+    cr_assert(fabs(off_fast) < 0.003);
+}
+
+// Proves that stab trees leave out nothing that gives light: exact rows, culled by the cell found for the point and not, at every
+// 7th element of rooms with furniture. 1e-9: rows are normed by their sums, which pieces in other order round otherwise.
+Test(gather, culling_misses_nothing) {
+    for (unsigned seed = 1; seed <= 3; seed++) {
+        Lit *lit = lit_rooms(seed);
+        const Mesh *mesh = &lit->mesh;
+        RadOptions some = rad_default_options();
+        some.residual = 0.05;
+        RadSolution s;
+        lit_shoot(lit, &some, &s);
+        GatherScene scene = {mesh, &lit->forest, NULL, &s, NULL};
+        GatherOptions culled = gather_exact_options(), all = culled;
+        all.culling = CULL_NOTHING;
+        Gatherer *a = gatherer_new(&scene, &culled, &lit->arena),
+                 *b = gatherer_new(&scene, &all, &lit->arena);
+        int lit_points = 0;
+        for (int e = 0; e < mesh->element_count; e += 29) {
+            Vec3 p = element_centroid(mesh, e), n = mesh->faces[mesh->elements[e].face].plane.n;
+            double h[3], expected[3];
+            ViewPoint from = {p, n, gather_cell(mesh->graph, p, n, -1)};
+            gather(a, &from, h);
+            gather(b, &from, expected);
+            cr_assert_float_eq(h[1], expected[1], 1e-9 * expected[1] + 1e-12, "seed %u, element %d", seed, e);
+            lit_points += expected[1] > 0;
+        }
+        cr_assert_gt(lit_points, 30);
+        gatherer_end(a);
+        gatherer_end(b);
+        lit_free(lit);
+    }
+}
+
+static bool never(void *context, const char *stage, double done) {
+    (void)context;
+    (void)stage;
+    return done < 0;
+}
+
+static Lit *lamp_room(double element, RadSolution *s) {
+    Lit *lit = lit_new();
+    RadOptions options = rad_default_options();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.3));
+    lit_finish(lit, element, 2);
+    lit_shoot(lit, &options, s);
+    return lit;
+}
+
+// Proves of the final gather: that one thread and three give the same bytes; that every node of the floor and the walls, corners and
+// edges included, has what an exact gather of elements of a sixth the size finds there, within 1 % in the mean (0.3 % today, 8 %
+// as interpolated); and that one that is stopped leaves the solution as it was.
+Test(gather, final_gather) {
+    RadSolution s, fine;
+    Lit *lit = lamp_room(0.5, &s), *truth = lamp_room(0.08, &fine);
+    const Mesh *mesh = &lit->mesh;
+    VertexLight light = reconstruct_light(mesh, &s, &lit->arena);
+    GatherScene scene = {mesh, &lit->forest, NULL, &s, &light};
+    GatherScene fine_scene = {&truth->mesh, &truth->forest, NULL, &fine, NULL};
+    GatherOptions options = gather_default_options(), exact = gather_exact_options();
+    Progress stop = {never, NULL};
+    cr_assert_not(final_gather(&scene, &options, 1, &stop, &lit->arena, &s));
+    cr_assert(s.node == NULL && s.node_count == 0);
+    cr_assert(final_gather(&scene, &options, 1, NULL, &lit->arena, &s));
+    double(*one)[3] = s.node;
+    cr_assert(final_gather(&scene, &options, 3, NULL, &lit->arena, &s));
+    cr_assert_eq(memcmp(one, s.node, (size_t)s.node_count * sizeof *one), 0);
+    VertexLight gathered = reconstruct_light(mesh, &s, &lit->arena);
+    Gatherer *g = gatherer_new(&fine_scene, &exact, &truth->arena);
+    double off = 0, interpolated = 0;
+    int count = 0;
+    for (int e = 0; e < mesh->element_count; e += 5) {
+        const Element *element = &mesh->elements[e];
+        Vec3 n = mesh->faces[element->face].plane.n, p = mesh->vertices[mesh->corners[element->first_corner]];
+        if (mesh_material(mesh, element->face)->emission.r > 0) continue;
+        p = vec3_lerp(p, element_centroid(mesh, e), 1e-3);
+        double h[3];
+        gather(g, &(ViewPoint){p, n, gather_cell(&truth->graph, p, n, -1)}, h);
+        off += fabs(gathered.corner[element->first_corner][1] / (0.5 * h[1]) - 1);
+        interpolated += fabs(light.corner[element->first_corner][1] / (0.5 * h[1]) - 1);
+        count++;
+    }
+    printf("gathered %.2f %%, interpolated %.2f %%\n", 100 * off / count, 100 * interpolated / count);
+    cr_assert(off / count < 0.01 && off < interpolated);
+    gatherer_end(g);
+    lit_free(lit);
+    lit_free(truth);
+}

@@ -107,7 +107,8 @@ static double *find_slopes(const Mesh *mesh, const double *light, Arena *arena) 
 static int rough_element(const Adapt *a, const Mesh *mesh, int element) {
     const Element *e = &mesh->elements[element];
     Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < e->corner_count; i++) sum = vec3_add(sum, mesh->vertices[mesh->corners[e->first_corner + i]]);
+    for (int i = 0; i < e->corner_count; i++)
+        sum = vec3_add(sum, mesh->vertices[mesh->corners[e->first_corner + i]]);
     return mesh_element_at(&a->rough, e->face, vec3_scale(sum, 1.0 / e->corner_count));
 }
 
@@ -127,7 +128,8 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     double *lamps = ARENA_ARRAY(&a->scratch, double, count), power = 0, area = 0;
     a->reflected = ARENA_ARRAY(&a->scratch, double, count);
     a->rate = ARENA_ARRAY(&a->scratch, double, count);
-    if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, lamps, error)) return false;
+    if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, lamps, error))
+        return false;
     for (int e = 0; e < count; e++) {
         power += a->rough.elements[e].area * a->reflected[e];
         area += a->rough.elements[e].area;
@@ -201,7 +203,8 @@ static unsigned char limit(int depth) {
 // Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
 // root of 1 / light. Lamps count as bright as they are.
 static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
-    double edge = mesh->options.element * mesh->options.per_patch * pow(fmax(light, a->dark) / a->mean, -0.25);
+    double edge =
+        mesh->options.element * mesh->options.per_patch * pow(fmax(light, a->dark) / a->mean, -0.25);
     int depth = splits_to(root, edge);
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }

@@ -39,7 +39,8 @@ static inline int face_grid_element(const FaceGrid *grid, int i, int j) {
         int i0 = i > reach ? i - reach : 0, i1 = i + reach < grid->nx ? i + reach : grid->nx - 1;
         int j0 = j > reach ? j - reach : 0, j1 = j + reach < grid->ny ? j + reach : grid->ny - 1;
         for (int v = j0; v <= j1 && element < 0; v++)
-            for (int u = i0; u <= i1 && element < 0; u++) element = mesh_square(grid->mesh, grid->first_square + v * grid->nx + u);
+            for (int u = i0; u <= i1 && element < 0; u++)
+                element = mesh_square(grid->mesh, grid->first_square + v * grid->nx + u);
     }
     return element;
 }

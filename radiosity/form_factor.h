@@ -11,7 +11,7 @@ enum { FORM_FACTOR_FINEST = 2000 };
 
 typedef struct FormFactorOptions {
     int resolution;  // pixels across the hemicube's top or the hemisphere's base, 8 .. FORM_FACTOR_FINEST; lines of scan-line
-                     // methods, rays across of `ray`
+        // methods, rays across of `ray`
     double edge_threshold;  // of hemisphere-polyline: an edge is cut until its parts span less, radians
     const char *hidden;     // of hemicube: the hidden-surface method that fills its sides; NULL: its own
 } FormFactorOptions;

@@ -12,7 +12,9 @@ static const double MOST_ELEMENTS = 2e7;
 // a building has.
 static const double IN_FRONT = 1e-6;
 
-MeshOptions mesh_default_options(void) { return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05}; }
+MeshOptions mesh_default_options(void) {
+    return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05};
+}
 
 // ---- faces
 
@@ -221,7 +223,8 @@ static double depth_in(const Mesh *mesh, int index, Vec3 point) {
     Vec3 n = mesh->faces[element->face].plane.n;
     double least = INFINITY;
     for (int i = 0; i < element->corner_count; i++) {
-        Vec3 edge[2] = {mesh->vertices[corner[i]], mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]]};
+        Vec3 edge[2] = {mesh->vertices[corner[i]],
+                        mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]]};
         Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(edge[1], edge[0])));
         least = fmin(least, vec3_dot(inwards, vec3_sub(point, edge[0])));
     }

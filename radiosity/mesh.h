@@ -22,9 +22,9 @@ enum {
 };
 
 typedef struct MeshOptions {
-    double element;  // edge length aimed at, metres, 0.01 .. 100
-    int per_patch;   // elements along the side of a patch, 1 .. 16
-    double close;    // elements are cut along what is so near to a face, metres, 0: none is, .. 1
+    double element;            // edge length aimed at, metres, 0.01 .. 100
+    int per_patch;             // elements along the side of a patch, 1 .. 16
+    double close;              // elements are cut along what is so near to a face, metres, 0: none is, .. 1
     const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m
@@ -39,9 +39,10 @@ typedef struct Face {
         vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
                           // face that lies on an edge among them, so that neighbours share whole edges
     Vec3 origin, gx, gy;  // 1 / metres
-    int nx, ny, first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not, ~k - 1 where
-                               // several are: Mesh.shared[k] of them, k + 1 .., the largest first
-    int root;                  // squares along the side of a root, or of a patch where there are no splits
+    int nx, ny,
+        first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not, ~k - 1 where
+                       // several are: Mesh.shared[k] of them, k + 1 .., the largest first
+    int root;          // squares along the side of a root, or of a patch where there are no splits
     int first_element, element_count;
     int first_patch, patch_count;
 } Face;

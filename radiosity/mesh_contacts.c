@@ -90,7 +90,8 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
     for (int i = 0; i < face->vertex_count; i++) {
         Vec3 p = points_of(c)[outline[i]], q = points_of(c)[outline[(i + 1) % face->vertex_count]];
         Vec3 inwards = vec3_normalize(vec3_cross(face->plane.n, vec3_sub(q, p)));
-        double from = vec3_dot(inwards, vec3_sub(a, p)) - AT_BORDER, to = vec3_dot(inwards, vec3_sub(b, p)) - AT_BORDER;
+        double from = vec3_dot(inwards, vec3_sub(a, p)) - AT_BORDER,
+               to = vec3_dot(inwards, vec3_sub(b, p)) - AT_BORDER;
         if (from <= 0 && to <= 0) return;
         if (from < 0) t0 = fmax(t0, from / (from - to));
         if (to < 0) t1 = fmin(t1, from / (from - to));
@@ -100,7 +101,8 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
     double facing = vec3_dot(face->plane.n, other->plane.n);
     Vec3 open = vec3_sub(other->plane.n, vec3_scale(face->plane.n, facing));
     if (fabs(facing) > ALONG) open = vec3(0, 0, 0);
-    MeshCut cut = {vec3_sub(vec3_lerp(a, b, t0), face->origin), vec3_sub(vec3_lerp(a, b, t1), face->origin), open};
+    MeshCut cut = {vec3_sub(vec3_lerp(a, b, t0), face->origin), vec3_sub(vec3_lerp(a, b, t1), face->origin),
+                   open};
     *ARENA_PUSH(&builder->cut_arena, builder->cuts, builder->cut_count, builder->cut_capacity) = cut;
 }
 
@@ -113,7 +115,8 @@ static void meet(Contacts *c, const Face *face, const Face *other) {
     for (int i = 0; i < other->vertex_count; i++) {
         Vec3 a = points_of(c)[outline[i]], b = points_of(c)[outline[(i + 1) % other->vertex_count]];
         double above_a = plane_distance(face->plane, a), above_b = plane_distance(face->plane, b);
-        bool close_a = above_a > -AT_BORDER && above_a < c->close, close_b = above_b > -AT_BORDER && above_b < c->close;
+        bool close_a =
+            above_a > -AT_BORDER && above_a<c->close, close_b = above_b> - AT_BORDER && above_b < c->close;
         if (close_a && close_b) {
             add_cut(c, face, other, vec3_sub(a, vec3_scale(face->plane.n, above_a)),
                     vec3_sub(b, vec3_scale(face->plane.n, above_b)));

@@ -53,7 +53,8 @@ typedef struct MeshPiece {
 } MeshPiece;
 enum { MESH_MOST_PIECES = 32 };
 // mesh_pieces.c: cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
-int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena, MeshPiece *out);
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
+                    MeshPiece *out);
 // Does something stand on that point of a face, or close before it? As the nearest cut has it.
 bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point);
 // How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.

@@ -21,7 +21,8 @@ static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
     double t0 = 0, t1 = 1;
     for (int i = 0; i < count; i++) {
         Vec3 inwards = vec3_cross(n, vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]));
-        double from = vec3_dot(inwards, vec3_sub(cut->from, v[i])), to = vec3_dot(inwards, vec3_sub(cut->to, v[i]));
+        double from = vec3_dot(inwards, vec3_sub(cut->from, v[i])),
+               to = vec3_dot(inwards, vec3_sub(cut->to, v[i]));
         if (from <= 0 && to <= 0) return 0;
         if (from < 0) t0 = fmax(t0, from / (from - to));
         if (to < 0) t1 = fmin(t1, from / (from - to));
@@ -46,7 +47,8 @@ static MeshPiece half(const MeshPiece *piece, Plane keep, Arena *arena) {
     return out;
 }
 
-int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena, MeshPiece *out) {
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
+                    MeshPiece *out) {
     Vec3 n = builder->mesh->faces[face].plane.n;
     int pieces = 1;
     out[0] = (MeshPiece){.v = ARENA_ARRAY(arena, Vec3, count), .count = count, .element = -1};
@@ -58,7 +60,8 @@ int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int cou
         // Those that the line itself runs through, not what lies beyond its ends.
         for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
             MeshPiece whole = out[k];
-            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN) continue;
+            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
+                continue;
             out[k] = half(&whole, before, arena);
             out[pieces++] = half(&whole, behind, arena);
         }

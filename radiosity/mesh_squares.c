@@ -183,7 +183,8 @@ static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double 
 }
 
 // Returns false where nothing is left once its corners are places.
-static bool add_element(Cutting *c, const Vec3 *v, int count, int depth, Patch *patch, Vec3 *moment, double *weight) {
+static bool add_element(Cutting *c, const Vec3 *v, int count, int depth, Patch *patch, Vec3 *moment,
+                        double *weight) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
     int first = mesh->corner_count;
@@ -307,7 +308,8 @@ static int share_leaf(Cutting *c, const MeshPiece *pieces, int piece_count) {
 }
 
 // The element that a whole square is in, else `code`.
-static int element_about(const Cutting *c, Vec3 middle, double reach, const MeshPiece *pieces, int count, int code) {
+static int element_about(const Cutting *c, Vec3 middle, double reach, const MeshPiece *pieces, int count,
+                         int code) {
     for (int i = 0; i < count; i++) {
         const MeshPiece *piece = &pieces[i];
         if (piece->element >= 0 && mesh_inside(piece->v, piece->count, c->face->plane.n, middle) > reach)
@@ -319,12 +321,14 @@ static int element_about(const Cutting *c, Vec3 middle, double reach, const Mesh
 static void give_squares(Cutting *c, MeshBlock b, const MeshPiece *pieces, int count, int *squares) {
     const Face *face = c->face;
     int code = share_leaf(c, pieces, count);
-    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)), y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
+         y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
     double reach = 0.5 * vec3_length(vec3_add(x, y));
     for (int j = b.j0; j <= b.j1; j++) {
         for (int i = b.i0; i <= b.i1; i++) {
             Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
-            squares[j * face->nx + i] = code < -1 ? element_about(c, middle, reach, pieces, count, code) : code;
+            squares[j * face->nx + i] =
+                code < -1 ? element_about(c, middle, reach, pieces, count, code) : code;
         }
     }
 }

@@ -39,8 +39,8 @@ struct NearPairs {
     const Mesh *mesh;
     double reach;
     Vec3 origin;
-    Ball *balls;    // [element_count]
-    float *factor;  // [element_count] of the row
+    Ball *balls;     // [element_count]
+    float *factor;   // [element_count] of the row
     Mended *mended;  // [element_count]
     Row row;
 };

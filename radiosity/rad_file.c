@@ -131,8 +131,7 @@ static bool read_file(const char *path, const Building *building, Arena *arena, 
     memcpy(h, file.data, sizeof *h);
     *body = file.data + sizeof *h;
     return check_rest(path, h, building, error) &&
-           derived_check_body(path, &KIND, file,
-                              sizes_of(h).total, error);
+           derived_check_body(path, &KIND, file, sizes_of(h).total, error);
 }
 
 static bool same_splits(const MeshSplits *splits, const Header *h, const unsigned char *body) {
@@ -156,8 +155,8 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
                          h->element, h->per_patch, o->element, o->per_patch);
     }
     if (h->close != o->close)
-        return error_set(error, "%s: has elements cut along what is %g m from them (asked for: %g m)", path, h->close,
-                         o->close);
+        return error_set(error, "%s: has elements cut along what is %g m from them (asked for: %g m)", path,
+                         h->close, o->close);
     if (!same_splits(o->splits, h, body))
         return error_set(error, "%s: its elements are not split as those asked for", path);
     for (int i = 0; i < h->door_count; i++) {
@@ -205,7 +204,8 @@ static bool is_light(double (*v)[3], int count) {
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->unshot, s->patch_count) &&
         is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
-        is_light(&s->escaped, 1) && is_light(&s->sky, 1) && is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        is_light(&s->escaped, 1) && is_light(&s->sky, 1) && is_light(&s->outdoors, 1) && s->shots >= 0 &&
+        s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }
@@ -248,8 +248,10 @@ bool rad_load_options(const char *path, const Building *building, Arena *arena, 
     const unsigned char *body;
     bool good = read_file(path, building, &scratch, &h, &body, error) && check_options(path, &h, body, error);
     if (good) {
-        *out = (MeshOptions){
-            .element = h.element, .per_patch = h.per_patch, .close = h.close, .splits = read_splits(&h, body, arena)};
+        *out = (MeshOptions){.element = h.element,
+                             .per_patch = h.per_patch,
+                             .close = h.close,
+                             .splits = read_splits(&h, body, arena)};
         memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);
     }
     arena_free(&scratch);

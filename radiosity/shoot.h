@@ -10,9 +10,9 @@ typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
     ViewCulling culling;
-    bool lamps_only;   // only what is emitted is shot, nothing that was reflected
-    int lamp_detail;   // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
-    double reach;      // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
+    bool lamps_only;  // only what is emitted is shot, nothing that was reflected
+    int lamp_detail;  // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
+    double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
     double seconds;    // or then, 0: no limit

@@ -25,7 +25,7 @@ typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
     FormFactor *form_factor, *of_lamps;
-    NearPairs *near;  // NULL: patches are points
+    NearPairs *near;    // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
     size_t kept_bytes;  // of all its blocks
@@ -102,7 +102,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
 
 void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
-        if (rows->makers[t].of_lamps != rows->makers[t].form_factor) form_factor_end(rows->makers[t].of_lamps);
+        if (rows->makers[t].of_lamps != rows->makers[t].form_factor)
+            form_factor_end(rows->makers[t].of_lamps);
         form_factor_end(rows->makers[t].form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);

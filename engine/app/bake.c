@@ -35,8 +35,10 @@ typedef struct Bake {
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 BakeArguments bake_default_arguments(void) {
-    BakeArguments a = {
-        .load = app_default_options(), .mesh = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
+    BakeArguments a = {.load = app_default_options(),
+                       .mesh = mesh_default_options(),
+                       .adapt = adapt_default_options(),
+                       .rad = rad_default_options()};
     a.load.lamps = true;
     return a;
 }
@@ -83,9 +85,10 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     AdaptOptions adapt = bake->a->adapt;
     memcpy(adapt.sky, bake->a->sky, sizeof adapt.sky);
     Progress none = {0};
-    bool good = adapt.share > 0
-                    ? adapt_mesh(&scene, &bake->a->mesh, &adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
-                    : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
+    bool good =
+        adapt.share > 0
+            ? adapt_mesh(&scene, &bake->a->mesh, &adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
+            : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
     arena_free(&scratch);
     bake->mesh_seconds = clock_seconds() - start;
     return good;
@@ -214,19 +217,21 @@ static json_t *facts_of(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->a->rad;
     double emitted = sum3(s->emitted);
-    json_t *facts = json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s s:i s:s s:f s:f}",
-        "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
-        bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
-        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
-        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
-        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
-        sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds", bake->seconds,
-        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds, "seconds_visibility",
-        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
-        peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
-        VIEW_CULLING_NAMES[rad->culling], "sky",
-        sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky", bake->sky_seconds);
+    json_t *facts =
+        json_pack("{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s "
+                  "s:i s:s s:f s:f}",
+                  "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
+                  bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
+                  "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept",
+                  (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean",
+                  r->elements_drawn_mean, "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted,
+                  "absorbed", sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds",
+                  bake->seconds, "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds,
+                  "seconds_visibility", r->seconds_visibility, "seconds_gather", bake->gather_seconds,
+                  "nodes", s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
+                  rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "sky",
+                  sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
+                  bake->sky_seconds);
     CORE_ASSERT(facts);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
     if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));

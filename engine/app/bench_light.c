@@ -30,8 +30,8 @@ typedef struct Way {
     bool unculled, keeps_no_rows;
     double residual;
     int resolution;
-    double share, smallest;     // of elements that a mesh without splits has; below 0: no splits
-    double reach, close;  // below 0: none
+    double share, smallest;  // of elements that a mesh without splits has; below 0: no splits
+    double reach, close;     // below 0: none
 } Way;
 
 static const Way WAYS[] = {
@@ -64,6 +64,10 @@ static const Way WAYS[] = {
     {.name = "residual-0.0001", .residual = 1e-4},
     {.name = "resolution-50", .resolution = 50},
     {.name = "resolution-200", .resolution = 200},
+    {.name = "e17", .share = -1, .element = .17},
+    {.name = "e17-s0.4", .share = 0.4, .element = .17},
+    {.name = "e17-uncut", .share = -1, .element = .17, .close = -1},
+    {.name = "e17-centre", .share = -1, .element = .17, .reach = -1},
     {.name = "finest", .element = 0.17, .per_patch = 1, .residual = 1e-4, .resolution = 200},
 };
 
@@ -132,7 +136,7 @@ static double find_errors(LightBench *b, const Mesh *mesh, const RadSolution *so
         probes.probes[i] = (Probe){.place = b->points.points[i].place, .normal = b->points.points[i].normal};
     double begin = clock_seconds();
     VertexLight field = reconstruct_light(mesh, solution, &scratch);
-    GatherScene scene = {mesh, &b->scene.forest, b->doors, solution, getenv("SLOPES") ? &field : NULL};
+    GatherScene scene = {mesh, &b->scene.forest, b->doors, solution, NULL};
     bake_probes_gather(&scene, &probes);
     double seconds = clock_seconds() - begin;
     for (int i = 0; i < count; i++) {
@@ -274,9 +278,11 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     memcpy(adapt.sky, b->arguments->sky, sizeof adapt.sky);
     AdaptScene scene = {&b->scene.graph, b->vertices, &b->scene.forest, b->doors};
     double begin = clock_seconds();
-    bool good = (adapt.share > 0 ? adapt_mesh(&scene, &baked.mesh, &adapt, &baked.rad, NULL, &arena, &mesh, error)
-                                 : mesh_build(&b->scene.graph, b->vertices, b->doors, &baked.mesh, &arena, &mesh, error)) &&
-                rad_start_dark(&mesh, &arena, &solution, error);
+    bool good =
+        (adapt.share > 0
+             ? adapt_mesh(&scene, &baked.mesh, &adapt, &baked.rad, NULL, &arena, &mesh, error)
+             : mesh_build(&b->scene.graph, b->vertices, b->doors, &baked.mesh, &arena, &mesh, error)) &&
+        rad_start_dark(&mesh, &arena, &solution, error);
     if (good) {
         if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
             rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, &solution);

@@ -2,8 +2,8 @@
 // element, about the element's own mean. (Interpolated light itself has not quite the power of the elements, and is farther
 // off than constant elements are; slopes about their means halve the error.)
 //
-// Source: M. C. Reichert, A Two-Pass Radiosity Method Driven by Lights and Viewer Position, 1992 (the last bounce is gathered where
-// it is looked at).
+// Source: M. C. Reichert, A Two-Pass Radiosity Method Driven by Lights and Viewer Position, 1992 (the last bounce is gathered
+// where it is looked at).
 #include "radiosity/gather.h"
 
 #include "engine/core/error.h"

@@ -1,7 +1,7 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (derived.h), state of each door, radiosities, unshot, radiosities of nodes if gathered. The mesh is not stored: it is made again from the
-// building, and `geometry`, the hash of the elements, says whether it came out the same.
+// Layout: header (derived.h), state of each door, radiosities, unshot, radiosities of nodes if gathered. The mesh is not
+// stored: it is made again from the building, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <stdlib.h>
 #include <string.h>
 

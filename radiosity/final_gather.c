@@ -1,8 +1,8 @@
 // final_gather.c - a gather at each node (Reichert 1992; Cohen & Wallace 1993, chapter 11): B = E + rho H.
 //
-// A node lies on edges, where walls hold the eye in their planes and a corner's other wall is not in sight: it is moved a hair towards
-// the middle of the elements that meet there. Where they lie in one plane one look does for all; of round things each is looked
-// from with its own normal, since a point between facets is inside.
+// A node lies on edges, where walls hold the eye in their planes and a corner's other wall is not in sight: it is moved a
+// hair towards the middle of the elements that meet there. Where they lie in one plane one look does for all; of round things
+// each is looked from with its own normal, since a point between facets is inside.
 #include "radiosity/final_gather.h"
 
 #include "engine/core/parallel.h"

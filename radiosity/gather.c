@@ -2,8 +2,8 @@
 // element, about the element's own mean. (Interpolated light itself has not quite the power of the elements, and is farther
 // off than constant elements are; slopes about their means halve the error.)
 //
-// Source: M. C. Reichert, A Two-Pass Radiosity Method Driven by Lights and Viewer Position, 1992 (the last bounce is gathered where
-// it is looked at).
+// Source: M. C. Reichert, A Two-Pass Radiosity Method Driven by Lights and Viewer Position, 1992 (the last bounce is gathered
+// where it is looked at).
 #include "radiosity/gather.h"
 
 #include "engine/core/error.h"
@@ -44,6 +44,22 @@ struct Gatherer {
     bool any_lamp;
 };
 
+// As much of the slope as keeps the element's light at 0 or above: beside bright things elements are too coarse to be straight.
+static void limit_slope(const Gatherer *self, int element, Leaving *out) {
+    const Mesh *mesh = self->scene.mesh;
+    const Element *e = &mesh->elements[element];
+    Vec3 centre = element_centroid(mesh, element);
+    for (int c = 0; c < 3; c++) {
+        double mean = self->scene.solution->radiosity[element][c], lowest = 0;
+        for (int i = e->first_corner; i < e->first_corner + e->corner_count; i++) {
+            Vec3 p = vec3_sub(mesh->vertices[mesh->corners[i]], centre);
+            lowest = fmin(lowest, vec3_dot(out->slope[c], p));
+        }
+        if (mean + lowest < 0) out->slope[c] = vec3_scale(out->slope[c], -mean / lowest);
+        out->offset[c] = vec3_dot(out->slope[c], centre);
+    }
+}
+
 // How the corners' light slopes, about their mean, in the face's axes.
 static void fit_slope(const Gatherer *self, int element, Leaving *out) {
     const Mesh *mesh = self->scene.mesh;
@@ -64,12 +80,10 @@ static void fit_slope(const Gatherer *self, int element, Leaving *out) {
     }
     double det = xx * yy - xy * xy;
     if (!(det > 0)) return;
-    Vec3 centre = element_centroid(mesh, element);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         out->slope[c] = vec3_add(vec3_scale(x, (bx[c] * yy - by[c] * xy) / det),
                                  vec3_scale(y, (by[c] * xx - bx[c] * xy) / det));
-        out->offset[c] = vec3_dot(out->slope[c], centre);
-    }
+    limit_slope(self, element, out);
 }
 
 static void rgb3(Rgb from, double out[3]) {
@@ -194,7 +208,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     if (self->any_lamp) add_lamps(self, view, irradiance);
     if (!one) add_row(self, view, irradiance);
     if (self->samples) add_samples(self, view, one, irradiance);
-    // Slopes reach below 0 in elements that are dark at one end.
+    // Samples may sum slopes to less than nothing beside exact means and exact lamps.
     for (int c = 0; c < 3; c++) irradiance[c] = fmax(irradiance[c], 0);
 }
 

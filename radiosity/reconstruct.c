@@ -1,11 +1,11 @@
-// reconstruct.c - nodal radiosities: at each node a plane is laid through the elements around it, by least squares, and read where
-// the node is.
+// reconstruct.c - nodal radiosities: at each node a plane is laid through the elements around it, by least squares, and read
+// where the node is.
 //
-// Source: M. F. Cohen & D. P. Greenberg, The Hemi-Cube, 1985, section 7: the mean of the elements around a vertex, extrapolated at
-// borders. Departure: there borders are extrapolated along rows of quadrilaterals; here by a fit weighted with 1 / distance^2
-// (moving least squares; Lancaster & Salkauskas 1981), which asks nothing of the elements' shapes and sizes and is the mean
-// of four equal squares. An element's radiosity is the mean over it, which a linear field has at its centroid: so linear fields
-// come back as they are, also at borders and where elements of several sizes meet.
+// Source: M. F. Cohen & D. P. Greenberg, The Hemi-Cube, 1985, section 7: the mean of the elements around a vertex,
+// extrapolated at borders. Departure: there borders are extrapolated along rows of quadrilaterals; here by a fit weighted
+// with 1 / distance^2 (moving least squares; Lancaster & Salkauskas 1981), which asks nothing of the elements' shapes and
+// sizes and is the mean of four equal squares. An element's radiosity is the mean over it, which a linear field has at its
+// centroid: so linear fields come back as they are, also at borders and where elements of several sizes meet.
 #include "radiosity/reconstruct.h"
 
 #include "engine/core/error.h"
@@ -14,8 +14,8 @@
 // A node's value is a sum of its elements' with factors that sum to 1; the sum of their squares says how much noise of elements
 // it has. Up to 1 it is no noisier than an element: it lies among those that meet there.
 static const double AMONG = 1;
-// What extrapolation may cost: at a corner of equal squares 2.3; 6.5 where a large square stands in the corner with far smaller ones
-// behind it, whose centroids are near its own.
+// What extrapolation may cost: at a corner of equal squares 2.3; 6.5 where a large square stands in the corner with far
+// smaller ones behind it, whose centroids are near its own.
 static const double MOST_NOISE = 8;
 // Centroids nearer than this, metres squared, count no more: rounding.
 static const double NEAREST = 1e-18;

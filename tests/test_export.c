@@ -1,5 +1,5 @@
-// test_export.c - an exported model read back by our own reader: bounds, doors' leaves, viewpoints; and in its bytes the light of the
-// solution times the exposure it tells.
+// test_export.c - an exported model read back by our own reader: bounds, doors' leaves, viewpoints; and in its bytes the
+// light of the solution times the exposure it tells.
 #include <criterion/criterion.h>
 #include <jansson.h>
 
@@ -88,8 +88,8 @@ static Moment moment_of_written(const Written *w) {
 
 static void expect_near(Vec3 a, Vec3 b) { cr_assert_lt(vec3_length(vec3_sub(a, b)), 1e-4); }
 
-// Proves that a house with its doors at any angle comes back where it was: the same bounds and area, to floats a hundred metres from the
-// middle. So leaves' poses, the turn to y up and back, and positions are right.
+// Proves that a house with its doors at any angle comes back where it was: the same bounds and area, to floats a hundred
+// metres from the middle. So leaves' poses, the turn to y up and back, and positions are right.
 Test(export, comes_back_in_its_place) {
     for (int k = 0; k <= 2; k++) {
         Lit *lit = read_house();

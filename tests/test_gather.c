@@ -1,5 +1,5 @@
-// test_gather.c - light gathered at points: lamps as closed forms say whatever samples see, slopes in elements as finer elements have
-// them, and what is culled is not missed.
+// test_gather.c - light gathered at points: lamps as closed forms say whatever samples see, slopes in elements as finer
+// elements have them, and what is culled is not missed.
 #include <criterion/criterion.h>
 #include <stdio.h>
 
@@ -15,8 +15,8 @@ static void gather_once(const GatherScene *scene, const GatherOptions *options, 
     arena_free(&arena);
 }
 
-// Proves that with exact lamps a few hundred samples give direct light to rounding: a unit square 1 m above a point, by the table of
-// ../shared/references.md; and that half of it hidden by an edge is half of it.
+// Proves that with exact lamps a few hundred samples give direct light to rounding: a unit square 1 m above a point, by the
+// table of ../shared/references.md; and that half of it hidden by an edge is half of it.
 Test(gather, lamps_are_exact) {
     for (int hidden = 0; hidden < 2; hidden++) {
         Lit *lit = lit_new();
@@ -126,9 +126,9 @@ static Lit *lamp_room(double element, RadSolution *s) {
     return lit;
 }
 
-// Proves of the final gather: that one thread and three give the same bytes; that every node of the floor and the walls, corners and
-// edges included, has what an exact gather of elements of a sixth the size finds there, within 1 % in the mean (0.3 % today, 8 %
-// as interpolated); and that one that is stopped leaves the solution as it was.
+// Proves of the final gather: that one thread and three give the same bytes; that every node of the floor and the walls,
+// corners and edges included, has what an exact gather of elements of a sixth the size finds there, within 1 % in the mean
+// (0.3 % today, 8 % as interpolated); and that one that is stopped leaves the solution as it was.
 Test(gather, final_gather) {
     RadSolution s, fine;
     Lit *lit = lamp_room(0.5, &s), *truth = lamp_room(0.08, &fine);

@@ -346,8 +346,9 @@ static double drawn(const Mesh *mesh, const VertexLight *light, const Element *e
     return sum;
 }
 
-// Proves that what is shown has the power of what was computed: of a room lit by radiosity each face of at least 20 elements within
-// 4 % (bent light lies above or below the triangles laid through it; 3 % at most today), and all of them within 1 % (0.6 %).
+// Proves that what is shown has the power of what was computed: of a room lit by radiosity each face of at least 20 elements
+// within 4 % (bent light lies above or below the triangles laid through it; 3 % at most today), and all of them within 1 %
+// (0.6 %).
 Test(reconstruct, keeps_the_power) {
     Lit *lit = room();
     const Mesh *mesh = &lit->mesh;

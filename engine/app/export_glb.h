@@ -4,9 +4,9 @@
 
 #include "radiosity/shoot.h"
 
-// Elements as triangles, each vertex in the light that leaves it times an exposure, which `extras` of the scene tell. Storeys, rooms
-// and things are nodes under their names, leaves of doors turn about their hinges, viewpoints are cameras. The file appears whole or
-// not at all.
+// Elements as triangles, each vertex in the light that leaves it times an exposure, which `extras` of the scene tell.
+// Storeys, rooms and things are nodes under their names, leaves of doors turn about their hinges, viewpoints are cameras. The
+// file appears whole or not at all.
 bool export_glb(const char *path, const Mesh *mesh, const RadSolution *solution, const float *door_open,
                 Error *error);
 

@@ -1,5 +1,5 @@
-// export_mesh.c - elements as triangles, a primitive a material. A vertex is a node of light: neighbours that are smooth share it,
-// so that no crack can open between them.
+// export_mesh.c - elements as triangles, a primitive a material. A vertex is a node of light: neighbours that are smooth
+// share it, so that no crack can open between them.
 #include "engine/app/export_parts.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-// export_nodes.c - the tree of a building as glTF nodes, leaves of doors where they stand, and viewpoints as cameras. All is z up, as
-// buildings are; the root turns it to y up.
+// export_nodes.c - the tree of a building as glTF nodes, leaves of doors where they stand, and viewpoints as cameras. All is
+// z up, as buildings are; the root turns it to y up.
 #include "engine/app/export_parts.h"
 
 static const double ASPECT = 16.0 / 9;  // of cameras: Viewpoint.fov is across
@@ -21,7 +21,8 @@ static void pose_leaf(const Export *e, const Leaf *leaf, json_t *node) {
                                   leaf->slide.x, leaf->slide.y, "rise", leaf->rise));
 }
 
-// The turn that takes a camera's axes (looks along -z, y up) to yaw and pitch: about x by a right angle and the pitch, then about z.
+// The turn that takes a camera's axes (looks along -z, y up) to yaw and pitch: about x by a right angle and the pitch, then
+// about z.
 static json_t *camera_turn(double yaw, double pitch) {
     double a = (M_PI / 2 + pitch) / 2, b = (yaw - M_PI / 2) / 2;
     return json_pack("[f f f f]", sin(a) * cos(b), sin(a) * sin(b), cos(a) * sin(b), cos(a) * cos(b));

@@ -1,5 +1,5 @@
-// export_tree.c - who stands where: walls, floors and ceilings belong to their room, leaves and frames to their opening, furniture to
-// the room that its middle is in.
+// export_tree.c - who stands where: walls, floors and ceilings belong to their room, leaves and frames to their opening,
+// furniture to the room that its middle is in.
 #include "engine/app/export_tree.h"
 
 typedef struct Builder {

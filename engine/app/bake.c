@@ -46,9 +46,8 @@ static float *make_doors(const Building *b, int state, Arena *arena) {
     return doors;
 }
 
-static bool check_size(const Bake *bake, Error *error) {
-    const CellGraph *graph = &bake->scene.graph;
-    double area = 0, side = bake->a->mesh.element;
+static bool check_size(const BakeArguments *a, const CellGraph *graph, Error *error) {
+    double area = 0, side = a->mesh.element;
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
         area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
@@ -56,21 +55,27 @@ static bool check_size(const Bake *bake, Error *error) {
     if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
     return error_set(error,
                      "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
-                     bake->a->file, area, side, area / side / side, MOST_ELEMENTS);
+                     a->file, area, side, area / side / side, MOST_ELEMENTS);
 }
 
-static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
-    const CellGraph *graph = &bake->scene.graph;
-    if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
-    double start = clock_seconds();
+bool bake_mesh(const BakeArguments *a, const AppScene *scene, Arena *arena, float **doors, Mesh *out,
+               Error *error) {
+    const CellGraph *graph = &scene->graph;
+    if (!app_has_walls(scene, error) || !check_size(a, graph, error)) return false;
     Arena scratch = {0};
     Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
     if (graph->vertex_count > 0)
         memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    bake->doors = make_doors(&bake->scene.building, bake->a->doors, arena);
-    vis_pose(graph, bake->doors, vertices);
-    bool good = mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
+    *doors = make_doors(&scene->building, a->doors, arena);
+    vis_pose(graph, *doors, vertices);
+    bool good = mesh_build(graph, vertices, *doors, &a->mesh, arena, out, error);
     arena_free(&scratch);
+    return good;
+}
+
+static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
+    double start = clock_seconds();
+    bool good = bake_mesh(bake->a, &bake->scene, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     return good;
 }

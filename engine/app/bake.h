@@ -19,6 +19,10 @@ typedef struct BakeArguments {
 } BakeArguments;
 BakeArguments bake_default_arguments(void);
 
+// The doors, [opening_count], and the mesh that a bake of these begins with. Refuses what would be too many elements.
+bool bake_mesh(const BakeArguments *arguments, const AppScene *scene, Arena *arena, float **doors, Mesh *out,
+               Error *error);
+
 int bake(BakeArguments *arguments);  // the exit code
 
 #endif

@@ -2,7 +2,6 @@
 #ifndef WALK_LIGHT_H
 #define WALK_LIGHT_H
 
-#include "engine/walk/walk_bake.h"
 #include "radiosity/shoot.h"
 
 // What was baked, of the graph that is drawn.
@@ -11,12 +10,11 @@ typedef struct WalkLight {
     const RadSolution *solution;
 } WalkLight;
 
-// Radiosities at the corners of elements: the mean of the elements around a place that lie in one plane and are of one
-// material, [corner_count] as Mesh.corners; and of whole faces, [face_count].
-typedef struct WalkShades {
-    Rgba8 *corner, *face;
-    double exposure;  // what radiosities were multiplied by, m^2/W
-} WalkShades;
-WalkShades walk_light_shades(const WalkLight *light, Arena *arena);
+// Radiosities, W/m^2, at the corners of elements: the mean of the elements around a place that lie in one plane and are of
+// one material, [corner_count] as Mesh.corners; and of whole faces, [face_count].
+typedef struct VertexLight {
+    double (*corner)[3], (*face)[3];
+} VertexLight;
+VertexLight walk_light_vertices(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
 #endif

@@ -20,12 +20,20 @@
 #define WALK_OFFSET_SLOPE (1.0f / 64)
 #define WALK_OFFSET_UNITS 8.0f
 
+// A new state of the light is faded to in this time.
+#define FADE_SECONDS 0.25
+
+// In false colours, of what has no value: glass is left out, and the sky is grey (linear in the screen's own curve).
+#define NO_VALUE 0.12f
+
 const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
 
 typedef enum SceneShader {
     SCENE_THINGS,    // fast
     SCENE_SURFACES,  // fast
     SCENE_PANES,     // fast
+    SCENE_LIT,       // baked
+    SCENE_FALSE,     // baked, as numbers
     SCENE_DEPTH,     // fine
     SCENE_FINE,
     SCENE_LINES,
@@ -35,17 +43,21 @@ typedef enum SceneShader {
 // A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
 typedef struct SceneProgram {
     unsigned program;
-    int clip, eye, size, colour;
+    int clip, eye, size, colour, fade, exposure, day;
 } SceneProgram;
 
 struct WalkRenderer {
     WalkMesh *mesh;
-    WalkLit *lit;  // NULL: no light was baked
+    WalkLit *lit;           // NULL: no light was baked
+    const LitLight *light;  // the newest state of it that is all there, or NULL
+    double exposure;
+    FalseColour quantity;
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
-    int sky_forward, sky_right, sky_up, occlusion_tangents;
+    unsigned scale;                 // of false colours, a texture
+    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
     unsigned no_vertices;  // the array of programs that make up their own
 };
 
@@ -54,13 +66,20 @@ struct WalkRenderer {
 static bool make_scene_program(SceneProgram *out, const char *vertex, const char *fragment, Error *error) {
     unsigned program = gl_program(vertex, fragment, error);
     if (program == 0) return false;
-    *out =
-        (SceneProgram){program, glGetUniformLocation(program, "clip"), glGetUniformLocation(program, "eye"),
-                       glGetUniformLocation(program, "size"), glGetUniformLocation(program, "colour")};
+    *out = (SceneProgram){program,
+                          glGetUniformLocation(program, "clip"),
+                          glGetUniformLocation(program, "eye"),
+                          glGetUniformLocation(program, "size"),
+                          glGetUniformLocation(program, "colour"),
+                          glGetUniformLocation(program, "fade"),
+                          glGetUniformLocation(program, "exposure"),
+                          glGetUniformLocation(program, "day")};
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
     glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
     glUniform1i(glGetUniformLocation(program, "occlusion"), WALK_UNIT_FREE);
+    glUniform1i(glGetUniformLocation(program, "materials"), WALK_UNIT_LAMPS);
+    glUniform1i(glGetUniformLocation(program, "scale"), WALK_UNIT_FREE);
     return true;
 }
 
@@ -71,6 +90,8 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         [SCENE_THINGS] = {WALK_THING_VERTEX, WALK_THING_FRAGMENT},
         [SCENE_SURFACES] = {WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT},
         [SCENE_PANES] = {WALK_THING_VERTEX, WALK_PANE_FRAGMENT},
+        [SCENE_LIT] = {WALK_LIT_VERTEX, WALK_LIT_FRAGMENT},
+        [SCENE_FALSE] = {WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT},
         [SCENE_DEPTH] = {WALK_LINE_VERTEX, WALK_DEPTH_FRAGMENT},
         [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
         [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
@@ -79,6 +100,25 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         if (!make_scene_program(&w->scene[i], SHADERS[i].vertex, SHADERS[i].fragment, error)) return false;
     }
     return true;
+}
+
+static void make_scale(WalkRenderer *w) {
+    enum { COLOURS = 256 };
+    uint8_t texels[COLOURS][4];
+    for (int i = 0; i < COLOURS; i++) {
+        Rgb c = false_colour_at((i + 0.5) / COLOURS);
+        texels[i][0] = (uint8_t)lrintf(255 * c.r);
+        texels[i][1] = (uint8_t)lrintf(255 * c.g);
+        texels[i][2] = (uint8_t)lrintf(255 * c.b);
+        texels[i][3] = 255;
+    }
+    glGenTextures(1, &w->scale);
+    glBindTexture(GL_TEXTURE_2D, w->scale);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOURS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 static bool make_programs(WalkRenderer *w, Error *error) {
@@ -90,6 +130,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     w->sky_forward = glGetUniformLocation(w->sky, "forward");
     w->sky_right = glGetUniformLocation(w->sky, "right");
     w->sky_up = glGetUniformLocation(w->sky, "up");
+    w->sky_day = glGetUniformLocation(w->sky, "day");
     w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
@@ -97,6 +138,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
     glGenVertexArrays(1, &w->no_vertices);
+    make_scale(w);
     return true;
 }
 
@@ -109,12 +151,40 @@ WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *err
 }
 
 bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, Error *error) {
-    CORE_ASSERT(!w->lit);
-    w->lit = walk_lit_new(light, walk_mesh_origin(w->mesh), arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
+    LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
+    *state = lit_light_new(mesh, arena);
+    lit_light_fill(mesh, light->solution, state);
+    walk_renderer_expect(w, mesh, arena);
+    walk_renderer_take(w, state, SIZE_MAX);
     return gl_check("uploading the light of a building", error);
 }
 
-bool walk_renderer_is_lit(const WalkRenderer *w) { return w->lit != NULL; }
+void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
+    CORE_ASSERT(!w->lit);
+    w->lit = walk_lit_new(mesh, arena);
+    walk_lit_pose(w->lit, NULL);
+}
+
+bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
+    CORE_ASSERT(!walk_renderer_fading(w));
+    if (!walk_lit_upload(w->lit, light, bytes)) return false;
+    w->light = light;
+    return true;
+}
+
+void walk_renderer_fade(WalkRenderer *w, double seconds) {
+    if (w->lit) walk_lit_fade(w->lit, walk_lit_faded(w->lit) + seconds / FADE_SECONDS);
+}
+
+bool walk_renderer_fading(const WalkRenderer *w) { return w->light && walk_lit_faded(w->lit) < 1; }
+const LitMesh *walk_renderer_mesh(const WalkRenderer *w) { return w->lit ? walk_lit_mesh(w->lit) : NULL; }
+const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
+
+void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
+    w->exposure = exposure;
+    w->quantity = quantity;
+}
 
 void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
@@ -125,6 +195,7 @@ void walk_renderer_free(WalkRenderer *w) {
     for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
     for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
     glDeleteVertexArrays(1, &w->no_vertices);
+    glDeleteTextures(1, &w->scale);
 }
 
 void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
@@ -187,8 +258,9 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     return true;
 }
 
-static void draw_sky(const WalkRenderer *w, const Camera *camera) {
+static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day) {
     glUseProgram(w->sky);
+    glUniform1f(w->sky_day, day);
     set_vector(w->sky_forward, camera->forward);
     set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
     set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
@@ -197,12 +269,12 @@ static void draw_sky(const WalkRenderer *w, const Camera *camera) {
     glDepthFunc(GL_LESS);
 }
 
-static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera) {
+static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera, bool day) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
     walk_mesh_bind(w->mesh);
-    use_scene(w, shader, camera);
+    glUniform1f(use_scene(w, shader, camera)->day, day);
     walk_mesh_draw(w->mesh, WALK_PANES);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
@@ -222,8 +294,8 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
     walk_mesh_draw(w->mesh, WALK_THINGS);
     use_scene(w, SCENE_SURFACES, camera);
     draw_surfaces(w);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_PANES, camera);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_PANES, camera, true);
     return true;
 }
 
@@ -233,21 +305,44 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     use_scene(w, SCENE_FINE, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS);
     draw_surfaces(w);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_FINE, camera);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_FINE, camera, true);
     return true;
 }
 
+static void use_lit(const WalkRenderer *w, const Camera *camera) {
+    bool numbers = w->quantity != FALSE_COLOUR_OFF;
+    const SceneProgram *program = use_scene(w, numbers ? SCENE_FALSE : SCENE_LIT, camera);
+    glUniform1f(program->fade, (float)walk_lit_faded(w->lit));
+    if (!numbers) {
+        glUniform1f(program->exposure, (float)w->exposure);
+        return;
+    }
+    double weights[3];
+    LightRange range = w->light->ranges[w->quantity];
+    false_colour_weights(w->quantity, weights);
+    glUniform3f(glGetUniformLocation(program->program, "weights"), (float)weights[0], (float)weights[1],
+                (float)weights[2]);
+    glUniform1i(glGetUniformLocation(program->program, "arriving"), w->quantity != FALSE_COLOUR_RADIOSITY);
+    glUniform1f(glGetUniformLocation(program->program, "low"), (float)range.low);
+    glUniform1f(glGetUniformLocation(program->program, "octaves"), (float)log2(range.high / range.low));
+    use_texture(w->scale);
+}
+
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
+    bool numbers = w->quantity != FALSE_COLOUR_OFF;
+    if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
     if (!begin(w, WALK_TARGET_FINE, error)) return false;
-    use_scene(w, SCENE_THINGS, camera);
+    walk_lit_bind(w->lit);
+    use_lit(w, camera);
     walk_lit_draw(w->lit, false);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
     walk_lit_draw(w->lit, true);
     glDisable(GL_POLYGON_OFFSET_FILL);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_PANES, camera);
+    if (numbers) return true;
+    draw_sky(w, camera, false);
+    draw_panes(w, SCENE_PANES, camera, false);
     return true;
 }
 
@@ -271,7 +366,7 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
     if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
     set_state();
     walk_mesh_list(w->mesh, camera->eye, objects, object_count);
-    bool baked = look == WALK_BAKED && w->lit, good;
+    bool baked = look == WALK_BAKED && w->light, good;
     if (baked) {
         walk_lit_list(w->lit, camera->eye, objects, object_count);
         good = draw_baked(w, camera, error);

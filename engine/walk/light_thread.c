@@ -3,8 +3,8 @@
 #include "engine/walk/light_thread.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include "engine/core/parallel.h"
@@ -12,6 +12,9 @@
 
 // States of the light: a few in a second show it arriving, and each costs a pass over the building.
 static const double SHOW_EVERY = 0.3;
+// A tenth of what a thread of the walk gets where both want the same core. The least of all (SCHED_IDLE) would be a
+// hundredth of that: where OpenGL is software, which takes all cores, the light would never come.
+enum { NICE = 10 };
 
 enum { STATES = 2 };
 
@@ -83,8 +86,8 @@ static void show_last(LightThread *t, const WalkLight *light) {
 static void *work(void *context) {
     LightThread *t = context;
     WalkLight light;
-    // Whatever else wants to run comes first; threads started from here are alike.
-    sched_setscheduler(0, SCHED_IDLE, &(struct sched_param){0});
+    // Of this thread alone, in Linux, and of those that it starts.
+    setpriority(PRIO_PROCESS, 0, NICE);
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);
     if (good) show_last(t, &light);

@@ -53,6 +53,7 @@ void session_expose(Session *s, const Camera *camera) {
                                      s->visible.object_count);
         exposure_adapt(&s->exposure, seen, light->level, passed);
     }
+    walk_renderer_plain(renderer, s->sketched == WALK_FAST);
     walk_renderer_tone(renderer, exposure_scale(&s->exposure), s->false_colour);
 }
 

@@ -50,6 +50,7 @@ struct WalkRenderer {
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
     const LitLight *light;  // the newest state of it that is all there, or NULL
+    bool plain;             // one sample a pixel
     double exposure;
     FalseColour quantity;
     WalkTargets targets;
@@ -180,6 +181,8 @@ void walk_renderer_fade(WalkRenderer *w, double seconds) {
 bool walk_renderer_fading(const WalkRenderer *w) { return w->light && walk_lit_faded(w->lit) < 1; }
 const LitMesh *walk_renderer_mesh(const WalkRenderer *w) { return w->lit ? walk_lit_mesh(w->lit) : NULL; }
 const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
+
+void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
 
 void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
     w->exposure = exposure;
@@ -332,7 +335,7 @@ static void use_lit(const WalkRenderer *w, const Camera *camera) {
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     bool numbers = w->quantity != FALSE_COLOUR_OFF;
     if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
-    if (!begin(w, WALK_TARGET_FINE, error)) return false;
+    if (!begin(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
     walk_lit_bind(w->lit);
     use_lit(w, camera);
     walk_lit_draw(w->lit, false);

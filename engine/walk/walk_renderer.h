@@ -12,7 +12,7 @@
 typedef enum WalkLook {
     WALK_FAST,   // light baked beforehand, one sample a pixel: for a window without a GPU
     WALK_FINE,   // lamps in the fragment, ambient occlusion of what is in view, four samples a pixel
-    WALK_BAKED,  // light by radiosity, four samples a pixel; drawn as WALK_FAST where there is none
+    WALK_BAKED,  // light by radiosity, usually four samples a pixel; drawn as WALK_FAST where there is none
     WALK_LOOKS
 } WalkLook;
 extern const char *const WALK_LOOK_NAMES[WALK_LOOKS];
@@ -33,6 +33,8 @@ const LitMesh *walk_renderer_mesh(const WalkRenderer *renderer);  // what was ex
 const LitLight *
 walk_renderer_lit(const WalkRenderer *renderer);  // what is shown, NULL: there is no light yet
 
+// Whether WALK_BAKED makes do with one sample a pixel from now on: by software four take five times as long.
+void walk_renderer_plain(WalkRenderer *renderer, bool plain);
 // How WALK_BAKED is drawn from now on: radiosities times `exposure` (m^2/W), or as numbers.
 void walk_renderer_tone(WalkRenderer *renderer, double exposure, FalseColour quantity);
 void walk_renderer_free(WalkRenderer *renderer);  // NULL is allowed

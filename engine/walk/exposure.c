@@ -1,19 +1,20 @@
 // exposure.c - an exposure by the logarithmic mean (Reinhard, Stark, Shirley & Ferwerda 2002, equation 1) of the elements in
-// view, weighted by solid angle and light: counted alike, a dark garden behind a window would make a room too bright.
+// view, weighted by solid angle and the root of their light: counted alike, a dark garden behind a window would make a room
+// too bright; counted by their light, the spot above a lamp would make it too dark.
 // From the elements rather than from the frame before: no pixels to read back, and the same view has the same exposure.
 #include "engine/walk/exposure.h"
 
 // What a place of middling brightness becomes before the curve of the screen: rooms are mostly light paint.
-static const double MIDDLE = 0.7;
+static const double MIDDLE = 0.65;
 // How much of a difference between what is seen and the whole building the eye makes up for: dark rooms stay a little darker.
-static const double ADAPTATION = 0.8;
+static const double ADAPTATION = 0.85;
 // An eye adapts no further than to this factor below and above the building's level: the dark is dark.
-static const double REACH = 100;
+static const double REACH = 1000;
 // In which the difference falls to 1/e, seconds: soon enough not to be waited for, too slow to flicker.
 static const double ADAPTATION_SECONDS = 0.4;
 
 typedef struct Sum {
-    double light, logs;
+    double weight, logs;
 } Sum;
 
 static void add_element(const LitMesh *lit, const LitLight *light, const Camera *camera, Vec3 eye, Vec3 n,
@@ -29,8 +30,9 @@ static void add_element(const LitMesh *lit, const LitLight *light, const Camera 
     // Of a disc seen from its axis, as good as exact; bounded where the eye is near.
     double r2 = vec3_dot(way, way), area = (double)spot->area;
     double angle = area * fabs(vec3_dot(way, n)) / (sqrt(r2) * (r2 + area));
-    sum->light += angle * b;
-    sum->logs += angle * b * log(b);
+    double weight = angle * sqrt(b);
+    sum->weight += weight;
+    sum->logs += weight * log(b);
 }
 
 double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
@@ -52,7 +54,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
                 add_element(lit, light, camera, eye, face->plane.n, e, &sum);
         }
     }
-    return sum.light > 0 ? exp(sum.logs / sum.light) : 0;
+    return sum.weight > 0 ? exp(sum.logs / sum.weight) : 0;
 }
 
 void exposure_adapt(Exposure *e, double seen, double usual, double seconds) {

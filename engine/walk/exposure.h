@@ -12,7 +12,7 @@ typedef struct Exposure {
 } Exposure;
 enum { EXPOSURE_STOPS_MOST = 8 };
 
-// The logarithmic mean of what is seen of these objects, each place by the light that comes from it to the eye; 0: nothing
+// The logarithmic mean of what is seen of these objects, each place by how large it is to the eye and by the root of its light; 0: nothing
 // is lit. A function of the view alone.
 double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
                       int object_count);

@@ -12,9 +12,9 @@
 
 // States of the light: a few in a second show it arriving, and each costs a pass over the building.
 static const double SHOW_EVERY = 0.3;
-// A tenth of what a thread of the walk gets where both want the same core. The least of all (SCHED_IDLE) would be a
+// A third of what a thread of the walk gets where both want the same core. The least of all (SCHED_IDLE) would be a
 // hundredth of that: where OpenGL is software, which takes all cores, the light would never come.
-enum { NICE = 10 };
+enum { NICE = 5 };
 
 enum { STATES = 2 };
 

@@ -141,15 +141,16 @@ LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
 
 static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
     const Mesh *mesh = lit->mesh;
-    double light = 0, logs = 0;
+    double weights = 0, logs = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         double b = light_luminous(solution->radiosity[e]);
         out->luminous[e] = emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
         if (!(out->luminous[e] > 0)) continue;
-        logs += mesh->elements[e].area * b * log(b);
-        light += mesh->elements[e].area * b;
+        double weight = mesh->elements[e].area * sqrt(b);
+        logs += weight * log(b);
+        weights += weight;
     }
-    out->level = light > 0 ? exp(logs / light) : 0;
+    out->level = weights > 0 ? exp(logs / weights) : 0;
 }
 
 // Areas by the value there, in bins of a tenth of an octave around 1.

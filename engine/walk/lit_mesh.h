@@ -32,7 +32,7 @@ typedef struct LitMesh {
 typedef struct LitLight {
     float (*vertex)[3];  // [vertex_count] W/m^2
     float *luminous;     // [element_count] light_luminous of it; 0 of lamps
-    double level;        // the logarithmic mean of all that, each by the light that leaves it; 0: dark
+    double level;        // the logarithmic mean of all that, as exposure_meter takes it by areas; 0: dark
     LightRange ranges[FALSE_COLOURS];  // of all but lamps
 } LitLight;
 

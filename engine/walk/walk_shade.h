@@ -39,8 +39,8 @@
 // Light by radiosity: what the back of a polygon shows of its front's light; how bright a lamp is at least, and from where on
 // all is white, both in exposed light, of which 1 becomes half the screen's.
 #define WALK_BACK_SHARE 0.75
-#define WALK_GLARE 6.0
-#define WALK_WHITE 5.0
+#define WALK_GLARE 12.0
+#define WALK_WHITE 10.0
 
 // Light by radiosity is that of lamps: outside it is night, and panes mirror little.
 #define WALK_NIGHT_ZENITH 0.0015, 0.0025, 0.0065

@@ -1,7 +1,8 @@
 // ambient.c - M. F. Cohen, S. E. Chen, J. R. Wallace & D. P. Greenberg, A Progressive Refinement Approach to Fast Radiosity
 // Image Generation, 1988, section 5: form factors are guessed as shares of the area, so that unshot light falls alike on
 // everything, and is reflected 1 + rho + rho^2 + ... = 1 / (1 - rho) times, rho the mean reflectance.
-// Departure: patches that lie in no cell (backs against walls, insides of closed boxes) are no part of it.
+// Departure: patches that lie in no cell (backs against walls, insides of closed boxes) and those outdoors are no part of it:
+// a lawn would make all rooms green.
 #include "radiosity/ambient.h"
 
 static void reflectance_of(const Mesh *mesh, int face, double out[3]) {
@@ -11,12 +12,16 @@ static void reflectance_of(const Mesh *mesh, int face, double out[3]) {
     out[2] = (double)rho.b;
 }
 
+static bool takes_part(const Mesh *mesh, const Patch *patch) {
+    return patch->cell >= 0 && vis_region(mesh->graph, patch->cell)->kind != REGION_OUTDOORS;
+}
+
 void ambient_irradiance(const Mesh *mesh, const RadSolution *solution, double out[3]) {
     double area = 0, unshot[3] = {0}, reflected[3] = {0};
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
         double rho[3];
-        if (patch->cell < 0) continue;
+        if (!takes_part(mesh, patch)) continue;
         reflectance_of(mesh, patch->face, rho);
         area += patch->area;
         for (int c = 0; c < 3; c++) {
@@ -34,10 +39,11 @@ void ambient_radiosities(const Mesh *mesh, const RadSolution *solution, double (
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
         double rho[3];
+        bool glows = takes_part(mesh, patch);
         reflectance_of(mesh, patch->face, rho);
         for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
             for (int c = 0; c < 3; c++)
-                out[e][c] = solution->radiosity[e][c] + (patch->cell < 0 ? 0 : rho[c] * ambient[c]);
+                out[e][c] = solution->radiosity[e][c] + (glows ? rho[c] * ambient[c] : 0);
         }
     }
 }

@@ -99,7 +99,7 @@ const char *session_light_text(const Session *s, Arena *arena) {
     const char *arriving = "";
     if (session_light_arriving(s)) arriving = arena_format(arena, "%.0f %%, ", 100 * session_light_done(s));
     if (!session_light_shown(s))
-        return *arriving ? arena_format(arena, "%sarriving", arriving) : "as sketched";
+        return *arriving ? arena_format(arena, "%sto come", arriving) : "as sketched";
     return arena_format(arena, "%s%+.1f stops%s", arriving, s->exposure.stops,
                         s->exposure.fixed ? ", fixed" : "");
 }

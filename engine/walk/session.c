@@ -11,7 +11,7 @@ static const double LONGEST_STALL = 0.25;
 // Of keys that turn the head, radians a second.
 static const double TURN = 1.8;
 // How long the end of a walk may take, seconds.
-static const double LEAVE_SECONDS = 0.02;
+static const double LEAVE_SECONDS = 0.01;
 static const double USUAL_FOV = 75 * M_PI / 180;
 
 SessionOptions session_default_options(void) {

@@ -5,6 +5,7 @@
 
 #include <glad/gl.h>
 
+#include "engine/walk/lit_look.h"
 #include "engine/walk/walk_lit.h"
 #include "engine/walk/walk_mesh.h"
 #include "engine/walk/walk_shaders.h"
@@ -32,8 +33,6 @@ typedef enum SceneShader {
     SCENE_THINGS,    // fast
     SCENE_SURFACES,  // fast
     SCENE_PANES,     // fast
-    SCENE_LIT,       // baked
-    SCENE_FALSE,     // baked, as numbers
     SCENE_DEPTH,     // fine
     SCENE_FINE,
     SCENE_LINES,
@@ -43,7 +42,7 @@ typedef enum SceneShader {
 // A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
 typedef struct SceneProgram {
     unsigned program;
-    int clip, eye, size, colour, fade, exposure, day;
+    int clip, eye, size, colour, day;
 } SceneProgram;
 
 struct WalkRenderer {
@@ -51,13 +50,12 @@ struct WalkRenderer {
     WalkLit *lit;           // NULL: no light was baked
     const LitLight *light;  // the newest state of it that is all there, or NULL
     bool plain;             // one sample a pixel
-    double exposure;
-    FalseColour quantity;
+    LitLook lit_look;
+    LitTone tone;
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
-    unsigned scale;                 // of false colours, a texture
     int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
     unsigned no_vertices;  // the array of programs that make up their own
 };
@@ -72,15 +70,11 @@ static bool make_scene_program(SceneProgram *out, const char *vertex, const char
                           glGetUniformLocation(program, "eye"),
                           glGetUniformLocation(program, "size"),
                           glGetUniformLocation(program, "colour"),
-                          glGetUniformLocation(program, "fade"),
-                          glGetUniformLocation(program, "exposure"),
                           glGetUniformLocation(program, "day")};
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
     glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
     glUniform1i(glGetUniformLocation(program, "occlusion"), WALK_UNIT_FREE);
-    glUniform1i(glGetUniformLocation(program, "materials"), WALK_UNIT_LAMPS);
-    glUniform1i(glGetUniformLocation(program, "scale"), WALK_UNIT_FREE);
     return true;
 }
 
@@ -91,8 +85,6 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         [SCENE_THINGS] = {WALK_THING_VERTEX, WALK_THING_FRAGMENT},
         [SCENE_SURFACES] = {WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT},
         [SCENE_PANES] = {WALK_THING_VERTEX, WALK_PANE_FRAGMENT},
-        [SCENE_LIT] = {WALK_LIT_VERTEX, WALK_LIT_FRAGMENT},
-        [SCENE_FALSE] = {WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT},
         [SCENE_DEPTH] = {WALK_LINE_VERTEX, WALK_DEPTH_FRAGMENT},
         [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
         [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
@@ -101,25 +93,6 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         if (!make_scene_program(&w->scene[i], SHADERS[i].vertex, SHADERS[i].fragment, error)) return false;
     }
     return true;
-}
-
-static void make_scale(WalkRenderer *w) {
-    enum { COLOURS = 256 };
-    uint8_t texels[COLOURS][4];
-    for (int i = 0; i < COLOURS; i++) {
-        Rgb c = false_colour_at((i + 0.5) / COLOURS);
-        texels[i][0] = (uint8_t)lrintf(255 * c.r);
-        texels[i][1] = (uint8_t)lrintf(255 * c.g);
-        texels[i][2] = (uint8_t)lrintf(255 * c.b);
-        texels[i][3] = 255;
-    }
-    glGenTextures(1, &w->scale);
-    glBindTexture(GL_TEXTURE_2D, w->scale);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOURS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 static bool make_programs(WalkRenderer *w, Error *error) {
@@ -139,8 +112,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
     glGenVertexArrays(1, &w->no_vertices);
-    make_scale(w);
-    return true;
+    return lit_look_new(&w->lit_look, error);
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
@@ -185,8 +157,7 @@ const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
 void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
 
 void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
-    w->exposure = exposure;
-    w->quantity = quantity;
+    w->tone = (LitTone){exposure, quantity};
 }
 
 void walk_renderer_free(WalkRenderer *w) {
@@ -198,7 +169,7 @@ void walk_renderer_free(WalkRenderer *w) {
     for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
     for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
     glDeleteVertexArrays(1, &w->no_vertices);
-    glDeleteTextures(1, &w->scale);
+    lit_look_free(&w->lit_look);
 }
 
 void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
@@ -314,29 +285,17 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
 }
 
 static void use_lit(const WalkRenderer *w, const Camera *camera) {
-    bool numbers = w->quantity != FALSE_COLOUR_OFF;
-    const SceneProgram *program = use_scene(w, numbers ? SCENE_FALSE : SCENE_LIT, camera);
-    glUniform1f(program->fade, (float)walk_lit_faded(w->lit));
-    if (!numbers) {
-        glUniform1f(program->exposure, (float)w->exposure);
-        return;
-    }
-    double weights[3];
-    LightRange range = w->light->ranges[w->quantity];
-    false_colour_weights(w->quantity, weights);
-    glUniform3f(glGetUniformLocation(program->program, "weights"), (float)weights[0], (float)weights[1],
-                (float)weights[2]);
-    glUniform1i(glGetUniformLocation(program->program, "arriving"), w->quantity != FALSE_COLOUR_RADIOSITY);
-    glUniform1f(glGetUniformLocation(program->program, "low"), (float)range.low);
-    glUniform1f(glGetUniformLocation(program->program, "octaves"), (float)log2(range.high / range.low));
-    use_texture(w->scale);
+    mat4 clip = GLM_MAT4_ZERO_INIT;
+    gl_clip_matrix(camera, WALK_NEAR, true, clip);
+    walk_lit_bind(w->lit);
+    lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+                 vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit));
 }
 
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
-    bool numbers = w->quantity != FALSE_COLOUR_OFF;
+    bool numbers = w->tone.quantity != FALSE_COLOUR_OFF;
     if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
     if (!begin(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
-    walk_lit_bind(w->lit);
     use_lit(w, camera);
     walk_lit_draw(w->lit, false);
     glEnable(GL_POLYGON_OFFSET_FILL);

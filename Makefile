@@ -163,10 +163,14 @@ pictures:
 	split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]paletteuse=dither=none:diff_mode=rectangle" \
 	    tests/pictures/walk.gif
 	$(dir)/enfilade bake build/maps/house.plan -o build/pictures/house.rad
-	for view in living kitchen; do $(dir)/enfilade walk build/maps/house.plan --light build/pictures/house.rad \
+	for view in living bedroom kitchen; do $(dir)/enfilade walk build/maps/house.plan --light build/pictures/house.rad \
 	    --size 800x450 --offscreen build/pictures/baked-$$view --tour $$view || exit 1; done
-	montage $(patsubst %,build/pictures/baked-%/frame-00000.png,living kitchen) -tile 2x1 -geometry 600x338+0+0 \
+	montage $(patsubst %,build/pictures/baked-%/frame-00000.png,bedroom kitchen) -tile 2x1 -geometry 600x338+0+0 \
 	    -depth 8 -colors 200 tests/pictures/baked.png
+	$(dir)/enfilade walk build/maps/house.plan --light build/pictures/house.rad --false-colour illuminance \
+	    --size 800x450 --offscreen build/pictures/lux-living --tour living
+	montage build/pictures/baked-living/frame-00000.png build/pictures/lux-living/frame-00000.png -tile 2x1 \
+	    -geometry 600x338+0+0 -depth 8 -colors 200 tests/pictures/lit.png
 	$(dir)/enfilade bench radiosity --pictures build/pictures >build/pictures/radiosity.csv
 	montage build/pictures/doi-itoh-2-hemicube.png build/pictures/doi-itoh-2-hemisphere.png -tile 2x1 -geometry +3+3 \
 	    -colors 128 tests/pictures/hemicube-hemisphere.png

@@ -79,7 +79,7 @@ void leaves_assign(Enclosure *e) {
 
 // A box in the leaf's own frame: u along its axis, v up, w across.
 static void add_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, int material) {
-    static const int SIDES[6][4] = {{0, 1, 5, 4}, {2, 3, 7, 6}, {0, 4, 6, 2},
+    static const int SIDES[6][4] = {{0, 1, 5, 4}, {3, 2, 6, 7}, {0, 4, 6, 2},
                                     {1, 3, 7, 5}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
     along = vec2_scale(along, 1 / vec2_length(along));

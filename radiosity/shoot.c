@@ -105,7 +105,7 @@ typedef struct Shooter {
     ShootQueue queue;
     ShootRows *rows;
     int *next;  // [shoot_rows_most]
-    double start;
+    double start, shown;
 } Shooter;
 
 static Channels channels_of(const double v[3]) { return (Channels){v[0], v[1], v[2], 0}; }
@@ -123,7 +123,8 @@ static double unshot_power(const Receiver *r) {
 
 static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
                   const RadOptions *options, RadSolution *solution, Arena *arena) {
-    *s = (Shooter){.options = options, .solution = solution, .start = clock_seconds()};
+    *s = (Shooter){.options = options, .solution = solution};
+    s->start = s->shown = clock_seconds();
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
     s->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
@@ -223,6 +224,14 @@ static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
     return !*stopped && (o->seconds <= 0 || seconds < o->seconds);
 }
 
+static void show(Shooter *s) {
+    const RadOptions *o = s->options;
+    if (!o->show || clock_seconds() - s->shown < o->show_every) return;
+    finish(s);
+    o->show(o->show_context, s->solution);
+    s->shown = clock_seconds();
+}
+
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution) {
     Arena arena = {0};
@@ -232,7 +241,10 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     long long first = solution->shots;
     while (residual_of(&s) > options->residual) {
         if (options->shots > 0 && solution->shots >= options->shots) break;
-        if ((solution->shots - first) % SHOTS_A_LOOK == 0 && !go_on(&s, progress, &report.stopped)) break;
+        if ((solution->shots - first) % SHOTS_A_LOOK == 0) {
+            if (!go_on(&s, progress, &report.stopped)) break;
+            show(&s);
+        }
         int patch = shoot_queue_top(&s.queue);
         if (patch < 0) break;
         shoot(&s, patch, row_of(&s, patch));

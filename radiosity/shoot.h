@@ -6,6 +6,8 @@
 #include "engine/core/progress.h"
 #include "radiosity/form_factor.h"
 
+typedef struct RadSolution RadSolution;
+
 typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
@@ -18,11 +20,15 @@ typedef struct RadOptions {
     double seconds;    // or then, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
+    // Told of the solution so far between shots, from the thread that shoots, at most every so many seconds; or NULL.
+    void (*show)(void *context, const RadSolution *so_far);
+    void *show_context;
+    double show_every;
 } RadOptions;
 RadOptions rad_default_options(void);
 
 // Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b.
-typedef struct RadSolution {
+struct RadSolution {
     int element_count, patch_count;
     double (*radiosity)[3];  // [element_count] B = E + what is reflected of what has arrived so far
     double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
@@ -34,7 +40,7 @@ typedef struct RadSolution {
     // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.
     double (*node)[3];
     int node_count;
-} RadSolution;
+};
 
 typedef struct RadReport {
     double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c

@@ -3,7 +3,7 @@
 keys and mouse: doors, stairs, windows, every debug view, screenshots that are held against references.
 
 WORK is a folder for what is written, SCREEN the file in which Xvfb keeps its screen (-fbdir). With --keep the
-screenshots become the references. Prints a line for each part of the walk; exit status 1 when anything is wrong."""
+screenshots become the references, with --lit only the walk in baked light is done. Prints a line for each part of the walk; exit status 1 when anything is wrong."""
 import math
 import os
 import shutil
@@ -21,20 +21,22 @@ MESSAGE_SECONDS = 9             # until a message has faded, at most
 PANEL = 2000                    # pixels: less than any panel covers, more than figures that change
 HALF_TURN = math.pi
 # The viewpoints of the house, in the order of the keys 1 to 9.
+LIT_VIEWS = ["courtyard", "bedroom", "hall", "living"]
 VIEWS = ["living", "courtyard", "kitchen", "study", "hall", "landing", "bedroom", "bath", "lookout"]
 
 
 class Visit:
     """The program under test, a walker in it, and what was found wrong."""
 
-    def __init__(self, program, house, work, screen, references, keep):
+    def __init__(self, program, house, work, screen, references, keep, options=("--no-bake",)):
         self.work, self.screen, self.references, self.keep = work, screen, references, keep
         self.house = os.path.join(work, "house.plan")
         shutil.copy(house, self.house)
+        open(os.path.join(work, "trace"), "w", encoding="utf-8").close()     # not that of a walk before
         self.errors = open(os.path.join(work, "errors"), "w+", encoding="utf-8")
         self.program = subprocess.Popen(
             [program, "walk", self.house, "--size", "%dx%d" % SIZE, "--pictures", work, "--trace",
-             os.path.join(work, "trace")], stderr=self.errors)
+             os.path.join(work, "trace"), *options], stderr=self.errors)
         self.faults = []
         self.hands = Xdotool()
         self.walker = None
@@ -442,27 +444,72 @@ def leave(v):
     v.expect(text == "", f"standard error: {text[:500]}")
 
 
+def light_arrives(v):
+    """Nothing was baked: the light comes while one walks, the look changes by itself, and keys expose it."""
+    w = v.walker
+    v.expect(w.now["look"] == "fast" or w.now["light"]["shown"], f"the walk begins in the look {w.now['look']}")
+    w.until(lambda now: now["light"]["shown"], "light", 60)
+    v.expect(w.now["look"] == "baked", f"light is shown in the look {w.now['look']}")
+    before = w.now["light"]["exposure"]
+    w.until(lambda now: now["light"]["done"] == 1, "all of the light", 400)
+    w.wait(2)
+    settled = w.now["light"]["exposure"]
+    v.expect(0.1 < settled / before < 10, f"exposure goes from {before} to {settled} as light arrives")
+    w.key("u")
+    v.press_all(["equal", "equal"])
+    w.wait(0.5)
+    v.expect(w.now["light"]["fixed"] and w.now["light"]["stops"] == 1, f"exposure is {w.now['light']}")
+    v.press_all(["minus", "minus", "u"])
+
+
+def lit_pictures(v):
+    """The light of the lamps, and a view in each of the false colours with its scale."""
+    w = v.walker
+    v.resize(*PICTURE_SIZE)
+    open_all_doors(v)
+    v.press_all("im")
+    for name in LIT_VIEWS:
+        jump(v, name)
+        w.wait(2)            # the eye adapts
+        hold_against(v, name + "-lit")
+    for name in ("radiosity", "irradiance", "illuminance"):
+        w.key("k")
+        w.wait(0.3)
+        v.expect(w.now["light"]["false_colour"] == name, f"false colours are {w.now['light']['false_colour']}")
+    hold_against(v, LIT_VIEWS[-1] + "-illuminance")
+    v.press_all("kim")
+
+
 PARTS = [ground_floor, out_of_one_window_in_at_another, courtyard, closed_door, upstairs, debug_views, panels, flight,
          storeys, recording, focus, sizes, changed_file, screen_shows_the_frame, pictures, culling_loses_nothing, pace]
 
 
-def main():
-    arguments = [a for a in sys.argv[1:] if a != "--keep"]
-    if len(arguments) != 5:
-        sys.exit(__doc__)
-    visit = Visit(*arguments, keep="--keep" in sys.argv)
+def visit(arguments, keep, options, parts):
+    """Whether nothing was wrong."""
+    v = Visit(*arguments, keep=keep, options=options)
     try:
-        visit.begin()
-        for part in PARTS:
+        v.begin()
+        for part in parts:
             start = time.monotonic()
             print(part.__name__.replace("_", " "), flush=True)
-            part(visit)
+            part(v)
             print(f"  {time.monotonic() - start:.0f} s")
     except Lost as lost:
-        visit.expect(False, str(lost))
+        v.expect(False, str(lost))
     finally:
-        leave(visit)
-    sys.exit(bool(visit.faults))
+        leave(v)
+    return not v.faults
+
+
+def main():
+    arguments = [a for a in sys.argv[1:] if a not in ("--keep", "--lit")]
+    if len(arguments) != 5:
+        sys.exit(__doc__)
+    keep = "--keep" in sys.argv
+    good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
+    # In the end a walk that is lit as it goes on; with --lit this one alone.
+    good = visit(arguments, keep, [], [light_arrives, lit_pictures]) and good
+    sys.exit(not good)
 
 
 if __name__ == "__main__":

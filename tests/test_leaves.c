@@ -180,3 +180,29 @@ Test(leaves, turn_and_slide) {
     for (int i = 0; i < 4; i++) area += vec2_cross(corner[i], corner[(i + 1) % 4]) / 2;
     cr_expect_float_eq(area, 0.04, 1e-12, "counter-clockwise, as large as the leaf");
 }
+
+// Proves that the sides of a leaf face outwards, all six: the front of a polygon is where it has light.
+Test(leaves, face_outwards) {
+    int boxes = 0;
+    for (int k = 0; k < SAMPLE_COUNT; k++) {
+        Made m;
+        make(&m, SAMPLES[k]);
+        const Building *b = &m.building;
+        for (int i = 0; i < b->object_count; i++) {
+            const Object *o = &b->objects[i];
+            if (o->leaf < 0 || o->polygon_count != 6) continue;
+            const Leaf *leaf = &b->leaves[o->leaf];
+            Vec2 middle = vec2_scale(vec2_add(leaf->axis[0], leaf->axis[1]), 0.5);
+            boxes++;
+            for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+                const Polygon *polygon = &b->polygons[p];
+                Plane plane = plane_of_polygon(b->vertices + polygon->first_vertex, polygon->vertex_count);
+                cr_expect_lt(plane_distance(plane, vec3(middle.x, middle.y, (leaf->z0 + leaf->z1) / 2)), 0,
+                             "%s, leaf of %s: side %d faces inwards", SAMPLES[k],
+                             b->openings[leaf->opening].name, p - o->first_polygon);
+            }
+        }
+        arena_free(&m.arena);
+    }
+    cr_expect_gt(boxes, 10);
+}

@@ -592,6 +592,8 @@ static const HudKey HELP[] = {{"W A S D", "walk"}, {"E", "open or close the door
 static const char *const FLAGS[] = {"frozen",    "flight", "culling off", "wireframe",
                                     "stab tree", "replay", "slow"};
 
+static const HudLegend LEGEND = {FALSE_COLOUR_ILLUMINANCE, {5, 5000}};
+
 static HudState full_state(const PlanView *plan, const HudFigures *figures, Arena *scratch) {
     return (HudState){.figures = figures,
                       .help = HELP,
@@ -605,6 +607,7 @@ static HudState full_state(const PlanView *plan, const HudFigures *figures, Aren
                       .prompt_key = "E",
                       .prompt = "open salon",
                       .plan = plan,
+                      .legend = &LEGEND,
                       .crosshair = true,
                       .scratch = scratch};
 }
@@ -625,7 +628,8 @@ Test(hud, fits_any_window) {
         Arena scratch = {0};
         PlanView plan = view_from(&h, vec3(3, 3, 1.6), 1);
         plan.forest = &h.forest;
-        HudFigures figures = {"stab trees", 5, 65, 223, 3187, 24, 21, 47, plan.eye, "living", "ground"};
+        HudFigures figures = {"stab trees", 5,  65,       223,      3187,     24,
+                              21,           47, plan.eye, "living", "ground", "43 %, +0.5 stops"};
         HudState state = full_state(&plan, &figures, &scratch);
         size_t used = 0;
         for (int frame = 0; frame < 4; frame++) {

@@ -29,7 +29,7 @@ static bool load(void *context, const char *path, Arena *arena, WalkScene *out, 
     if (!maps_read(path, arena, &l->building, error)) return false;
     if (!vis_build_cells(&l->building, &options, arena, &l->graph, error)) return false;
     if (!vis_build_forest(&l->graph, &options, NULL, arena, &l->forest)) return false;
-    *out = (WalkScene){&l->graph, &l->forest, NULL};
+    *out = (WalkScene){.graph = &l->graph, .forest = &l->forest};
     return true;
 }
 
@@ -178,6 +178,10 @@ Test(session, any_key_at_any_time, .timeout = 240) {
                                '2',
                                '9',
                                'Q',
+                               'U',
+                               'K',
+                               '-',
+                               '=',
                                DISPLAY_KEY_LEFT_SHIFT,
                                DISPLAY_KEY_PAGE_UP,
                                DISPLAY_KEY_PAGE_DOWN,

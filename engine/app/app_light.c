@@ -1,8 +1,9 @@
-// app_light.c - finds and reads a .rad file for a building that is shown.
+// app_light.c - finds and reads a .rad file for a building that is shown, or makes it.
 #include "engine/app/app_light.h"
 
 #include <unistd.h>
 
+#include "engine/app/bake.h"
 #include "engine/core/file.h"
 #include "maps/maps.h"
 
@@ -49,4 +50,56 @@ bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkL
     arena_free(&scratch);
     *out = (WalkLight){mesh, solution};
     return good;
+}
+
+static bool emits(const Building *b) {
+    for (int i = 0; i < b->material_count; i++) {
+        Rgb e = b->materials[i].emission;
+        if (e.r + e.g + e.b > 0) return true;
+    }
+    return false;
+}
+
+AppBake *app_bake_new(const char *file, const AppScene *scene, Arena *arena) {
+    AppBake *bake = ARENA_ARRAY(arena, AppBake, 1);
+    Error error;
+    *bake = (AppBake){.scene = scene, .file = file};
+    if (!emits(&scene->building) || !app_has_walls(scene, &error)) return NULL;
+    return app_light_place(&scene->building, arena, &bake->out, &error) ? bake : NULL;
+}
+
+typedef struct Shower {
+    const LightHooks *hooks;
+    const Mesh *mesh;
+} Shower;
+
+static void show(void *context, const RadSolution *so_far) {
+    const Shower *shower = context;
+    shower->hooks->show(shower->hooks->context, shower->mesh, so_far);
+}
+
+bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    const AppBake *bake = context;
+    BakeArguments a = bake_default_arguments();
+    Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
+    RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
+    Shower shower = {hooks, mesh};
+    float *doors;
+    a.file = bake->file;
+    if (!bake_mesh(&a, bake->scene, arena, &doors, mesh, error) ||
+        !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
+        return false;
+    *out = (WalkLight){mesh, solution};
+    a.rad.threads = hooks->threads;
+    if (hooks->show) {
+        show(&shower, solution);
+        a.rad.show = show;
+        a.rad.show_context = &shower;
+        a.rad.show_every = hooks->show_every;
+    }
+    RadReport report = rad_shoot(mesh, &bake->scene->forest, doors, &a.rad, &hooks->progress, solution);
+    if (report.stopped) return error_set(error, "stopped");
+    *error = (Error){""};
+    rad_save(bake->out, mesh, doors, solution, error);
+    return true;
 }

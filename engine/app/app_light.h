@@ -3,7 +3,7 @@
 #define APP_APP_LIGHT_H
 
 #include "engine/app/app.h"
-#include "engine/walk/walk_light.h"
+#include "engine/walk/light_thread.h"
 
 // Where a building's light may be, the likeliest first: `given` alone, or else FILE with the suffix .rad in place of its own, and
 // what `enfilade bake FILE` left in the user's cache; only files that are there. Returns how many.
@@ -15,5 +15,15 @@ bool app_light_place(const Building *building, Arena *arena, const char **out, E
 // Makes the mesh again that the file was baked on. The scene was loaded with lamps (AppOptions). Refuses a file that is
 // damaged or of another building.
 bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkLight *out, Error *error);
+
+// A building to be baked as `enfilade bake FILE` does by itself, to be stored where that stores it.
+typedef struct AppBake {
+    const AppScene *scene;  // loaded with lamps
+    const char *file, *out;
+} AppBake;
+// NULL where nothing emits light, or there is nothing that it could fall on, or no place to store it.
+AppBake *app_bake_new(const char *file, const AppScene *scene, Arena *arena);
+bool app_bake(void *bake, const LightHooks *hooks, Arena *arena, WalkLight *out,
+              Error *error);  // of LightBaker
 
 #endif

@@ -61,9 +61,8 @@ Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
     return vertices;
 }
 
-static bool check_size(const Bake *bake, Error *error) {
-    const CellGraph *graph = &bake->scene.graph;
-    double area = 0, side = bake->a->mesh.element;
+static bool check_size(const BakeArguments *a, const CellGraph *graph, Error *error) {
+    double area = 0, side = a->mesh.element;
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
         area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
@@ -71,25 +70,28 @@ static bool check_size(const Bake *bake, Error *error) {
     if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
     return error_set(error,
                      "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
-                     bake->a->file, area, side, area / side / side, MOST_ELEMENTS);
+                     a->file, area, side, area / side / side, MOST_ELEMENTS);
+}
+
+bool bake_mesh(const BakeArguments *a, const AppScene *scene, Arena *arena, float **doors, Mesh *out,
+               Error *error) {
+    const CellGraph *graph = &scene->graph;
+    if (!app_has_walls(scene, error) || !check_size(a, graph, error)) return false;
+    Arena scratch = {0};
+    *doors = bake_doors(&scene->building, a->doors, arena);
+    Vec3 *vertices = bake_vertices(graph, *doors, &scratch);
+    AdaptScene lit = {graph, vertices, &scene->forest, *doors};
+    AdaptOptions adapt = a->adapt;
+    memcpy(adapt.sky, a->sky, sizeof adapt.sky);
+    bool good = adapt.share > 0 ? adapt_mesh(&lit, &a->mesh, &adapt, &a->rad, NULL, arena, out, error)
+                                : mesh_build(graph, vertices, *doors, &a->mesh, arena, out, error);
+    arena_free(&scratch);
+    return good;
 }
 
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
-    const CellGraph *graph = &bake->scene.graph;
-    if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
     double start = clock_seconds();
-    Arena scratch = {0};
-    bake->doors = bake_doors(&bake->scene.building, bake->a->doors, arena);
-    Vec3 *vertices = bake_vertices(graph, bake->doors, &scratch);
-    AdaptScene scene = {graph, vertices, &bake->scene.forest, bake->doors};
-    AdaptOptions adapt = bake->a->adapt;
-    memcpy(adapt.sky, bake->a->sky, sizeof adapt.sky);
-    Progress none = {0};
-    bool good =
-        adapt.share > 0
-            ? adapt_mesh(&scene, &bake->a->mesh, &adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
-            : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
-    arena_free(&scratch);
+    bool good = bake_mesh(bake->a, &bake->scene, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     return good;
 }

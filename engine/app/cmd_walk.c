@@ -26,6 +26,7 @@ static const char HELP[] =
     "                     FILE` left in the user's cache, where there is one; one that does not fit is "
     "passed "
     "over)\n"
+    "  --false-colour Q   light in numbers: radiosity, irradiance (W/m2) or illuminance (lux)\n"
     "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
     "  --doors STATE      open (off-screen), closed, drawn (window) or random\n"
     "  --replay PATH      follow a recorded path\n\n"
@@ -34,10 +35,12 @@ static const char HELP[] =
     "  --pictures DIR     where screenshots and recorded paths go (default: the current folder)\n"
     "  --scale S          of text, pixels to a point, 0.5 to 8 (default: what the screen says)\n"
     "  --full-screen      fill the screen\n"
+    "  --no-bake          where there is no light do not bake it in the background\n"
     "  --no-vsync         do not wait for the screen\n"
     "  --trace OUT        a JSON line ten times a second: place, doors, figures\n\n"
     "Off-screen:\n"
     "  --offscreen DIR    write the frames to DIR/frame-00000.png ...\n"
+    "  --bake             where there is no light bake it first, and keep it in the user's cache\n"
     "  --tour NAME        auto (default), or the name of a stored tour or viewpoint\n"
     "  --video OUT.mp4    also as a video, made by ffmpeg\n"
     "  --fps N            frames of the video in a second, 1 to 240 (default 12; of a replay 60)\n"
@@ -56,7 +59,7 @@ typedef struct Arguments {
     WalkOptions walk;      // off-screen
     WindowOptions window;  // what both share is in `walk` until all is read
     const char *file, *map, *light;
-    bool json, help, sized, off_screen, toured;
+    bool json, help, sized, off_screen, toured, bake, no_bake;
 } Arguments;
 
 enum {
@@ -84,7 +87,10 @@ enum {
     NO_VSYNC,
     TRACE,
     MAP,
-    LIGHT
+    LIGHT,
+    FALSE_COLOUR,
+    BAKE,
+    NO_BAKE
 };
 
 static int find_name(const char *const *names, int count, const char *name) {
@@ -171,6 +177,11 @@ static int take_name(Arguments *a, int c, const char *value) {
         if (index < 0) return misuse_number("look", value, "fast, fine, baked");
         a->walk.look = (WalkLook)index;
         return APP_GOOD;
+    case FALSE_COLOUR:
+        index = find_name(FALSE_COLOUR_NAMES, FALSE_COLOURS, value);
+        if (index < 0) return misuse_number("false-colour", value, "off, radiosity, irradiance, illuminance");
+        a->walk.false_colour = (FalseColour)index;
+        return APP_GOOD;
     default:
         index = find_name(WALK_DOORS_NAMES, WALK_DOORS, value);
         if (index < 0) return misuse_number("doors", value, "open, closed, drawn, random");
@@ -210,9 +221,16 @@ static int take(Arguments *a, int c, char **argv) {
     case VERIFY:
         a->walk.verify = true;
         return APP_GOOD;
+    case BAKE:
+        a->bake = true;
+        return APP_GOOD;
+    case NO_BAKE:
+        a->no_bake = true;
+        return APP_GOOD;
     case METHOD:
     case LOOK:
     case DOORS:
+    case FALSE_COLOUR:
         return take_name(a, c, optarg);
     case ':':
     case '?':
@@ -235,6 +253,8 @@ static int check(const Arguments *a) {
     if (a->off_screen && for_window)
         return app_misuse("walk",
                           "walk: --view, --trace and --full-screen are for the window, not --offscreen");
+    if (a->off_screen ? a->no_bake : a->bake)
+        return app_misuse("walk", "walk: --bake is for --offscreen, --no-bake for the window");
     if (a->toured && a->walk.replay)
         return app_misuse("walk", "walk: --tour or --replay (one of them is allowed)");
     return APP_GOOD;
@@ -268,6 +288,9 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"trace", required_argument, NULL, TRACE},
                                             {"map", required_argument, NULL, MAP},
                                             {"light", required_argument, NULL, LIGHT},
+                                            {"false-colour", required_argument, NULL, FALSE_COLOUR},
+                                            {"bake", no_argument, NULL, BAKE},
+                                            {"no-bake", no_argument, NULL, NO_BAKE},
                                             {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
@@ -326,15 +349,17 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
 }
 
 // The building with its light, if it has any. What is found beside it or in the cache and does not fit is passed over with a
-// warning; what was asked for must fit.
+// warning; what was asked for must fit. Where there is none, how it can be baked, if it can and is to be.
 static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScene *scene,
-                     const WalkLight **light, Error *error) {
+                     const WalkLight **light, AppBake **bake, Error *error) {
     AppOptions load = app_default_options();
     const char *lights[APP_LIGHTS];
     int count = a->walk.verify ? 0 : app_find_lights(path, a->map, a->light, arena, lights);
+    bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
     load.map = a->map;
-    load.lamps = count > 0;
+    load.lamps = count > 0 || bakes;
     *light = NULL;
+    *bake = NULL;
     if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
     WalkLight *found = ARENA_ARRAY(arena, WalkLight, 1);
     for (int i = 0; i < count; i++) {
@@ -345,14 +370,30 @@ static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScen
         if (a->light) return false;
         fprintf(stderr, "enfilade: passed over: %s\n", error->text);
     }
-    if (count == 0) return true;
+    if (bakes) *bake = app_bake_new(path, scene, arena);
+    if (!load.lamps || bakes) return true;
     load.lamps = false;
     return app_load(path, &load, arena, scene, error);
 }
 
+// Before the first frame.
+static bool bake_first(Arguments *a, AppBake *bake, Arena *arena, Error *error) {
+    WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
+    LightHooks hooks = {.progress = app_progress()};
+    bool good = app_bake(bake, &hooks, arena, light, error);
+    app_progress_end();
+    if (!good) return false;
+    if (*error->text) fprintf(stderr, "enfilade: %s\n", error->text);
+    a->walk.light = light;
+    return true;
+}
+
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppScene scene;
-    if (!load_lit(a, a->file, arena, &scene, &a->walk.light, error)) return false;
+    AppBake *bake;
+    if (!load_lit(a, a->file, arena, &scene, &a->walk.light, &bake, error) ||
+        (bake && !bake_first(a, bake, arena, error)))
+        return false;
     if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
     if (a->walk.look == WALK_BAKED && !a->walk.light)
         return error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)",
@@ -373,8 +414,9 @@ static bool load_scene(void *context, const char *path, Arena *arena, WalkScene 
     const Arguments *a = context;
     AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
     const WalkLight *light;
-    if (!load_lit(a, path, arena, scene, &light, error)) return false;
-    *out = (WalkScene){&scene->graph, &scene->forest, light};
+    AppBake *bake;
+    if (!load_lit(a, path, arena, scene, &light, &bake, error)) return false;
+    *out = (WalkScene){&scene->graph, &scene->forest, light, {bake ? app_bake : NULL, bake}};
     return true;
 }
 
@@ -385,8 +427,7 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     session->replay = a->walk.replay;
     session->method = a->walk.method;
     session->full_screen = a->window.display.full_screen;
-    const char *lights[APP_LIGHTS];
-    if (app_find_lights(a->file, a->map, a->light, arena, lights) > 0) session->look = WALK_BAKED;
+    session->false_colour = a->walk.false_colour;
     if (a->walk.look != WALK_LOOKS) session->look = a->walk.look;
     if (a->walk.doors != WALK_DOORS) session->doors = a->walk.doors;
     a->window.display.title = arena_format(arena, "%s - Enfilade", a->file);

@@ -1,7 +1,7 @@
 // hud.c - panels are placed one after the other, the most urgent first, each where the window still has room.
 #include "engine/walk/hud.h"
 
-enum { HUD_PANELS = 5, FIGURE_ROWS = 7, MESSAGE_LINES = 6, HUD_FLAGS = 16 };
+enum { HUD_PANELS = 6, FIGURE_ROWS = 8, MESSAGE_LINES = 6, HUD_FLAGS = 16 };
 static const char RECORDING[] = "recording";
 
 // Points, all of them.
@@ -16,6 +16,8 @@ static const double PLAN_SHARE = 0.5, PLAN_FRAME = 4;
 // A metre of plan takes at least so much: a door is then 9 points wide.
 static const double PLAN_POINTS_PER_METRE = 10;
 static const double LEAST_FOR_CROSSHAIR = 80;
+// The scale of false colours: the first of these that fits.
+static const double LEGEND_HEIGHTS[] = {200, 150, 100, 60};
 
 static const unsigned PANEL = 0x0e1318, DARK = 0x14181c, BRIGHT = 0xf2f5f7, DIM = 0x9fb0c0, ACCENT = 0xffc857,
                       RED = 0xc8322b, ERROR_PANEL = 0x6e1a17, KEY = 0x4a5a6b;
@@ -222,6 +224,7 @@ static void draw_figures(const Hud *hud, Rectangle r) {
                 arena_format(scratch, "%.1f ms, %.0f a second", f->frame_ms, f->frames_per_second));
     draw_figure(hud, r, 5, "eye", arena_format(scratch, "%.2f  %.2f  %.2f m", f->eye.x, f->eye.y, f->eye.z));
     draw_figure(hud, r, 6, "room", f->storey ? arena_format(scratch, "%s, %s", room, f->storey) : room);
+    draw_figure(hud, r, 7, "light", f->light ? f->light : "");
 }
 
 // Small signs in a row, of recording first; what no longer fits is left out.
@@ -292,6 +295,17 @@ static void draw_plan(Hud *hud) {
     }
 }
 
+static void draw_legend(Hud *hud) {
+    const HudLegend *legend = hud->state->legend;
+    if (!legend) return;
+    for (size_t i = 0; i < sizeof LEGEND_HEIGHTS / sizeof *LEGEND_HEIGHTS; i++) {
+        Rectangle r = anchored(hud, 1, 1, hud_legend_width(), hud_legend_height(LEGEND_HEIGHTS[i]));
+        if (!take(hud, r)) continue;
+        hud_legend_draw(hud->overlay, legend, r.x, r.y, LEGEND_HEIGHTS[i], hud->state->scratch);
+        return;
+    }
+}
+
 // Light within dark, so that it shows on anything.
 static void draw_crosshair(const Hud *hud) {
     if (!hud->state->crosshair || fmin(hud->width, hud->height) < LEAST_FOR_CROSSHAIR) return;
@@ -319,6 +333,7 @@ void hud_draw(Overlay *overlay, const HudState *state) {
     if (shown) draw_figures(&hud, figures);
     if (helped) draw_help(&hud, &help);
     draw_flags(&hud, shown ? figures.y + figures.height + GAP : MARGIN);
+    draw_legend(&hud);
     draw_plan(&hud);
     draw_message(&hud);
 }

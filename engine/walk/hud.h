@@ -2,7 +2,7 @@
 #ifndef WALK_HUD_H
 #define WALK_HUD_H
 
-#include "engine/walk/overlay.h"
+#include "engine/walk/hud_legend.h"
 #include "engine/walk/plan_view.h"
 
 typedef struct HudKey {
@@ -16,6 +16,7 @@ typedef struct HudFigures {
     double query_us, frame_ms, frames_per_second;
     Vec3 eye;
     const char *room, *storey;  // where the eye is; "" and NULL: nowhere
+    const char *light;          // what there is of it
 } HudFigures;
 
 typedef struct HudState {
@@ -30,6 +31,7 @@ typedef struct HudState {
     bool message_is_error;            // stays longer, in red
     const char *prompt_key, *prompt;  // "E", "open salon"
     const PlanView *plan;
+    const HudLegend *legend;
     bool crosshair;
     Arena *scratch;  // for this frame; the caller resets it
 } HudState;
@@ -38,7 +40,7 @@ typedef struct HudState {
 #define HUD_MESSAGE_SECONDS 4.0
 #define HUD_ERROR_SECONDS 12.0
 
-// In a frame that was begun. What the window has no room for is left out: first the plan, then signs, figures, help,
+// In a frame that was begun. What the window has no room for is left out: first the plan, then the legend, signs, figures, help,
 // the prompt. Messages lie over all else.
 void hud_draw(Overlay *overlay, const HudState *state);
 

@@ -10,6 +10,8 @@
 static const double LONGEST_STALL = 0.25;
 // Of keys that turn the head, radians a second.
 static const double TURN = 1.8;
+// How long the end of a walk may take, seconds.
+static const double LEAVE_SECONDS = 0.01;
 static const double USUAL_FOV = 75 * M_PI / 180;
 
 SessionOptions session_default_options(void) {
@@ -36,6 +38,7 @@ static WalkLook usual_look(void) {
 static bool open_session(Session *s, Error *error) {
     s->shown = shown_load(s, error);
     if (!s->shown) return false;
+    if (s->shown->scene.light && !s->look_chosen) s->look = WALK_BAKED;
     s->overlay = overlay_new(s->arena, error);
     if (!s->overlay) return false;
     if (s->options.trace && !(s->trace = fopen(s->options.trace, "w")))
@@ -53,12 +56,15 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
                    .person = {.cell = -1},
                    .fov = USUAL_FOV,
                    .method = options->method,
-                   .look = options->look == WALK_LOOKS ? usual_look() : options->look,
+                   .false_colour = options->false_colour,
                    .plan = true,
                    .statistics = true,
                    .full_screen = options->full_screen,
                    .now = -1,
                    .watch = file_watch_begin(options->file)};
+    s->sketched = usual_look();
+    s->look_chosen = options->look != WALK_LOOKS;
+    s->look = s->look_chosen ? options->look : s->sketched;
     if (open_session(s, error)) return s;
     session_free(s);
     return NULL;
@@ -69,7 +75,9 @@ void session_free(Session *s) {
     if (s->recording) session_record(s);
     if (s->trace) fclose(s->trace);
     overlay_free(s->overlay);
-    shown_free(s->shown);
+    // A bake that does not stop at once goes down with the program, and keeps what it stands on until then.
+    shown_free(s->shown, LEAVE_SECONDS);
+    session_let_go(s);
     arena_free(&s->recording_arena);
     arena_free(&s->replay_arena);
     arena_free(&s->frame_arena);
@@ -103,6 +111,7 @@ void session_advance(Session *s, double now) {
     s->behind += fmin(fmax(passed, 0), LONGEST_STALL);
     for (; s->behind >= 1.0 / SESSION_TICKS; s->behind -= 1.0 / SESSION_TICKS) tick(s);
     session_watch(s);
+    session_let_go(s);
     session_trace(s);
 }
 

@@ -5,6 +5,7 @@
 
 #include "engine/walk/display.h"
 #include "engine/walk/hud.h"
+#include "engine/walk/light_thread.h"
 #include "engine/walk/walk_offscreen.h"
 #include "engine/walk/walk_renderer.h"
 
@@ -13,6 +14,7 @@ typedef struct WalkScene {
     const CellGraph *graph;
     const StabForest *forest;
     const WalkLight *light;  // baked, or NULL
+    LightBaker baker;        // bakes it in the background, where `bake` is not NULL and there is no light
 } WalkScene;
 
 typedef struct SessionLoader {
@@ -28,7 +30,8 @@ typedef struct SessionOptions {
     const char *trace;     // a file that gets a JSON line ten times a second, or NULL
     WalkDoors doors;
     VisMethod method;
-    WalkLook look;     // WALK_LOOKS: what the OpenGL at hand can do
+    WalkLook look;  // WALK_LOOKS: what the OpenGL at hand can do, and baked once there is light
+    FalseColour false_colour;
     bool full_screen;  // to begin with
 } SessionOptions;
 SessionOptions session_default_options(void);

@@ -17,6 +17,9 @@ int session_flags(const Session *s, const char **out) {
     if (s->wireframe) out[count++] = "wireframe";
     if (s->stab_tree) out[count++] = "stab tree";
     if (s->replay) out[count++] = "replay";
+    if (session_light_arriving(s)) out[count++] = "light arriving";
+    if (s->exposure.fixed) out[count++] = "exposure fixed";
+    if (s->false_colour != FALSE_COLOUR_OFF) out[count++] = FALSE_COLOUR_NAMES[s->false_colour];
     return count;
 }
 
@@ -57,7 +60,9 @@ static void draw_hud(Session *s, int width, int height, double scale) {
                           .frames_per_second = s->frames_per_second,
                           .eye = p->eye,
                           .room = session_room(s),
-                          .storey = storey < 0 ? NULL : b->storeys[storey].name};
+                          .storey = storey < 0 ? NULL : b->storeys[storey].name,
+                          .light = session_light_text(s, &s->frame_arena)};
+    HudLegend legend;
     PlanView plan = {.graph = graph,
                      .forest = s->stab_tree ? s->shown->scene.forest : NULL,
                      .visible = &s->visible,
@@ -78,6 +83,7 @@ static void draw_hud(Session *s, int width, int height, double scale) {
                       .message_age = s->now - s->message_since,
                       .message_is_error = s->message_is_error,
                       .plan = s->plan ? &plan : NULL,
+                      .legend = session_legend(s, &legend) ? &legend : NULL,
                       .crosshair = s->mouse && !s->picture_wanted,
                       .scratch = &s->frame_arena};
     if (door >= 0 && !s->picture_wanted) {
@@ -102,7 +108,9 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
     const Person *p = &s->person;
     double start = clock_seconds();
     Camera camera = camera_look(p->eye, p->yaw, p->pitch, s->fov, width, height);
+    session_receive_light(s);
     ask(s, &camera);
+    session_expose(s, &camera);
     WalkRenderer *renderer = s->shown->renderer;
     walk_renderer_pose(renderer, s->shown->doors.open);
     if (!walk_renderer_draw(renderer, &camera, s->visible.objects, s->visible.object_count, s->look, error))

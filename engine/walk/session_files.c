@@ -122,6 +122,13 @@ static json_t *trace_doors(const Session *s) {
     return doors;
 }
 
+static json_t *trace_light(const Session *s) {
+    return json_pack("{s:b, s:f, s:f, s:f, s:b, s:s}", "shown", (int)session_light_shown(s), "done",
+                     session_light_done(s), "exposure", exposure_scale(&s->exposure), "stops",
+                     s->exposure.stops, "fixed", (int)s->exposure.fixed, "false_colour",
+                     FALSE_COLOUR_NAMES[s->false_colour]);
+}
+
 void session_trace(Session *s) {
     if (!s->trace || s->now < s->trace_due) return;
     s->trace_due = s->now + TRACE_PERIOD;
@@ -133,12 +140,13 @@ void session_trace(Session *s) {
     int count = session_flags(s, names);
     for (int i = 0; i < count; i++) json_array_append_new(flags, json_string(names[i]));
     json_t *line = json_pack(
-        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s}", "t", s->now,
-        "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell, "room",
-        session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name, "fps", s->frames_per_second,
-        "frame_ms", s->frame_ms, "cells_visible", s->visible.cell_count, "polygons_drawn",
-        s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s),
-        "flags", flags, "message", s->message);
+        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s, s:s, s:o}", "t",
+        s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell,
+        "room", session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name, "fps",
+        s->frames_per_second, "frame_ms", s->frame_ms, "cells_visible", s->visible.cell_count,
+        "polygons_drawn", s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors",
+        trace_doors(s), "flags", flags, "message", s->message, "look", WALK_LOOK_NAMES[s->look], "light",
+        trace_light(s));
     json_dumpf(line, s->trace, JSON_COMPACT);
     fputc('\n', s->trace);
     fflush(s->trace);

@@ -85,8 +85,21 @@ static void show_stab_tree(Session *s, int key) {
 static void change_look(Session *s, int key) {
     (void)key;
     s->look = (WalkLook)((s->look + 1) % WALK_LOOKS);
-    if (s->look == WALK_BAKED && !walk_renderer_is_lit(s->shown->renderer)) s->look = WALK_FAST;
+    if (s->look == WALK_BAKED && !walk_renderer_lit(s->shown->renderer)) s->look = WALK_FAST;
+    s->look_chosen = true;
     session_say(s, false, "look: %s", WALK_LOOK_NAMES[s->look]);
+}
+
+static void brighten(Session *s, int key) { session_brighten(s, key == '=' ? 1 : -1); }
+
+static void fix_exposure(Session *s, int key) {
+    (void)key;
+    session_fix_exposure(s);
+}
+
+static void change_colours(Session *s, int key) {
+    (void)key;
+    session_change_colours(s);
 }
 
 static void take_picture(Session *s, int key) {
@@ -173,6 +186,10 @@ static const struct {
               {'X', 'X', show_wireframe},
               {'T', 'T', show_stab_tree},
               {'G', 'G', change_look},
+              {'-', '-', brighten},
+              {'=', '=', brighten},
+              {'U', 'U', fix_exposure},
+              {'K', 'K', change_colours},
               {'P', 'P', take_picture},
               {DISPLAY_KEY_F12, DISPLAY_KEY_F12, take_picture},
               {'R', 'R', record},
@@ -199,7 +216,9 @@ const HudKey SESSION_KEYS[] = {
     {"B, N", "culling off and on; the next way of culling"},
     {"X", "hidden cells in wireframe"},
     {"T", "stab tree of the current cell on the plan"},
-    {"G", "fast or fine look"},
+    {"G", "fast, fine or baked look"},
+    {"-, =, U", "darker, brighter; the eye adapts, or stays as it is"},
+    {"K", "light in false colours: radiosity, irradiance, illuminance"},
     {"P, F12", "screenshot"},
     {"R, L", "record a path, and end it; replay it"},
     {"F5, F11", "read the file again; full screen"},

@@ -33,16 +33,42 @@ Shown *shown_load(const Session *s, Error *error) {
     }
     // From here on the arena lives in what it holds.
     shown->arena = arena;
-    if (shown->renderer) return shown;
-    shown_free(shown);
-    return NULL;
+    if (!shown->renderer) {
+        shown_free(shown, 0);
+        return NULL;
+    }
+    if (!light && shown->scene.baker.bake)
+        shown->baking = light_thread_start(&shown->scene.baker, &shown->arena);
+    return shown;
 }
 
-void shown_free(Shown *shown) {
-    if (!shown) return;
+bool shown_free(Shown *shown, double seconds) {
+    if (!shown) return true;
     walk_renderer_free(shown->renderer);
+    shown->renderer = NULL;
+    if (shown->baking) {
+        light_thread_stop(shown->baking);
+        if (!light_thread_free(shown->baking, seconds)) return false;
+    }
     Arena arena = shown->arena;
     arena_free(&arena);
+    return true;
+}
+
+static void leave(Session *s, Shown *shown) {
+    if (shown_free(shown, 0)) return;
+    shown->next = s->leaving;
+    s->leaving = shown;
+}
+
+void session_let_go(Session *s) {
+    for (Shown **at = &s->leaving; *at;) {
+        Shown *next = (*at)->next;
+        if (shown_free(*at, 0))
+            *at = next;
+        else
+            at = &(*at)->next;
+    }
 }
 
 // ---- reading again
@@ -63,8 +89,9 @@ void session_reload(Session *s) {
         return;
     }
     keep_doors(&next->doors, &s->shown->doors, next->scene.graph->building, s->shown->scene.graph->building);
-    shown_free(s->shown);
+    leave(s, s->shown);
     s->shown = next;
+    if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
     s->visible = (VisResult){.eye_cell = -1};
     s->frozen = false;
     // What was recorded names the doors of the file as it was.

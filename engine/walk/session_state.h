@@ -37,27 +37,34 @@ typedef struct Shown {
     WalkRenderer *renderer;
     Doors doors;
     BodyWorld world;
-    int *hidden;  // [object_count] the surfaces of cells that are not visible
+    int *hidden;          // [object_count] the surfaces of cells that are not visible
+    LightThread *baking;  // or NULL
+    bool told;            // that it has ended
+    struct Shown *next;   // of those that are no longer shown, but whose light is still being baked
 } Shown;
 
 struct Session {
     SessionOptions options;
     SessionLoader loader;
     Arena *arena;
-    Shown *shown;
+    Shown *shown, *leaving;
     Overlay *overlay;
     Person person;
     double fov;           // horizontal, radians
     int held[HELD_KEYS];  // how many keys for it are down
     VisMethod method;
     WalkLook look;
+    WalkLook sketched;  // the look until there is light
+    bool look_chosen;   // no longer changed by itself
+    Exposure exposure;
+    FalseColour false_colour;
     bool frozen, wireframe, stab_tree, plan, statistics, help, full_screen, mouse, ended;
     VisResult visible;
     // Time.
     double now, behind;  // seconds; `behind`: not yet walked
     long tick;
     double frame_ms, query_us, frame_period, frames_per_second;  // smoothed
-    double last_frame;
+    double last_frame, drawn_at;
     // What is said.
     char message[512];
     bool message_is_error;
@@ -77,7 +84,10 @@ struct Session {
 
 // ---- session_scene.c
 Shown *shown_load(const Session *s, Error *error);
-void shown_free(Shown *shown);
+// Waits a moment for a bake under way to end, 0: not at all; false: it has not, and all stays as it is.
+bool shown_free(Shown *shown, double seconds);
+// Frees what has ended of what was shown before.
+void session_let_go(Session *s);
 // Reads the file again if it changed; the walk goes on where it was. What is wrong is said and the old stays.
 void session_watch(Session *s);
 void session_reload(Session *s);
@@ -103,8 +113,20 @@ void session_record_tick(Session *s);
 bool session_replay_tick(Session *s);  // false: nothing is being replayed
 void session_trace(Session *s);
 
+// ---- session_light.c
+void session_receive_light(Session *s);                 // once a frame, before it
+void session_expose(Session *s, const Camera *camera);  // of what is visible
+bool session_light_shown(const Session *s);             // light by radiosity
+bool session_light_arriving(const Session *s);
+double session_light_done(const Session *s);  // 0 .. 1
+const char *session_light_text(const Session *s, Arena *arena);
+bool session_legend(const Session *s, HudLegend *out);  // false: there is none
+void session_brighten(Session *s, int by);
+void session_fix_exposure(Session *s);
+void session_change_colours(Session *s);
+
 // ---- session_draw.c
-enum { SESSION_FLAGS = 8 };
+enum { SESSION_FLAGS = 10 };
 int session_flags(const Session *s, const char **out);  // words for what is not as usual; returns how many
 
 // ---- session.c

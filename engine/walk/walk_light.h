@@ -1,8 +1,7 @@
-// walk_light.h - a baked building ready for the screen: every element's light, smooth from corner to corner.
+// walk_light.h - a baked building.
 #ifndef WALK_LIGHT_H
 #define WALK_LIGHT_H
 
-#include "engine/walk/walk_bake.h"
 #include "radiosity/shoot.h"
 
 // What was baked, of the graph that is drawn.
@@ -10,13 +9,5 @@ typedef struct WalkLight {
     const Mesh *mesh;
     const RadSolution *solution;
 } WalkLight;
-
-// Radiosities at the corners of elements: the mean of the elements around a place that lie in one plane and are of one
-// material, [corner_count] as Mesh.corners; and of whole faces, [face_count].
-typedef struct WalkShades {
-    Rgba8 *corner, *face;
-    double exposure;  // what radiosities were multiplied by, m^2/W
-} WalkShades;
-WalkShades walk_light_shades(const WalkLight *light, Arena *arena);
 
 #endif

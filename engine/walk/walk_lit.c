@@ -1,220 +1,174 @@
-// walk_lit.c - elements as triangles, in the order of the graph's polygons; of leaves, which move, polygons whole. What the
-// mesh lacks (glass) is left to others.
+// walk_lit.c - two buffers of light: while one is shown the next state of the light goes into the other, a slice a frame, and
+// then the shader fades from the one to the other. So no frame waits for a large building, and none shows half a state.
 #include "engine/walk/walk_lit.h"
 
 #include <glad/gl.h>
 
-#include "engine/core/polygon.h"
+#include "engine/walk/walk_mesh.h"
 
-typedef struct LitVertex {
-    float position[3], normal[3];
-    Rgba8 front, back;
-} LitVertex;
+enum { LIGHTS = 2 };
 
 struct WalkLit {
-    const CellGraph *graph;
-    Vec3 origin;
-    int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
-    LitVertex *vertex;                // of leaves, the corners of their polygons
-    unsigned *index;
-    Plane *plane;     // [polygon_count] of surfaces
-    float *share;     // [leaf_count] where leaves stand
-    unsigned *list;   // of the frame
-    int things, all;  // indices in it: of things, and with the surfaces
-    unsigned array, vertex_buffer, list_buffer;
+    LitMesh *mesh;
+    float *share;        // [leaf_count] where leaves stand; NAN before the first time
+    unsigned *list;      // of the frame
+    int things, all;     // indices in it: of things, and with the surfaces
+    int vertices_there;  // of LitMesh, uploaded
+    int light_there,
+        newest;  // of the light that comes; which buffer holds the last one that is complete, -1: none
+    double fade;
+    unsigned array, vertex_buffer, list_buffer, light_buffer[LIGHTS], material_buffer, material_texture;
 };
 
-// The back of a face reflects nothing, as light is computed. Curtains and leaves are one polygon all the same: they show
-// three quarters of their front's light.
-static Rgba8 back_of(Rgba8 front) {
-    return (Rgba8){(uint8_t)(front.r * 3 / 4), (uint8_t)(front.g * 3 / 4), (uint8_t)(front.b * 3 / 4), 255};
+// ---- upload
+
+// Places in the shaders.
+enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
+
+static void describe_vertices(const WalkLit *lit) {
+    GLsizei stride = sizeof(LitVertex);
+    glBindVertexArray(lit->array);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    glVertexAttribPointer(PLACE_POSITION, 3, GL_FLOAT, GL_FALSE, stride,
+                          (const void *)offsetof(LitVertex, position));
+    glVertexAttribPointer(PLACE_NORMAL, 3, GL_FLOAT, GL_FALSE, stride,
+                          (const void *)offsetof(LitVertex, normal));
+    glVertexAttribIPointer(PLACE_KIND, 2, GL_INT, stride, (const void *)offsetof(LitVertex, material));
+    static const unsigned PLACES[] = {PLACE_POSITION, PLACE_NORMAL, PLACE_KIND, PLACE_BEFORE, PLACE_LIGHT};
+    for (size_t i = 0; i < sizeof PLACES / sizeof *PLACES; i++) glEnableVertexAttribArray(PLACES[i]);
 }
 
-static void put_vertex(const WalkLit *lit, LitVertex *out, Vec3 at, Vec3 n, Rgba8 front) {
-    Vec3 p = vec3_sub(at, lit->origin);
-    *out = (LitVertex){
-        {(float)p.x, (float)p.y, (float)p.z}, {(float)n.x, (float)n.y, (float)n.z}, front, back_of(front)};
+static void describe_light(const WalkLit *lit, unsigned place, int which) {
+    glBindVertexArray(lit->array);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[which]);
+    glVertexAttribPointer(place, 3, GL_FLOAT, GL_FALSE, 0, NULL);
 }
 
-static bool is_leaf(const CellGraph *graph, int object) { return graph->objects[object].leaf >= 0; }
+static unsigned make_buffer(size_t bytes) {
+    unsigned buffer;
+    glGenBuffers(1, &buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)bytes, NULL, GL_STATIC_DRAW);
+    return buffer;
+}
 
-// How much of each a polygon takes.
-static void count_polygon(const WalkLight *light, int object, int polygon, int *vertices, int *indices) {
-    const Mesh *mesh = light->mesh;
-    int f = mesh->face_of[polygon], corners = mesh->graph->polygons[polygon].vertex_count;
-    *vertices = *indices = 0;
-    if (f < 0) return;
-    if (is_leaf(mesh->graph, object)) {
-        *vertices = corners;
-        *indices = 3 * (corners - 2);
-        return;
+// Two texels a material: reflectance, exitance.
+static void upload_materials(WalkLit *lit) {
+    const Building *b = lit->mesh->mesh->graph->building;
+    Arena scratch = {0};
+    float(*texels)[2][4] = arena_alloc(&scratch, (size_t)b->material_count + 1, sizeof *texels);
+    for (int i = 0; i < b->material_count; i++) {
+        Rgb r = b->materials[i].reflectance, e = b->materials[i].emission;
+        float both[2][4] = {{r.r, r.g, r.b, 0}, {e.r, e.g, e.b, 0}};
+        memcpy(texels[i], both, sizeof both);
     }
-    const Face *face = &mesh->faces[f];
-    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
-        *vertices += mesh->elements[e].corner_count;
-        *indices += 3 * (mesh->elements[e].corner_count - 2);
-    }
-}
-
-static void count_all(WalkLit *lit, const WalkLight *light, Arena *arena) {
-    const CellGraph *graph = lit->graph;
-    int vertices = 0, indices = 0;
-    lit->first_vertex = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    lit->first_index = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
-    for (int o = 0; o < graph->object_count; o++) {
-        const Object *object = &graph->objects[o];
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            int v, i;
-            lit->first_vertex[p] = vertices;
-            lit->first_index[p] = indices;
-            count_polygon(light, o, p, &v, &i);
-            vertices += v;
-            indices += i;
-        }
-    }
-    lit->first_vertex[graph->polygon_count] = vertices;
-    lit->first_index[graph->polygon_count] = indices;
-    lit->vertex = ARENA_ARRAY(arena, LitVertex, vertices + 1);
-    lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
-    lit->list = ARENA_ARRAY(arena, unsigned, indices + 1);
-    lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
-}
-
-static void triangulate(WalkLit *lit, const Vec3 *v, int count, int vertex, int index) {
-    int *triangle = (int *)(lit->index + index);
-    polygon_triangulate(v, count, triangle);
-    for (int k = 0; k < 3 * (count - 2); k++) triangle[k] += vertex;
-}
-
-static void fill_elements(WalkLit *lit, const WalkLight *light, const WalkShades *shades, int polygon,
-                          Arena *scratch) {
-    const Mesh *mesh = light->mesh;
-    const Face *face = &mesh->faces[mesh->face_of[polygon]];
-    int vertex = lit->first_vertex[polygon], index = lit->first_index[polygon];
-    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        Vec3 *v = ARENA_ARRAY(scratch, Vec3, element->corner_count);
-        for (int i = 0; i < element->corner_count; i++) {
-            int corner = element->first_corner + i;
-            v[i] = mesh->vertices[mesh->corners[corner]];
-            put_vertex(lit, &lit->vertex[vertex + i], v[i], face->plane.n, shades->corner[corner]);
-        }
-        triangulate(lit, v, element->corner_count, vertex, index);
-        vertex += element->corner_count;
-        index += 3 * (element->corner_count - 2);
-    }
-}
-
-// As it is drawn; pose puts it in its place.
-static void fill_leaf(WalkLit *lit, const WalkLight *light, const WalkShades *shades, int polygon) {
-    const Polygon *p = &lit->graph->polygons[polygon];
-    const Vec3 *v = lit->graph->vertices + p->first_vertex;
-    int face = light->mesh->face_of[polygon], vertex = lit->first_vertex[polygon];
-    for (int i = 0; i < p->vertex_count; i++)
-        put_vertex(lit, &lit->vertex[vertex + i], v[i], light->mesh->faces[face].plane.n, shades->face[face]);
-    triangulate(lit, v, p->vertex_count, vertex, lit->first_index[polygon]);
-}
-
-static void fill_all(WalkLit *lit, const WalkLight *light) {
-    const CellGraph *graph = lit->graph;
-    Arena arena = {0}, scratch = {0};
-    WalkShades shades = walk_light_shades(light, &arena);
-    for (int o = 0; o < graph->object_count; o++) {
-        const Object *object = &graph->objects[o];
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            int face = light->mesh->face_of[p];
-            if (face < 0) continue;
-            lit->plane[p] = light->mesh->faces[face].plane;
-            arena_reset(&scratch);
-            if (is_leaf(graph, o))
-                fill_leaf(lit, light, &shades, p);
-            else
-                fill_elements(lit, light, &shades, p, &scratch);
-        }
-    }
-    arena_free(&arena);
+    glGenBuffers(1, &lit->material_buffer);
+    glBindBuffer(GL_TEXTURE_BUFFER, lit->material_buffer);
+    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)(b->material_count + 1) * sizeof *texels), texels,
+                 GL_STATIC_DRAW);
+    glGenTextures(1, &lit->material_texture);
+    walk_lit_bind(lit);
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, lit->material_buffer);
     arena_free(&scratch);
 }
 
-// Places as of the shader for what stands in rooms.
-static void describe_vertices(void) {
-    static const struct {
-        unsigned place;
-        int size;
-        unsigned type;
-        size_t offset;
-    } PARTS[] = {{0, 3, GL_FLOAT, offsetof(LitVertex, position)},
-                 {1, 3, GL_FLOAT, offsetof(LitVertex, normal)},
-                 {5, 4, GL_UNSIGNED_BYTE, offsetof(LitVertex, front)},
-                 {6, 4, GL_UNSIGNED_BYTE, offsetof(LitVertex, back)}};
-    for (size_t i = 0; i < sizeof PARTS / sizeof *PARTS; i++) {
-        glEnableVertexAttribArray(PARTS[i].place);
-        glVertexAttribPointer(PARTS[i].place, PARTS[i].size, PARTS[i].type, PARTS[i].type == GL_UNSIGNED_BYTE,
-                              sizeof(LitVertex), (const void *)PARTS[i].offset);
-    }
-}
-
-WalkLit *walk_lit_new(const WalkLight *light, Vec3 origin, Arena *arena) {
+WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
-    const CellGraph *graph = light->mesh->graph;
-    lit->graph = graph;
-    lit->origin = origin;
+    const CellGraph *graph = mesh->mesh->graph;
+    size_t vertices = (size_t)lit_vertex_count(mesh);
+    *lit = (WalkLit){.mesh = mesh, .newest = -1};
     lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
     for (int i = 0; i < graph->building->leaf_count; i++) lit->share[i] = NAN;
-    count_all(lit, light, arena);
-    fill_all(lit, light);
+    lit->list = ARENA_ARRAY(arena, unsigned, mesh->first_index[graph->polygon_count] + 1);
     glGenVertexArrays(1, &lit->array);
-    glBindVertexArray(lit->array);
-    glGenBuffers(1, &lit->vertex_buffer);
-    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
-    glBufferData(GL_ARRAY_BUFFER,
-                 (GLsizeiptr)((size_t)lit->first_vertex[graph->polygon_count] * sizeof *lit->vertex),
-                 lit->vertex, GL_STATIC_DRAW);
-    describe_vertices();
+    lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
+    for (int i = 0; i < LIGHTS; i++) lit->light_buffer[i] = make_buffer(vertices * sizeof(float[3]));
+    describe_vertices(lit);
     glGenBuffers(1, &lit->list_buffer);
-    walk_lit_pose(lit, NULL);
+    upload_materials(lit);
     return lit;
 }
 
 void walk_lit_free(WalkLit *lit) {
     if (!lit) return;
-    unsigned buffers[] = {lit->vertex_buffer, lit->list_buffer};
+    unsigned buffers[] = {lit->vertex_buffer, lit->list_buffer, lit->light_buffer[0], lit->light_buffer[1],
+                          lit->material_buffer};
     glDeleteVertexArrays(1, &lit->array);
-    glDeleteBuffers(2, buffers);
+    glDeleteBuffers(5, buffers);
+    glDeleteTextures(1, &lit->material_texture);
+}
+
+const LitMesh *walk_lit_mesh(const WalkLit *lit) { return lit->mesh; }
+
+// The next slice of an array of vertices; lessens `bytes` by it.
+static void upload_slice(unsigned buffer, const void *data, size_t size, int count, int *there,
+                         size_t *bytes) {
+    size_t most = *bytes / size + 1, first = (size_t)*there, left = (size_t)count - first;
+    size_t slice = left < most ? left : most;
+    if (slice == 0) return;
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)(first * size), (GLsizeiptr)(slice * size),
+                    (const char *)data + first * size);
+    *there += (int)slice;
+    *bytes = slice * size < *bytes ? *bytes - slice * size : 0;
+}
+
+bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
+    int count = lit_vertex_count(lit->mesh), next = lit->newest < 0 ? 0 : 1 - lit->newest;
+    upload_slice(lit->vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
+                 &bytes);
+    if (lit->vertices_there < count || bytes == 0) return false;
+    upload_slice(lit->light_buffer[next], light->vertex, sizeof *light->vertex, count, &lit->light_there,
+                 &bytes);
+    if (lit->light_there < count) return false;
+    describe_light(lit, PLACE_BEFORE, lit->newest < 0 ? next : lit->newest);
+    describe_light(lit, PLACE_LIGHT, next);
+    lit->fade = lit->newest < 0 ? 1 : 0;
+    lit->newest = next;
+    lit->light_there = 0;
+    return true;
+}
+
+void walk_lit_fade(WalkLit *lit, double share) { lit->fade = fmin(share, 1); }
+double walk_lit_faded(const WalkLit *lit) { return lit->fade; }
+
+// ---- doors
+
+static void put_place(float out[3], Vec3 p) {
+    out[0] = (float)p.x;
+    out[1] = (float)p.y;
+    out[2] = (float)p.z;
 }
 
 static void move_leaf(WalkLit *lit, int object, double open) {
-    const CellGraph *graph = lit->graph;
+    const LitMesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->mesh->graph;
     const Object *o = &graph->objects[object];
     const Leaf *leaf = &graph->building->leaves[o->leaf];
-    int first = lit->first_vertex[o->first_polygon],
-        end = lit->first_vertex[o->first_polygon + o->polygon_count];
+    int first = mesh->first_vertex[o->first_polygon],
+        end = mesh->first_vertex[o->first_polygon + o->polygon_count];
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         const Polygon *polygon = &graph->polygons[p];
-        LitVertex *vertex = lit->vertex + lit->first_vertex[p];
-        if (lit->first_vertex[p + 1] == lit->first_vertex[p]) continue;
-        Vec3 corner[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, n = lit->plane[p].n;
+        LitVertex *vertex = mesh->vertex + mesh->first_vertex[p];
+        if (mesh->first_vertex[p + 1] == mesh->first_vertex[p]) continue;
+        Vec3 corner[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
         for (int i = 0; i < polygon->vertex_count; i++) {
             Vec3 at = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
             if (i < 3) corner[i] = at;
-            put_vertex(lit, &vertex[i], at, n, vertex[i].front);
+            put_place(vertex[i].position, vec3_sub(at, mesh->origin));
         }
-        n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-        for (int i = 0; i < polygon->vertex_count; i++) {
-            vertex[i].normal[0] = (float)n.x;
-            vertex[i].normal[1] = (float)n.y;
-            vertex[i].normal[2] = (float)n.z;
-        }
+        Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+        for (int i = 0; i < polygon->vertex_count; i++) put_place(vertex[i].normal, n);
     }
-    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->vertex),
-                    (GLsizeiptr)((size_t)(end - first) * sizeof *lit->vertex), lit->vertex + first);
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
+                    (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
 }
 
 void walk_lit_pose(WalkLit *lit, const float *door_open) {
-    const Building *b = lit->graph->building;
+    const Building *b = lit->mesh->mesh->graph->building;
     glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     for (int o = 0; o < b->object_count; o++) {
-        int leaf = lit->graph->objects[o].leaf;
+        int leaf = lit->mesh->mesh->graph->objects[o].leaf;
         if (leaf < 0) continue;
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
         if (lit->share[leaf] != share) move_leaf(lit, o, (double)share);
@@ -223,15 +177,16 @@ void walk_lit_pose(WalkLit *lit, const float *door_open) {
 }
 
 static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bool surfaces, int at) {
-    const CellGraph *graph = lit->graph;
+    const LitMesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->mesh->graph;
     for (int k = 0; k < count; k++) {
         const Object *o = &graph->objects[objects[k]];
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
             // As in the other looks: where two surfaces lie back to back, each is seen from inside its cell only.
-            if (surfaces && plane_distance(lit->plane[p], eye) <= 0) continue;
-            int indices = lit->first_index[p + 1] - lit->first_index[p];
-            memcpy(lit->list + at, lit->index + lit->first_index[p], (size_t)indices * sizeof *lit->list);
+            if (surfaces && plane_distance(mesh->plane[p], eye) <= 0) continue;
+            int indices = mesh->first_index[p + 1] - mesh->first_index[p];
+            memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);
             at += indices;
         }
     }
@@ -245,6 +200,11 @@ void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count)
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, lit->list_buffer);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)lit->all * sizeof *lit->list), lit->list,
                  GL_STREAM_DRAW);
+}
+
+void walk_lit_bind(const WalkLit *lit) {
+    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_LAMPS);
+    glBindTexture(GL_TEXTURE_BUFFER, lit->material_texture);
 }
 
 void walk_lit_draw(const WalkLit *lit, bool surfaces) {

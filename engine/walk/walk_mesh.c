@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
+#include "engine/walk/lit_mesh.h"
 #include "engine/walk/walk_bake.h"
 
 typedef struct WalkVertex {
@@ -241,8 +242,7 @@ static bool upload(WalkMesh *mesh, Error *error) {
 WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkMesh *mesh = ARENA_ARRAY(arena, WalkMesh, 1);
     mesh->graph = graph;
-    Vec3 middle = vec3_lerp(graph->box.min, graph->box.max, 0.5);
-    mesh->origin = vec3(round(middle.x), round(middle.y), round(middle.z));
+    mesh->origin = lit_origin(graph);
     mesh->lights = walk_lights(graph, mesh->origin, arena);
     mesh->bake = walk_bake_new(graph, &mesh->lights, mesh->origin, arena);
     mesh->first_vertex = ARENA_ARRAY(arena, int, graph->polygon_count + 1);

@@ -5,6 +5,7 @@
 #include "engine/core/file.h"
 #include "engine/core/random.h"
 #include "engine/core/text.h"
+#include "engine/walk/hud.h"
 #include "engine/walk/image.h"
 #include "engine/walk/recording.h"
 #include "engine/walk/verify.h"
@@ -42,7 +43,10 @@ typedef struct Walk {
     VisQuery *query;
     GlContext *context;      // of the renderer
     WalkRenderer *renderer;  // NULL when verifying
-    WalkVerify *verify;      // or NULL
+    Overlay *overlay;        // for a legend alone, or NULL
+    Exposure exposure;
+    double frame_seconds;  // between two frames of the film
+    WalkVerify *verify;    // or NULL
     Video *video;
     uint8_t *rgb;
     float *door_open;
@@ -122,6 +126,28 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *d
     return !chosen || compare_rays(w, camera, door_open, out, error);
 }
 
+// By the time of the film, not of the clock: the same frames come out every time.
+static void expose(Walk *w, const Camera *camera, const VisResult *visible) {
+    const LitLight *light = walk_renderer_lit(w->renderer);
+    if (!light) return;
+    double seen = exposure_meter(walk_renderer_mesh(w->renderer), light, camera, visible->objects,
+                                 visible->object_count);
+    exposure_adapt(&w->exposure, seen, light->level, w->frame_seconds);
+    walk_renderer_tone(w->renderer, exposure_scale(&w->exposure), w->options->false_colour);
+}
+
+static bool draw_legend(Walk *w, Error *error) {
+    if (!w->overlay) return true;
+    FalseColour quantity = w->options->false_colour;
+    HudLegend legend = {quantity, walk_renderer_lit(w->renderer)->ranges[quantity]};
+    Arena scratch = {0};
+    HudState state = {.legend = &legend, .scratch = &scratch};
+    overlay_begin(w->overlay, w->options->width, w->options->height, 1);
+    hud_draw(w->overlay, &state);
+    arena_free(&scratch);
+    return overlay_end(w->overlay, error);
+}
+
 static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) {
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
@@ -129,9 +155,10 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
                    .missing = -1};
     double asked = clock_seconds();
     walk_renderer_pose(w->renderer, w->door_open);
+    expose(w, camera, &out->visible);
     if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count,
                             w->options->look, error) ||
-        !walk_renderer_finish_scene(w->renderer, error)) {
+        !walk_renderer_finish_scene(w->renderer, error) || !draw_legend(w, error)) {
         return false;
     }
     walk_renderer_finish();
@@ -232,10 +259,14 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
         if (!w->renderer) return false;
         if (o->light && !walk_renderer_light(w->renderer, o->light, w->arena, error)) return false;
+        if (o->light && o->look == WALK_BAKED && o->false_colour != FALSE_COLOUR_OFF &&
+            !(w->overlay = overlay_new(w->arena, error)))
+            return false;
     }
-    if (!o->video) return true;
     int usual = w->replay ? RECORDING_TICKS : USUAL_RATE;
     int rate = o->frames_per_second > 0 ? o->frames_per_second : usual;
+    w->frame_seconds = 1.0 / rate;
+    if (!o->video) return true;
     w->video = video_begin(o->video, o->width, o->height, rate, w->arena, error);
     return w->video != NULL;
 }
@@ -243,7 +274,10 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
 static void close_drawing(Walk *w) {
     video_abandon(w->video);
     walk_verify_free(w->verify);
-    if (w->context && gl_context_use(w->context, NULL)) walk_renderer_free(w->renderer);
+    if (w->context && gl_context_use(w->context, NULL)) {
+        overlay_free(w->overlay);
+        walk_renderer_free(w->renderer);
+    }
     gl_context_close(w->context);
     arena_free(&w->rays);
 }

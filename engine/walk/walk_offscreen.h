@@ -23,6 +23,7 @@ typedef struct WalkOptions {
     VisMethod method;
     WalkLook look;
     const WalkLight *light;  // for WALK_BAKED, or NULL
+    FalseColour false_colour;
     TourOptions path;
 } WalkOptions;
 WalkOptions walk_default_options(void);

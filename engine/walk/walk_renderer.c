@@ -5,6 +5,7 @@
 
 #include <glad/gl.h>
 
+#include "engine/walk/lit_look.h"
 #include "engine/walk/walk_lit.h"
 #include "engine/walk/walk_mesh.h"
 #include "engine/walk/walk_shaders.h"
@@ -19,6 +20,12 @@
 // share of their slope a pixel (a rasteriser rounds vertices to a 256th) and these roundings of depth.
 #define WALK_OFFSET_SLOPE (1.0f / 64)
 #define WALK_OFFSET_UNITS 8.0f
+
+// A new state of the light is faded to in this time.
+#define FADE_SECONDS 0.25
+
+// In false colours, of what has no value: glass is left out, and the sky is grey (linear in the screen's own curve).
+#define NO_VALUE 0.12f
 
 const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
 
@@ -35,17 +42,21 @@ typedef enum SceneShader {
 // A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
 typedef struct SceneProgram {
     unsigned program;
-    int clip, eye, size, colour;
+    int clip, eye, size, colour, day;
 } SceneProgram;
 
 struct WalkRenderer {
     WalkMesh *mesh;
-    WalkLit *lit;  // NULL: no light was baked
+    WalkLit *lit;           // NULL: no light was baked
+    const LitLight *light;  // the newest state of it that is all there, or NULL
+    bool plain;             // one sample a pixel
+    LitLook lit_look;
+    LitTone tone;
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
-    int sky_forward, sky_right, sky_up, occlusion_tangents;
+    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
     unsigned no_vertices;  // the array of programs that make up their own
 };
 
@@ -54,9 +65,12 @@ struct WalkRenderer {
 static bool make_scene_program(SceneProgram *out, const char *vertex, const char *fragment, Error *error) {
     unsigned program = gl_program(vertex, fragment, error);
     if (program == 0) return false;
-    *out =
-        (SceneProgram){program, glGetUniformLocation(program, "clip"), glGetUniformLocation(program, "eye"),
-                       glGetUniformLocation(program, "size"), glGetUniformLocation(program, "colour")};
+    *out = (SceneProgram){program,
+                          glGetUniformLocation(program, "clip"),
+                          glGetUniformLocation(program, "eye"),
+                          glGetUniformLocation(program, "size"),
+                          glGetUniformLocation(program, "colour"),
+                          glGetUniformLocation(program, "day")};
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
     glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
@@ -90,6 +104,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     w->sky_forward = glGetUniformLocation(w->sky, "forward");
     w->sky_right = glGetUniformLocation(w->sky, "right");
     w->sky_up = glGetUniformLocation(w->sky, "up");
+    w->sky_day = glGetUniformLocation(w->sky, "day");
     w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
@@ -97,7 +112,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
     glGenVertexArrays(1, &w->no_vertices);
-    return true;
+    return lit_look_new(&w->lit_look, error);
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
@@ -109,12 +124,41 @@ WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *err
 }
 
 bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, Error *error) {
-    CORE_ASSERT(!w->lit);
-    w->lit = walk_lit_new(light, walk_mesh_origin(w->mesh), arena);
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
+    LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
+    *state = lit_light_new(mesh, arena);
+    lit_light_fill(mesh, light->solution, state);
+    walk_renderer_expect(w, mesh, arena);
+    walk_renderer_take(w, state, SIZE_MAX);
     return gl_check("uploading the light of a building", error);
 }
 
-bool walk_renderer_is_lit(const WalkRenderer *w) { return w->lit != NULL; }
+void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
+    CORE_ASSERT(!w->lit);
+    w->lit = walk_lit_new(mesh, arena);
+    walk_lit_pose(w->lit, NULL);
+}
+
+bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
+    CORE_ASSERT(!walk_renderer_fading(w));
+    if (!walk_lit_upload(w->lit, light, bytes)) return false;
+    w->light = light;
+    return true;
+}
+
+void walk_renderer_fade(WalkRenderer *w, double seconds) {
+    if (w->lit) walk_lit_fade(w->lit, walk_lit_faded(w->lit) + seconds / FADE_SECONDS);
+}
+
+bool walk_renderer_fading(const WalkRenderer *w) { return w->light && walk_lit_faded(w->lit) < 1; }
+const LitMesh *walk_renderer_mesh(const WalkRenderer *w) { return w->lit ? walk_lit_mesh(w->lit) : NULL; }
+const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
+
+void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
+
+void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
+    w->tone = (LitTone){exposure, quantity};
+}
 
 void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
@@ -125,6 +169,7 @@ void walk_renderer_free(WalkRenderer *w) {
     for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
     for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
     glDeleteVertexArrays(1, &w->no_vertices);
+    lit_look_free(&w->lit_look);
 }
 
 void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
@@ -187,8 +232,9 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     return true;
 }
 
-static void draw_sky(const WalkRenderer *w, const Camera *camera) {
+static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day) {
     glUseProgram(w->sky);
+    glUniform1f(w->sky_day, day);
     set_vector(w->sky_forward, camera->forward);
     set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
     set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
@@ -197,12 +243,12 @@ static void draw_sky(const WalkRenderer *w, const Camera *camera) {
     glDepthFunc(GL_LESS);
 }
 
-static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera) {
+static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera, bool day) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
     walk_mesh_bind(w->mesh);
-    use_scene(w, shader, camera);
+    glUniform1f(use_scene(w, shader, camera)->day, day);
     walk_mesh_draw(w->mesh, WALK_PANES);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
@@ -222,8 +268,8 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
     walk_mesh_draw(w->mesh, WALK_THINGS);
     use_scene(w, SCENE_SURFACES, camera);
     draw_surfaces(w);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_PANES, camera);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_PANES, camera, true);
     return true;
 }
 
@@ -233,21 +279,32 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     use_scene(w, SCENE_FINE, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS);
     draw_surfaces(w);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_FINE, camera);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_FINE, camera, true);
     return true;
 }
 
+static void use_lit(const WalkRenderer *w, const Camera *camera) {
+    mat4 clip = GLM_MAT4_ZERO_INIT;
+    gl_clip_matrix(camera, WALK_NEAR, true, clip);
+    walk_lit_bind(w->lit);
+    lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+                 vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit));
+}
+
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
-    if (!begin(w, WALK_TARGET_FINE, error)) return false;
-    use_scene(w, SCENE_THINGS, camera);
+    bool numbers = w->tone.quantity != FALSE_COLOUR_OFF;
+    if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
+    if (!begin(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
+    use_lit(w, camera);
     walk_lit_draw(w->lit, false);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
     walk_lit_draw(w->lit, true);
     glDisable(GL_POLYGON_OFFSET_FILL);
-    draw_sky(w, camera);
-    draw_panes(w, SCENE_PANES, camera);
+    if (numbers) return true;
+    draw_sky(w, camera, false);
+    draw_panes(w, SCENE_PANES, camera, false);
     return true;
 }
 
@@ -271,7 +328,7 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
     if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
     set_state();
     walk_mesh_list(w->mesh, camera->eye, objects, object_count);
-    bool baked = look == WALK_BAKED && w->lit, good;
+    bool baked = look == WALK_BAKED && w->light, good;
     if (baked) {
         walk_lit_list(w->lit, camera->eye, objects, object_count);
         good = draw_baked(w, camera, error);

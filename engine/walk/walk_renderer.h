@@ -5,14 +5,14 @@
 #ifndef WALK_RENDERER_H
 #define WALK_RENDERER_H
 
-#include "engine/walk/walk_light.h"
+#include "engine/walk/exposure.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/vis.h"
 
 typedef enum WalkLook {
     WALK_FAST,   // light baked beforehand, one sample a pixel: for a window without a GPU
     WALK_FINE,   // lamps in the fragment, ambient occlusion of what is in view, four samples a pixel
-    WALK_BAKED,  // light by radiosity, four samples a pixel; drawn as WALK_FAST where there is none
+    WALK_BAKED,  // light by radiosity, usually four samples a pixel; drawn as WALK_FAST where there is none
     WALK_LOOKS
 } WalkLook;
 extern const char *const WALK_LOOK_NAMES[WALK_LOOKS];
@@ -23,7 +23,20 @@ typedef struct WalkRenderer WalkRenderer;
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error);
 // Uploads the light that was baked for this graph, once, for WALK_BAKED.
 bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *arena, Error *error);
-bool walk_renderer_is_lit(const WalkRenderer *renderer);
+// Or the light comes while one looks: first its mesh, then each state of it, a slice at each call, of about so many bytes.
+// True once a state is all there: from then on it is faded to, and stays until the next one is.
+void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh, Arena *arena);
+bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t bytes);
+void walk_renderer_fade(WalkRenderer *renderer, double seconds);  // time goes on
+bool walk_renderer_fading(const WalkRenderer *renderer);
+const LitMesh *walk_renderer_mesh(const WalkRenderer *renderer);  // what was expected, or NULL
+const LitLight *
+walk_renderer_lit(const WalkRenderer *renderer);  // what is shown, NULL: there is no light yet
+
+// Whether WALK_BAKED makes do with one sample a pixel from now on: by software four take five times as long.
+void walk_renderer_plain(WalkRenderer *renderer, bool plain);
+// How WALK_BAKED is drawn from now on: radiosities times `exposure` (m^2/W), or as numbers.
+void walk_renderer_tone(WalkRenderer *renderer, double exposure, FalseColour quantity);
 void walk_renderer_free(WalkRenderer *renderer);  // NULL is allowed
 
 // Puts the leaves of doors where `door_open` has them, as for vis_query; before the first call all are wide open.

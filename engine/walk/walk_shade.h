@@ -36,6 +36,18 @@
 #define WALK_PANE 0.75f, 0.83f, 0.90f
 #define WALK_PANE_SHARE 0.6f
 
+// Light by radiosity: what the back of a polygon shows of its front's light; how bright a lamp is at least, and from where on
+// all is white, both in exposed light, of which 1 becomes half the screen's.
+#define WALK_BACK_SHARE 0.75
+#define WALK_GLARE 12.0
+#define WALK_WHITE 10.0
+
+// Light by radiosity is that of lamps: outside it is night, and panes mirror little.
+#define WALK_NIGHT_ZENITH 0.0015, 0.0025, 0.0065
+#define WALK_NIGHT_HORIZON 0.010, 0.014, 0.025
+#define WALK_NIGHT_GROUND 0.0010, 0.0010, 0.0012
+#define WALK_NIGHT_PANE 0.15
+
 // To the screen: a little brighter, a shoulder, then the curve of IEC 61966-2-1 (sRGB).
 #define WALK_EXPOSURE 1.08f
 #define WALK_SHOULDER_TOP 0.18f

@@ -33,6 +33,13 @@
     TRIPLE(OCCLUSION_WARMTH)                                                                                 \
     TRIPLE(PANE)                                                                                             \
     NUMBER(PANE_SHARE)                                                                                       \
+    TRIPLE(NIGHT_ZENITH)                                                                                     \
+    TRIPLE(NIGHT_HORIZON)                                                                                    \
+    TRIPLE(NIGHT_GROUND)                                                                                     \
+    NUMBER(NIGHT_PANE)                                                                                       \
+    NUMBER(BACK_SHARE)                                                                                       \
+    NUMBER(GLARE)                                                                                            \
+    NUMBER(WHITE)                                                                                            \
     NUMBER(EXPOSURE)                                                                                         \
     NUMBER(SHOULDER_TOP)                                                                                     \
     NUMBER(SHOULDER_BOTTOM)
@@ -154,12 +161,79 @@ const char WALK_THING_FRAGMENT[] = VERSION "in vec4 vColour;\n"
                                            "out vec4 result;\n"
                                            "void main() { result = vColour; }\n";
 
-const char WALK_PANE_FRAGMENT[] =
-    VERSION GLASS "in vec4 vColour;\n"
-                  "in vec3 vView;\n"
-                  "flat in vec3 vNormal;\n"
-                  "out vec4 result;\n"
-                  "void main() { result = vec4(vColour.rgb, glass(vColour.a, vNormal, vView)); }\n";
+const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
+    "in vec4 vColour;\n"
+    "in vec3 vView;\n"
+    "flat in vec3 vNormal;\n"
+    "uniform float day;\n"
+    "out vec4 result;\n"
+    "void main() {\n"
+    "    result = vec4(vColour.rgb * mix(NIGHT_PANE, 1.0, day), glass(vColour.a, vNormal, vView));\n"
+    "}\n";
+
+#define LIT_PLACES                                                                                           \
+    "layout(location = 0) in vec3 position;\n"                                                               \
+    "layout(location = 1) in vec3 normal;\n"                                                                 \
+    "layout(location = 4) in ivec2 kind;\n" /* material, does it emit */                                     \
+    "layout(location = 8) in vec3 before;\n"                                                                 \
+    "layout(location = 9) in vec3 light;\n"                                                                  \
+    "uniform mat4 clip;\n"                                                                                   \
+    "uniform vec3 eye;\n"                                                                                    \
+    "uniform float fade;\n"
+
+// The back of a face reflects nothing, as light is computed. Curtains and leaves are one polygon all the same: they show
+// some of their front's light. Lamps are bright however little the exposure leaves of them.
+const char WALK_LIT_VERTEX[] =
+    VERSION CONSTANTS LIT_PLACES "uniform float exposure;\n"
+                                 "out vec3 vLight;\n"
+                                 "void main() {\n"
+                                 "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                                 "    vLight = mix(before, light, fade) * exposure;\n"
+                                 "    bool front = dot(normal, eye - position) >= 0.0;\n"
+                                 "    if (!front) vLight *= BACK_SHARE;\n"
+                                 "    float most = max(max(vLight.r, vLight.g), max(vLight.b, 1e-20));\n"
+                                 "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
+                                 "}\n";
+
+// Each channel by the curve of Reinhard et al. (2002, equation 4), so that what is too bright turns white with its hue; then
+// IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
+const char WALK_LIT_FRAGMENT[] =
+    VERSION CONSTANTS "in vec3 vLight;\n"
+                      "out vec4 result;\n"
+                      "void main() {\n"
+                      "    vec3 x = max(vLight, 0.0);\n"
+                      "    x = min(x * (1.0 + x / (WHITE * WHITE)) / (1.0 + x), 1.0);\n"
+                      "    vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);\n"
+                      "    vec3 y = 0.662002687 * a + 0.684122060 * b - 0.323583601 * c - 0.0225411470 * x;\n"
+                      "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
+                      "}\n";
+
+// What arrives is what leaves, less what is emitted, by the reflectance; where nothing is reflected it is not known: -1.
+const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
+    "uniform samplerBuffer materials;\n"
+    "uniform vec3 weights;\n"
+    "uniform bool arriving;\n"
+    "out float vValue;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    vec3 value = mix(before, light, fade);\n"
+    "    if (arriving) {\n"
+    "        vec3 rho = texelFetch(materials, 2 * kind.x).rgb;\n"
+    "        value = max(value - texelFetch(materials, 2 * kind.x + 1).rgb, 0.0) / max(rho, 1e-20);\n"
+    "        if (min(rho.r, min(rho.g, rho.b)) == 0.0) value = vec3(-1.0);\n"
+    "    }\n"
+    "    vValue = dot(value, weights);\n"
+    "}\n";
+
+const char WALK_FALSE_FRAGMENT[] = VERSION "in float vValue;\n"
+                                           "uniform sampler2D scale;\n"
+                                           "uniform float low, octaves;\n"  // of the scale
+                                           "out vec4 result;\n"
+                                           "void main() {\n"
+                                           "    float place = log2(max(vValue, 1e-20) / low) / octaves;\n"
+                                           "    vec3 colour = texture(scale, vec2(place, 0.5)).rgb;\n"
+                                           "    result = vec4(vValue < 0.0 ? vec3(0.35) : colour, 1.0);\n"
+                                           "}\n";
 
 const char WALK_LINE_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
                                         "uniform mat4 clip;\n"
@@ -179,18 +253,20 @@ const char WALK_SCREEN_VERTEX[] =
             "}\n";
 
 // Mixed on the screen, of colours that a compiler makes once: a power a pixel took longer than all the rest.
-const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
-    "in vec2 at;\n"
-    "uniform vec3 forward, right, up;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "    vec3 zenith = display(vec3(0.30, 0.52, 0.82)), horizon = display(vec3(0.82, 0.88, 0.93));\n"
-    "    vec3 ground = display(vec3(0.50, 0.56, 0.44));\n"
-    "    vec3 ray = forward + at.x * right + at.y * up;\n"
-    "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
-    "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
-    "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
-    "}\n";
+const char WALK_SKY_FRAGMENT[] =
+    VERSION CONSTANTS DISPLAY "in vec2 at;\n"
+                              "uniform vec3 forward, right, up;\n"
+                              "uniform float day;\n"
+                              "out vec4 result;\n"
+                              "void main() {\n"
+                              "    vec3 zenith = display(mix(NIGHT_ZENITH, vec3(0.30, 0.52, 0.82), day));\n"
+                              "    vec3 horizon = display(mix(NIGHT_HORIZON, vec3(0.82, 0.88, 0.93), day));\n"
+                              "    vec3 ground = display(mix(NIGHT_GROUND, vec3(0.50, 0.56, 0.44), day));\n"
+                              "    vec3 ray = forward + at.x * right + at.y * up;\n"
+                              "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
+                              "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
+                              "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
+                              "}\n";
 
 // Depth d is 1 - near / z. Around each pixel, directions on a spiral disc whose radius is half a metre there; a sample
 // counts by how far it rises over the surface's tangent plane, found from the depths themselves.

@@ -7,10 +7,12 @@ extern const char WALK_DEPTH_FRAGMENT[];                     // nothing but dept
 extern const char WALK_BAKED_VERTEX[],
     WALK_BAKED_FRAGMENT[];  // surfaces of cells, lit beforehand in a texture
 extern const char WALK_THING_VERTEX[],
-    WALK_THING_FRAGMENT[];               // other polygons, lit beforehand at their corners
-extern const char WALK_PANE_FRAGMENT[];  // of those, glass
-extern const char WALK_LINE_VERTEX[], WALK_LINE_FRAGMENT[];  // one colour
-extern const char WALK_SCREEN_VERTEX[];                      // one triangle over the whole frame
+    WALK_THING_FRAGMENT[];                                 // other polygons, lit beforehand at their corners
+extern const char WALK_PANE_FRAGMENT[];                    // of those, glass
+extern const char WALK_LIT_VERTEX[], WALK_LIT_FRAGMENT[];  // elements in their light
+extern const char WALK_FALSE_VERTEX[], WALK_FALSE_FRAGMENT[];  // the same as numbers
+extern const char WALK_LINE_VERTEX[], WALK_LINE_FRAGMENT[];    // one colour
+extern const char WALK_SCREEN_VERTEX[];                        // one triangle over the whole frame
 extern const char WALK_SKY_FRAGMENT[];
 extern const char WALK_OCCLUSION_FRAGMENT[], WALK_BLUR_FRAGMENT[];
 

@@ -1,0 +1,51 @@
+// light_thread.h - light baked in the background of a walk: a thread of lowest priority, whose states of the light the walk
+// takes one by one. Everything here but the bake itself is called from the walk's thread and never waits, unless it says so.
+#ifndef WALK_LIGHT_THREAD_H
+#define WALK_LIGHT_THREAD_H
+
+#include "engine/walk/lit_mesh.h"
+
+// What a bake in the background is told, and tells.
+typedef struct LightHooks {
+    Progress progress;  // asks to stop
+    // A state of the light worth showing; the first time as soon as there is a mesh, which stays the same.
+    void (*show)(void *context, const Mesh *mesh, const RadSolution *so_far);
+    void *context;
+    double show_every;  // at most so often, seconds
+    int threads;        // 0: all cores
+} LightHooks;
+
+// Who knows how to bake the building shown, and where to store it. The result lives in the arena. What went wrong without
+// being a reason to show no light, such as a full disk, is told in `error`, which is empty otherwise.
+typedef struct LightBaker {
+    bool (*bake)(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error);
+    void *context;
+} LightBaker;
+
+typedef struct LightThread LightThread;
+
+// Lives in the arena, which may go only when the thread has ended; so it is with all that the baker uses. NULL where no
+// thread can be started.
+LightThread *light_thread_start(const LightBaker *baker, Arena *arena);
+
+LitMesh *light_thread_mesh(const LightThread *thread);  // NULL: not yet
+// A new state, or NULL. It stays as it is until the one after it was received.
+const LitLight *light_thread_light(LightThread *thread);
+void light_thread_received(LightThread *thread);  // it was copied: the thread may fill the one before it anew
+double light_thread_done(const LightThread *thread);  // 0 .. 1
+
+typedef enum LightEnd {
+    LIGHT_UNDER_WAY,
+    LIGHT_READY,   // the last state is the whole solution
+    LIGHT_FAILED,  // there is none; or it was stopped
+} LightEnd;
+LightEnd light_thread_end(const LightThread *thread);
+// What to say after the end, "": nothing.
+const char *light_thread_note(const LightThread *thread);
+
+void light_thread_stop(LightThread *thread);
+// Waits until the thread has ended, up to so many seconds after it was asked to stop, and frees what it made. False: it is
+// still at work.
+bool light_thread_free(LightThread *thread, double seconds);
+
+#endif

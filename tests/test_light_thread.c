@@ -1,0 +1,298 @@
+// test_light_thread.c - light that arrives while one walks: states of it one by one, the whole in the end, the file of
+// `enfilade bake`; and however a walk is left, at once.
+#include <criterion/criterion.h>
+#include <unistd.h>
+
+#include "engine/app/app_light.h"
+#include "engine/app/bake.h"
+#include "engine/core/clock.h"
+#include "engine/walk/session_state.h"
+#include "tests/lit_fixture.h"
+#include "tests/support.h"
+
+static void nap(void) { usleep(500); }
+
+// ---- a bake under the test's control
+
+typedef struct Puppet {
+    Lit *lit;
+    int states;    // shown, each with another light; then it ends, or,
+    bool endless;  // asks only whether to stop
+    bool fails;
+} Puppet;
+
+static bool pull(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    const Puppet *p = context;
+    const Mesh *mesh = &p->lit->mesh;
+    RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
+    if (!rad_start(mesh, arena, solution, error)) return false;
+    for (int i = 0; i < p->states; i++) {
+        for (int e = 0; e < mesh->element_count; e++)
+            for (int c = 0; c < 3; c++) solution->radiosity[e][c] = i + 1;
+        hooks->show(hooks->context, mesh, solution);
+        if (!progress_report(&hooks->progress, "", (i + 1.0) / p->states)) return error_set(error, "stopped");
+    }
+    while (p->endless && progress_report(&hooks->progress, "", 0.5)) nap();
+    *out = (WalkLight){mesh, solution};
+    *error = (Error){""};
+    return !p->fails || error_set(error, "no light today");
+}
+
+static LightThread *begin(Puppet *puppet, Arena *arena) {
+    LightBaker baker = {pull, puppet};
+    LightThread *thread = light_thread_start(&baker, arena);
+    cr_assert(thread);
+    return thread;
+}
+
+// The next state's brightness, 0 where none came before the end.
+static double next_state(LightThread *thread) {
+    for (;;) {
+        bool ended = light_thread_end(thread) != LIGHT_UNDER_WAY;
+        const LitLight *light = light_thread_light(thread);
+        if (light) {
+            double level = light->level;
+            light_thread_received(thread);
+            return level;
+        }
+        if (ended) return 0;
+        nap();
+    }
+}
+
+// Proves that states arrive in order, that a walk which fetches none holds nothing up but the end, and that the last one is
+// the whole solution, without the glow of what is on its way.
+Test(light_thread, states_arrive_in_order, .timeout = 120) {
+    Arena arena = {0};
+    Puppet puppet = {.lit = lit_rooms(3), .states = 200};
+    LightThread *thread = begin(&puppet, &arena);
+    double last = 0, level;
+    while ((level = next_state(thread)) > 0) {
+        cr_expect(level > last - 1e-9, "%g after %g", level, last);
+        last = level;
+    }
+    cr_expect_eq(light_thread_end(thread), LIGHT_READY);
+    cr_expect_float_eq(last, 200, 1e-3, "the last state is %g", last);
+    cr_expect_str_eq(light_thread_note(thread), "");
+    cr_expect(light_thread_free(thread, 10));
+    lit_free(puppet.lit);
+    arena_free(&arena);
+}
+
+// Proves that what was fetched stays as it is until the next state was received, however many are made meanwhile.
+Test(light_thread, what_is_held_stays, .timeout = 120) {
+    Arena arena = {0};
+    Puppet puppet = {.lit = lit_rooms(3), .states = 60};
+    LightThread *thread = begin(&puppet, &arena);
+    const LitLight *light, *held = NULL;
+    double level = 0;
+    float corner = 0;
+    for (int i = 0; i < 400 && light_thread_end(thread) == LIGHT_UNDER_WAY; i++) {
+        light = light_thread_light(thread);
+        if (held) {
+            cr_assert_eq(held->level, level);
+            cr_assert_eq(held->vertex[0][0], corner);
+        }
+        if (light && i % 8 == 0) {
+            light_thread_received(thread);
+            held = light;
+            level = held->level;
+            corner = held->vertex[0][0];
+        }
+        nap();
+    }
+    light_thread_stop(thread);
+    cr_expect(light_thread_free(thread, 10));
+    lit_free(puppet.lit);
+    arena_free(&arena);
+}
+
+// Proves that a bake is left within 50 ms wherever it is: in the middle, or at the end, with a state that nobody fetches.
+Test(light_thread, stops_at_once, .timeout = 120) {
+    for (int k = 0; k < 2; k++) {
+        Arena arena = {0};
+        Puppet puppet = {.lit = lit_rooms(3), .states = 1, .endless = k == 0};
+        LightThread *thread = begin(&puppet, &arena);
+        while (!light_thread_light(thread)) nap();
+        double start = clock_seconds();
+        light_thread_stop(thread);
+        cr_expect(light_thread_free(thread, 10));
+        double seconds = clock_seconds() - start;
+        cr_expect_lt(seconds, 0.05, "it took %.0f ms", 1e3 * seconds);
+        lit_free(puppet.lit);
+        arena_free(&arena);
+    }
+}
+
+// Proves that what went wrong is told.
+Test(light_thread, failure_is_told, .timeout = 120) {
+    Arena arena = {0};
+    Puppet puppet = {.lit = lit_rooms(3), .fails = true};
+    LightThread *thread = begin(&puppet, &arena);
+    while (light_thread_end(thread) == LIGHT_UNDER_WAY) nap();
+    cr_expect_eq(light_thread_end(thread), LIGHT_FAILED);
+    cr_expect_str_eq(light_thread_note(thread), "no light today");
+    cr_expect_null(light_thread_light(thread));
+    cr_expect(light_thread_free(thread, 10));
+    lit_free(puppet.lit);
+    arena_free(&arena);
+}
+
+// ---- a walk that is lit as one walks
+
+typedef struct Walked {
+    Arena arena;
+    Display *display;
+    Session *session;
+    char *folder, *file;
+    double now;
+} Walked;
+
+static bool load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
+    (void)context;
+    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
+    AppOptions options = app_default_options();
+    options.lamps = true;
+    if (!app_load(path, &options, arena, scene, error)) return false;
+    AppBake *bake = app_bake_new(path, scene, arena);
+    *out = (WalkScene){
+        .graph = &scene->graph, .forest = &scene->forest, .baker = {bake ? app_bake : NULL, bake}};
+    return true;
+}
+
+static void walk_in(Walked *w, const char *building, WalkLook look) {
+    Error error;
+    *w = (Walked){.arena = {0}};
+    w->folder = support_folder(&w->arena);
+    setenv("XDG_CACHE_HOME", w->folder, 1);
+    w->file = arena_format(&w->arena, "%s/%s", w->folder, strrchr(building, '/') + 1);
+    Bytes bytes = support_read(&w->arena, building);
+    cr_assert(file_write(w->file, bytes.data, bytes.size, &error), "%s", error.text);
+    DisplayOptions display = display_default_options();
+    w->display = display_open(&DISPLAY_OFFSCREEN, &display, &w->arena, &error);
+    cr_assert(w->display, "%s", error.text);
+    SessionOptions options = session_default_options();
+    options.file = w->file;
+    options.pictures = w->folder;
+    options.look = look;
+    SessionLoader loader = {load, NULL};
+    w->session = session_new(&options, &loader, &w->arena, &error);
+    cr_assert(w->session, "%s", error.text);
+}
+
+static void frame(Walked *w) {
+    Error error;
+    session_advance(w->session, w->now += 1.0 / 60);
+    cr_assert(session_draw(w->session, 64, 36, 1, &error), "%s", error.text);
+}
+
+static void leave(Walked *w) {
+    session_free(w->session);
+    display_close(w->display);
+    arena_free(&w->arena);
+}
+
+static void walk_until_lit(Walked *w) {
+    while (session_light_arriving(w->session)) frame(w);
+    for (int i = 0; i < 120; i++) frame(w);
+}
+
+static bool same_files(Arena *arena, const char *a, const char *b) {
+    Bytes x = support_read(arena, a), y = support_read(arena, b);
+    return x.size == y.size && memcmp(x.data, y.data, x.size) == 0;
+}
+
+// Proves that a walk without light gets it: the look becomes the baked one by itself, in the end the light is that of
+// `enfilade bake`, and what is stored is its file, byte for byte.
+Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
+    Walked w;
+    char *output;
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS);
+    frame(&w);
+    cr_expect_eq(w.session->look, WALK_FAST);
+    walk_until_lit(&w);
+    cr_expect_eq(w.session->look, WALK_BAKED);
+    const LitLight *shown = walk_renderer_lit(w.session->shown->renderer);
+    cr_assert(shown);
+    int code = support_run(&w.arena, &output, "%s/enfilade bake %s -o %s/whole.rad && ls %s/enfilade/*.rad",
+                           support_build(), w.file, w.folder, w.folder);
+    cr_assert_eq(code, 0, "%s", output);
+    output = strstr(output, arena_format(&w.arena, "%s/enfilade/", w.folder));
+    output[strcspn(output, "\n")] = '\0';
+    cr_expect(same_files(&w.arena, output, arena_format(&w.arena, "%s/whole.rad", w.folder)), "%s differs",
+              output);
+    // Shown is what a walk that finds the file shows.
+    WalkLight light;
+    Error error;
+    const AppScene *scene = ((AppBake *)w.session->shown->scene.baker.context)->scene;
+    cr_assert(app_load_light(output, scene, &w.arena, &light, &error), "%s", error.text);
+    const LitMesh *mesh = lit_mesh_new(light.mesh, &w.arena);
+    LitLight loaded = lit_light_new(mesh, &w.arena);
+    lit_light_fill(mesh, light.solution, &loaded);
+    cr_expect_arr_eq(shown->vertex, loaded.vertex, (size_t)lit_vertex_count(mesh) * sizeof *loaded.vertex);
+    leave(&w);
+}
+
+// Proves that who chose a look keeps it while light arrives.
+Test(light_thread, a_chosen_look_stays, .timeout = 300) {
+    Walked w;
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST);
+    walk_until_lit(&w);
+    cr_expect_eq(w.session->look, WALK_FAST);
+    cr_expect(walk_renderer_lit(w.session->shown->renderer));
+    leave(&w);
+}
+
+// Proves that a walk is left within 50 ms at any time of a bake, and that this leaves no .rad or a whole one. From the
+// beginning to after the end.
+Test(light_thread, a_walk_is_left_at_once, .timeout = 300) {
+    for (int k = 0; k < 8; k++) {
+        Walked w;
+        char *output;
+        walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST);
+        for (double until = clock_seconds() + 0.1 * k * k; clock_seconds() < until;) frame(&w);
+        double start = clock_seconds();
+        session_free(w.session);
+        double seconds = clock_seconds() - start;
+        cr_expect_lt(seconds, 0.05, "after %g s it took %.0f ms", 0.1 * k * k, 1e3 * seconds);
+        w.session = NULL;
+        int code =
+            support_run(&w.arena, &output,
+                        "for rad in %s/enfilade/*.rad; do test ! -e $rad || %s/enfilade walk %s --light $rad "
+                        "--size 32x18 --offscreen %s/frames --every 1000 || exit 1; done",
+                        w.folder, support_build(), w.file, w.folder);
+        cr_expect_eq(code, 0, "%s", output);
+        leave(&w);
+    }
+}
+
+// Proves that a file read again in the middle of a bake is baked anew, as often as that happens, and is lit in the end.
+Test(light_thread, a_changed_file_is_baked_anew, .timeout = 300) {
+    Walked w;
+    Error error;
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS);
+    const char *text = (char *)support_read(&w.arena, w.file).data;
+    for (int k = 0; k < 4; k++) {
+        for (int i = 0; i < 4 * k; i++) frame(&w);
+        text = arena_format(&w.arena, "%s\n# %d\n", text, k);
+        cr_assert(file_write(w.file, text, strlen(text), &error), "%s", error.text);
+        session_event(w.session, &(DisplayEvent){DISPLAY_KEY_PRESSED, DISPLAY_KEY_F5, 0, 0});
+    }
+    walk_until_lit(&w);
+    cr_expect_eq(light_thread_end(w.session->shown->baking), LIGHT_READY);
+    cr_expect(session_light_shown(w.session));
+    cr_expect_null(w.session->leaving, "what was shown before is gone");
+    leave(&w);
+}
+
+// Proves that a building without any light is walked in as ever, and nothing is said.
+Test(light_thread, no_lamps_no_light, .timeout = 60) {
+    Walked w;
+    walk_in(&w, "tests/seeds/room.obj", WALK_LOOKS);
+    cr_assert_null(w.session->shown->baking);
+    *w.session->message = '\0';
+    for (int i = 0; i < 10; i++) frame(&w);
+    cr_expect_eq(w.session->look, WALK_FAST);
+    cr_expect_str_eq(w.session->message, "");
+    leave(&w);
+}

@@ -1,8 +1,7 @@
 // osmesa.c - the hidden-surface method `osmesa`: an item buffer by Mesa's software rasteriser.
-#include "visibility/hidden/osmesa.h"
-
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_items.h"
+#include "visibility/hidden/methods.h"
 
 typedef struct Prepared {
     GlContext *context;
@@ -27,12 +26,18 @@ static void *osmesa_begin(const Scene *scene, Arena *arena, Error *error) {
     return NULL;
 }
 
-static bool osmesa_draw(void *prepared, const Camera *camera, ItemBuffer *out, Error *error) {
+static bool osmesa_draw(void *prepared, const Camera *camera, ItemBuffer *out, HiddenWork *work,
+                        Error *error) {
     Prepared *p = prepared;
     if (!gl_context_use(p->context, error) || !gl_items_look(p->items, camera, error)) return false;
     gl_items_add(p->items, 0, p->count);
+    work->polygons = p->count;
     return gl_items_draw(p->items, error) && gl_items_read(p->items, out, NULL, error);
 }
 
-const HiddenMethod HIDDEN_OSMESA = {"osmesa", "OpenGL in memory by Mesa's software rasteriser", osmesa_begin,
-                                    osmesa_draw, osmesa_end};
+const HiddenMethod HIDDEN_OSMESA = {.name = "osmesa",
+                                    .summary = "OpenGL in memory by Mesa's software rasteriser",
+                                    .begin = osmesa_begin,
+                                    .draw = osmesa_draw,
+                                    .end = osmesa_end,
+                                    .truth = HIDDEN_FLOAT};

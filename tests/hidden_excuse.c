@@ -44,7 +44,8 @@ static Real pixels_from(Linear l, Real x, Real y) {
 }
 
 // 1/z of a facet's plane over the picture; false: it is seen edge-on, or too nearly.
-static bool depth_of(const HiddenJudge *judge, const Camera *c, const Facet *f, Linear *out) {
+static bool depth_of(const HiddenJudge *judge, const Camera *c, const Facet *f, HiddenSlack slack,
+                     Linear *out) {
     const Vec3 *v = judge->facets.corners + f->first;
     Point sum = {0, 0, 0}, first = place(c, v[0]);
     for (int i = 1; i + 1 < f->count; i++) {
@@ -60,7 +61,7 @@ static bool depth_of(const HiddenJudge *judge, const Camera *c, const Facet *f, 
     Real real_height = fabsl((Real)f->n.x * ((Real)f->centre.x - (Real)c->eye.x) +
                              (Real)f->n.y * ((Real)f->centre.y - (Real)c->eye.y) +
                              (Real)f->n.z * ((Real)f->centre.z - (Real)c->eye.z));
-    return real_height > 1.1L * HIDDEN_EDGE_ON + (Real)judge->facets.rounding;
+    return real_height > (Real)slack.edge_on + (Real)judge->facets.rounding;
 }
 
 // The least distance of the sample from an edge's line, pixels, where that is next to the edge itself.
@@ -83,8 +84,8 @@ static bool same_corners(const HiddenJudge *judge, const Facet *a, const Facet *
 static HiddenExcuse excuse_pair(const HiddenJudge *judge, const Camera *c, Real x, Real y, const Facet *a,
                                 const Facet *b, HiddenSlack slack) {
     Linear p, q;
-    if (same_corners(judge, a, b)) return EXCUSE_NONE;
-    if (!depth_of(judge, c, a, &p) || !depth_of(judge, c, b, &q)) return EXCUSE_EDGE;
+    if (slack.order && same_corners(judge, a, b)) return EXCUSE_NONE;
+    if (!depth_of(judge, c, a, slack, &p) || !depth_of(judge, c, b, slack, &q)) return EXCUSE_EDGE;
     Real u = at(p, x, y), w = at(q, x, y);
     if (fabsl(u - w) <= (Real)slack.depth * fmaxl(fabsl(u), fabsl(w))) return EXCUSE_TIE;
     Linear difference = {p.a - q.a, p.b - q.b, p.c - q.c};
@@ -98,7 +99,7 @@ HiddenExcuse hidden_excuse(const HiddenJudge *judge, const Camera *c, int i, int
         const Facet *f = &judge->facets.facets[k];
         if (f->polygon != a && f->polygon != b) continue;
         Linear depth;
-        if (!depth_of(judge, c, f, &depth) || edge_distance(judge, c, f, x, y) <= (Real)slack.pixels)
+        if (!depth_of(judge, c, f, slack, &depth) || edge_distance(judge, c, f, x, y) <= (Real)slack.pixels)
             return EXCUSE_EDGE;
         for (int l = 0; f->polygon == a && l < judge->facets.count; l++) {
             const Facet *g = &judge->facets.facets[l];
@@ -107,4 +108,10 @@ HiddenExcuse hidden_excuse(const HiddenJudge *judge, const Camera *c, int i, int
         }
     }
     return EXCUSE_NONE;
+}
+
+double hidden_height(const HiddenJudge *judge, const Camera *camera, int polygon) {
+    const Polygon *p = &judge->scene->polygons[polygon];
+    const Vec3 *v = judge->scene->vertices + p->first_vertex;
+    return fabs(vec3_dot(plane_of_polygon(v, p->vertex_count).n, vec3_sub(v[0], camera->eye)));
 }

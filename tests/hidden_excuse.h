@@ -15,16 +15,20 @@ typedef enum HiddenExcuse {
 
 // How far apart is still a tie or an edge.
 typedef struct HiddenSlack {
-    double pixels;  // from an edge or a line of intersection
-    double depth;   // as a share of it
+    double pixels;   // from an edge or a line of intersection
+    double depth;    // as a share of it
+    double edge_on;  // metres: a polygon whose plane is so near the eye may be seen or not
+    bool order;      // of copies of one polygon the first in the list must be seen
 } HiddenSlack;
 
 typedef struct HiddenJudge HiddenJudge;
 HiddenJudge *hidden_judge_new(const Scene *scene, Arena *arena);
 
-// Of pixel (i, j), where one method sees polygon a and another b (-1: nothing). Copies of one polygon are never a tie: of
-// them the first in the list is seen.
+// Of pixel (i, j), where one method sees polygon a and another b (-1: nothing).
 HiddenExcuse hidden_excuse(const HiddenJudge *judge, const Camera *camera, int i, int j, int a, int b,
                            HiddenSlack slack);
+
+// How far the eye is from the polygon's plane, metres.
+double hidden_height(const HiddenJudge *judge, const Camera *camera, int polygon);
 
 #endif

@@ -3,31 +3,42 @@
 #include <criterion/criterion.h>
 #include <stdio.h>
 
+#include "maps/maps.h"
 #include "tests/hidden_excuse.h"
 #include "tests/hidden_scenes.h"
+#include "tests/soup_fixture.h"
 #include "tests/support.h"
 #include "visibility/hidden/ray_scene.h"
 
-// What a method of our own must tell apart, and one in floats whose edges lie on a grid of 1/256 pixel.
-static const HiddenSlack EXACT = {1e-6, 1e-9};
+// What a method must tell apart: one of our own; one in floats, whose edges lie on a grid of 1/256 pixel (OpenGL), or which
+// takes any of those that tie (Embree).
+static const HiddenSlack EXACT = {1e-6, 1e-9, 1.1 * HIDDEN_EDGE_ON, true};
+static const HiddenSlack FLOAT = {1 / 128.0, 1e-5, 1e-5, false};
+// Depths that must be the same: a float's rounding, a hundred times over for planes seen at a grazing angle by floats; places
+// in a building in floats, metres.
+static const double EXACT_DEPTH = 3e-7, FLOAT_DEPTH = 1e-4, FLOAT_PLACE = 5e-6;
 
 typedef struct Tally {
     long pixels, excused[HIDDEN_EXCUSES], wrong, wrong_depths;
 } Tally;
 
-// Depths are floats: two roundings, and what a tie may be.
-static bool same_depth(float a, float b) { return a == b || fabsf(a - b) <= 3e-7f * fabsf(b); }
+// Of a polygon so far off its plane, metres: what the rounding of its place does grows as that shrinks.
+static bool same_depth(float a, float b, double height, bool exact) {
+    double share = exact ? EXACT_DEPTH : FLOAT_DEPTH + FLOAT_PLACE / height;
+    return a == b || (double)fabsf(a - b) <= share * (double)fabsf(b);
+}
 
 static void compare(const HiddenJudge *judge, const Camera *camera, const ItemBuffer *want,
-                    const ItemBuffer *got, const char *what, Tally *tally) {
+                    const ItemBuffer *got, bool exact, const char *what, Tally *tally) {
     for (int p = 0; p < camera->width * camera->height; p++) {
         tally->pixels++;
         int i = p % camera->width, j = p / camera->width, a = want->item[p], b = got->item[p];
         if (a == b) {
-            tally->wrong_depths += !same_depth(want->depth[p], got->depth[p]);
+            tally->wrong_depths +=
+                a >= 0 && !same_depth(got->depth[p], want->depth[p], hidden_height(judge, camera, a), exact);
             continue;
         }
-        HiddenExcuse excuse = hidden_excuse(judge, camera, i, j, a, b, EXACT);
+        HiddenExcuse excuse = hidden_excuse(judge, camera, i, j, a, b, exact ? EXACT : FLOAT);
         tally->excused[excuse]++;
         if (excuse != EXCUSE_NONE) continue;
         if (tally->wrong++ < 3)
@@ -46,8 +57,8 @@ static void look(const RayScene *rays, const Camera *camera, ItemBuffer *out) {
 
 enum { MOST_METHODS = 16 };
 
-// All exact methods on some views of a scene.
-static void compare_scene(const Scene *scene, const Camera *cameras, int count, const char *what,
+// All methods but those that guess on some views of a scene; `floats`: it is one for floats.
+static void compare_scene(const Scene *scene, const Camera *cameras, int count, bool floats, const char *what,
                           Tally tally[MOST_METHODS]) {
     Arena arena = {0};
     Error error;
@@ -61,7 +72,8 @@ static void compare_scene(const Scene *scene, const Camera *cameras, int count, 
     }
     for (int m = 0; HIDDEN_METHODS[m]; m++) {
         const HiddenMethod *method = HIDDEN_METHODS[m];
-        if (method->truth != HIDDEN_EXACT) continue;
+        bool exact = method->truth == HIDDEN_EXACT;
+        if (method->truth == HIDDEN_GUESS || (!exact && !floats)) continue;
         void *prepared = method->begin(scene, &arena, &error);
         cr_assert(prepared, "%s: %s", method->name, error.text);
         for (int k = 0; k < count; k++) {
@@ -70,22 +82,26 @@ static void compare_scene(const Scene *scene, const Camera *cameras, int count, 
             cr_assert(hidden_draw(method, prepared, &cameras[k], &got, &work, &error), "%s", error.text);
             char name[160];
             snprintf(name, sizeof name, "%s, %s, view %d", method->name, what, k);
-            compare(judge, &cameras[k], &want[k], &got, name, &tally[m]);
+            compare(judge, &cameras[k], &want[k], &got, exact, name, &tally[m]);
         }
         if (method->end) method->end(prepared);
     }
     arena_free(&arena);
 }
 
-static void report(const char *what, const Tally tally[MOST_METHODS], double most_excused) {
+// Of a method's pixels so many may be excluded: a sample of a picture rarely lies on an edge to a millionth.
+static const double EXACT_EXCLUDED = 1e-5, FLOAT_EXCLUDED = 0.05;
+
+static void report(const char *what, const Tally tally[MOST_METHODS]) {
     for (int m = 0; HIDDEN_METHODS[m]; m++) {
         const Tally *t = &tally[m];
         if (t->pixels == 0) continue;
-        long excused = t->excused[EXCUSE_EDGE] + t->excused[EXCUSE_CROSSING] + t->excused[EXCUSE_TIE];
-        if (getenv("HIDDEN_VERBOSE"))
-            fprintf(stderr,
-                    "%-9s %-14s %ld pixels, excluded: %ld edges, %ld crossings, %ld ties; wrong: %ld, depths "
-                    "%ld\n",
+        double most_excused = HIDDEN_METHODS[m]->truth == HIDDEN_EXACT ? EXACT_EXCLUDED : FLOAT_EXCLUDED;
+        // Of copies Embree takes any.
+        long excused = t->excused[EXCUSE_EDGE] + t->excused[EXCUSE_CROSSING] +
+                       (HIDDEN_METHODS[m]->truth == HIDDEN_EXACT ? t->excused[EXCUSE_TIE] : 0);
+        cr_log_info("%-9s %-14s %ld pixels, excluded: %ld at edges, %ld at crossings, %ld ties; wrong: %ld, "
+                    "depths %ld",
                     what, HIDDEN_METHODS[m]->name, t->pixels, t->excused[EXCUSE_EDGE],
                     t->excused[EXCUSE_CROSSING], t->excused[EXCUSE_TIE], t->wrong, t->wrong_depths);
         cr_expect(t->wrong == 0 && t->wrong_depths == 0 &&
@@ -96,12 +112,15 @@ static void report(const char *what, const Tally tally[MOST_METHODS], double mos
 }
 
 // On generated scenes of every kind all exact methods give the reference's item buffer and depths, but for pixels within
-// 1e-6 of an edge or a line of intersection, or where depths tie within 1e-9: 700 views.
+// 1e-6 of an edge or a line of intersection, or where depths tie within 1e-9: 700 views. Embree and OSMesa do within a 128th of
+// a pixel and the rounding of floats, on those that floats hold.
 Test(hidden_agree, generated_scenes, .timeout = 600) {
     for (int kind = 0; kind < SCENE_KINDS; kind++) {
         uint64_t seed = 100 + (uint64_t)kind;
         Random random = {seed};
         Tally tally[MOST_METHODS] = {{0}};
+        // Floats do not hold these.
+        bool fine = kind == SCENE_EDGE_ON || kind == SCENE_HUGE || kind == SCENE_MIXED;
         for (int trial = 0; trial < support_count(35, 350); trial++) {
             Arena arena = {0};
             Vec3 eye = trial % 3 == 2 ? vec3(8e3, -6e3, 100) : vec3(0.1, 0.2, 0.3);
@@ -118,9 +137,41 @@ Test(hidden_agree, generated_scenes, .timeout = 600) {
             char what[80];
             snprintf(what, sizeof what, "%s, seed %lu, trial %d", HIDDEN_KIND_NAMES[kind],
                      (unsigned long)seed, trial);
-            compare_scene(&scene, cameras, 2, what, tally);
+            compare_scene(&scene, cameras, 2, !fine && trial % 3 == 0, what, tally);
             arena_free(&arena);
         }
-        report(HIDDEN_KIND_NAMES[kind], tally, 1e-3);
+        report(HIDDEN_KIND_NAMES[kind], tally);
+    }
+}
+
+static void compare_building(const char *path, int views, uint64_t seed, Tally tally[MOST_METHODS]) {
+    Arena arena = {0};
+    Error error;
+    Building building;
+    CellGraph graph;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read(path, &arena, &building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&building, &options, &arena, &graph, &error), "%s", error.text);
+    Scene scene = {graph.polygons, graph.vertices, NULL, graph.polygon_count};
+    Random random = {seed};
+    Camera *cameras = ARENA_ARRAY(&arena, Camera, views);
+    for (int k = 0; k < views; k++)
+        cameras[k] = hidden_camera(
+            &random, soup_fixture_point(&graph, &random, random_index(&random, graph.cell_count)), 64, 48);
+    char what[200];
+    snprintf(what, sizeof what, "%s, seed %lu", path, (unsigned long)seed);
+    compare_scene(&scene, cameras, views, true, what, tally);
+    arena_free(&arena);
+}
+
+// The same from random places in the sample buildings, of which all polygons are drawn: 300 views.
+Test(hidden_agree, buildings, .timeout = 600) {
+    static const char *const NAMES[] = {"two-rooms", "house", "office", "office-plain"};
+    for (int b = 0; b < 4; b++) {
+        char path[80];
+        snprintf(path, sizeof path, "build/maps/%s.plan", NAMES[b]);
+        Tally tally[MOST_METHODS] = {{0}};
+        compare_building(path, support_count(75, 1000), 200 + (uint64_t)b, tally);
+        report(NAMES[b], tally);
     }
 }

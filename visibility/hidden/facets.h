@@ -27,4 +27,7 @@ typedef struct Facets {
 // False, and a sentence, for coordinates that are no numbers, or beyond MAPS_LIMIT.
 bool facets_new(const Scene *scene, Arena *arena, Facets *out, Error *error);
 
+// The facets as a scene of their own, for those who take scenes: polygon i is facet i.
+Scene facets_scene(const Facets *facets, Arena *arena);
+
 #endif

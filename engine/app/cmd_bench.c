@@ -56,6 +56,13 @@ static const char HELP[] =
     "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
     "    --seed N            of the patches that shoot\n"
     "    --csv OUT           as above\n\n"
+    "  hidden         each hidden-surface method: time, memory and operations by polygons, depth complexity "
+    "and\n"
+    "                 resolution, in scenes of its own; in FILE along the auto tour, culled and not\n"
+    "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them)\n"
+    "    --size WxH          of the pictures of FILE (default 640x360)\n"
+    "    --seed N            of its own scenes\n"
+    "    --csv OUT           as above\n\n"
     "  breaks         where each form-factor method breaks: error against the size of an element in pixels, "
     "the "
     "distance\n"
@@ -81,9 +88,10 @@ static const struct {
                {"formfactors", bench_formfactors, bench_formfactors_knows, "bake"},
                {"radiosity", bench_radiosity, NULL, NULL},
                {"rooms", bench_rooms, NULL, NULL},
+               {"hidden", bench_hidden, bench_hidden_knows, "bake"},
                {"breaks", bench_breaks, NULL, NULL}};
 
-static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, breaks";
+static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, rooms, hidden, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 

@@ -3,8 +3,9 @@
 
 #define PI 3.14159265358979323846
 
-const char *const HIDDEN_KIND_NAMES[SCENE_KINDS] = {"plain",   "rings",   "crossing", "coplanar", "edge-on",
-                                                    "through", "slivers", "huge",     "tiny",     "mixed"};
+const char *const HIDDEN_KIND_NAMES[SCENE_KINDS] = {"plain",   "rings",   "crossing", "coplanar",
+                                                    "edge-on", "through", "slivers",  "huge",
+                                                    "tiny",    "close",   "mixed"};
 
 void hidden_soup_add(Arena *arena, HiddenSoup *soup, const Vec3 *vertices, int count) {
     *ARENA_PUSH(arena, soup->polygons, soup->polygon_count, soup->polygon_capacity) =
@@ -128,6 +129,19 @@ static void add_through(Arena *arena, HiddenSoup *soup, Random *random, Vec3 eye
                         random_between(random, 1, 30));
 }
 
+// An earlier one, or a new one, and a copy of it a little nearer or farther.
+static void add_close(Arena *arena, HiddenSoup *soup, Random *random, Vec3 eye) {
+    add_plain(arena, soup, random, eye);
+    Polygon p = soup->polygons[random_index(random, soup->polygon_count)];
+    double scale = 1 + pow(10, random_between(random, -8, -6)) * (random_index(random, 2) ? 1 : -1);
+    Vec3 copy[8];
+    for (int k = 0; k < p.vertex_count; k++) {
+        Vec3 v = soup->vertices[p.first_vertex + k];
+        copy[k] = vec3_add(eye, vec3_scale(vec3_sub(v, eye), scale));
+    }
+    hidden_soup_add(arena, soup, copy, p.vertex_count);
+}
+
 static void add_one(Arena *arena, HiddenSoup *soup, Random *random, HiddenKind kind, Vec3 eye) {
     Vec3 n = hidden_direction(random);
     switch (kind) {
@@ -137,6 +151,9 @@ static void add_one(Arena *arena, HiddenSoup *soup, Random *random, HiddenKind k
     case SCENE_CROSSING:
         hidden_soup_ellipse(arena, soup, random, somewhere(random, eye, 1, 5), n,
                             random_between(random, 1, 6), random_between(random, 1, 6));
+        return;
+    case SCENE_CLOSE:
+        add_close(arena, soup, random, eye);
         return;
     case SCENE_COPLANAR:
         add_coplanar(arena, soup, random, eye);

@@ -30,6 +30,7 @@ typedef enum HiddenKind {
     SCENE_SLIVERS,   // 1e-2 to 1e-7 m wide
     SCENE_HUGE,      // 1e3 to 1e7 m large, and away
     SCENE_TINY,      // below a pixel
+    SCENE_CLOSE,     // sheets 1e-8 to 1e-6 of their distance apart: nothing to a float
     SCENE_MIXED,     // a few of each
     SCENE_KINDS
 } HiddenKind;

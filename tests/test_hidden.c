@@ -169,7 +169,7 @@ static void outside_method(const char *name, uint64_t seed, bool list) {
         void *prepared = method->begin(&scene, &arena, &error);
         cr_assert(prepared, "%s", error.text);
         for (int k = 0; k < 2; k++) {
-            Camera camera = hidden_camera(&random, eye, 160 + 40 * k, 120);
+            Camera camera = hidden_camera(&random, eye, 80 + 20 * k, 60);
             ItemBuffer want = item_buffer_new(&arena, camera.width, camera.height);
             ItemBuffer got = item_buffer_new(&arena, camera.width, camera.height);
             look(rays, &camera, &want);

@@ -112,7 +112,7 @@ static void report(const char *what, const Tally tally[MOST_METHODS]) {
 }
 
 // On generated scenes of every kind all exact methods give the reference's item buffer and depths, but for pixels within
-// 1e-6 of an edge or a line of intersection, or where depths tie within 1e-9: 700 views. Embree and OSMesa do within a 128th of
+// 1e-6 of an edge or a line of intersection, or where depths tie within 1e-9: 770 views. Embree and OSMesa do within a 128th of
 // a pixel and the rounding of floats, on those that floats hold.
 Test(hidden_agree, generated_scenes, .timeout = 600) {
     for (int kind = 0; kind < SCENE_KINDS; kind++) {
@@ -120,7 +120,7 @@ Test(hidden_agree, generated_scenes, .timeout = 600) {
         Random random = {seed};
         Tally tally[MOST_METHODS] = {{0}};
         // Floats do not hold these.
-        bool fine = kind == SCENE_EDGE_ON || kind == SCENE_HUGE || kind == SCENE_MIXED;
+        bool fine = kind == SCENE_EDGE_ON || kind == SCENE_HUGE || kind == SCENE_CLOSE || kind == SCENE_MIXED;
         for (int trial = 0; trial < support_count(35, 350); trial++) {
             Arena arena = {0};
             Vec3 eye = trial % 3 == 2 ? vec3(8e3, -6e3, 100) : vec3(0.1, 0.2, 0.3);
@@ -157,7 +157,7 @@ static void compare_building(const char *path, int views, uint64_t seed, Tally t
     Camera *cameras = ARENA_ARRAY(&arena, Camera, views);
     for (int k = 0; k < views; k++)
         cameras[k] = hidden_camera(
-            &random, soup_fixture_point(&graph, &random, random_index(&random, graph.cell_count)), 64, 48);
+            &random, soup_fixture_point(&graph, &random, random_index(&random, graph.cell_count)), 48, 36);
     char what[200];
     snprintf(what, sizeof what, "%s, seed %lu", path, (unsigned long)seed);
     compare_scene(&scene, cameras, views, true, what, tally);

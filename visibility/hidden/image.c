@@ -84,35 +84,39 @@ int image_outline(const Image *image, const Vec3 *corners, int count, Vec2 *out,
     return kept < 3 ? 0 : kept;
 }
 
+// The least and the most of x, y and 1/z, in lanes 0, 1 and 2.
 typedef struct Extent {
-    double x0, x1, y0, y1, nearest, farthest;
+    Four least, most;
 } Extent;
 
-static inline Extent extent_add(Extent e, double x, double y, double inverse) {
-    e.x0 = x < e.x0 ? x : e.x0, e.x1 = x > e.x1 ? x : e.x1;
-    e.y0 = y < e.y0 ? y : e.y0, e.y1 = y > e.y1 ? y : e.y1;
-    e.nearest = inverse > e.nearest ? inverse : e.nearest;
-    e.farthest = inverse < e.farthest ? inverse : e.farthest;
-    return e;
+static inline Extent extent_add(Extent e, Four at) {
+    return (Extent){four_least(e.least, at), four_most(e.most, at)};
+}
+
+// A place before the eye.
+static inline Four seen_at(Four p) {
+    Four inverse = four_of(1 / p[2]);
+    return __builtin_shufflevector(p * inverse, inverse, 0, 1, 4, 5);
 }
 
 static inline bool bounds_of(const Image *image, const Extent *e, Shape *out) {
     double right = image->width - 1, bottom = image->height - 1;
-    if (!(e->x1 >= -IMAGE_MARGIN && e->x0 <= right + IMAGE_MARGIN && e->y1 >= -IMAGE_MARGIN &&
-          e->y0 <= bottom + IMAGE_MARGIN))
-        return false;
-    out->x0 = e->x0 > 0 ? (int)ceil(e->x0 - IMAGE_MARGIN) : 0;
-    out->y0 = e->y0 > 0 ? (int)ceil(e->y0 - IMAGE_MARGIN) : 0;
-    out->x1 = (int)floor((e->x1 < right ? e->x1 : right) + IMAGE_MARGIN);
-    out->y1 = (int)floor((e->y1 < bottom ? e->y1 : bottom) + IMAGE_MARGIN);
+    double x0 = e->least[0] - IMAGE_MARGIN, x1 = e->most[0] + IMAGE_MARGIN;
+    double y0 = e->least[1] - IMAGE_MARGIN, y1 = e->most[1] + IMAGE_MARGIN;
+    if (!(x1 >= 0 && x0 <= right && y1 >= 0 && y0 <= bottom)) return false;
+    out->x0 = x0 > 0 ? (int)ceil(x0) : 0;
+    out->y0 = y0 > 0 ? (int)ceil(y0) : 0;
+    out->x1 = (int)(x1 < right ? x1 : right);
+    out->y1 = (int)(y1 < bottom ? y1 : bottom);
     return out->x0 <= out->x1 && out->y0 <= out->y1;
 }
 
-static const Extent NO_EXTENT = {INFINITY, -INFINITY, INFINITY, -INFINITY, 0, INFINITY};
+static const Extent NO_EXTENT = {{INFINITY, INFINITY, INFINITY, INFINITY},
+                                 {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
 
 bool image_bounds(const Image *image, const Vec2 *corners, int count, Shape *out) {
     Extent e = NO_EXTENT;
-    for (int i = 0; i < count; i++) e = extent_add(e, corners[i].x, corners[i].y, 1);
+    for (int i = 0; i < count; i++) e = extent_add(e, (Four){corners[i].x, corners[i].y, 1, 0});
     return bounds_of(image, &e, out);
 }
 
@@ -120,7 +124,7 @@ static bool extent_of_clipped(const Image *image, const Vec3 *corners, int count
     Vec2 outline[FACET_CORNERS + 4];
     double inverse[FACET_CORNERS + 4];
     count = image_outline(image, corners, count, outline, inverse);
-    for (int i = 0; i < count; i++) *e = extent_add(*e, outline[i].x, outline[i].y, inverse[i]);
+    for (int i = 0; i < count; i++) *e = extent_add(*e, (Four){outline[i].x, outline[i].y, inverse[i], 0});
     return count > 0;
 }
 
@@ -129,28 +133,29 @@ bool image_shape(const Image *image, const Facets *facets, int facet, Line *line
     double height = vec3_dot(f->n, vec3_sub(f->centre, image->eye));
     if (fabs(height) < HIDDEN_EDGE_ON) return false;
     const Vec3 *corners = facets->corners + f->first;
-    Four places[FACET_CORNERS];
-    int behind = 0;
-    for (int i = 0; i < f->count; i++) {
+    Four places[FACET_CORNERS + 1], least = four_of(INFINITY), most = -least;
+    int count = f->count;
+    for (int i = 0; i < count; i++) {
         places[i] = place(image, corners[i]);
-        behind += !(places[i][2] > 0);
+        least = four_least(least, places[i]);
+        most = four_most(most, places[i]);
     }
-    if (behind == f->count) return false;
+    if (!(most[2] > 0)) return false;
     Extent e = NO_EXTENT;
-    for (int i = 0; i < f->count && behind == 0; i++) {
-        double inverse = 1 / places[i][2];
-        e = extent_add(e, places[i][0] * inverse, places[i][1] * inverse, inverse);
+    if (least[2] > 0) {
+        for (int i = 0; i < count; i++) e = extent_add(e, seen_at(places[i]));
+    } else if (!extent_of_clipped(image, corners, count, &e)) {
+        return false;
     }
-    if (behind > 0 && !extent_of_clipped(image, corners, f->count, &e)) return false;
     if (!bounds_of(image, &e, out)) return false;
     out->facet = facet;
-    out->line_count = f->count;
-    out->nearest = e.nearest * (1 + DEPTH_MARGIN);
-    out->farthest = e.farthest * (1 - DEPTH_MARGIN);
+    out->line_count = count;
+    out->nearest = e.most[2] * (1 + DEPTH_MARGIN);
+    out->farthest = e.least[2] * (1 - DEPTH_MARGIN);
     // Counter-clockwise about n, which points away from the eye where height is above 0: then the inside is to the left.
     Four sign = four_of(height > 0 ? 1 : -1);
-    for (int i = 0; i < f->count; i++)
-        lines[i] = sign * through(places[i], places[i + 1 < f->count ? i + 1 : 0]);
+    places[count] = places[0];
+    for (int i = 0; i < count; i++) lines[i] = sign * through(places[i], places[i + 1]);
     *depth = along_rays(image, f->n) / four_of(height);
     return true;
 }

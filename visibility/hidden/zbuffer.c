@@ -10,6 +10,13 @@
 // Floats that differ by less may be in the wrong order: four roundings of half a bit.
 #define FLOAT_CLOSE 0x1p-22f
 
+// Before loops whose counts are constants once inlined, so that all they hold stays in registers.
+#ifdef __clang__
+#define UNROLL _Pragma("unroll")
+#else
+#define UNROLL _Pragma("GCC unroll 4")
+#endif
+
 typedef struct ZBuffer {
     Facets facets;
     Picture picture;
@@ -55,30 +62,30 @@ static void try_pixel(ZBuffer *z, int facet, size_t pixel, int x, int y) {
     z->work->pixels++;
 }
 
-// Four pixels at once, of which those up to x1 count.
-static inline int try_four(ZBuffer *z, int facet, size_t pixel, int x, int x1, int y, Four inverse) {
+// Four pixels at once, of which those of `inside` count. Returns which were written, a bit each.
+static inline unsigned try_four(ZBuffer *z, float *depth, int32_t *items, int facet, int x, int y,
+                                FourInt inside, Four inverse) {
     FourFloat new = four_to_float(inverse), old;
-    FourInt item, inside = (FourInt){0, 1, 2, 3} <= x1 - x;
-    memcpy(&old, z->out.depth + pixel, sizeof old);
-    memcpy(&item, z->out.item + pixel, sizeof item);
+    FourInt item;
+    memcpy(&old, depth, sizeof old);
+    memcpy(&item, items, sizeof item);
     FourFloat close = old * FLOAT_CLOSE;
     FourInt nearer = (new > old + close) & inside, doubtful = (new >= old - close) & inside & ~nearer;
     item = (nearer & facet) | (~nearer & item);
     old = (FourFloat)((nearer & (FourInt) new) | (~nearer & (FourInt)old));
-    memcpy(z->out.depth + pixel, &old, sizeof old);
-    memcpy(z->out.item + pixel, &item, sizeof item);
-    unsigned doubts = lanes_of(doubtful);
-    for (; __builtin_expect(doubts != 0, 0); doubts &= doubts - 1) {
+    memcpy(depth, &old, sizeof old);
+    memcpy(items, &item, sizeof item);
+    for (unsigned doubts = lanes_of(doubtful); __builtin_expect(doubts != 0, 0); doubts &= doubts - 1) {
         int i = __builtin_ctz(doubts);
-        try_pixel(z, facet, pixel + (size_t)i, x + i, y);
+        try_pixel(z, facet, (size_t)(depth - z->out.depth) + (size_t)i, x + i, y);
     }
-    return __builtin_popcount(lanes_of(nearer));
+    return lanes_of(nearer);
 }
 
+// A row of a large shape: its ends are known.
 static inline void fill_row(ZBuffer *z, int facet, Line depth, int y, int x0, int x1) {
     size_t row = (size_t)y * (size_t)z->out.width, end = (size_t)z->out.width * (size_t)z->out.height;
-    Four at = {0, 1, 2, 3};
-    Four base = four_of(depth[1] * y + depth[2]);
+    Four at = {0, 1, 2, 3}, base = four_of(depth[1] * y + depth[2]);
     int written = 0;
     for (int x = x0; x <= x1; x += FOUR) {
         size_t pixel = row + (size_t)x;
@@ -86,23 +93,80 @@ static inline void fill_row(ZBuffer *z, int facet, Line depth, int y, int x0, in
             for (int i = x; i <= x1; i++) try_pixel(z, facet, row + (size_t)i, i, y);
             break;
         }
-        Four inverse = four_of(depth[0]) * (at + (double)x) + base;
-        written += try_four(z, facet, pixel, x, x1, y, inverse);
+        FourInt inside = (FourInt){0, 1, 2, 3} <= x1 - x;
+        Four inverse = depth[0] * (at + (double)x) + base;
+        written += __builtin_popcount(
+            try_four(z, z->out.depth + pixel, z->out.item + pixel, facet, x, y, inside, inverse));
     }
     z->work->pixels += written;
     z->work->depth_tests += x1 - x0 + 1;
 }
 
-static void draw_facet(ZBuffer *z, int facet) {
-    Shape shape;
-    Line *lines = z->picture.lines, *depth = &z->picture.depth[facet];
-    if (!image_shape(&z->picture.image, &z->facets, facet, lines, depth, &shape)) return;
-    z->work->polygons++;
-    z->work->edges += shape.line_count;
-    spans_take(&z->spans, &shape, lines, shape.line_count);
+static void fill_large(ZBuffer *z, const Shape *shape, Line depth) {
+    spans_take(&z->spans, shape, z->picture.lines, shape->line_count);
     for (int y = z->spans.y0; y <= z->spans.y1; y++) {
         int x0, x1;
-        if (spans_row(&z->spans, y, &x0, &x1)) fill_row(z, facet, *depth, y, x0, x1);
+        if (spans_row(&z->spans, y, &x0, &x1)) fill_row(z, shape->facet, depth, y, x0, x1);
+    }
+}
+
+// A small shape: each pixel tells for itself on which side of the edges it is, which takes no division and no branch.
+// `count` lines and `fours` of columns are constants where this is inlined.
+static inline __attribute__((always_inline)) void fill_small(ZBuffer *z, const Shape *shape, Line depth,
+                                                             const int count, const int fours) {
+    const Line *lines = z->picture.lines;
+    Four at = {0, 1, 2, 3}, along[4][3], depth_along[3];
+    FourInt within[3];
+    UNROLL
+    for (int k = 0; k < fours; k++) {
+        Four x = at + (double)(shape->x0 + FOUR * k);
+        UNROLL
+        for (int i = 0; i < count; i++) along[i][k] = lines[i][0] * x;
+        depth_along[k] = depth[0] * x;
+        within[k] = (FourInt){0, 1, 2, 3} <= shape->x1 - shape->x0 - FOUR * k;
+    }
+    size_t width = (size_t)z->out.width, pixel = (size_t)shape->y0 * width + (size_t)shape->x0;
+    float *row = z->out.depth + pixel;
+    int32_t *items = z->out.item + pixel;
+    int written = 0, tests = 0, facet = shape->facet;
+    for (int y = shape->y0; y <= shape->y1; y++, row += width, items += width) {
+        UNROLL
+        for (int k = 0; k < fours; k++) {
+            Four least = along[0][k] + (lines[0][1] * y + lines[0][2]);
+            UNROLL
+            for (int i = 1; i < count; i++)
+                least = four_least(least, along[i][k] + (lines[i][1] * y + lines[i][2]));
+            FourInt inside = (four_to_float(least) >= 0) & within[k];
+            Four inverse = depth_along[k] + (depth[1] * y + depth[2]);
+            int x = shape->x0 + FOUR * k;
+            written += __builtin_popcount(
+                try_four(z, row + FOUR * k, items + FOUR * k, facet, x, y, inside, inverse));
+            tests += __builtin_popcount(lanes_of(inside));
+        }
+    }
+    z->work->pixels += written;
+    z->work->depth_tests += tests;
+}
+
+static void draw_facet(ZBuffer *z, int facet) {
+    Shape shape;
+    Line *depth = &z->picture.depth[facet];
+    if (!image_shape(&z->picture.image, &z->facets, facet, z->picture.lines, depth, &shape)) return;
+    z->work->polygons++;
+    z->work->edges += shape.line_count;
+    int fours = (shape.x1 - shape.x0) / FOUR + 1, count = shape.line_count;
+    size_t end = (size_t)shape.y1 * (size_t)z->out.width + (size_t)(shape.x0 + FOUR * fours);
+    bool in_buffer = end <= (size_t)z->out.width * (size_t)z->out.height;
+    if (!in_buffer || fours > 3 || count > 4) {
+        fill_large(z, &shape, *depth);
+    } else if (count == 3) {
+        if (fours == 1) fill_small(z, &shape, *depth, 3, 1);
+        if (fours == 2) fill_small(z, &shape, *depth, 3, 2);
+        if (fours == 3) fill_small(z, &shape, *depth, 3, 3);
+    } else {
+        if (fours == 1) fill_small(z, &shape, *depth, 4, 1);
+        if (fours == 2) fill_small(z, &shape, *depth, 4, 2);
+        if (fours == 3) fill_small(z, &shape, *depth, 4, 3);
     }
 }
 

@@ -102,12 +102,19 @@ bool facets_new(const Scene *scene, Arena *arena, Facets *out, Error *error) {
     *out = (Facets){0};
     Maker maker = {.out = out, .arena = arena};
     double reach = 0;
+    int corners = 0;
     for (int i = 0; i < scene->count; i++) {
         int index = scene->list ? scene->list[i] : i;
         const Polygon *polygon = &scene->polygons[index];
         const Vec3 *v = scene->vertices + polygon->first_vertex;
         if (!check(v, polygon->vertex_count, index, &reach, error)) return false;
+        corners += polygon->vertex_count;
     }
+    // Room for all, if none is cut.
+    maker.capacity = scene->count + 1;
+    maker.corner_capacity = corners + 1;
+    out->facets = ARENA_ARRAY(arena, Facet, maker.capacity);
+    out->corners = ARENA_ARRAY(arena, Vec3, maker.corner_capacity);
     out->rounding = 4 * DBL_EPSILON * fmax(reach, 1e-3);
     for (maker.order = 0; maker.order < scene->count; maker.order++) {
         maker.polygon = scene->list ? scene->list[maker.order] : maker.order;

@@ -1,13 +1,14 @@
 // zbuffer.c - the depth buffer (E. Catmull, A subdivision algorithm for computer display of curved surfaces, 1974): each
 // polygon in turn, at each of its pixels the nearer of it and what is there.
 //
-// The buffer holds 1/z as a float, four pixels at a time. Where two floats are so close that rounding could decide, both
-// depths are computed anew in doubles: so the item buffer itself is all the memory, and no digit is lost.
+// The buffer holds 1/z as a float, four pixels at a time. Where two floats are so close that they do not tell, both depths are
+// computed anew in doubles: so the item buffer itself is all the memory, and no digit is lost.
 #include "visibility/hidden/depth.h"
 #include "visibility/hidden/methods.h"
 #include "visibility/hidden/spans.h"
 
-// Floats that differ by less may be in the wrong order: four roundings of half a bit.
+// Floats that differ by less may stand for depths that tie: rounding takes two that are equal but for the last bits of a double
+// to neighbouring floats.
 #define FLOAT_CLOSE 0x1p-22f
 
 // Before loops whose counts are constants once inlined, so that all they hold stays in registers.

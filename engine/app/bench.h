@@ -35,7 +35,7 @@ bool bench_formfactors_knows(const char *method);  // of --methods
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_hidden(const BenchArguments *arguments, Error *error);
-bool bench_hidden_knows(const char *method);  // of --methods
+bool bench_hidden_knows(const char *method);                       // of --methods
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
 
 // Adds the rows of one building to the table, and prints them.

@@ -41,7 +41,7 @@ static void *zbuffer_begin(const Scene *scene, Arena *arena, Error *error) {
 
 // Bit i: lane i of the mask.
 static inline unsigned lanes_of(FourInt mask) {
-#ifdef __SSE__
+#ifdef __AVX2__
     return (unsigned)_mm_movemask_ps((__m128)mask);
 #else
     unsigned lanes = 0;

@@ -23,6 +23,7 @@ enum { VIEW_DRAWS = 30, MOST_METHODS = 16 };
 // Of a method on the views of a scene; sums over the views.
 typedef struct Run {
     double prepare_seconds, seconds;
+    int prepared;  // scenes
     long wrong;
     HiddenWork work;
 } Run;
@@ -73,6 +74,7 @@ static bool run_method(HiddenBench *b, const HiddenMethod *method, ItemBuffer *k
             double start = clock_thread_seconds();
             prepared = method->begin(&view->scene, &arena, error);
             run->prepare_seconds += clock_thread_seconds() - start;
+            run->prepared++;
         }
         arena_reset(&picture);
         ItemBuffer own = keep ? keep[i] : item_buffer_new(&picture, view->camera.width, view->camera.height);
@@ -95,9 +97,10 @@ static void add_row(HiddenBench *b, const char *method, const Run *run, double d
     const HiddenWork *w = &run->work;
     text_append(b->csv, "%s,%s,%.0f,%.2f,%d,%d,%s,%.4f,%.4f,%.6f,%.0f,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%ld\n",
                 b->table, b->scene, polygons, depth, camera->width, camera->height, method,
-                1e3 * run->prepare_seconds / n, 1e3 * run->seconds / n, (double)run->wrong / pixels,
-                (double)w->memory / 1024, w->polygons / n, w->edges / n, w->comparisons / n, w->splits / n,
-                w->pixels / n, w->depth_tests / n, w->nodes / n, w->rays / n, w->undecided / n);
+                1e3 * run->prepare_seconds / run->prepared, 1e3 * run->seconds / n,
+                (double)run->wrong / pixels, (double)w->memory / 1024, w->polygons / n, w->edges / n,
+                w->comparisons / n, w->splits / n, w->pixels / n, w->depth_tests / n, w->nodes / n,
+                w->rays / n, w->undecided / n);
     fputs(b->csv->data + before, stdout);
     fflush(stdout);
 }

@@ -24,15 +24,15 @@ do for [format in "svg png"] {
     set format y '10^{%L}'
     do for [panel=1:4] {
         t = word("polygons depth resolution polygons", panel)
-        x = word("3 4 5 3", panel)
-        y = panel == 4 ? 11 : 9
-        set xlabel word("polygons depth-complexity pixels-a-side polygons", panel)
+        along = int(word("3 4 5 3", panel))
+        up = panel == 4 ? 11 : 9
+        set xlabel panel == 2 ? "depth complexity" : panel == 3 ? "pixels a side" : "polygons"
         if (panel == 1) { set ylabel 'ms a picture of 512 x 512, depth complexity 4'; set xrange [80:80000] }
         if (panel == 2) { set ylabel 'ms, 2,500 polygons'; set xrange [0.9:20] }
         if (panel == 3) { set ylabel 'ms, 2,500 polygons'; set xrange [55:1200] }
         if (panel == 4) { set ylabel 'kB beside scene and item buffer'; set xrange [80:80000] }
-        if (panel == 1) { set key at screen 0.5,0.99 center top horizontal maxrows 2 samplen 2 } else { unset key }
-        plot for [m=1:words(methods)] csv every ::1 using (column(int(x))):(of(t, m, column(y))) with linespoints pt int(word(marks, m)) lw 1.5 lc rgb word(colours, m) title word(methods, m)
+        if (panel == 1) { set key at screen 0.5,0.98 center top horizontal maxcols 5 samplen 2 } else { unset key }
+        plot for [m=1:words(methods)] csv every ::1 using (column(along)):(of(t, m, column(up))) with linespoints pt int(word(marks, m)) lw 1.5 lc rgb word(colours, m) title word(methods, m)
     }
     unset logscale
     set format y '%g'

@@ -18,6 +18,8 @@
 #define UNROLL _Pragma("GCC unroll 4")
 #endif
 
+static const FourInt LANE = {0, 1, 2, 3};
+
 typedef struct ZBuffer {
     Facets facets;
     Picture picture;
@@ -94,7 +96,7 @@ static inline void fill_row(ZBuffer *z, int facet, Line depth, int y, int x0, in
             for (int i = x; i <= x1; i++) try_pixel(z, facet, row + (size_t)i, i, y);
             break;
         }
-        FourInt inside = (FourInt){0, 1, 2, 3} <= x1 - x;
+        FourInt inside = LANE <= x1 - x;
         Four inverse = depth[0] * (at + (double)x) + base;
         written += __builtin_popcount(
             try_four(z, z->out.depth + pixel, z->out.item + pixel, facet, x, y, inside, inverse));
@@ -124,7 +126,7 @@ static inline __attribute__((always_inline)) void fill_small(ZBuffer *z, const S
         UNROLL
         for (int i = 0; i < count; i++) along[i][k] = lines[i][0] * x;
         depth_along[k] = depth[0] * x;
-        within[k] = (FourInt){0, 1, 2, 3} <= shape->x1 - shape->x0 - FOUR * k;
+        within[k] = LANE <= shape->x1 - shape->x0 - FOUR * k;
     }
     size_t width = (size_t)z->out.width, pixel = (size_t)shape->y0 * width + (size_t)shape->x0;
     float *row = z->out.depth + pixel;

@@ -183,7 +183,7 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
-	for chart in rooms radiosity breaks formfactors; do [ ! -e build/bench/$$chart.csv ] || \
+	for chart in rooms radiosity breaks formfactors hidden; do [ ! -e build/bench/$$chart.csv ] || \
 	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:

@@ -120,7 +120,7 @@ void hemicube_hidden_items(HemicubeHidden *self, const View *view, int32_t *item
         self->buffer.width = camera.width;
         self->buffer.height = camera.height;
         Error error;
-        bool drawn = self->method->draw(self->prepared, &camera, &self->buffer, &error);
+        bool drawn = hidden_draw(self->method, self->prepared, &camera, &self->buffer, NULL, &error);
         CORE_ASSERT(drawn);
         for (int k = 0; k < grid->width * grid->height; k++) {
             int i = k % grid->width, j = k / grid->width;

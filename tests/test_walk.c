@@ -10,7 +10,6 @@
 #include "engine/walk/video.h"
 #include "engine/walk/walk_offscreen.h"
 #include "maps/maps.h"
-#include "tests/embree_oracle.h"
 #include "tests/support.h"
 
 typedef struct Walked {
@@ -49,15 +48,16 @@ static void expect_rays_agree(Walked *w, WalkVerify *verify, Camera camera, cons
     camera.width = 160;
     camera.height = 90;
     ItemBuffer items = item_buffer_new(&scratch, camera.width, camera.height);
-    void *rays = hidden_find("raycast")->begin(&scene, &scratch, &error);
-    cr_assert(rays && hidden_find("raycast")->draw(rays, &camera, &items, &error), "%s", error.text);
-    int missing = -1;
-    cr_assert_eq(walk_verify_missing(verify, &items, &missing), 0, "ray casting sees polygon %d", missing);
-    EmbreeOracle *embree = embree_oracle_new(&scene, camera.eye, &scratch);
-    embree_oracle_draw(embree, &camera, &items);
-    cr_assert_eq(walk_verify_missing(verify, &items, &missing), 0, "Embree sees polygon %d", missing);
-    embree_oracle_free(embree);
-    if (hidden_find("raycast")->end) hidden_find("raycast")->end(rays);
+    static const char *const METHODS[] = {"raycast", "embree"};
+    for (int m = 0; m < 2; m++) {
+        const HiddenMethod *method = hidden_find(METHODS[m]);
+        void *rays = method->begin(&scene, &scratch, &error);
+        cr_assert(rays && hidden_draw(method, rays, &camera, &items, NULL, &error), "%s", error.text);
+        int missing = -1;
+        cr_assert_eq(walk_verify_missing(verify, &items, &missing), 0, "%s sees polygon %d", METHODS[m],
+                     missing);
+        if (method->end) method->end(rays);
+    }
     arena_free(&scratch);
 }
 

@@ -40,6 +40,8 @@ bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_light(const BenchArguments *arguments, Error *error);
 bool bench_light_knows(const char *way);  // of --methods
 bool bench_rooms(const BenchArguments *arguments, Error *error);
+bool bench_hidden(const BenchArguments *arguments, Error *error);
+bool bench_hidden_knows(const char *method);                       // of --methods
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
 
 // Adds the rows of one building to the table, and prints them.

@@ -27,9 +27,11 @@ static const struct {
                {"radiosity", bench_radiosity, NULL, NULL},
                {"light", bench_light, bench_light_knows, "bench"},
                {"rooms", bench_rooms, NULL, NULL},
+               {"hidden", bench_hidden, bench_hidden_knows, "bake"},
                {"breaks", bench_breaks, NULL, NULL}};
 
-static const char ALLOWED[] = "walk, collision, visibility, formfactors, radiosity, light, rooms, breaks";
+static const char ALLOWED[] =
+    "walk, collision, visibility, formfactors, radiosity, light, rooms, hidden, breaks";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 

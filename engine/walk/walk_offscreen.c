@@ -12,7 +12,7 @@
 #include "engine/walk/video.h"
 #include "engine/walk/walk_renderer.h"
 #include "visibility/hidden/gl_context.h"
-#include "visibility/hidden/raycast.h"
+#include "visibility/hidden/hidden.h"
 
 // Frames of a tour in a second of video.
 enum { USUAL_RATE = 12 };
@@ -108,7 +108,9 @@ static bool compare_rays(Walk *w, const Camera *camera, const float *door_open, 
     Scene scene = {graph->polygons, walk_verify_vertices(w->verify), list,
                    walk_opaque_polygons(graph, door_open, &camera->eye, list)};
     ItemBuffer items = item_buffer_new(&w->rays, camera->width, camera->height);
-    if (!HIDDEN_RAYCAST.draw(ray_scene_new(&scene, &w->rays), camera, &items, error)) return false;
+    const HiddenMethod *rays = hidden_find("raycast");
+    void *prepared = rays->begin(&scene, &w->rays, error);
+    if (!prepared || !hidden_draw(rays, prepared, camera, &items, NULL, error)) return false;
     out->raycast_missing = walk_verify_missing(w->verify, &items, &out->missing);
     w->totals->raycast_frames++;
     return true;

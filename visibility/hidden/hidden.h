@@ -1,6 +1,7 @@
 // hidden.h - hidden-surface methods: which polygon is seen through each pixel, and how far away.
 //
-// A method is one file and one row in HIDDEN_METHODS.
+// A method is one file and one row in HIDDEN_METHODS. What they share: facets.h (what polygons there are), image.h (where
+// they lie in a picture), spans.h (which pixels of a row are inside).
 #ifndef VISIBILITY_HIDDEN_H
 #define VISIBILITY_HIDDEN_H
 
@@ -24,7 +25,8 @@ Vec3 camera_ray(const Camera *camera, double i,
                 double j);  // through pixel coordinates; not normalised: forward part 1
 
 // The polygons to draw, in order; of coincident surfaces the first in the list is seen. Polygons are seen from both
-// sides.
+// sides. Any will do: without area they are not seen, bent or concave ones are cut into triangles, and one that crosses
+// itself into some that cover what ear clipping makes of it.
 typedef struct Scene {
     const Polygon *polygons;
     const Vec3 *vertices;
@@ -39,16 +41,46 @@ typedef struct ItemBuffer {
 } ItemBuffer;
 ItemBuffer item_buffer_new(Arena *arena, int width, int height);
 
+// The largest picture, pixels each way.
+#define HIDDEN_LARGEST 16384
+
+// What a picture took. Each method counts what it does; the rest stays 0.
+typedef struct HiddenWork {
+    int64_t polygons;     // set up: at least in part before the eye and within the picture
+    int64_t edges;        // taken up, row by row or piece by piece
+    int64_t comparisons;  // of a polygon with another, or with an area
+    int64_t splits;       // of polygons, or of areas
+    int64_t pixels;       // written, again and again
+    int64_t depth_tests;  // of a polygon at a pixel
+    int64_t nodes;        // of a tree, or cells of a grid
+    int64_t rays;
+    int64_t undecided;  // pairs of polygons whose order nothing told
+    size_t memory;      // held beside the scene and the item buffer, bytes
+} HiddenWork;
+
+typedef enum HiddenTruth {
+    HIDDEN_EXACT,  // the ray caster's picture but for rounding at edges (1e-6 of a pixel) and ties (1e-9 of the depth)
+    HIDDEN_FLOAT,  // the same within the rounding of floats
+    HIDDEN_GUESS   // wrong where its rule fails
+} HiddenTruth;
+
 typedef struct HiddenMethod {
     const char *name;  // command line, CSV, test output
     const char *summary;
-    // Prepares a scene; the result lives in the arena until `end`, if there is one.
+    // Prepares a scene; the result lives in the arena until `end`.
     void *(*begin)(const Scene *scene, Arena *arena, Error *error);  // NULL on failure
-    bool (*draw)(void *prepared, const Camera *camera, ItemBuffer *out, Error *error);
-    void (*end)(void *prepared);  // may be NULL
+    // Adds to `work`. Call hidden_draw, which looks at what it is given.
+    bool (*draw)(void *prepared, const Camera *camera, ItemBuffer *out, HiddenWork *work, Error *error);
+    void (*end)(void *prepared);
+    HiddenTruth truth;
 } HiddenMethod;
 
 extern const HiddenMethod *const HIDDEN_METHODS[];  // ends with NULL
 const HiddenMethod *hidden_find(const char *name);  // NULL: no such method
+
+// False, and a sentence, for a camera that is none and pictures too small or too large. `work` may be NULL; else it starts
+// from zero.
+bool hidden_draw(const HiddenMethod *method, void *prepared, const Camera *camera, ItemBuffer *out,
+                 HiddenWork *work, Error *error);
 
 #endif

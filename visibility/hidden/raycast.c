@@ -1,304 +1,209 @@
-// raycast.c - the item buffer by casting one ray through each pixel's centre, in double precision, over a
-// bounding-volume hierarchy split by the surface-area heuristic in bins (I. Wald, On fast construction of SAH-based
-// bounding volume hierarchies, 2007). The hierarchy changes nothing: the answer equals the brute force's exactly,
-// since every comparison it prunes by is monotone in what the brute force compares.
+// raycast.c - a ray through each pixel's centre, over a bounding-volume hierarchy, 8 x 8 rays together: what none of them can
+// meet is told by the four planes around them (I. Wald et al., Interactive rendering with coherent ray tracing, 2001;
+// A. Reshetov et al., Multi-level ray tracing algorithm, 2005).
 //
-// A ray is inside a polygon when it lies on one side of all its edges' great circles, dot(v_i x v_i+1, ray), with v
-// relative to the eye, or on one within rounding: no ray slips through a shared edge or vertex.
-#include "visibility/hidden/raycast.h"
+// All rays come from one eye: a polygon is met where each of its edges, a line in the picture, says so (image.h).
+#include "visibility/hidden/depth.h"
+#include "visibility/hidden/methods.h"
+#include "visibility/hidden/ray_shapes.h"
+#include "visibility/hidden/ray_tree.h"
 
-// Boxes are widened by this, metres: their slabs are computed with rounding, and a box without thickness would lose
-// hits. Above the rounding of a coordinate at 1e8 m (MAPS_LIMIT), far below any feature.
-#define RAY_BOX_PADDING 1e-6
-// Roundings of dot(a x b, ray), relative to |a| |b| |ray|: 8 operations of half a bit each, doubled.
-#define RAY_ROUNDING 8e-16
-#define RAY_BINS 16
-// Facets tested without looking for a better split.
-#define RAY_LEAF 4
-// Deeper than this the hierarchy is halved by count, which ends within 31 more levels.
-#define RAY_DEEP 40
-#define RAY_STACK (RAY_DEEP + 40)
+enum { TILE = 8, TILE_FOURS = TILE * TILE / FOUR };
 
-typedef struct Facet {
-    int polygon, order;  // order: place in the list
-    const Vec3 *vertices;
-    int count;
-    Vec3 n, centre;
-    Box box;
-} Facet;
+// A share of the terms of a plane's equation, above its rounding: what is within counts as inside.
+#define PLANE_ROUNDING 1e-14
 
-// Inner: children at `first` and `first + 1`, count 0. Leaf: facets first .. first + count - 1.
-typedef struct Node {
-    Box box;
-    int first, count;
-} Node;
+typedef struct RayCast {
+    Facets facets;
+    RayTree tree;
+    RayShapes shapes;
+    HiddenWork *work;
+    size_t memory;
+} RayCast;
 
-struct RayScene {
-    Facet *facets;
-    Node *nodes;
-    int facet_count, node_count;
-};
+// The rays under way: of pixels x0 .. x1, y0 .. y1 of the picture, row by row of TILE.
+typedef struct Tile {
+    int x0, y0, x1, y1;
+    Four x, y, z;  // normals of the planes around the rays, inwards
+    Vec3 forward;
+    double least;              // of `inverse`
+    Four inverse[TILE_FOURS];  // 1/z of what is met so far, 0: nothing
+    int32_t facet[TILE * TILE];
+} Tile;
 
-static bool facet_make(const Scene *scene, int order, Facet *out) {
-    int index = scene->list ? scene->list[order] : order;
-    const Polygon *polygon = &scene->polygons[index];
-    const Vec3 *v = scene->vertices + polygon->first_vertex;
-    Vec3 n = plane_of_polygon(v, polygon->vertex_count).n;
-    if (vec3_length(n) == 0) return false;
-    Vec3 offset = {0, 0, 0};
-    Box box = box_empty();
-    for (int i = 0; i < polygon->vertex_count; i++) {
-        offset = vec3_add(offset, vec3_sub(v[i], v[0]));
-        box = box_add(box, v[i]);
-    }
-    Vec3 centre = vec3_add(v[0], vec3_scale(offset, 1.0 / polygon->vertex_count));
-    *out = (Facet){index, order, v, polygon->vertex_count, n, centre, box_grow(box, RAY_BOX_PADDING)};
-    return true;
+static void *raycast_begin(const Scene *scene, Arena *arena, Error *error) {
+    RayCast *r = ARENA_ARRAY(arena, RayCast, 1);
+    size_t before = arena->used;
+    if (!facets_new(scene, arena, &r->facets, error)) return NULL;
+    r->tree = ray_tree_new(&r->facets, arena);
+    r->shapes = ray_shapes_new(&r->facets, arena);
+    r->memory = arena->used - before;
+    return r;
 }
 
-static double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+// ---- a polygon
 
-static double half_area(Box b) {
-    if (box_is_empty(b)) return 0;
-    Vec3 s = vec3_sub(b.max, b.min);
-    return s.x * s.y + s.y * s.z + s.z * s.x;
-}
-
-static void swap_facets(Facet *a, Facet *b) {
-    Facet t = *a;
-    *a = *b;
-    *b = t;
-}
-
-// Orders facets[0 .. count) so that the `half` smallest along `axis` come first.
-static void select_half(Facet *facets, int count, int half, int axis) {
-    int low = 0, high = count - 1;
-    while (low < high) {
-        double pivot = component(facets[(low + high) / 2].centre, axis);
-        int i = low, j = high;
-        while (i <= j) {
-            while (component(facets[i].centre, axis) < pivot) i++;
-            while (component(facets[j].centre, axis) > pivot) j--;
-            if (i <= j) swap_facets(&facets[i++], &facets[j--]);
-        }
-        if (half <= j) {
-            high = j;
-        } else if (half >= i) {
-            low = i;
-        } else {
-            return;
-        }
-    }
-}
-
-typedef struct Bins {
-    double low, scale;
-    int axis;
-} Bins;
-
-static int bin_of(Bins bins, const Facet *facet) {
-    int bin = (int)((component(facet->centre, bins.axis) - bins.low) * bins.scale);
-    return bin < 0 ? 0 : bin >= RAY_BINS ? RAY_BINS - 1 : bin;
-}
-
-// The last bin of the cheaper side of the best split, or -1.
-static int best_bin(Bins bins, const Facet *facets, int count) {
-    Box box[RAY_BINS];
-    int held[RAY_BINS] = {0};
-    for (int b = 0; b < RAY_BINS; b++) box[b] = box_empty();
+// Edges that some of the tile's rays are outside of; -1: one that all are outside of.
+static int open_edges(const Tile *tile, const Line *lines, int count, const Line **open) {
+    int kept = 0;
     for (int i = 0; i < count; i++) {
-        int b = bin_of(bins, &facets[i]);
-        box[b] = held[b]++ ? box_union(box[b], facets[i].box) : facets[i].box;
+        bool right = lines[i][0] > 0, down = lines[i][1] > 0;
+        if (line_at(&lines[i], right ? tile->x1 : tile->x0, down ? tile->y1 : tile->y0) < 0) return -1;
+        if (line_at(&lines[i], right ? tile->x0 : tile->x1, down ? tile->y0 : tile->y1) < 0)
+            open[kept++] = &lines[i];
     }
-    double right[RAY_BINS];
-    Box sum = box_empty();
-    int n = 0;
-    for (int b = RAY_BINS - 1; b > 0; b--) {
-        if (held[b]) sum = n ? box_union(sum, box[b]) : box[b];
-        n += held[b];
-        right[b] = n > 0 ? half_area(sum) * n : -1;
+    return kept;
+}
+
+// Where depths are so close that the list decides: lane by lane.
+static FourMask settle(const RayCast *r, const Tile *tile, int facet, int k, Four new, FourMask close) {
+    const Facet *facets = r->facets.facets;
+    FourMask nearer = {0};
+    for (int i = 0; i < FOUR; i++) {
+        int old = tile->facet[FOUR * k + i];
+        if (!close[i] || old < 0) continue;
+        nearer[i] =
+            -(int64_t)depth_nearer(new[i], facets[facet].order, tile->inverse[k][i], facets[old].order);
     }
-    int best = -1;
-    double best_cost = INFINITY;
-    n = 0;
-    for (int b = 0; b + 1 < RAY_BINS; b++) {
-        if (held[b]) sum = n ? box_union(sum, box[b]) : box[b];
-        n += held[b];
-        if (n == 0 || right[b + 1] < 0) continue;
-        double cost = half_area(sum) * n + right[b + 1];
-        if (cost < best_cost) {
-            best_cost = cost;
-            best = b;
+    return nearer;
+}
+
+static void meet_four(const RayCast *r, Tile *tile, int facet, int k, Four new, FourMask inside) {
+    Four old = tile->inverse[k];
+    FourMask nearer = inside & (new > old *(1 + DEPTH_TIE));
+    FourMask close = inside & ~nearer & (new >= old *(1 - DEPTH_TIE));
+    if (four_lanes(close)) nearer |= settle(r, tile, facet, k, new, close);
+    unsigned lanes = four_lanes(nearer);
+    if (!lanes) return;
+    tile->inverse[k] = four_choose(nearer, new, old);
+    for (; lanes; lanes &= lanes - 1) tile->facet[FOUR * k + __builtin_ctz(lanes)] = facet;
+}
+
+static void meet(RayCast *r, Tile *tile, int facet) {
+    const Shape *shape = ray_shape(&r->shapes, facet, r->work);
+    if (!shape || shape->nearest < tile->least || shape->x0 > tile->x1 || shape->x1 < tile->x0 ||
+        shape->y0 > tile->y1 || shape->y1 < tile->y0)
+        return;
+    const Line *open[FACET_CORNERS];
+    int count = open_edges(tile, r->shapes.picture.lines + shape->first_line, shape->line_count, open);
+    if (count < 0) return;
+    Line depth = r->shapes.picture.depth[facet];
+    int y0 = shape->y0 > tile->y0 ? shape->y0 : tile->y0, y1 = shape->y1 < tile->y1 ? shape->y1 : tile->y1;
+    for (int y = y0; y <= y1; y++) {
+        for (int part = 0; part < TILE / FOUR; part++) {
+            Four x = (Four){0, 1, 2, 3} + (double)(tile->x0 + FOUR * part);
+            FourMask inside = x <= tile->x1;
+            for (int i = 0; i < count; i++) {
+                Line e = *open[i];
+                inside &= e[0] * x + (e[1] * y + e[2]) >= 0;
+            }
+            if (!four_lanes(inside)) continue;
+            meet_four(r, tile, facet, (y - tile->y0) * TILE / FOUR + part,
+                      depth[0] * x + (depth[1] * y + depth[2]), inside);
         }
     }
-    return best;
+    r->work->depth_tests += (y1 - y0 + 1) * (tile->x1 - tile->x0 + 1);
+    Four least = tile->inverse[0];
+    int used = (tile->y1 - tile->y0 + 1) * TILE / FOUR;
+    for (int k = 1; k < used; k++) least = four_least(least, tile->inverse[k]);
+    tile->least = fmin(fmin(least[0], least[1]), fmin(least[2], least[3]));
 }
 
-// Splits facets[0 .. count) in two; returns how many come first.
-static int split(Facet *facets, int count, int depth) {
-    Box centres = box_empty();
-    for (int i = 0; i < count; i++) centres = box_add(centres, facets[i].centre);
-    Vec3 size = vec3_sub(centres.max, centres.min);
-    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    double extent = component(size, axis);
-    Bins bins = {component(centres.min, axis), extent > 0 ? RAY_BINS / extent : 0, axis};
-    int bin = depth < RAY_DEEP && isfinite(bins.scale) ? best_bin(bins, facets, count) : -1;
-    if (bin < 0) {
-        select_half(facets, count, count / 2, axis);
-        return count / 2;
-    }
-    int first = 0;
-    for (int i = 0; i < count; i++) {
-        if (bin_of(bins, &facets[i]) <= bin) swap_facets(&facets[first++], &facets[i]);
-    }
-    return first;
+// ---- the tree
+
+// How far along the view a box begins, or INFINITY where no ray of the tile can meet it.
+static inline double box_depth(const Tile *tile, Vec3 eye, const Box *box) {
+    Vec3 centre = vec3_scale(vec3_add(box->min, box->max), 0.5);
+    Vec3 half = vec3_sub(box->max, centre), c = vec3_sub(centre, eye);
+    Four at = tile->x * c.x + tile->y * c.y + tile->z * c.z;
+    Four reach = four_abs(tile->x) * half.x + four_abs(tile->y) * half.y + four_abs(tile->z) * half.z;
+    Four scale = four_abs(tile->x * c.x) + four_abs(tile->y * c.y) + four_abs(tile->z * c.z);
+    if (four_lanes(at + reach + PLANE_ROUNDING * scale < 0)) return INFINITY;
+    Vec3 f = tile->forward;
+    double deep = fabs(f.x) * half.x + fabs(f.y) * half.y + fabs(f.z) * half.z, middle = vec3_dot(f, c);
+    return middle + deep < 0 ? INFINITY : middle - deep;
 }
 
-static void build(RayScene *rays, int node, int first, int count, int depth) {
-    Box box = rays->facets[first].box;
-    for (int i = 1; i < count; i++) box = box_union(box, rays->facets[first + i].box);
-    if (count <= RAY_LEAF) {
-        rays->nodes[node] = (Node){box, first, count};
-        return;
-    }
-    int left = split(rays->facets + first, count, depth), child = rays->node_count;
-    rays->node_count += 2;
-    rays->nodes[node] = (Node){box, child, 0};
-    build(rays, child, first, left, depth + 1);
-    build(rays, child + 1, first + left, count - left, depth + 1);
+static bool is_hidden(const Tile *tile, double depth) {
+    return depth == INFINITY || tile->least * depth * (1 - DEPTH_TIE) > 1;
 }
 
-RayScene *ray_scene_new(const Scene *scene, Arena *arena) {
-    RayScene *rays = ARENA_ARRAY(arena, RayScene, 1);
-    rays->facets = ARENA_ARRAY(arena, Facet, scene->count + 1);
-    for (int i = 0; i < scene->count; i++) {
-        if (facet_make(scene, i, &rays->facets[rays->facet_count])) rays->facet_count++;
-    }
-    rays->nodes = ARENA_ARRAY(arena, Node, 2 * rays->facet_count + 1);
-    if (rays->facet_count > 0) {
-        rays->node_count = 1;
-        build(rays, 0, 0, rays->facet_count, 0);
-    }
-    return rays;
-}
-
-// Narrows [*in, *out] to the z at which eye + z * ray is between the slabs of one axis.
-static void slab(double min, double max, double eye, double ray, double *in, double *out) {
-    if (ray == 0) {
-        if (!(min <= eye && eye <= max)) *out = -INFINITY;
-        return;
-    }
-    double a = (min - eye) / ray, b = (max - eye) / ray;
-    *in = fmax(*in, fmin(a, b));
-    *out = fmin(*out, fmax(a, b));
-}
-
-static bool box_hit(const Box *box, Vec3 eye, Vec3 ray, double *in, double *out) {
-    *in = 0;
-    *out = INFINITY;
-    slab(box->min.x, box->max.x, eye.x, ray.x, in, out);
-    slab(box->min.y, box->max.y, eye.y, ray.y, in, out);
-    slab(box->min.z, box->max.z, eye.z, ray.z, in, out);
-    return *in <= *out;
-}
-
-static bool is_rounding(double side, Vec3 a, Vec3 b, Vec3 ray) {
-    double scale = vec3_dot(a, a) * vec3_dot(b, b) * vec3_dot(ray, ray);
-    return side * side <= RAY_ROUNDING * RAY_ROUNDING * scale;
-}
-
-static bool facet_hit(const Facet *facet, Vec3 eye, Vec3 ray, float *z) {
-    double height = vec3_dot(facet->n, vec3_sub(facet->centre, eye)), slope = vec3_dot(facet->n, ray);
-    if (fabs(height) < HIDDEN_EDGE_ON || slope == 0 || (height > 0) != (slope > 0)) return false;
-    double in, out;
-    if (!box_hit(&facet->box, eye, ray, &in, &out)) return false;
-    Vec3 previous = vec3_sub(facet->vertices[facet->count - 1], eye);
-    for (int i = 0; i < facet->count; i++) {
-        Vec3 here = vec3_sub(facet->vertices[i], eye);
-        // Its edges run counter-clockwise about n: the inside is to the left when n points away from the eye.
-        double side = vec3_dot(vec3_cross(previous, here), ray);
-        bool outside = height > 0 ? side < 0 : side > 0;
-        if (outside && !is_rounding(side, previous, here, ray)) return false;
-        previous = here;
-    }
-    // Within its box: the plane of a bent polygon may be met outside it, where the hierarchy does not look.
-    *z = (float)fmin(fmax(height / slope, in), out);
-    return true;
-}
-
-typedef struct Nearest {
-    float z;
-    int order, polygon;
-} Nearest;
-
-static void facet_take(const Facet *facet, Vec3 eye, Vec3 ray, Nearest *nearest) {
-    float z;
-    if (!facet_hit(facet, eye, ray, &z)) return;
-    if (z < nearest->z || (z == nearest->z && facet->order < nearest->order)) {
-        *nearest = (Nearest){z, facet->order, facet->polygon};
-    }
-}
-
-int ray_scene_nearest_brute(const RayScene *rays, Vec3 eye, Vec3 ray, float *z) {
-    Nearest nearest = {INFINITY, INT32_MAX, -1};
-    for (int i = 0; i < rays->facet_count; i++) facet_take(&rays->facets[i], eye, ray, &nearest);
-    *z = nearest.z;
-    return nearest.polygon;
-}
-
-int ray_scene_nearest(const RayScene *rays, Vec3 eye, Vec3 ray, float *z) {
-    Nearest nearest = {INFINITY, INT32_MAX, -1};
+static void cast_tile(RayCast *r, Tile *tile) {
     struct {
         int node;
-        double in;
-    } stack[RAY_STACK];
+        double depth;
+    } stack[TREE_STACK];
+    Vec3 eye = r->shapes.picture.image.eye;
     int held = 0;
-    double in, out;
-    if (rays->node_count > 0 && box_hit(&rays->nodes[0].box, eye, ray, &in, &out)) {
+    if (r->tree.node_count > 0) {
         stack[held].node = 0;
-        stack[held++].in = in;
+        stack[held++].depth = box_depth(tile, eye, &r->tree.nodes[0].box);
     }
     while (held > 0) {
         held--;
-        // Rounded as hits are: a hit at an equal depth may still come earlier in the list.
-        if ((float)stack[held].in > nearest.z) continue;
-        const Node *node = &rays->nodes[stack[held].node];
-        for (int i = 0; i < node->count; i++) facet_take(&rays->facets[node->first + i], eye, ray, &nearest);
+        if (is_hidden(tile, stack[held].depth)) continue;
+        const TreeNode *node = &r->tree.nodes[stack[held].node];
+        r->work->nodes++;
+        for (int i = 0; i < node->count; i++) meet(r, tile, r->tree.facet[node->first + i]);
         if (node->count > 0) continue;
-        double near[2];
-        bool hit[2];
-        for (int c = 0; c < 2; c++) {
-            hit[c] = box_hit(&rays->nodes[node->first + c].box, eye, ray, &near[c], &out);
-        }
-        int far = hit[0] && hit[1] && near[1] < near[0] ? 0 : 1;
+        double depth[2];
+        for (int c = 0; c < 2; c++) depth[c] = box_depth(tile, eye, &r->tree.nodes[node->first + c].box);
+        int near = depth[1] < depth[0];
         for (int k = 0; k < 2; k++) {
-            int c = k == 0 ? far : 1 - far;
-            if (!hit[c]) continue;
-            CORE_ASSERT(held < RAY_STACK);
+            int c = k == 0 ? !near : near;
+            if (is_hidden(tile, depth[c])) continue;
+            CORE_ASSERT(held < TREE_STACK);
             stack[held].node = node->first + c;
-            stack[held++].in = near[c];
+            stack[held++].depth = depth[c];
         }
     }
-    *z = nearest.z;
-    return nearest.polygon;
 }
 
-static void *raycast_begin(const Scene *scene, Arena *arena, Error *error) {
-    (void)error;
-    return ray_scene_new(scene, arena);
+// The planes through the eye and the outer rays of the tile: a point (X, Y, Z) of image.h is within where X >= x0 Z, and so on.
+static void frame_tile(const RayCast *r, Tile *tile) {
+    const Four *c = r->shapes.picture.image.column;
+    Four from = {-tile->x0, tile->x1, -tile->y0, tile->y1}, sign = {1, -1, 1, -1};
+    for (int axis = 0; axis < 3; axis++) {
+        Four xy = {c[axis][0], c[axis][0], c[axis][1], c[axis][1]};
+        Four n = sign * xy + from * c[axis][2];
+        *(axis == 0 ? &tile->x : axis == 1 ? &tile->y : &tile->z) = n;
+    }
+    tile->forward = vec3(c[0][2], c[1][2], c[2][2]);
+    memset(tile->inverse, 0, sizeof tile->inverse);
+    memset(tile->facet, -1, sizeof tile->facet);
+    tile->least = 0;
+    // Rays beyond the picture's edge count as having met what is nearest.
+    for (int i = 0; i < TILE * TILE; i++)
+        if (i % TILE > tile->x1 - tile->x0) tile->inverse[i / FOUR][i % FOUR] = INFINITY;
 }
 
-static bool raycast_draw(void *prepared, const Camera *camera, ItemBuffer *out, Error *error) {
+static bool raycast_draw(void *prepared, const Camera *camera, ItemBuffer *out, HiddenWork *work,
+                         Error *error) {
     (void)error;
-    for (int j = 0; j < camera->height; j++) {
-        for (int i = 0; i < camera->width; i++) {
-            size_t pixel = (size_t)j * (size_t)camera->width + (size_t)i;
-            Vec3 ray = camera_ray(camera, i + 0.5, j + 0.5);
-            out->item[pixel] = ray_scene_nearest(prepared, camera->eye, ray, &out->depth[pixel]);
+    RayCast *r = prepared;
+    r->work = work;
+    ray_shapes_look(&r->shapes, camera);
+    int width = out->width, height = out->height;
+    for (int y = 0; y < height; y += TILE) {
+        for (int x = 0; x < width; x += TILE) {
+            Tile tile = {.x0 = x, .y0 = y};
+            tile.x1 = (x + TILE < width ? x + TILE : width) - 1;
+            tile.y1 = (y + TILE < height ? y + TILE : height) - 1;
+            frame_tile(r, &tile);
+            cast_tile(r, &tile);
+            size_t bytes = (size_t)(tile.x1 - x + 1) * sizeof *out->item;
+            for (int j = y; j <= tile.y1; j++)
+                memcpy(out->item + (size_t)j * (size_t)width + x, tile.facet + (j - y) * TILE, bytes);
         }
     }
+    work->rays = (int64_t)width * height;
+    work->pixels = work->rays;
+    work->memory = r->memory;
+    picture_resolve(&r->shapes.picture, out);
     return true;
 }
 
-const HiddenMethod HIDDEN_RAYCAST = {"raycast", "one ray a pixel in double precision, the reference",
-                                     raycast_begin, raycast_draw, NULL};
+const HiddenMethod HIDDEN_RAYCAST = {.name = "raycast",
+                                     .summary = "rays in eights by eights over a hierarchy of boxes",
+                                     .begin = raycast_begin,
+                                     .draw = raycast_draw};

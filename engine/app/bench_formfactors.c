@@ -254,6 +254,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     AppOptions options = app_default_options();
     options.map = a->map;
     MeshOptions mesh = mesh_default_options();
+    mesh.close = 0;  // the scene of the figures that are compared
     bool good = app_load(file, &options, &arena, &b->scene, error) && app_has_walls(&b->scene, error) &&
                 mesh_build(&b->scene.graph, NULL, NULL, &mesh, &arena, &b->mesh, error);
     if (good) {

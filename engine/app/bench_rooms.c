@@ -84,6 +84,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Err
     AppOptions options = app_default_options();
     options.map = a->map;
     MeshOptions mesh_options = mesh_default_options();
+    mesh_options.close = 0;  // the scene of the figures that are compared
     bool good = app_load(file, &options, &arena, &b.scene, error) && app_has_walls(&b.scene, error) &&
                 mesh_build(&b.scene.graph, NULL, NULL, &mesh_options, &arena, &b.mesh, error);
     if (good) b.viewer = viewer_new(&b.mesh, &b.scene.forest, NULL, &arena);

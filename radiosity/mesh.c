@@ -231,10 +231,26 @@ static double depth_in(const Mesh *mesh, int index, Vec3 point) {
     return least;
 }
 
+static bool is_in(const Mesh *mesh, int index, Vec3 point) {
+    const Element *element = &mesh->elements[index];
+    const int *corner = mesh->corners + element->first_corner;
+    Vec3 n = mesh->faces[element->face].plane.n,
+         a = vec3_sub(mesh->vertices[corner[element->corner_count - 1]], point);
+    for (int i = 0; i < element->corner_count; i++) {
+        Vec3 b = vec3_sub(mesh->vertices[corner[i]], point);
+        if (vec3_dot(n, vec3_cross(a, b)) < 0) return false;
+        a = b;
+    }
+    return true;
+}
+
 static int element_of(const Mesh *mesh, int square, Vec3 point) {
     int code = mesh->squares[square];
     if (code >= -1) return code;
     const int *several = mesh->shared + ~(code + 1);
+    for (int i = 1; i <= several[0]; i++)
+        if (is_in(mesh, several[i], point)) return several[i];
+    // A rounding outside them all.
     int best = several[1];
     double deepest = -INFINITY;
     for (int i = 1; i <= several[0]; i++) {

@@ -69,12 +69,12 @@ static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch
     return count;
 }
 
-// Without splits: each patch's squares.
-static int list_squares(const Face *face, int i0, int j0, int count, MeshLeaf *out) {
-    int first = count;
-    for (int j = j0; j < j0 + face->root; j++)
-        for (int i = i0; i < i0 + face->root; i++)
-            out[count++] = (MeshLeaf){.block = {i, j, i, j}, .patch = first};
+// Without splits: each patch's elements, of as many squares as the grid was made finer.
+static int list_squares(const Face *face, int i0, int j0, int per_patch, int count, MeshLeaf *out) {
+    int first = count, side = face->root / per_patch;
+    for (int j = j0; j < j0 + face->root; j += side)
+        for (int i = i0; i < i0 + face->root; i += side)
+            out[count++] = (MeshLeaf){.block = {i, j, i + side - 1, j + side - 1}, .patch = first};
     return count;
 }
 
@@ -83,8 +83,9 @@ int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
     for (int j = 0; j < face->ny; j += face->root) {
         for (int i = 0; i < face->nx; i += face->root) {
             MeshBlock root = {i, j, i + face->root - 1, j + face->root - 1};
-            count = builder->mesh->options.splits ? list_node(builder, root, (Node){0, -1}, 0, out, count)
-                                                  : list_squares(face, i, j, count, out);
+            count = builder->mesh->options.splits
+                        ? list_node(builder, root, (Node){0, -1}, 0, out, count)
+                        : list_squares(face, i, j, builder->mesh->options.per_patch, count, out);
         }
     }
     return count;

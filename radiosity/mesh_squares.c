@@ -11,6 +11,10 @@ static const double SLIVER = 0.15;
 // Below this share it is rounding.
 static const double NOTHING = 1e-9;
 
+// Side of squares on faces that are cut, metres; and how many there may be before they are larger.
+static const double SEARCHED = 0.06;
+static const int MOST_SQUARES = 1 << 16;
+
 // How much longer than asked for an element's edges may be. Small faces make them shorter on the average.
 static const double LONGEST = 1.15;
 
@@ -369,8 +373,22 @@ static void add_patches(Cutting *c, Face *face, int index) {
     face->patch_count = mesh->patch_count - face->first_patch;
 }
 
+// Only what lies in squares that cuts cross takes a search: they are made small.
+static void refine_grid(const MeshBuilder *builder, int index, Face *face) {
+    if (builder->first_cut[index] == builder->first_cut[index + 1]) return;
+    double side = 1 / fmin(vec3_length(face->gx), vec3_length(face->gy));
+    for (; side > SEARCHED && (long long)face->nx * face->ny < MOST_SQUARES; side /= 2) {
+        face->nx *= 2;
+        face->ny *= 2;
+        face->root *= 2;
+        face->gx = vec3_scale(face->gx, 2);
+        face->gy = vec3_scale(face->gy, 2);
+    }
+}
+
 void mesh_cut_face(MeshBuilder *builder, int index) {
     Face *face = &builder->mesh->faces[index];
+    refine_grid(builder, index, face);
     int squares = face->nx * face->ny;
     arena_reset(&builder->scratch);
     Vec3 *outline = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count);

@@ -23,7 +23,8 @@ GatherOptions gather_exact_options(void) {
     return (GatherOptions){.method = form_factor_method("analytic"),
                            .resolution = 100,
                            .culling = CULL_PORTALS,
-                           .exact_lamps = false};
+                           .exact_lamps = false,
+                           .near = near_default_options()};
 }
 
 // What leaves an element, less what it emits where lamps are exact: mean[c] + dot(slope[c], p) - offset[c].
@@ -42,6 +43,7 @@ struct Gatherer {
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
     bool any_lamp;
+    NearGatherer *near;  // NULL: none
 };
 
 // As much of the slope as keeps the element's light at 0 or above: beside bright things elements are too coarse to be straight.
@@ -124,10 +126,12 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->occluder = ARENA_ARRAY(arena, AnalyticOccluder, mesh->face_count);
     self->edge = ARENA_ARRAY(arena, Plane, mesh->outline_count);
     find_leaving(self);
+    if (options->near.reach > 0) self->near = near_gatherer_new(mesh, scene->solution, &options->near, arena);
     return self;
 }
 
 void gatherer_end(Gatherer *self) {
+    if (self->near) near_gatherer_end(self->near);
     if (self->samples && self->samples != self->rows) form_factor_end(self->samples);
     form_factor_end(self->rows);
 }
@@ -165,17 +169,47 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
     }
 }
 
-static void add_row(Gatherer *self, const View *view, double irradiance[3]) {
+// What near elements have of the light: their shares, and what that would be if they shone evenly.
+typedef struct Near {
+    double share, even[3];
+} Near;
+
+// Takes note of an element's share if it is near; what it emits is known all the same.
+static bool put_near(Gatherer *self, int element, double share, bool means, Near *near,
+                     double irradiance[3]) {
+    if (!self->near || !near_gatherer_is_near(self->near, element)) return false;
+    if (!means) return true;
+    double emitted[3] = {0};
+    if (!self->options.exact_lamps)
+        rgb3(mesh_material(self->scene.mesh, self->scene.mesh->elements[element].face)->emission, emitted);
+    near->share += share;
+    for (int c = 0; c < 3; c++) {
+        irradiance[c] += share * emitted[c];
+        near->even[c] += share * (self->leaving[element].mean[c] - emitted[c]);
+    }
+    return true;
+}
+
+static void add_near(Gatherer *self, const Near *near, double irradiance[3]) {
+    double reflected[3];
+    if (!(near->share > 0)) return;
+    bool found = near_gatherer_mean(self->near, reflected);
+    for (int c = 0; c < 3; c++) irradiance[c] += found ? near->share * reflected[c] : near->even[c];
+}
+
+static void add_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
     const Row *row = form_factor_row(self->rows, view);
     for (int i = 0; i < row->count; i++) {
+        double share = (double)row->factor[i];
+        if (put_near(self, row->element[i], share, true, near, irradiance)) continue;
         const double *mean = self->leaving[row->element[i]].mean;
-        for (int c = 0; c < 3; c++) irradiance[c] += (double)row->factor[i] * mean[c];
+        for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
     for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->sky[c];
 }
 
 // Samples where they meet elements: slopes, and with `means` all of it.
-static void add_samples(Gatherer *self, const View *view, bool means, double irradiance[3]) {
+static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
     const double *sky = self->scene.solution->sky;
@@ -193,7 +227,9 @@ static void add_samples(Gatherer *self, const View *view, bool means, double irr
         w = vec3_scale(w, face->d / along);
         Vec3 p = vec3_add(view->eye, vec3_add(vec3_scale(view->x, w.x),
                                               vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z))));
-        const Leaving *from = &self->leaving[mesh_element_at(self->scene.mesh, face->face, p)];
+        int element = mesh_element_at(self->scene.mesh, face->face, p);
+        if (put_near(self, element, (double)samples->weight[i], means, near, irradiance)) continue;
+        const Leaving *from = &self->leaving[element];
         for (int c = 0; c < 3; c++) {
             double b = vec3_dot(from->slope[c], p) - from->offset[c] + (means ? from->mean[c] : 0);
             irradiance[c] += (double)samples->weight[i] * b;
@@ -204,10 +240,13 @@ static void add_samples(Gatherer *self, const View *view, bool means, double irr
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     const View *view = viewer_look(self->viewer, from, self->options.culling);
     bool one = self->samples == self->rows;
+    Near near = {0};
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
-    if (!one) add_row(self, view, irradiance);
-    if (self->samples) add_samples(self, view, one, irradiance);
+    if (!one) add_row(self, view, &near, irradiance);
+    if (self->samples) add_samples(self, view, one, &near, irradiance);
+    add_near(self, &near, irradiance);
     // Samples may sum slopes to less than nothing beside exact means and exact lamps.
     for (int c = 0; c < 3; c++) irradiance[c] = fmax(irradiance[c], 0);
 }

@@ -2,6 +2,7 @@
 #ifndef RADIOSITY_GATHER_H
 #define RADIOSITY_GATHER_H
 
+#include "radiosity/gather_near.h"
 #include "radiosity/reconstruct.h"
 
 typedef struct GatherOptions {
@@ -9,9 +10,10 @@ typedef struct GatherOptions {
     int resolution;                  // of it, 8 .. 2000
     ViewCulling culling;
     bool exact_lamps;  // what faces emit by closed form, whatever the method
+    NearOptions near;  // reach 0: what is close is looked up as all else is
 } GatherOptions;
 GatherOptions gather_default_options(void);
-// As exact as it gets, at ten times the cost: analytic rows.
+// As exact as it gets, at ten times the cost: analytic rows, and walks to what is close (5 to 50 ms where anything is).
 GatherOptions gather_exact_options(void);
 
 // What is gathered.

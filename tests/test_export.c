@@ -22,7 +22,7 @@ static Written write_lit(Lit *lit, float open) {
     Written w = {.lit = lit};
     const Building *b = lit->building;
     Error error = {""};
-    MeshOptions mesh = {1, 2};
+    MeshOptions mesh = {.element = 1, .per_patch = 2};
     RadOptions options = rad_default_options();
     options.shots = 200;
     w.doors = ARENA_ARRAY(&lit->arena, float, b->opening_count + 1);

@@ -70,7 +70,7 @@ Test(sky, lone_squares) {
     cr_assert(bake_probe_parse("0.5,0.5,0,0,0,1", &arena, &probes, &error));
     cr_assert(bake_probe_parse("50,0.5,0.5,1,0,0", &arena, &probes, &error));
     cr_assert(bake_probe_parse("0.5,0.5,5,0.6,0,0.8", &arena, &probes, &error));
-    bake_probes_gather(&lit->mesh, &lit->forest, NULL, &s, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &s, NULL}, &probes);
     // The square that stands is seen by a sliver from the one that lies, and the other way round.
     cr_assert_float_eq(probes.probes[0].irradiance[2], 30 * M_PI, 0.01);
     cr_assert_float_eq(probes.probes[1].irradiance[2], 15 * M_PI, 0.01);
@@ -136,7 +136,7 @@ static int errors_of(Lit *lit, const RadSolution *s, double errors[POINTS]) {
         probes.probes[probes.count++] = (Probe){.place = patch->centre, .normal = n};
     }
     path_tracer_irradiance(tracer, queries, probes.count, 0, truth);
-    bake_probes_gather(&lit->mesh, &lit->forest, NULL, s, &probes);
+    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, &probes);
     int count = 0;
     for (int i = 0; i < probes.count; i++) {
         double h = truth[i].irradiance[1], e = probes.probes[i].irradiance[1] / h - 1;

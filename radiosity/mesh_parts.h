@@ -37,8 +37,8 @@ typedef struct MeshLeaf {
 
 // mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
 int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out);
-// How deep the trees of so many roots are, from where the builder has laid grids to. -1: the bits end before.
-int mesh_deepest(MeshBuilder *builder, int roots);
+// How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
+int mesh_deepest(MeshBuilder *builder, double roots);
 
 // mesh_squares.c: the grid of a face with these corners, places of the builder.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);

@@ -43,10 +43,12 @@ static int deepest(const MeshSplits *splits, int *at, Node node) {
     return most;
 }
 
-int mesh_deepest(MeshBuilder *builder, int roots) {
+int mesh_deepest(MeshBuilder *builder, double roots) {
+    const MeshSplits *splits = builder->mesh->options.splits;
+    if (!splits->bits) return splits->even;
     int most = 0;
-    for (int i = 0; i < roots; i++) {
-        int depth = deepest(builder->mesh->options.splits, &builder->laid, (Node){0, -1});
+    for (double i = 0; i < roots && builder->laid < splits->bit_count; i++) {
+        int depth = deepest(splits, &builder->laid, (Node){0, -1});
         most = depth > most ? depth : most;
     }
     return most;

@@ -61,7 +61,7 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
     face->nx = patches_along(x1 - x0, edge);
     face->ny = patches_along(y1 - y0, edge);
     face->root = options->per_patch;
-    if (options->splits) face->root = 1 << mesh_deepest(builder, face->nx * face->ny);
+    if (options->splits) face->root = 1 << mesh_deepest(builder, (double)face->nx * face->ny);
     face->nx *= face->root;
     face->ny *= face->root;
     // On the plane, which corners miss where the polygon bends.

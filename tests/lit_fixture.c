@@ -51,14 +51,18 @@ void lit_lamp(Lit *lit, Vec3 m) {
              vec3(m.x + 0.5, m.y + 0.5, m.z), vec3(m.x + 0.5, m.y - 0.5, m.z), LIT_LAMP);
 }
 
-void lit_finish(Lit *lit, double element, int per_patch) {
+void lit_finish_with(Lit *lit, const MeshOptions *mesh) {
     Error error = {""};
     VisOptions options = vis_default_options();
-    MeshOptions mesh = {.element = element, .per_patch = per_patch};
     options.threads = 1;
     cr_assert(vis_build_cells(lit->building, &options, &lit->arena, &lit->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&lit->graph, &options, NULL, &lit->arena, &lit->forest));
-    cr_assert(mesh_build(&lit->graph, NULL, NULL, &mesh, &lit->arena, &lit->mesh, &error), "%s", error.text);
+    cr_assert(mesh_build(&lit->graph, NULL, NULL, mesh, &lit->arena, &lit->mesh, &error), "%s", error.text);
+}
+
+void lit_finish(Lit *lit, double element, int per_patch) {
+    MeshOptions mesh = {.element = element, .per_patch = per_patch};
+    lit_finish_with(lit, &mesh);
 }
 
 Lit *lit_rooms(uint64_t seed) {

@@ -24,7 +24,8 @@ void lit_quad(Lit *lit, Vec3 p, Vec3 q, Vec3 r, Vec3 s, int material);
 void lit_box(Lit *lit, Vec3 low, Vec3 high, bool inwards, int material, int mask);
 // A square lamp of side 1 that looks down.
 void lit_lamp(Lit *lit, Vec3 middle);
-// Cells, trees and mesh of it.
+// Cells, trees and mesh of it; without more, of elements alike that nothing cuts.
+void lit_finish_with(Lit *lit, const MeshOptions *mesh);
 void lit_finish(Lit *lit, double element, int per_patch);
 
 // 3 x 3 rooms with passages and doors of a building of regions (fixture.h); every piece of furniture has a glowing top.

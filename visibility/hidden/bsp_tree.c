@@ -45,20 +45,32 @@ static int push_piece(Maker *m, int facet, int first) {
     return m->loose_count - 1;
 }
 
-// Which sides of the plane a piece reaches: 1 behind, 2 before, 3 both, 0 it lies in the plane.
-static int sides_of(const Maker *m, int piece, Plane plane) {
-    const BspPiece *p = &m->loose[piece];
-    int sides = 0;
-    for (int i = 0; i < p->count; i++) {
-        double d = plane_distance(plane, m->corners[p->first + i]);
-        sides |= d > m->facets->rounding ? 2 : d < -m->facets->rounding ? 1 : 0;
-    }
-    return sides;
+// The plane of a piece's facet, and how far from it a corner may be and still lie in it.
+typedef struct Cutter {
+    Plane plane;
+    double rounding;
+} Cutter;
+
+static Cutter cutter_of(const Maker *m, int piece) {
+    const Facet *facet = &m->facets->facets[m->loose[piece].facet];
+    return (Cutter){{facet->n, vec3_dot(facet->n, facet->centre)}, facet->rounding};
 }
 
-static Plane plane_of(const Maker *m, int piece) {
-    const Facet *facet = &m->facets->facets[m->loose[piece].facet];
-    return (Plane){facet->n, vec3_dot(facet->n, facet->centre)};
+// By the coordinates of both: polygons far away do not blur those nearby.
+static double rounding_of(const Maker *m, int piece, const Cutter *by) {
+    return fmax(by->rounding, m->facets->facets[m->loose[piece].facet].rounding);
+}
+
+// Which sides of the plane a piece reaches: 1 behind, 2 before, 3 both, 0 it lies in the plane.
+static int sides_of(const Maker *m, int piece, const Cutter *by) {
+    const BspPiece *p = &m->loose[piece];
+    double eps = rounding_of(m, piece, by);
+    int sides = 0;
+    for (int i = 0; i < p->count; i++) {
+        double d = plane_distance(by->plane, m->corners[p->first + i]);
+        sides |= d > eps ? 2 : d < -eps ? 1 : 0;
+    }
+    return sides;
 }
 
 static int *ids_of(Maker *m, const Job *job) {
@@ -75,10 +87,10 @@ static int choose_piece(const Maker *m, const int *ids, int count) {
     int tried = count < CANDIDATES ? count : CANDIDATES, sample = count < SAMPLE ? count : SAMPLE;
     for (int c = 0; c < tried && count > 1; c++) {
         int candidate = ids[(int)((long)c * count / tried)];
-        Plane plane = plane_of(m, candidate);
+        Cutter by = cutter_of(m, candidate);
         long cuts = 0, balance = 0;
         for (int i = 0; i < sample; i++) {
-            int sides = sides_of(m, ids[(int)((long)i * count / sample)], plane);
+            int sides = sides_of(m, ids[(int)((long)i * count / sample)], &by);
             cuts += sides == 3;
             balance += sides == 2 ? 1 : sides == 1 ? -1 : 0;
         }
@@ -92,11 +104,11 @@ static int choose_piece(const Maker *m, const int *ids, int count) {
 }
 
 // The part of a piece on one side of a node's plane, as a new loose piece.
-static int cut_piece(Maker *m, int piece, int node, int side) {
+static int cut_piece(Maker *m, int piece, const Cutter *by, int node, int side) {
     BspPiece p = m->loose[piece];
-    Plane plane = m->tree->nodes[node].plane;
+    Plane plane = by->plane;
     int first = m->corner_count, cut = bsp_cut(node, side);
-    double sign = side ? 1 : -1, eps = m->facets->rounding;
+    double sign = side ? 1 : -1, eps = rounding_of(m, piece, by);
     for (int i = 0; i < p.count; i++) {
         Vec3 here = m->corners[p.first + i], next = m->corners[p.first + (i + 1) % p.count];
         double d = sign * plane_distance(plane, here), after = sign * plane_distance(plane, next);
@@ -144,20 +156,20 @@ static void sort_pieces(const Maker *m, BspNode *node) {
 static void build_node(Maker *m, const Job *job, Job out[2]) {
     BspTree *tree = m->tree;
     int *ids = ids_of(m, job), at = tree->node_count, chosen = choose_piece(m, ids, job->count);
+    Cutter by = cutter_of(m, chosen);
     BspNode *node = ARENA_PUSH(m->arena, tree->nodes, tree->node_count, m->node_capacity);
-    *node = (BspNode){.plane = plane_of(m, chosen), .child = {-1, -1}, .first_piece = tree->piece_count};
-    Plane plane = node->plane;
+    *node = (BspNode){.plane = by.plane, .child = {-1, -1}, .first_piece = tree->piece_count};
     if (job->parent >= 0) tree->nodes[job->parent].child[job->side] = at;
     if (job->depth > tree->depth) tree->depth = job->depth;
     for (int side = 0; side < 2; side++) out[side] = (Job){-1, 0, at, side, job->depth + 1};
     for (int i = 0; i < job->count; i++) {
         // The chosen one stays, whatever rounding says: so every node takes one.
-        int sides = ids[i] == chosen ? 0 : sides_of(m, ids[i], plane);
+        int sides = ids[i] == chosen ? 0 : sides_of(m, ids[i], &by);
         if (sides == 0) keep_piece(m, ids[i]);
         tree->splits += sides == 3;
         for (int side = 0; side < 2; side++) {
             if (!(sides & (1 << side))) continue;
-            int piece = sides == 3 ? cut_piece(m, ids[i], at, side) : ids[i];
+            int piece = sides == 3 ? cut_piece(m, ids[i], &by, at, side) : ids[i];
             m->next[piece] = out[side].first;
             out[side].first = piece;
             out[side].count++;

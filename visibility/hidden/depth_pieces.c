@@ -131,14 +131,16 @@ static bool beyond_edge(const DepthPieces *p, const DepthPiece *a, const DepthPi
 
 typedef enum Side { BEHIND = 1, BEFORE = 2 } Side;
 
-// Where a's corners lie relative to b's plane.
+// Where a's corners lie relative to b's plane. Next to the line of intersection they lie in it: so a piece that reaches both
+// sides can be cut there.
 static int sides_of(const DepthPieces *p, const DepthPiece *a, const DepthPiece *b) {
+    Line difference = measured(a->depth - b->depth);
     int sides = 0;
     for (int i = 0; i < a->count; i++) {
         Vec2 at = p->corners[a->first + i];
-        double own = line_at(&a->depth, at.x, at.y), plane = line_at(&b->depth, at.x, at.y);
-        double tie = PIECE_TIE * own;
-        sides |= own > plane + tie ? BEFORE : own < plane - tie ? BEHIND : 0;
+        double off = line_at(&difference, at.x, at.y), tie = PIECE_TIE * line_at(&a->depth, at.x, at.y);
+        if (fabs(off) <= tie || fabs(off) * difference[3] <= PIECE_TOUCH) continue;
+        sides |= off > 0 ? BEFORE : BEHIND;
     }
     return sides;
 }

@@ -28,15 +28,22 @@ static bool check(const Vec3 *v, int count, int polygon, double *reach, Error *e
     return true;
 }
 
+static double rounding_of(double reach) { return 4 * DBL_EPSILON * fmax(reach, 1e-3); }
+
 static void add(Maker *m, const Vec3 *v, int count, Vec3 n) {
     Facets *out = m->out;
     Facet *facet = ARENA_PUSH(m->arena, out->facets, out->count, m->capacity);
     Vec3 offset = {0, 0, 0};
-    for (int i = 0; i < count; i++) offset = vec3_add(offset, vec3_sub(v[i], v[0]));
-    *facet = (Facet){m->polygon, m->order, out->corner_count,
-                     count,      n,        vec3_add(v[0], vec3_scale(offset, 1.0 / count))};
-    for (int i = 0; i < count; i++)
+    double reach = 0;
+    *facet =
+        (Facet){.polygon = m->polygon, .order = m->order, .first = out->corner_count, .count = count, .n = n};
+    for (int i = 0; i < count; i++) {
+        offset = vec3_add(offset, vec3_sub(v[i], v[0]));
+        reach = fmax(reach, fmax(fabs(v[i].x), fmax(fabs(v[i].y), fabs(v[i].z))));
         *ARENA_PUSH(m->arena, out->corners, out->corner_count, m->corner_capacity) = v[i];
+    }
+    facet->centre = vec3_add(v[0], vec3_scale(offset, 1.0 / count));
+    facet->rounding = rounding_of(reach);
 }
 
 // A planar convex polygon: all at once, or run by run of its corners with the first one.
@@ -115,7 +122,7 @@ bool facets_new(const Scene *scene, Arena *arena, Facets *out, Error *error) {
     maker.corner_capacity = corners + 1;
     out->facets = ARENA_ARRAY(arena, Facet, maker.capacity);
     out->corners = ARENA_ARRAY(arena, Vec3, maker.corner_capacity);
-    out->rounding = 4 * DBL_EPSILON * fmax(reach, 1e-3);
+    out->rounding = rounding_of(reach);
     for (maker.order = 0; maker.order < scene->count; maker.order++) {
         maker.polygon = scene->list ? scene->list[maker.order] : maker.order;
         const Polygon *polygon = &scene->polygons[maker.polygon];

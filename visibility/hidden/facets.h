@@ -15,13 +15,14 @@ typedef struct Facet {
     int polygon, order;  // index in the scene's polygons, place in its list
     int first, count;    // in Facets.corners, counter-clockwise about n
     Vec3 n, centre;      // of its plane, building space
+    double rounding;     // metres: of its coordinates, a few times over; never 0
 } Facet;
 
 typedef struct Facets {
     Facet *facets;  // [count] in order of the list
     Vec3 *corners;  // [corner_count]
     int count, corner_count;
-    double rounding;  // metres: of the coordinates, a few times over; never 0
+    double rounding;  // the most of any facet
 } Facets;
 
 // False, and a sentence, for coordinates that are no numbers, or beyond MAPS_LIMIT.

@@ -89,9 +89,12 @@ static double distance_to(const Mesh *mesh, int element, Vec3 p) {
 
 bool near_gatherer_is_near(NearGatherer *self, int element) {
     if (self->known[element] / 2 != self->look) {
-        bool near =
-            distance_to(self->world.mesh, element, self->eye) < self->options.reach * self->size[element];
-        self->known[element] = 2 * self->look + near;
+        const Mesh *mesh = self->world.mesh;
+        double within = self->options.reach * self->size[element];
+        Vec3 corner = mesh->vertices[mesh->corners[mesh->elements[element].first_corner]];
+        // No point of it is farther from a corner than it is long.
+        bool may_be = vec3_length(vec3_sub(corner, self->eye)) < within + M_SQRT2 * self->size[element];
+        self->known[element] = 2 * self->look + (may_be && distance_to(mesh, element, self->eye) < within);
     }
     return self->known[element] % 2;
 }

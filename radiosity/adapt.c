@@ -203,6 +203,7 @@ static unsigned char limit(int depth) {
 // Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
 // root of 1 / light. Lamps count as bright as they are.
 static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
+    if (!(a->mean > 0)) return 0;  // in the dark, or all is black
     double edge =
         mesh->options.element * mesh->options.per_patch * pow(fmax(light, a->dark) / a->mean, -0.25);
     int depth = splits_to(root, edge);

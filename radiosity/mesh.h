@@ -13,12 +13,13 @@
 typedef struct MeshSplits {
     int bit_count;
     unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is a patch
-    int even;             // of elements split so often
+    int even;             // without bits, each root is split so often into elements, 0 .. MESH_IN_PATCH
 } MeshSplits;
 
 enum {
-    MESH_DEEPEST = 6,   // splits on top of one another
-    MESH_IN_PATCH = 3,  // of a patch: it has 64 elements at most
+    MESH_DEEPEST = 6,          // splits on top of one another
+    MESH_IN_PATCH = 3,         // of a patch: it has 64 elements at most, uncut
+    MESH_MOST_IN_PATCH = 256,  // elements, also of 16 x 16 that are cut: a byte tells which one is meant
 };
 
 typedef struct MeshOptions {

@@ -121,7 +121,9 @@ static void meet(Contacts *c, const Face *face, const Face *other) {
             add_cut(c, face, other, vec3_sub(a, vec3_scale(face->plane.n, above_a)),
                     vec3_sub(b, vec3_scale(face->plane.n, above_b)));
         } else if ((above_a < -AT_BORDER) != (above_b < -AT_BORDER) && crossings < 2) {
-            crossing[crossings++] = vec3_lerp(a, b, above_a / (above_a - above_b));
+            // Not beyond an edge that all but lies on the plane.
+            double t = fmin(fmax(above_a / (above_a - above_b), 0), 1);
+            crossing[crossings++] = vec3_lerp(a, b, t);
         }
     }
     if (crossings == 2) add_cut(c, face, other, crossing[0], crossing[1]);

@@ -6,11 +6,18 @@
 
 // Nothing thinner is cut off, metres.
 static const double THIN = 1e-3;
+// Two that look so much against each other, as a cosine, are two sides of one place.
+static const double OPPOSITE = 0.99;
+
+// A cut through a vertex, but for rounding, leaves an edge there that runs anywhere.
+static bool is_rounding(Vec3 edge) { return vec3_dot(edge, edge) < MESH_WELD * MESH_WELD; }
 
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
     double least = INFINITY;
     for (int i = 0; i < count; i++) {
-        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i])));
+        Vec3 edge = vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]);
+        if (is_rounding(edge)) continue;
+        Vec3 inwards = vec3_normalize(vec3_cross(n, edge));
         least = fmin(least, vec3_dot(inwards, vec3_sub(point, v[i])));
     }
     return least;
@@ -20,7 +27,9 @@ double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
 static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
     double t0 = 0, t1 = 1;
     for (int i = 0; i < count; i++) {
-        Vec3 inwards = vec3_cross(n, vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]));
+        Vec3 edge = vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]);
+        if (is_rounding(edge)) continue;
+        Vec3 inwards = vec3_cross(n, edge);
         double from = vec3_dot(inwards, vec3_sub(cut->from, v[i])),
                to = vec3_dot(inwards, vec3_sub(cut->to, v[i]));
         if (from <= 0 && to <= 0) return 0;
@@ -75,16 +84,47 @@ static double distance_to(const MeshCut *cut, Vec3 point) {
     return vec3_length(vec3_sub(off, vec3_scale(along, fmin(fmax(t, 0), 1))));
 }
 
-bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point) {
-    // At a corner two lines are nearest: what is before either is open.
-    double nearest = INFINITY, most = -INFINITY;
+// Cuts as near to a point as any that is farther than some distance.
+typedef struct Nearest {
+    const MeshCut *cuts[16];  // the first so many
+    int count;
+    double distance;
+} Nearest;
+
+static Nearest nearest_beyond(const MeshBuilder *builder, int face, Vec3 point, double beyond) {
+    Nearest n = {.distance = INFINITY};
     for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
         const MeshCut *cut = &builder->cuts[i];
         if (vec3_dot(cut->open, cut->open) == 0) continue;
-        double distance = distance_to(cut, point), before = vec3_dot(cut->open, vec3_sub(point, cut->from));
-        if (distance > nearest + THIN) continue;
-        most = distance < nearest - THIN ? before : fmax(most, before);
-        nearest = fmin(nearest, distance);
+        double distance = distance_to(cut, point);
+        if (distance <= beyond || distance > n.distance + THIN) continue;
+        if (distance < n.distance - THIN) n.count = 0;
+        n.distance = fmin(n.distance, distance);
+        if (n.count < (int)(sizeof n.cuts / sizeof *n.cuts)) n.cuts[n.count++] = cut;
     }
-    return most < 0;
+    return n;
+}
+
+// Does another one there look the other way? Of two boxes side by side, or of a wall without thickness, that says nothing.
+static bool is_answered(const Nearest *n, const MeshCut *cut) {
+    for (int i = 0; i < n->count; i++) {
+        double facing = vec3_dot(vec3_normalize(n->cuts[i]->open), vec3_normalize(cut->open));
+        if (facing < -OPPOSITE) return true;
+    }
+    return false;
+}
+
+bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point) {
+    for (double beyond = -1;;) {
+        Nearest n = nearest_beyond(builder, face, point, beyond);
+        if (n.count == 0) return false;
+        // At a corner two lines are nearest: what is before either is open.
+        double most = -INFINITY;
+        for (int i = 0; i < n.count; i++) {
+            if (is_answered(&n, n.cuts[i])) continue;
+            most = fmax(most, vec3_dot(n.cuts[i]->open, vec3_sub(point, n.cuts[i]->from)));
+        }
+        if (most > -INFINITY) return most < 0;
+        beyond = n.distance + THIN;
+    }
 }

@@ -212,14 +212,13 @@ static bool add_element(Cutting *c, const Vec3 *v, int count, int depth, Patch *
     return true;
 }
 
-static void finish_patch(Cutting *c, Patch *patch, Vec3 moment, double weight) {
+// `centre` from the face's origin.
+static void finish_patch(Cutting *c, Patch *patch, Vec3 centre) {
     Mesh *mesh = c->builder->mesh;
-    if (patch->element_count == 0) return;
-    patch->centre = vec3_scale(moment, 1 / weight);
     // On the plane even where the polygon bends: an eye there must not see its own face.
     Vec3 n = c->face->plane.n;
-    patch->centre = vec3_sub(patch->centre, vec3_scale(n, vec3_dot(n, patch->centre)));
-    patch->centre = vec3_add(c->face->origin, patch->centre);
+    centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
+    patch->centre = vec3_add(c->face->origin, centre);
     *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) = *patch;
 }
 
@@ -237,7 +236,7 @@ static void add_whole_patch(Cutting *c, int face, int first, int end) {
         if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight))
             c->element[k] = mesh->element_count - 1;
     }
-    finish_patch(c, &patch, moment, weight);
+    if (patch.element_count > 0) finish_patch(c, &patch, vec3_scale(moment, 1 / weight));
 }
 
 // ---- leaves in pieces
@@ -269,7 +268,29 @@ static Vec3 middle_of(const MeshPiece *piece) {
     return vec3_scale(sum, 1.0 / piece->count);
 }
 
-// What is covered has a patch of its own, which nothing open shoots from.
+// The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
+static void finish_cut_patch(Cutting *c, Patch *patch, Vec3 moment, double weight) {
+    const Mesh *mesh = c->builder->mesh;
+    Vec3 centre = vec3_scale(moment, 1 / weight), best = centre;
+    double nearest = INFINITY;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        MeshPiece piece = {.v = ARENA_ARRAY(&c->builder->scratch, Vec3, element->corner_count),
+                           .count = element->corner_count};
+        for (int i = 0; i < piece.count; i++)
+            piece.v[i] = vec3_sub(c->builder->places.points[mesh->corners[element->first_corner + i]],
+                                  c->face->origin);
+        Vec3 middle = middle_of(&piece);
+        double away = vec3_length(vec3_sub(middle, centre));
+        if (mesh_inside(piece.v, piece.count, c->face->plane.n, centre) > -MESH_WELD) away = -1;
+        if (away >= nearest) continue;
+        nearest = away;
+        best = away < 0 ? centre : middle;
+    }
+    if (patch->element_count > 0) finish_patch(c, patch, best);
+}
+
+// What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
 static void add_patch_of(Cutting *c, int face, const Pieces *p, int first, int end, bool covered) {
     Mesh *mesh = c->builder->mesh;
     Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
@@ -281,9 +302,14 @@ static void add_patch_of(Cutting *c, int face, const Pieces *p, int first, int e
             if (piece->count < 3 || mesh_is_covered(c->builder, face, middle_of(piece)) != covered) continue;
             if (add_element(c, piece->v, piece->count, c->leaves[k].depth, &patch, &moment, &weight))
                 piece->element = mesh->element_count - 1;
+            if (patch.element_count < MESH_MOST_IN_PATCH) continue;
+            finish_cut_patch(c, &patch, moment, weight);
+            patch = (Patch){.face = face, .first_element = mesh->element_count, .cell = -1};
+            moment = (Vec3){0};
+            weight = 0;
         }
     }
-    finish_patch(c, &patch, moment, weight);
+    finish_cut_patch(c, &patch, moment, weight);
 }
 
 static void push_shared(Cutting *c, int number) {

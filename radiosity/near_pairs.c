@@ -12,7 +12,7 @@
 #include "radiosity/lane.h"
 
 // Of a polygon that has so many corners, those of neighbours on its edges included.
-enum { MOST_CORNERS = 128, MOST_POINTS = 256 };
+enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };
 // An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
 static const float LEAST = 1e-5f;
 // What is not near takes what near elements leave, if it had so much, and becomes neither so much more nor less.
@@ -88,7 +88,7 @@ typedef struct PointList {
 } PointList;
 
 static void add_point(PointList *list, double x, double y, double weight) {
-    if (list->count == MOST_POINTS) return;
+    CORE_ASSERT(list->count < MOST_POINTS);
     list->x[list->count] = (float)x;
     list->y[list->count] = (float)y;
     list->weight[list->count++] = (float)weight;
@@ -121,13 +121,16 @@ static int true_corners(Vec3 *v, int count) {
     return kept;
 }
 
-static void add_element(PointList *list, const Mesh *mesh, const Axes *axes, const Element *element) {
-    Vec3 v[MOST_CORNERS];
+// Corners of an element, only those that turn; 0: they are too many.
+static int corners_of(const Mesh *mesh, const Axes *axes, const Element *element, Vec3 v[MOST_CORNERS]) {
     int count = element->corner_count;
-    if (count > MOST_CORNERS) return;
+    if (count > MOST_CORNERS) return 0;
     for (int i = 0; i < count; i++)
         v[i] = to_axes(axes, mesh->vertices[mesh->corners[element->first_corner + i]]);
-    count = true_corners(v, count);
+    return true_corners(v, count);
+}
+
+static void add_element(PointList *list, const Vec3 *v, int count) {
     for (int i = 1; i + 1 < count; i += 2) {
         Vec3 last = v[i + 2 < count ? i + 2 : i + 1];
         Vec3 quad[4] = {v[0], v[i], v[i + 1], last};
@@ -135,11 +138,27 @@ static void add_element(PointList *list, const Mesh *mesh, const Axes *axes, con
     }
 }
 
+// Of elements so many that they are small.
+static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < count; i++) sum = vec3_add(sum, v[i]);
+    if (count > 0) add_point(list, sum.x / count, sum.y / count, area);
+}
+
 static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, Points *out) {
     PointList list = {.count = 0};
+    int points = 1;
+    Vec3 v[MOST_CORNERS];
     add_point(&list, 0, 0, 0);
-    for (int i = 0; i < patch->element_count; i++)
-        add_element(&list, mesh, axes, &mesh->elements[patch->first_element + i]);
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+        points += 4 * ((corners_of(mesh, axes, &mesh->elements[e], v) - 1) / 2);
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        int count = corners_of(mesh, axes, &mesh->elements[e], v);
+        if (points > MOST_POINTS)
+            add_middle(&list, v, count, mesh->elements[e].area);
+        else
+            add_element(&list, v, count);
+    }
     float sum = 0;
     for (int i = 0; i < list.count; i++) sum += list.weight[i];
     if (!(sum > 0)) return false;

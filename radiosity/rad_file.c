@@ -116,7 +116,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 }
 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
-    bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_DEEPEST;
+    bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
         h->patch_count >= 0 && h->node_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
         return true;

@@ -95,8 +95,9 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
-    // So that a byte tells which element of its patch one is (patches have 16 x 16 at most).
-    for (int p = 0; p < mesh->patch_count; p++) CORE_ASSERT(mesh->patches[p].element_count <= 256);
+    // So that a byte tells which element of its patch one is.
+    for (int p = 0; p < mesh->patch_count; p++)
+        CORE_ASSERT(mesh->patches[p].element_count <= MESH_MOST_IN_PATCH);
     return rows;
 }
 

@@ -16,6 +16,8 @@ static const double FIRST_RESIDUAL = 0.02;
 static const int FIRST_RESOLUTION = 64;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
+// Where patches are as light asks they may be larger, of those of a mesh without splits.
+static const double PATCH_EDGE = 1.25;
 // How often roots are split, twice as long as patches usually are, into patches.
 enum { MOST_PATCH_SPLITS = 2 };
 // Light below this share of the mean counts as so much: nobody looks for shadows in the dark.
@@ -204,8 +206,8 @@ static unsigned char limit(int depth) {
 // root of 1 / light. Lamps count as bright as they are.
 static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
     if (!(a->mean > 0)) return 0;  // in the dark, or all is black
-    double edge =
-        mesh->options.element * mesh->options.per_patch * pow(fmax(light, a->dark) / a->mean, -0.25);
+    double usual = PATCH_EDGE * mesh->options.element * mesh->options.per_patch;
+    double edge = usual * pow(fmax(light, a->dark) / a->mean, -0.25);
     int depth = splits_to(root, edge);
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }

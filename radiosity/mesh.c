@@ -3,6 +3,7 @@
 #include "radiosity/mesh.h"
 
 #include "engine/core/error.h"
+#include "engine/core/polygon.h"
 #include "maps/building.h"
 #include "radiosity/mesh_parts.h"
 
@@ -14,6 +15,16 @@ static const double IN_FRONT = 1e-6;
 
 MeshOptions mesh_default_options(void) {
     return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05};
+}
+
+double mesh_fitting_element(const CellGraph *graph) {
+    static const double FINEST = 0.15, COARSEST = 0.33, ELEMENTS = 60000;
+    double area = 0;
+    for (int i = 0; i < graph->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
+    }
+    return fmin(fmax(sqrt(area / ELEMENTS), FINEST), COARSEST);
 }
 
 // ---- faces

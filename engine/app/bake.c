@@ -40,6 +40,7 @@ BakeArguments bake_default_arguments(void) {
                        .adapt = adapt_default_options(),
                        .rad = rad_default_options()};
     a.load.lamps = true;
+    a.mesh.element = 0;
     return a;
 }
 
@@ -61,8 +62,8 @@ Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
     return vertices;
 }
 
-static bool check_size(const BakeArguments *a, const CellGraph *graph, Error *error) {
-    double area = 0, side = a->mesh.element;
+static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
+    double area = 0;
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
         area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
@@ -70,21 +71,24 @@ static bool check_size(const BakeArguments *a, const CellGraph *graph, Error *er
     if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
     return error_set(error,
                      "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
-                     a->file, area, side, area / side / side, MOST_ELEMENTS);
+                     file, area, side, area / side / side, MOST_ELEMENTS);
 }
 
 bool bake_mesh(const BakeArguments *a, const AppScene *scene, Arena *arena, float **doors, Mesh *out,
                Error *error) {
     const CellGraph *graph = &scene->graph;
-    if (!app_has_walls(scene, error) || !check_size(a, graph, error)) return false;
+    MeshOptions options = a->mesh;
+    if (!app_has_walls(scene, error)) return false;
+    if (options.element == 0) options.element = mesh_fitting_element(graph);
+    if (!check_size(a->file, options.element, graph, error)) return false;
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, a->doors, arena);
     Vec3 *vertices = bake_vertices(graph, *doors, &scratch);
     AdaptScene lit = {graph, vertices, &scene->forest, *doors};
     AdaptOptions adapt = a->adapt;
     memcpy(adapt.sky, a->sky, sizeof adapt.sky);
-    bool good = adapt.share > 0 ? adapt_mesh(&lit, &a->mesh, &adapt, &a->rad, NULL, arena, out, error)
-                                : mesh_build(graph, vertices, *doors, &a->mesh, arena, out, error);
+    bool good = adapt.share > 0 ? adapt_mesh(&lit, &options, &adapt, &a->rad, NULL, arena, out, error)
+                                : mesh_build(graph, vertices, *doors, &options, arena, out, error);
     arena_free(&scratch);
     return good;
 }

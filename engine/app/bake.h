@@ -11,7 +11,7 @@ extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];
 
 typedef struct BakeArguments {
     AppOptions load;
-    MeshOptions mesh;
+    MeshOptions mesh;  // element 0: what fits the building
     AdaptOptions adapt;
     RadOptions rad;
     const char *file;

@@ -79,8 +79,9 @@ bool bench_light_knows(const char *name) {
     return false;
 }
 
-static void apply(const Way *way, MeshOptions *mesh, RadOptions *rad, AdaptOptions *adapt) {
+static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions *rad, AdaptOptions *adapt) {
     *mesh = mesh_default_options();
+    mesh->element = fitting;
     *rad = rad_default_options();
     *adapt = adapt_default_options();
     if (way->share != 0) adapt->share = fmax(way->share, 0);
@@ -274,7 +275,7 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     RadSolution solution;
     Baked baked = {0};
     AdaptOptions adapt;
-    apply(way, &baked.mesh, &baked.rad, &adapt);
+    apply(way, mesh_fitting_element(&b->scene.graph), &baked.mesh, &baked.rad, &adapt);
     memcpy(adapt.sky, b->arguments->sky, sizeof adapt.sky);
     AdaptScene scene = {&b->scene.graph, b->vertices, &b->scene.forest, b->doors};
     double begin = clock_seconds();

@@ -26,8 +26,18 @@ static const char HELP[] =
     "  --doors STATE     drawn (default), open or closed\n"
     "  --sky L           daylight: a sky of radiance L, or R,G,B, W/m^2/sr, 0 to 1e6, the same all over "
     "(default 0)\n"
-    "  --element M       edge of an element aimed at, metres, 0.01 to 100 (default 0.33)\n"
+    "  --element M       edge of an element aimed at, metres, 0.01 to 100 (default: for about 60,000, 0.15 "
+    "to 0.33)\n"
     "  --per-patch K     elements along the side of a patch, 1 to 16 (default 2)\n"
+    "  --refine S        elements are small where light changes, large where it is even: S times as many as "
+    "there would be\n"
+    "                    if all were alike, 0.01 to 100, as far as that goes; 0: all are alike (default "
+    "0.4)\n"
+    "  --smallest M      edge of the smallest of them, metres, 0.01 to 100 (default 0.06)\n"
+    "  --close M         elements are cut along what stands on a face or so near to it, metres, 0 (nothing) "
+    "to 1 (default 0.05)\n"
+    "  --reach R         what is within R radii of a patch is lit from all of it, not its centre, 0 to 100 "
+    "(default 2)\n"
     "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001)\n"
     "  --shots N         stop when so many were shot, those of a run that is resumed included\n"
     "  --seconds S       stop after S seconds of shooting, 0.001 to 1e6\n"
@@ -71,6 +81,7 @@ enum {
     REACH,
     REFINE,
     SMALLEST,
+    CLOSE,
     NO_CULL,
     ROW_MEMORY,
     PROBE,
@@ -97,6 +108,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"reach", required_argument, NULL, REACH},
                                         {"refine", required_argument, NULL, REFINE},
                                         {"smallest", required_argument, NULL, SMALLEST},
+                                        {"close", required_argument, NULL, CLOSE},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
@@ -172,6 +184,8 @@ static int parse_light(int c, char **argv, Arguments *a) {
         return parse_number("--refine", 0, 100, &a->bake.adapt.share);
     case SMALLEST:
         return parse_number("--smallest", 0.01, 100, &a->bake.adapt.smallest);
+    case CLOSE:
+        return parse_number("--close", 0, 1, &a->bake.mesh.close);
     case REACH:
         return parse_number("--reach", 0, 100, &rad->reach);
     case RESIDUAL:

@@ -16,6 +16,8 @@ static const double FIRST_RESIDUAL = 0.02;
 static const int FIRST_RESOLUTION = 64;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
+// Of what is only to tell where shadows are.
+enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
 static const double PATCH_EDGE = 1.25;
 // How often roots are split, twice as long as patches usually are, into patches.
@@ -25,7 +27,9 @@ static const double DARK = 0.1;
 // Where all is even, a change so small across a metre, of the light there, makes no difference.
 static const double EVEN = 0.02;
 
-AdaptOptions adapt_default_options(void) { return (AdaptOptions){.share = 0.4, .smallest = 0.06}; }
+AdaptOptions adapt_default_options(void) {
+    return (AdaptOptions){.share = 0.4, .few = 5000, .smallest = 0.06};
+}
 
 // What an element asks for.
 typedef struct Wish {
@@ -46,6 +50,9 @@ typedef struct Adapt {
     double *rate;       // [rough.element_count] of that light, of all there is, 1/m
     double mean, dark;  // W/m^2
     double most;        // elements there may be
+    double patch_edge;  // of that of a mesh without splits
+    double
+        *lamps;  // [element_count] what the light of lamps makes elements of the mesh at hand reflect, W/m^2
 } Adapt;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -62,6 +69,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     RadOptions options = *a->rad;
     options.shots = 0;
     options.lamps_only = lamps_only;
+    if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
     if (!lamps_only && options.form_factor.resolution > FIRST_RESOLUTION)
         options.form_factor.resolution = FIRST_RESOLUTION;
@@ -127,10 +135,11 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.splits = &ONCE;
     if (!build(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
-    double *lamps = ARENA_ARRAY(&a->scratch, double, count), power = 0, area = 0;
+    double power = 0, area = 0;
+    a->lamps = ARENA_ARRAY(&a->scratch, double, count);
     a->reflected = ARENA_ARRAY(&a->scratch, double, count);
     a->rate = ARENA_ARRAY(&a->scratch, double, count);
-    if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, lamps, error))
+    if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, a->lamps, error))
         return false;
     for (int e = 0; e < count; e++) {
         power += a->rough.elements[e].area * a->reflected[e];
@@ -139,7 +148,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     a->mean = power / area;
     a->dark = DARK * a->mean;
     double *indirect = ARENA_ARRAY(&a->scratch, double, count);
-    for (int e = 0; e < count; e++) indirect[e] = fmax(0, a->reflected[e] - lamps[e]);
+    for (int e = 0; e < count; e++) indirect[e] = fmax(0, a->reflected[e] - a->lamps[e]);
     const double *slope = find_slopes(&a->rough, indirect, &a->scratch);
     for (int e = 0; e < count; e++) {
         a->rate[e] = slope[e] / fmax(a->reflected[e], fmax(a->dark, 1e-30));
@@ -206,7 +215,7 @@ static unsigned char limit(int depth) {
 // root of 1 / light. Lamps count as bright as they are.
 static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
     if (!(a->mean > 0)) return 0;  // in the dark, or all is black
-    double usual = PATCH_EDGE * mesh->options.element * mesh->options.per_patch;
+    double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch;
     double edge = usual * pow(fmax(light, a->dark) / a->mean, -0.25);
     int depth = splits_to(root, edge);
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
@@ -228,19 +237,21 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena 
 
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     if (!first_solution(a, options, error)) return false;
-    a->most = a->options->share * mesh_count_even(&a->rough);
+    double even = mesh_count_even(&a->rough);
+    a->most = fmax(a->options->share * even, a->options->few);
+    a->patch_edge = even > a->options->few ? PATCH_EDGE : 1;
     const Mesh *mesh = &a->rough;
     MeshOptions finer = *options;
-    for (int round = 0; round <= LAMP_ROUNDS; round++) {
-        Mesh *next = ARENA_ARRAY(&a->scratch, Mesh, 1);
-        double *lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
-        if (!solve(a, mesh, true, lamps, error)) return false;
+    for (int round = 0;; round++) {
         bool last = round == LAMP_ROUNDS;
-        finer.splits = split(a, mesh, lamps, arena);
-        if (!build(a, &finer, last ? arena : &a->scratch, last ? out : next, error)) return false;
+        Mesh *next = last ? out : ARENA_ARRAY(&a->scratch, Mesh, 1);
+        finer.splits = split(a, mesh, a->lamps, arena);
+        if (!build(a, &finer, last ? arena : &a->scratch, next, error)) return false;
+        if (last) return true;
         mesh = next;
+        a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
+        if (!solve(a, mesh, true, a->lamps, error)) return false;
     }
-    return true;
 }
 
 bool adapt_mesh(const AdaptScene *scene, const MeshOptions *options, const AdaptOptions *adapt,

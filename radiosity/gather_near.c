@@ -1,7 +1,7 @@
 // gather_near.c - one radiosity for all of an element says nothing about light that changes within centimetres: behind a cabinet, or in a
 // corner. From surfaces that are close to a point for the size of their elements light is brought by random walks (path_walk.c),
 // which end where they meet an element from afar, for then all of it is in sight (Jensen 1996, Global Illumination Using Photon Maps,
-// section 4, gathers anew from what is near for the same reason).
+// section 4, gathers anew from what is near for the same reason). Nor is an element trusted from afar that lies in a crowd itself.
 //
 // Shares of light are the caller's, exact ones at best; walks tell the mean of what comes by the near ones. All points take the same
 // random numbers, so that what a point gathers depends on it alone, and changes little from a point to the next.
@@ -18,10 +18,11 @@ enum { FEWEST_BLOCKS = 8 };
 static const uint64_t SEED = 1;
 // Looks that tell whether a place is crowded, and the share of them that must meet what is close: an element beside a wall has a
 // quarter of them, one in a slit nine tenths.
-enum { LOOKS = 32 };
+enum { LOOKS = 64 };
 static const double CROWDED = 0.3;
 
-NearOptions near_default_options(void) { return (NearOptions){.reach = 1, .error = 0.004, .blocks = 128}; }
+// With 1 instead of 1.5 the worst point of boxA, elements of a third of a metre, is 4.4 % off instead of 4.0.
+NearOptions near_default_options(void) { return (NearOptions){.reach = 1.5, .error = 0.005, .blocks = 32}; }
 
 struct NearGatherer {
     PathWorld world;

@@ -127,7 +127,7 @@ static Lit *room_with_slit(RadSolution *s) {
     return lit;
 }
 
-// On the cabinet's back, at its edge and deep inside, on the wall opposite, in a corner, and 3 cm above a lamp's side.
+// On the cabinet's back, at its edge and deep inside, on the wall opposite, in a corner, and in the mouth beneath.
 enum { CLOSE_POINTS = 7 };
 static const ViewPoint CLOSE[CLOSE_POINTS] = {
     {{1.6, 0.02, 0.9}, {0, -1, 0}, -1},  {{2.17, 0.02, 1.2}, {0, -1, 0}, -1},
@@ -156,15 +156,16 @@ static void trace_all(const Mesh *mesh, PathResult *out) {
         queries[i] = (PathQuery){.point = CLOSE[i].eye,
                                  .normal = CLOSE[i].normal,
                                  .relative_error = 0.005,
-                                 .most_paths = 2000000,
+                                 .most_paths = 500000,
                                  .seed = (uint64_t)i};
     path_tracer_irradiance(tracer, queries, CLOSE_POINTS, 0, out);
     path_tracer_end(tracer);
     arena_free(&arena);
 }
 
-// Proves that light in a slit, at its mouth and in a corner is what paths find, within LIMIT %, of elements half a metre long,
-// whose own radiosities are off by EVEN % there.
+// Proves that light in a slit, at its mouth and in a corner is what paths find, of elements half a metre long, where looking it up
+// is off by a factor of 40 and more. Tolerance: 5 %, and a five-thousandth of what the room has; deep inside is less than a
+// thousandth, of which neither has seen much.
 Test(gather, slit) {
     RadSolution s;
     Lit *lit = room_with_slit(&s);
@@ -179,14 +180,14 @@ Test(gather, slit) {
     gather_all(&scene, &fast, sampled);
     trace_all(&lit->mesh, truth);
     for (int i = 0; i < CLOSE_POINTS; i++) {
-        double t = truth[i].irradiance[1], off = h[i][1] / t - 1, before = looked_up[i][1] / t - 1;
-        printf("point %d: %.4g W/m^2, off by %+.2f %%, by samples %+.2f %%, looked up %+.1f %%\n", i, t,
-               100 * off, 100 * (sampled[i][1] / t - 1), 100 * before);
-        cr_expect_lt(fabs(off), 0.05, "point %d", i);
-        cr_expect_lt(fabs(sampled[i][1] / t - 1), 0.05, "point %d by samples", i);
-        worst = fmax(worst, fabs(before));
+        double t = truth[i].irradiance[1], may = 0.05 * t + 1e-4;
+        printf("point %d: %.4g +- %.2g W/m^2, gathered %.4g, by samples %.4g, looked up %.4g\n", i, t,
+               truth[i].standard_error[1], h[i][1], sampled[i][1], looked_up[i][1]);
+        cr_expect_float_eq(h[i][1], t, may, "point %d", i);
+        cr_expect_float_eq(sampled[i][1], t, may, "point %d by samples", i);
+        worst = fmax(worst, looked_up[i][1] / t);
     }
-    cr_expect_gt(worst, 1);
+    cr_expect_gt(worst, 40);
     lit_free(lit);
 }
 

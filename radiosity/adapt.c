@@ -58,7 +58,9 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     Arena arena = {0};
     RadSolution solution;
     RadOptions options = *a->rad;
+    // A mesh that depended on where a run was broken off would not be the same when it is resumed.
     options.shots = 0;
+    options.seconds = 0;
     options.lamps_only = lamps_only;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
     if (!lamps_only && options.form_factor.resolution > FIRST_RESOLUTION)

@@ -67,7 +67,9 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     Arena arena = {0};
     RadSolution solution;
     RadOptions options = *a->rad;
+    // A mesh that depended on where a run was broken off would not be the same when it is resumed.
     options.shots = 0;
+    options.seconds = 0;
     options.lamps_only = lamps_only;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);

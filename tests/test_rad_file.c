@@ -106,6 +106,26 @@ Test(rad_file, refuses_another_state) {
     lit_free(other.lit);
 }
 
+// Proves that splits are refused that would make patches of more elements than a shot can tell apart, checksums right or not.
+Test(rad_file, refuses_forged_splits) {
+    static const MeshSplits TOO_DEEP = {.even = MESH_IN_PATCH + 1}, FITS = {.even = MESH_IN_PATCH};
+    Saved s = save(3);
+    Error error = {""};
+    MeshOptions options;
+    float doors[64];
+    Mesh mesh = s.lit->mesh;
+    mesh.options.splits = &FITS;
+    cr_assert(rad_save(s.path, &mesh, s.doors, &s.solution, &error), "%s", error.text);
+    cr_assert(rad_load_options(s.path, s.lit->building, &s.lit->arena, &options, doors, &error), "%s",
+              error.text);
+    cr_assert_eq(options.splits->even, MESH_IN_PATCH);
+    mesh.options.splits = &TOO_DEEP;
+    cr_assert(rad_save(s.path, &mesh, s.doors, &s.solution, &error), "%s", error.text);
+    cr_assert_not(rad_load_options(s.path, s.lit->building, &s.lit->arena, &options, doors, &error));
+    cr_assert(strstr(error.text, "is damaged"), "%s", error.text);
+    lit_free(s.lit);
+}
+
 // Proves that no changed bit and no missing byte goes unseen, wherever it is.
 Test(rad_file, refuses_what_is_not_whole) {
     Saved s = save(3);

@@ -35,6 +35,7 @@ static Mesh adapted(Lit *lit, const How *how) {
     AdaptOptions adapt = adapt_default_options();
     RadOptions rad = rad_default_options();
     adapt.share = how->share;
+    adapt.few = 0;
     rad.threads = how->threads;
     rad.culling = how->culling;
     rad.seconds = how->seconds;

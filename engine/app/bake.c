@@ -74,6 +74,22 @@ static bool check_size(const Bake *bake, Error *error) {
                      bake->a->file, area, side, area / side / side, MOST_ELEMENTS);
 }
 
+// What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
+static bool find_mesh(Bake *bake, const AdaptScene *scene, const AdaptOptions *adapt, Arena *arena,
+                      Error *error) {
+    MeshOptions options = bake->a->mesh, stored;
+    if (bake->a->resume) {
+        const Building *building = &bake->scene.building;
+        float *doors = ARENA_ARRAY(arena, float, building->opening_count);
+        if (!rad_load_options(bake->out, building, arena, &stored, doors, error)) return false;
+        options.splits = stored.splits;
+    } else if (adapt->share > 0) {
+        Progress none = {0};
+        return adapt_mesh(scene, &options, adapt, &bake->a->rad, &none, arena, &bake->mesh, error);
+    }
+    return mesh_build(scene->graph, scene->vertices, scene->door_open, &options, arena, &bake->mesh, error);
+}
+
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     const CellGraph *graph = &bake->scene.graph;
     if (!app_has_walls(&bake->scene, error) || !check_size(bake, error)) return false;
@@ -84,11 +100,7 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     AdaptScene scene = {graph, vertices, &bake->scene.forest, bake->doors};
     AdaptOptions adapt = bake->a->adapt;
     memcpy(adapt.sky, bake->a->sky, sizeof adapt.sky);
-    Progress none = {0};
-    bool good =
-        adapt.share > 0
-            ? adapt_mesh(&scene, &bake->a->mesh, &adapt, &bake->a->rad, &none, arena, &bake->mesh, error)
-            : mesh_build(graph, vertices, bake->doors, &bake->a->mesh, arena, &bake->mesh, error);
+    bool good = find_mesh(bake, &scene, &adapt, arena, error);
     arena_free(&scratch);
     bake->mesh_seconds = clock_seconds() - start;
     return good;

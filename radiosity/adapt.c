@@ -215,10 +215,12 @@ static unsigned char limit(int depth) {
 
 // Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
 // root of 1 / light. Lamps count as bright as they are.
-static int patch_depth(const Adapt *a, const Mesh *mesh, double light, double root) {
+static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double light, double root) {
     if (!(a->mean > 0)) return 0;  // in the dark, or all is black
     double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch;
     double edge = usual * pow(fmax(light, a->dark) / a->mean, -0.25);
+    // Of lamps, of which each shoots with more detail, a quarter of the root at least.
+    if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
     int depth = splits_to(root, edge);
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }
@@ -232,7 +234,7 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena 
     for (int e = 0; e < count; e++) {
         int depth = mesh->elements[e].depth;
         element[e] = limit(depth + splits_to(wishes[e].edge, wished_edge(&wishes[e], scale)));
-        patch[e] = limit(patch_depth(a, mesh, wishes[e].light, ldexp(wishes[e].edge, depth)));
+        patch[e] = limit(patch_depth(a, mesh, e, wishes[e].light, ldexp(wishes[e].edge, depth)));
     }
     return mesh_splits(mesh, patch, element, arena);
 }

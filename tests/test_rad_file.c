@@ -53,7 +53,8 @@ Test(rad_file, comes_back) {
     cr_assert_eq(memcmp(back.escaped, went->escaped, sizeof back.escaped), 0);
     MeshOptions options;
     float doors[64];
-    cr_assert(rad_load_options(s.path, s.lit->building, &s.lit->arena, &options, doors, &error), "%s", error.text);
+    cr_assert(rad_load_options(s.path, s.lit->building, &s.lit->arena, &options, doors, &error), "%s",
+              error.text);
     cr_assert(options.element == 0.5 && options.per_patch == 2);
     cr_assert_eq(memcmp(doors, s.doors, (size_t)s.lit->building->opening_count * sizeof *doors), 0);
     lit_free(s.lit);

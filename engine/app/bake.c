@@ -74,8 +74,25 @@ static bool check_size(const char *file, double side, const CellGraph *graph, Er
                      file, area, side, area / side / side, MOST_ELEMENTS);
 }
 
-bool bake_mesh(const BakeArguments *a, const AppScene *scene, Arena *arena, float **doors, Mesh *out,
-               Error *error) {
+// What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
+static bool find_mesh(const BakeArguments *a, const AdaptScene *lit, MeshOptions *options,
+                      const char *resumed, Arena *arena, Mesh *out, Error *error) {
+    if (resumed) {
+        const Building *building = lit->graph->building;
+        float *doors = ARENA_ARRAY(arena, float, building->opening_count + 1);
+        MeshOptions stored;
+        if (!rad_load_options(resumed, building, arena, &stored, doors, error)) return false;
+        options->splits = stored.splits;
+    } else if (a->adapt.share > 0) {
+        AdaptOptions adapt = a->adapt;
+        memcpy(adapt.sky, a->sky, sizeof adapt.sky);
+        return adapt_mesh(lit, options, &adapt, &a->rad, NULL, arena, out, error);
+    }
+    return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
+}
+
+bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resumed, Arena *arena,
+               float **doors, Mesh *out, Error *error) {
     const CellGraph *graph = &scene->graph;
     MeshOptions options = a->mesh;
     if (!app_has_walls(scene, error)) return false;
@@ -83,19 +100,16 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, Arena *arena, floa
     if (!check_size(a->file, options.element, graph, error)) return false;
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, a->doors, arena);
-    Vec3 *vertices = bake_vertices(graph, *doors, &scratch);
-    AdaptScene lit = {graph, vertices, &scene->forest, *doors};
-    AdaptOptions adapt = a->adapt;
-    memcpy(adapt.sky, a->sky, sizeof adapt.sky);
-    bool good = adapt.share > 0 ? adapt_mesh(&lit, &options, &adapt, &a->rad, NULL, arena, out, error)
-                                : mesh_build(graph, vertices, *doors, &options, arena, out, error);
+    AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
+    bool good = find_mesh(a, &lit, &options, resumed, arena, out, error);
     arena_free(&scratch);
     return good;
 }
 
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
-    bool good = bake_mesh(bake->a, &bake->scene, arena, &bake->doors, &bake->mesh, error);
+    const char *resumed = bake->a->resume ? bake->out : NULL;
+    bool good = bake_mesh(bake->a, &bake->scene, resumed, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     return good;
 }

@@ -12,14 +12,14 @@
 #include "radiosity/sky.h"
 
 // Of the first solution.
-static const double FIRST_RESIDUAL = 0.02;
-static const int FIRST_RESOLUTION = 64;
+static const double FIRST_RESIDUAL = 0.1;
+static const int FIRST_RESOLUTION = 50;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Of what is only to tell where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
-static const double PATCH_EDGE = 1.25;
+static const double PATCH_EDGE = 1.5;
 // How often roots are split, twice as long as patches usually are, into patches.
 enum { MOST_PATCH_SPLITS = 2 };
 // Light below this share of the mean counts as so much: nobody looks for shadows in the dark.
@@ -73,8 +73,9 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     options.lamps_only = lamps_only;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
-    if (!lamps_only && options.form_factor.resolution > FIRST_RESOLUTION)
-        options.form_factor.resolution = FIRST_RESOLUTION;
+    int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;
+    if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
+        options.form_factor.resolution = most;
     bool good = rad_start_dark(mesh, &arena, &solution, error);
     if (good) {
         if (sum3(a->options->sky) > 0)
@@ -135,6 +136,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
     MeshOptions rough = *options;
     rough.splits = &ONCE;
+    rough.close = 0;
     if (!build(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
     double power = 0, area = 0;
@@ -250,6 +252,7 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         bool last = round == LAMP_ROUNDS;
         Mesh *next = last ? out : ARENA_ARRAY(&a->scratch, Mesh, 1);
         finer.splits = split(a, mesh, a->lamps, arena);
+        finer.close = last ? options->close : 0;
         if (!build(a, &finer, last ? arena : &a->scratch, next, error)) return false;
         if (last) return true;
         mesh = next;

@@ -32,6 +32,18 @@ RadOptions rad_default_options(void) {
                         .row_bytes = (size_t)128 << 20};
 }
 
+void rad_fit(const Mesh *mesh, RadOptions *options) {
+    static const struct {
+        int patches;  // up to so many
+        double residual;
+        int resolution;
+    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 141}, {INT32_MAX, 1e-3, 100}};
+    int i = 0;
+    while (mesh->patch_count > FIT[i].patches) i++;
+    if (options->residual == 0) options->residual = FIT[i].residual;
+    if (options->form_factor.resolution == 0) options->form_factor.resolution = FIT[i].resolution;
+}
+
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 static void rgb3(Rgb c, double out[3]) {

@@ -26,6 +26,8 @@ typedef struct RadOptions {
     double show_every;
 } RadOptions;
 RadOptions rad_default_options(void);
+// Puts, for a residual or a resolution of 0, what fits a mesh: where there are few patches, light may be found more exactly.
+void rad_fit(const Mesh *mesh, RadOptions *options);
 
 // Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b.
 struct RadSolution {

@@ -90,6 +90,7 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
         !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
         return false;
     *out = (WalkLight){mesh, solution};
+    rad_fit(mesh, &a.rad);
     a.rad.threads = hooks->threads;
     if (hooks->show) {
         show(&shower, solution);

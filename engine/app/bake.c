@@ -27,6 +27,7 @@ typedef struct Bake {
     float *doors;  // [opening_count]
     Mesh mesh;
     RadSolution solution;
+    RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
     const char *out;  // the .rad file, NULL: none
     double mesh_seconds, sky_seconds, gather_seconds, seconds;
@@ -41,6 +42,8 @@ BakeArguments bake_default_arguments(void) {
                        .rad = rad_default_options()};
     a.load.lamps = true;
     a.mesh.element = 0;
+    a.rad.residual = 0;
+    a.rad.form_factor.resolution = 0;
     return a;
 }
 
@@ -111,6 +114,8 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     const char *resumed = bake->a->resume ? bake->out : NULL;
     bool good = bake_mesh(bake->a, &bake->scene, resumed, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
+    bake->rad = bake->a->rad;
+    if (good) rad_fit(&bake->mesh, &bake->rad);
     return good;
 }
 
@@ -142,7 +147,7 @@ static bool check_sky(const Bake *bake, Error *error) {
 
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
-    rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->a->rad, bake->a->sky, &bake->solution);
+    rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->sky, &bake->solution);
     bake->sky_seconds = clock_seconds() - start;
     if (sum3(bake->solution.emitted) > 0) return true;
     return error_set(error, "nothing emits light, and none of the sky's comes in");
@@ -190,7 +195,7 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &light};
     GatherOptions options = gather_default_options();
     bake->report.stopped =
-        !final_gather(&scene, &options, bake->a->rad.threads, &progress, arena, &bake->solution);
+        !final_gather(&scene, &options, bake->rad.threads, &progress, arena, &bake->solution);
     app_progress_end();
     bake->gather_seconds = clock_seconds() - timed.start;
     arena_free(&scratch);
@@ -210,7 +215,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
     Progress progress = {report_timed, &timed};
     bake->report =
-        rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &a->rad, &progress, &bake->solution);
+        rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &progress, &bake->solution);
     app_progress_end();
     gather_nodes(bake, arena);
     return store(bake, error);
@@ -235,7 +240,7 @@ static double lamp_power(const Mesh *mesh) {
 static json_t *facts_of(const Bake *bake) {
     const RadReport *r = &bake->report;
     const RadSolution *s = &bake->solution;
-    const RadOptions *rad = &bake->a->rad;
+    const RadOptions *rad = &bake->rad;
     double emitted = sum3(s->emitted);
     json_t *facts =
         json_pack("{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s "

@@ -83,6 +83,8 @@ static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions 
     *mesh = mesh_default_options();
     mesh->element = fitting;
     *rad = rad_default_options();
+    rad->residual = 0;
+    rad->form_factor.resolution = 0;
     *adapt = adapt_default_options();
     if (way->share != 0) adapt->share = fmax(way->share, 0);
     if (way->smallest > 0) adapt->smallest = way->smallest;
@@ -285,6 +287,7 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
              : mesh_build(&b->scene.graph, b->vertices, b->doors, &baked.mesh, &arena, &mesh, error)) &&
         rad_start_dark(&mesh, &arena, &solution, error);
     if (good) {
+        rad_fit(&mesh, &baked.rad);
         if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
             rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, &solution);
         baked.report = rad_shoot(&mesh, &b->scene.forest, b->doors, &baked.rad, NULL, &solution);

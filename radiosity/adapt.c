@@ -12,8 +12,8 @@
 #include "radiosity/sky.h"
 
 // Of the first solution.
-static const double FIRST_RESIDUAL = 0.1;
-static const int FIRST_RESOLUTION = 50;
+static const double FIRST_RESIDUAL = 0.25;
+static const int FIRST_RESOLUTION = 40;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Of what is only to tell where shadows are.
@@ -71,6 +71,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     options.shots = 0;
     options.seconds = 0;
     options.lamps_only = lamps_only;
+    options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
     int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;
@@ -80,7 +81,9 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     if (good) {
         if (sum3(a->options->sky) > 0)
             rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, &solution);
-        rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
+        RadReport report =
+            rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
+        if (report.stopped) good = error_set(error, "stopped");
         for (int e = 0; e < mesh->element_count; e++)
             reflected[e] = fmax(0, sum3(solution.radiosity[e]) - emission_of(mesh, e));
     }

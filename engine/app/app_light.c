@@ -86,7 +86,7 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     Shower shower = {hooks, mesh};
     float *doors;
     a.file = bake->file;
-    if (!bake_mesh(&a, bake->scene, NULL, arena, &doors, mesh, error) ||
+    if (!bake_mesh(&a, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
         return false;
     *out = (WalkLight){mesh, solution};

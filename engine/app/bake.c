@@ -79,7 +79,7 @@ static bool check_size(const char *file, double side, const CellGraph *graph, Er
 
 // What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
 static bool find_mesh(const BakeArguments *a, const AdaptScene *lit, MeshOptions *options,
-                      const char *resumed, Arena *arena, Mesh *out, Error *error) {
+                      const char *resumed, const Progress *progress, Arena *arena, Mesh *out, Error *error) {
     if (resumed) {
         const Building *building = lit->graph->building;
         float *doors = ARENA_ARRAY(arena, float, building->opening_count + 1);
@@ -89,13 +89,13 @@ static bool find_mesh(const BakeArguments *a, const AdaptScene *lit, MeshOptions
     } else if (a->adapt.share > 0) {
         AdaptOptions adapt = a->adapt;
         memcpy(adapt.sky, a->sky, sizeof adapt.sky);
-        return adapt_mesh(lit, options, &adapt, &a->rad, NULL, arena, out, error);
+        return adapt_mesh(lit, options, &adapt, &a->rad, progress, arena, out, error);
     }
     return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
 }
 
-bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resumed, Arena *arena,
-               float **doors, Mesh *out, Error *error) {
+bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resumed, const Progress *progress,
+               Arena *arena, float **doors, Mesh *out, Error *error) {
     const CellGraph *graph = &scene->graph;
     MeshOptions options = a->mesh;
     if (!app_has_walls(scene, error)) return false;
@@ -104,7 +104,7 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resume
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, a->doors, arena);
     AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
-    bool good = find_mesh(a, &lit, &options, resumed, arena, out, error);
+    bool good = find_mesh(a, &lit, &options, resumed, progress, arena, out, error);
     arena_free(&scratch);
     return good;
 }
@@ -112,7 +112,7 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resume
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
     const char *resumed = bake->a->resume ? bake->out : NULL;
-    bool good = bake_mesh(bake->a, &bake->scene, resumed, arena, &bake->doors, &bake->mesh, error);
+    bool good = bake_mesh(bake->a, &bake->scene, resumed, NULL, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->rad;
     if (good) rad_fit(&bake->mesh, &bake->rad);

@@ -27,9 +27,9 @@ BakeArguments bake_default_arguments(void);
 float *bake_doors(const Building *building, int state, Arena *arena);
 Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena);
 // The doors, [opening_count], and the mesh that a bake of these begins with, or goes on with from the .rad file `resumed` (NULL: from
-// nothing). Refuses what would be too many elements.
-bool bake_mesh(const BakeArguments *arguments, const AppScene *scene, const char *resumed, Arena *arena,
-               float **doors, Mesh *out, Error *error);
+// nothing). Refuses what would be too many elements; fails, "stopped", when progress stops it.
+bool bake_mesh(const BakeArguments *arguments, const AppScene *scene, const char *resumed,
+               const Progress *progress, Arena *arena, float **doors, Mesh *out, Error *error);
 
 int bake(BakeArguments *arguments);  // the exit code
 

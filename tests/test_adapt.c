@@ -106,7 +106,7 @@ static double error_of(Lit *lit, Mesh *mesh, const PathQuery *queries, const Pat
 }
 
 // Proves that the mesh is worth its making: on the floor about the table, against the path tracer, it errs less than even meshes of
-// up to 1.8 times as many elements. Where their lines happen to lie along the shadow's edge they are lucky, so it is the mean of
+// up to 2.1 times as many elements. Where their lines happen to lie along the shadow's edge they are lucky, so it is the mean of
 // several that counts.
 Test(adapt, fewer_elements_at_the_same_error) {
     Lit *lit = room();
@@ -129,7 +129,7 @@ Test(adapt, fewer_elements_at_the_same_error) {
         Mesh other = even(lit, ELEMENTS[i]);
         double theirs = error_of(lit, &other, queries, truth);
         printf("even %.2f m: %d elements, %.2f %%\n", ELEMENTS[i], other.element_count, 100 * theirs);
-        cr_assert(other.element_count > mesh.element_count && other.element_count < 2 * mesh.element_count);
+        cr_assert(other.element_count > mesh.element_count && other.element_count < 2.2 * mesh.element_count);
         square += theirs * theirs / 4;
     }
     printf("even: %.2f %%\n", 100 * sqrt(square));

@@ -175,7 +175,7 @@ static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, P
 // ---- an element from there
 
 static inline Lane lane_root(Lane a) {
-    Lane out;
+    Lane out = {0};
     for (int i = 0; i < LANES; i++) out[i] = sqrtf(a[i]);
     return out;
 }

@@ -21,7 +21,7 @@ static const uint64_t SEED = 1;
 enum { LOOKS = 64 };
 static const double CROWDED = 0.3;
 
-// With 1 instead of 1.5 the worst point of boxA, elements of a third of a metre, is 4.4 % off instead of 4.0.
+// Chosen together, on office-plain, a home and the reference rooms: an error of half a percent, as far as 32 blocks go.
 NearOptions near_default_options(void) { return (NearOptions){.reach = 1.5, .error = 0.005, .blocks = 32}; }
 
 struct NearGatherer {

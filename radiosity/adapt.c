@@ -33,9 +33,9 @@ AdaptOptions adapt_default_options(void) {
 
 // What an element asks for.
 typedef struct Wish {
-    double area, edge;  // now; square metres, metres
-    double rate;        // how fast light changes, of all the light there, 1/m
-    double light;       // W/m^2
+    double edge;   // now, metres
+    double rate;   // how fast light changes, of all the light there, 1/m
+    double light;  // W/m^2
     double finest, coarsest;
 } Wish;
 
@@ -178,8 +178,7 @@ static Wish *find_wishes(Adapt *a, const Mesh *mesh, const double *lamps) {
         int rough = rough_element(a, mesh, e);
         double light = lamps[e] + a->reflected[rough], rate = slope[e] / fmax(light, fmax(a->dark, 1e-30));
         double now = edge_of(mesh, e);
-        wishes[e] = (Wish){.area = mesh->elements[e].area,
-                           .edge = now,
+        wishes[e] = (Wish){.edge = now,
                            .rate = fmax(EVEN, fmax(rate, a->rate[rough])),
                            .light = light + emission_of(mesh, e),
                            .finest = fmin(now, fmax(a->options->smallest, ldexp(now, -SPLITS_A_ROUND))),

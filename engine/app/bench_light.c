@@ -30,15 +30,15 @@ typedef struct Way {
     bool unculled, keeps_no_rows;
     double residual;
     int resolution;
-    double share, smallest;  // of elements that a mesh without splits has; below 0: no splits
-    double reach, close;     // below 0: none
+    double share;         // of elements that a mesh without splits has; below 0: no splits
+    double reach, close;  // below 0: none
 } Way;
 
 static const Way WAYS[] = {
     {.name = "default"},
     {.name = "even", .share = -1},
     {.name = "even-uncut", .share = -1, .close = -1},
-    {.name = "even-uncut-centre", .share = -1, .close = -1, .reach = -1},
+    {.name = "even-uncut-reach-0", .share = -1, .close = -1, .reach = -1},
     {.name = "split-0.2", .share = 0.2},
     {.name = "split-0.4", .share = 0.4},
     {.name = "split-0.7", .share = 0.7},
@@ -64,10 +64,6 @@ static const Way WAYS[] = {
     {.name = "residual-0.0001", .residual = 1e-4},
     {.name = "resolution-50", .resolution = 50},
     {.name = "resolution-200", .resolution = 200},
-    {.name = "e17", .share = -1, .element = .17},
-    {.name = "e17-s0.4", .share = 0.4, .element = .17},
-    {.name = "e17-uncut", .share = -1, .element = .17, .close = -1},
-    {.name = "e17-centre", .share = -1, .element = .17, .reach = -1},
     {.name = "finest", .element = 0.17, .per_patch = 1, .residual = 1e-4, .resolution = 200},
 };
 
@@ -87,7 +83,6 @@ static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions 
     rad->form_factor.resolution = 0;
     *adapt = adapt_default_options();
     if (way->share != 0) adapt->share = fmax(way->share, 0);
-    if (way->smallest > 0) adapt->smallest = way->smallest;
     if (way->reach != 0) rad->reach = fmax(way->reach, 0);
     if (way->close != 0) mesh->close = fmax(way->close, 0);
     if (way->element > 0) mesh->element = way->element;

@@ -21,7 +21,8 @@ endif
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 dir := build/$(config)
-layers := engine/core maps visibility visibility/hidden visibility/pairs radiosity engine/walk engine/app
+layers := engine/core maps visibility visibility/hidden visibility/pairs visibility/rays radiosity engine/walk engine/stills \
+          engine/app
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of
 # multiply and add: the same input gives the same bytes whatever the compiler.

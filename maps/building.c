@@ -9,7 +9,8 @@
 static bool same_material(const Material *a, const Material *b) {
     const Rgb *r = &a->reflectance, *s = &b->reflectance, *e = &a->emission, *f = &b->emission;
     return r->r == s->r && r->g == s->g && r->b == s->b && e->r == f->r && e->g == f->g && e->b == f->b &&
-           a->alpha == b->alpha && strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
+           a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index &&
+           strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
 }
 
 int building_add_material(Arena *arena, Building *b, Material material) {

@@ -23,6 +23,7 @@
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
+#include "maps/curved.h"
 
 typedef struct Rgb {
     float r, g, b;
@@ -33,6 +34,9 @@ typedef struct Material {
     Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
     Rgb emission;     // radiant exitance, W/m^2
     float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
+    float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
+    float
+        index;  // of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: what is there does not refract
 } Material;
 
 typedef struct Storey {
@@ -213,13 +217,18 @@ typedef struct Building {
     Tour *tours;
     Note *notes;
     GivenPortal *given_portals;
+    CurvedShape *shapes;
+    CurvedControl *controls;
+    CurvedTrim *trims;
+    CurvedBall *balls;
     int given_cell_count, given_portal_count;
     int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
         polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
-        tour_point_count, tour_count, note_count;
+        tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count;
     int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
         opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
-        light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity;
+        light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
+        control_capacity, trim_capacity, ball_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;

@@ -84,7 +84,10 @@ static bool add_material(Quads *q, const char *name, double rho, double exitance
     snprintf(words, sizeof words, exitance > 0 ? "reflectance %g, exitance %g" : "reflectance %g", rho,
              exitance);
     float r = (float)rho, e = (float)exitance;
-    Material material = {words, soup_cap((Rgb){r, r, r}, name, &q->capped), {e, e, e}, 1};
+    Material material = {.name = words,
+                         .reflectance = soup_cap((Rgb){r, r, r}, name, &q->capped),
+                         .emission = {e, e, e},
+                         .alpha = 1};
     *out = building_add_material(q->arena, q->b, material);
     if (q->b->material_count <= SOUP_MAX_MATERIALS) return true;
     return error_set(q->error, "%s:%d: more than %d different pairs of reflectance and exitance", s->path,

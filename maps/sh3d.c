@@ -126,7 +126,7 @@ bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
 }
 
 static int add_colour(Sh3d *s, const char *name, Rgb colour) {
-    return building_add_material(s->arena, s->b, (Material){name, colour, {0, 0, 0}, 1});
+    return building_add_material(s->arena, s->b, (Material){.name = name, .reflectance = colour, .alpha = 1});
 }
 
 int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing) {

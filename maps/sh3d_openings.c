@@ -91,9 +91,10 @@ static void classify(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mirror
 static int leaf_material(Sh3d *s, const XmlNode *node, bool glazed) {
     unsigned rgb = LEAF_COLOUR;
     sh3d_colour(s, node, "color", &rgb);
-    return building_add_material(
-        s->arena, s->b,
-        (Material){glazed ? "glass door" : "door", maps_colour(rgb), {0, 0, 0}, glazed ? 0.3f : 1});
+    return building_add_material(s->arena, s->b,
+                                 (Material){.name = glazed ? "glass door" : "door",
+                                            .reflectance = maps_colour(rgb),
+                                            .alpha = glazed ? 0.3f : 1});
 }
 
 void sh3d_read_opening(Sh3d *s, const XmlNode *node) {

@@ -123,7 +123,7 @@ static const XmlNode * override(const XmlNode *piece, const char *name) {
 
 // A colour of the piece goes over all but its panes; else a texture of the piece; else its materials' own colours.
 static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pane, bool box) {
-    Material out = {m->name, m->colour, {0, 0, 0}, m->alpha};
+    Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
     if (box) out.reflectance = maps_colour(BOX_COLOUR);
     if (pane && out.alpha >= 1) out.alpha = PANE_ALPHA;
     Rgb mean;

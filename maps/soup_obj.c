@@ -162,7 +162,8 @@ static bool make_mesh(SoupObj *o) {
 static int material_of(SoupObj *o, int index) {
     if (o->materials[index] < 0) {
         const ObjMaterial *m = &o->model.materials[index];
-        Material material = {m->name, m->colour, m->emission, m->alpha};
+        Material material = {
+            .name = m->name, .reflectance = m->colour, .emission = m->emission, .alpha = m->alpha};
         o->materials[index] = building_add_material(o->arena, o->b, material);
     }
     return o->materials[index];

@@ -24,7 +24,7 @@ Test(building, materials_are_shared) {
     Arena arena = {0};
     Building b = {0};
     char name[] = "oak";
-    Material oak = {name, {0.4f, 0.3f, 0.2f}, {0, 0, 0}, 1};
+    Material oak = {.name = name, .reflectance = {0.4f, 0.3f, 0.2f}, .alpha = 1};
     cr_expect_eq(building_add_material(&arena, &b, oak), 0);
     cr_expect_eq(building_add_material(&arena, &b, oak), 0);
     oak.alpha = 0.5f;
@@ -59,7 +59,7 @@ static int faults_of(const Building *b, Arena *arena, const char *expected) {
 Test(building, polygons_are_made_convex) {
     Arena arena = {0};
     Building b = {0};
-    building_add_material(&arena, &b, (Material){"m", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 1});
+    building_add_material(&arena, &b, (Material){.name = "m", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
     building_add_object(&arena, &b, OBJECT_FURNITURE, "thing");
     Vec3 square[6] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, 1, 0}, {0, 1, 0}};
     cr_expect_eq(building_add_polygon(&arena, &b, square, 6, 0), 1);
@@ -131,7 +131,7 @@ static Building sound_building(Arena *arena) {
     static const double first[] = {0, 0, 4, 0, 4, 3, 0, 3}, second[] = {4, 0, 8, 0, 8, 3, 4, 3},
                         hole[] = {5, 1, 5, 2, 6, 2, 6, 1};
     Building b = {0};
-    building_add_material(arena, &b, (Material){"m", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 1});
+    building_add_material(arena, &b, (Material){.name = "m", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
     *ARENA_PUSH(arena, b.storeys, b.storey_count, b.storey_capacity) = (Storey){"s", 0, 2.5, 0.2};
     add_region(arena, &b, 0, 2.5, first, 4);
     add_region(arena, &b, 0, 2.5, second, 4)->ring_count = 2;

@@ -26,8 +26,9 @@ static Draft draft(int storeys) {
     Draft d = {.turn = 0};
     for (int i = 0; i < 4; i++) {
         static const char *const names[4] = {"outer", "floor", "ceiling", "side"};
-        building_add_material(&d.arena, &d.b,
-                              (Material){names[i], {0.1f * (float)(i + 1), 0.5f, 0.5f}, {0, 0, 0}, 1});
+        building_add_material(
+            &d.arena, &d.b,
+            (Material){.name = names[i], .reflectance = {0.1f * (float)(i + 1), 0.5f, 0.5f}, .alpha = 1});
     }
     for (int i = 0; i < storeys; i++) {
         *ARENA_PUSH(&d.arena, d.b.storeys, d.b.storey_count, d.b.storey_capacity) =

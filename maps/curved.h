@@ -1,0 +1,60 @@
+// curved.h - curved shapes of a building: exact where rays are traced, polygons everywhere else.
+//
+// A shape's polygons are ordinary ones of its object, within `tolerance` of it; who draws it exactly leaves those out.
+// Lengths are metres, in the building's own frame.
+#ifndef MAPS_CURVED_H
+#define MAPS_CURVED_H
+
+#include "engine/core/vec.h"
+
+typedef enum CurvedKind {
+    CURVED_SPHERE,     // all points of length 1; an ellipsoid where the frame's axes differ
+    CURVED_CYLINDER,   // x^2 + y^2 = 1, 0 <= z <= 1, and its ends
+    CURVED_CONE,       // the same, its radius 1 at z = 0 and `top` at z = 1
+    CURVED_PATCH,      // a rational bicubic Bezier patch, perhaps trimmed
+    CURVED_METABALLS,  // where the sum of the balls' fields is `threshold`
+    CURVED_KINDS
+} CurvedKind;
+
+// From a shape's own space to the building: p becomes origin + p.x axis[0] + p.y axis[1] + p.z axis[2]. The axes are
+// perpendicular to each other and of any length above 0, left-handed where a model is mirrored.
+typedef struct CurvedFrame {
+    Vec3 origin, axis[3];
+} CurvedFrame;
+
+// Of a patch, in the building: the point itself, not multiplied by its weight, which is above 0.
+typedef struct CurvedControl {
+    Vec3 point;
+    double weight;
+} CurvedControl;
+
+// A rational cubic Bezier curve in the patch's parameters, 0 .. 1 each. Those of a trim are closed loops, one after the
+// other, each ending where the next begins and the last where its loop's first one began. A point of the patch is there
+// where its loops wind around it an odd number of times.
+typedef struct CurvedTrim {
+    Vec2 point[4];
+    double weight[4];
+} CurvedTrim;
+
+// Its field at distance r is weight * (1 - 22/9 u + 17/9 u^2 - 4/9 u^3) with u = (r / radius)^2, and 0 beyond its radius
+// (Wyvill, McPheeters & Wyvill 1986; Nishita & Nakamae 1994).
+typedef struct CurvedBall {
+    Vec3 centre;
+    double radius, weight;  // a weight below 0 takes away
+} CurvedBall;
+
+typedef struct CurvedShape {
+    CurvedKind kind;
+    int object, material;
+    CurvedFrame frame;                 // of all but patches and metaballs
+    double top;                        // of a cone: its radius at z = 1, 0 .. 1
+    bool disc[2];                      // cylinders and cones: there is a disc at z = 0, at z = 1
+    int first_control;                 // a patch: 16 of Building.controls, four rows of v, u running first
+    int first_trim, trim_count;        // in Building.trims; 0: all of the patch is there
+    int first_ball, ball_count;        // in Building.balls
+    double threshold;                  // of metaballs, above 0
+    double tolerance;                  // how far its polygons may lie off it
+    int first_polygon, polygon_count;  // in Building.polygons
+} CurvedShape;
+
+#endif

@@ -1,0 +1,23 @@
+// curved_rays.h - where rays hit the curved shapes of a building, exactly.
+#ifndef RAYS_CURVED_RAYS_H
+#define RAYS_CURVED_RAYS_H
+
+#include "engine/core/arena.h"
+#include "maps/building.h"
+#include "visibility/rays/ray.h"
+
+// What was done to find hits, to compare methods by.
+typedef struct CurvedWork {
+    long long rays, clips, splits, steps;  // asked; Bezier clips; halvings; steps of Newton
+    long long undecided;                   // where the iteration was ended by its bound
+} CurvedWork;
+
+// All curved shapes of a building, made ready for rays. Rays may be asked of it from many threads at once.
+typedef struct CurvedRays CurvedRays;
+CurvedRays *curved_rays_new(const Building *building, Arena *arena);
+// The shape's bounds; they hold all of it.
+Box curved_rays_box(const CurvedRays *rays, int shape);
+// The first hit with near < t < far, from either side; `work` may be NULL.
+bool curved_rays_hit(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hit, CurvedWork *work);
+
+#endif

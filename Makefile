@@ -1,6 +1,7 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | fuzz | bench | pictures | charts | lint | install PREFIX= DESTDIR= | clean
+#   make test | soak | asan | fuzz | bench | pictures | charts | lint | docs |
+#        install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 60
@@ -21,12 +22,14 @@ endif
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 dir := build/$(config)
-layers := engine/core maps visibility visibility/hidden visibility/pairs visibility/rays radiosity engine/walk engine/stills \
-          engine/app
+layers := engine/core maps visibility visibility/hidden visibility/pairs visibility/rays radiosity engine/library \
+          engine/walk engine/stills engine/app
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of
-# multiply and add: the same input gives the same bytes whatever the compiler.
-base := -std=c17 -D_GNU_SOURCE -ffp-contract=off -march=x86-64-v3 -fopenmp -g -MMD -MP -I. -Ibuild/glad/include
+# multiply and add: the same input gives the same bytes whatever the compiler. The objects serve the shared library
+# too; protected, its functions call each other as directly as those of a program.
+base := -std=c17 -D_GNU_SOURCE -ffp-contract=off -march=x86-64-v3 -fopenmp -fPIC -fvisibility=protected -g -MMD -MP \
+        -I. -Ibuild/glad/include
 sanitize := -O1 -fno-omit-frame-pointer -fno-sanitize-recover=undefined
 flags_release := -O2
 flags_debug := -O0
@@ -42,6 +45,10 @@ sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 only_asan := tests/keep_libraries.c
 objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
+# What the installed library is made of: all below the walk.
+public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
+version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
+soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
 tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
@@ -56,6 +63,7 @@ to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
 to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
+to_docs := doxygen
 to_fuzz := clang libclang-rt-14-dev libomp-dev
 # $(call missing,PACKAGES): shell that sets $$missing; empty where dpkg does not say.
 missing = missing=$$(command -v dpkg-query >/dev/null && for p in $(1); do dpkg-query -W -f '$${Status}' $$p \
@@ -65,7 +73,8 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures charts lint install clean FORCE
+.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures charts lint libraries install \
+        docs clean FORCE
 all:
 	$(submake) program maps
 program: $(dir)/enfilade
@@ -193,10 +202,45 @@ lint:
 	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
+# The library gives away only the names of its headers.
+$(dir)/libenfilade.names: $(public) engine/library/exports.sh $(wildcard $(layers:%=%/*.h))
+	@rm -rf $(dir)/include && sh engine/library/headers.sh $(dir)/include/enfilade
+	@sh engine/library/exports.sh $(dir)/include $(public) >$@
+$(dir)/libenfilade.a: $(dir)/libenfilade.names
+	@echo "link $@" && rm -f $@ && $(CC) -r -nostdlib -o $(dir)/libenfilade.o $(public)
+	@objcopy --keep-global-symbols=$< $(dir)/libenfilade.o && ar rcs $@ $(dir)/libenfilade.o
+$(dir)/libenfilade.so: $(dir)/libenfilade.names
+	@(echo '{ global:'; sed 's/$$/;/' $<; echo 'local: *; };') >$(dir)/libenfilade.map
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -shared -Wl,-soname,$(soname) -Wl,-z,defs \
+	    -Wl,--version-script=$(dir)/libenfilade.map -o $@ $(public) $(filter-out -lglfw,$(libs))
+$(dir)/enfilade.1: $(dir)/enfilade engine/library/man.sh
+	@sh engine/library/man.sh $< >$@
+libraries: $(dir)/libenfilade.a $(dir)/libenfilade.so
 install: all
+	$(submake) libraries $(dir)/enfilade.1
 	install -D -m 755 $(dir)/enfilade $(DESTDIR)$(PREFIX)/bin/enfilade
-	install -d $(DESTDIR)$(PREFIX)/share/enfilade
+	install -D -m 644 $(dir)/enfilade.1 $(DESTDIR)$(PREFIX)/share/man/man1/enfilade.1
+	install -D -m 644 engine/library/enfilade.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/enfilade
+	install -D -m 644 engine/library/_enfilade $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_enfilade
+	install -d $(DESTDIR)$(PREFIX)/share/enfilade $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(maps) maps/README.md LICENSE $(DESTDIR)$(PREFIX)/share/enfilade
+	install -D -m 644 $(dir)/libenfilade.a $(DESTDIR)$(PREFIX)/lib/libenfilade.a
+	install -D -m 755 $(dir)/libenfilade.so $(DESTDIR)$(PREFIX)/lib/libenfilade.so.$(version)
+	ln -sf libenfilade.so.$(version) $(DESTDIR)$(PREFIX)/lib/$(soname)
+	ln -sf $(soname) $(DESTDIR)$(PREFIX)/lib/libenfilade.so
+	sh engine/library/headers.sh $(DESTDIR)$(PREFIX)/include/enfilade
+	@mkdir -p $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(version)|; s|@LIBS@|$(filter-out -lglfw,$(libs)) -fopenmp|' \
+	    engine/library/enfilade.pc.in >$(DESTDIR)$(PREFIX)/lib/pkgconfig/enfilade.pc
+docs:
+	$(call install,$(to_docs))
+	@rm -rf build/docs && mkdir -p build/docs
+	@sh engine/library/headers.sh build/docs/include/enfilade
+	doxygen engine/library/Doxyfile
+	@# Members of structs may speak for themselves; types and functions may not.
+	@(cat engine/library/Doxyfile; echo 'EXTRACT_ALL = NO'; echo 'GENERATE_HTML = NO'; echo 'WARN_AS_ERROR = NO') | \
+	    doxygen - 2>&1 | grep -E '(Compound|\((function|typedef)\)).*is not documented' && exit 1 || true
+	@echo "build/docs/html/index.html"
 clean:
 	rm -rf build
 

@@ -25,10 +25,12 @@
 #include "engine/core/vec.h"
 #include "maps/curved.h"
 
+// A channel each of a spectrum: shares or W/m^2, as said where it is used.
 typedef struct Rgb {
     float r, g, b;
 } Rgb;
 
+// What a polygon is made of.
 typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
@@ -39,6 +41,7 @@ typedef struct Material {
         index;  // of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: what is there does not refract
 } Material;
 
+// A level of a building.
 typedef struct Storey {
     const char *name;
     double floor;   // metres
@@ -67,6 +70,7 @@ typedef struct Region {
     int floor_material, ceiling_material;  // -1: nothing is drawn (the sky)
 } Region;
 
+// A closed outline in plan.
 typedef struct Ring {
     int first_point, point_count;
 } Ring;
@@ -151,6 +155,7 @@ typedef struct Inlay {
     int material;
 } Inlay;
 
+// A lamp as drawn: a luminous ball. lamp_faces.h gives it faces.
 typedef struct Light {
     const char *name;
     Vec3 position;
@@ -159,6 +164,7 @@ typedef struct Light {
     int object;     // the lamp it sits in, or -1
 } Light;
 
+// A stored view.
 typedef struct Viewpoint {
     const char *name;
     Vec3 eye;
@@ -195,6 +201,7 @@ typedef struct GivenPortal {
     int first_vertex, vertex_count;
 } GivenPortal;
 
+// All of it. Arrays may be NULL where their counts are 0.
 typedef struct Building {
     BuildingForm form;
     const char *source;  // the path it was read from
@@ -257,12 +264,14 @@ static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0
 
 // Readers append with these; all copy what they are given into the arena.
 int building_add_material(Arena *arena, Building *b, Material material);  // finds an equal one first
+// Begins an object, empty yet, to which polygons are then added. Returns its index.
 int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name);
 // Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
 // Returns how many polygons it became.
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
 void building_set_proxy(Building *b, double angle);
+// Adds a note; the sentence is formatted as by printf.
 void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 // sRGB channel 0..255 to linear reflectance, capped.
@@ -282,6 +291,7 @@ void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
 // Its plan there, counter-clockwise: its own corners, or those of its box. Returns how many.
 int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]);
 
+// "door", "passage", "window".
 const char *opening_kind_name(OpeningKind kind);
 
 #endif

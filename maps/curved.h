@@ -43,6 +43,7 @@ typedef struct CurvedBall {
     double radius, weight;  // a weight below 0 takes away
 } CurvedBall;
 
+// One shape and the polygons that stand for it.
 typedef struct CurvedShape {
     CurvedKind kind;
     int object, material;

@@ -4,12 +4,14 @@
 
 #include "radiosity/shoot.h"
 
+// How fine a mesh may become.
 typedef struct AdaptOptions {
     double share;     // elements there may be, of those of a mesh without splits; 0: no splits
     double few;       // so many there may be, whatever their share: small buildings need not be frugal
     double smallest;  // edge of the smallest elements, metres
     double sky[3];    // radiance, W/m^2/sr a channel
 } AdaptOptions;
+// What `enfilade bake` takes.
 AdaptOptions adapt_default_options(void);
 
 // What a mesh is made of.

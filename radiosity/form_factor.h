@@ -9,12 +9,14 @@
 
 enum { FORM_FACTOR_FINEST = 2000 };
 
+// How finely a method looks.
 typedef struct FormFactorOptions {
     int resolution;  // pixels across the hemicube's top or the hemisphere's base, 8 .. FORM_FACTOR_FINEST; lines of scan-line
         // methods, rays across of `ray`
     double edge_threshold;  // of hemisphere-polyline: an edge is cut until its parts span less, radians
     const char *hidden;     // of hemicube: the hidden-surface method that fills its sides; NULL: its own
 } FormFactorOptions;
+// A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);
 
 // One row. Shares: of all that leaves the point, `back` falls on the backs of faces and `escaped` meets nothing.
@@ -34,6 +36,7 @@ typedef struct FormFactorWork {
     long long samples, tests;               // samples or crossings found; edge, box or ray tests made
 } FormFactorWork;
 
+// The directions of a projective method.
 typedef struct FormFactorSamples {
     int count;
     float *x, *y, *z;  // [count] unit directions in the view's axes
@@ -52,6 +55,7 @@ static inline int form_factor_rank(const ViewFace *face) {
 // A method at work in one thread: its tables and buffers.
 typedef struct FormFactor FormFactor;
 
+// A method: a row of the table.
 typedef struct FormFactorMethod {
     const char *name, *summary;
     bool projective;
@@ -68,15 +72,19 @@ typedef struct FormFactorMethod {
 } FormFactorMethod;
 
 extern const FormFactorMethod *const FORM_FACTOR_METHODS[];  // ends with NULL
+// The row of that name; NULL: there is none.
 const FormFactorMethod *form_factor_method(const char *name);
 
+// All memory is taken here; `method`, `mesh` and what `options` refer to must outlive it.
 FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
                             const FormFactorOptions *options, Arena *arena);
+// Lets go of what is not in the arena.
 void form_factor_end(FormFactor *self);
 // The row of a view; valid until the next one.
 const Row *form_factor_row(FormFactor *self, const View *view);
 // What each sample of a projective method sees, and where to look for the samples: for tests and pictures.
 const FormFactorSamples *form_factor_samples(FormFactor *self);
+// Of a view, [samples] as FormFactorMethod.items; valid until the next one.
 const int32_t *form_factor_items(FormFactor *self, const View *view);
 FormFactorWork form_factor_work(const FormFactor *self);  // of all rows so far
 

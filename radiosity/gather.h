@@ -5,6 +5,7 @@
 #include "radiosity/gather_near.h"
 #include "radiosity/reconstruct.h"
 
+// How light is gathered.
 typedef struct GatherOptions {
     const FormFactorMethod *method;  // what the mean of each element counts
     int resolution;                  // of it, 8 .. 2000
@@ -12,6 +13,7 @@ typedef struct GatherOptions {
     bool exact_lamps;  // what faces emit by closed form, whatever the method
     NearOptions near;  // reach 0: what is close is looked up as all else is
 } GatherOptions;
+// What `bake --probe` takes.
 GatherOptions gather_default_options(void);
 // As exact as it gets, at ten times the cost: analytic rows. And walks to what is close: nothing in the open, 10 to 100 ms in corners
 // and slits.
@@ -28,7 +30,9 @@ typedef struct GatherScene {
 
 // One thread's.
 typedef struct Gatherer Gatherer;
+// All memory is taken here; what `scene` points to must outlive it.
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena);
+// Lets go of what is not in the arena.
 void gatherer_end(Gatherer *self);
 // W/m^2 a channel. Allocates nothing.
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);

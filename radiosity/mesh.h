@@ -22,6 +22,7 @@ enum {
     MESH_MOST_IN_PATCH = 256,  // elements, also of 16 x 16 that are cut: a byte tells which one is meant
 };
 
+// How fine a mesh is.
 typedef struct MeshOptions {
     double element;            // edge length aimed at, metres, 0.01 .. 100
     int per_patch;             // elements along the side of a patch, 1 .. 16
@@ -65,6 +66,7 @@ typedef struct Patch {
     Vec3 centre;  // of its area, a point of the polygon
 } Patch;
 
+// All of it.
 typedef struct Mesh {
     const CellGraph *graph;
     MeshOptions options;

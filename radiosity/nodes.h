@@ -16,6 +16,7 @@ typedef struct Nodes {
     int *element;    // of nodes: those that meet there, increasing
 } Nodes;
 
+// All nodes of a mesh, by vertex.
 Nodes nodes_of(const Mesh *mesh, Arena *arena);
 
 // Facets whose normals lean from each other by less belong to one curved surface: the cosine of 31 degrees. Models cut a circle

@@ -5,9 +5,11 @@
 
 #include "radiosity/mesh.h"
 
+// Faces in a hierarchy for rays; may be asked by one caller at a time.
 typedef struct PathTracer PathTracer;
 // `sky`: radiance of what lies above the horizon, W/m^2/sr a channel, where nothing is met; NULL: none.
 PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena);
+// Lets go of what is not in the arena.
 void path_tracer_end(PathTracer *tracer);
 
 // Where to ask, and when to be content: at either error, or after so many paths.
@@ -19,6 +21,7 @@ typedef struct PathQuery {
     uint64_t seed;  // another for each point
 } PathQuery;
 
+// What arrives at a point.
 typedef struct PathResult {
     double irradiance[3], standard_error[3];  // W/m^2 a channel
     long long paths;

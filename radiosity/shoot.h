@@ -8,6 +8,7 @@
 
 typedef struct RadSolution RadSolution;
 
+// How light is shot, and when to stop.
 typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
@@ -25,6 +26,7 @@ typedef struct RadOptions {
     void *show_context;
     double show_every;
 } RadOptions;
+// Hemisphere, portals, to a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
 // Puts, for a residual or a resolution of 0, what fits a mesh: where there are few patches, light may be found more exactly.
 void rad_fit(const Mesh *mesh, RadOptions *options);
@@ -44,6 +46,7 @@ struct RadSolution {
     int node_count;
 };
 
+// What was done.
 typedef struct RadReport {
     double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
     long long shots, rows_made, rows_kept;
@@ -65,6 +68,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
 // the doors' states, and is refused where they differ.
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
               Error *error);
+// False, and a sentence, where the file is damaged or of another building, mesh or state of the doors.
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
               Error *error);
 // Of a file: how its mesh was made, before there is one, and how the doors stood, [opening_count].

@@ -86,6 +86,7 @@ typedef struct CellGraph {
 // Surfaces and horizontal portals of less area than this are left out, m^2: a hundredth of a square of the grid.
 #define VIS_SLIVER 1e-8
 
+// How cells are meshed and trees bounded.
 typedef struct VisOptions {
     double square;  // side of the mesh squares, metres, 0.25 .. 100
     int threads;    // 0: all cores
@@ -94,6 +95,7 @@ typedef struct VisOptions {
     // beforehand.
     const uint64_t *known;
 } VisOptions;
+// Squares of 1 m, all cores, trees of 5,000 nodes at most.
 VisOptions vis_default_options(void);
 
 // Cells, portals and surfaces of a building of any form. Fails on one without free space.
@@ -127,6 +129,7 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
 
 // The .vis file: cells are made again from the building; the forest is stored under the building's hash.
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error);
+// False, and a sentence, where the file is damaged or of another building, version or mesh.
 bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error);
 
 // Where a cell lies: its region, or, of a building without regions, a room without a name or the outdoors.
@@ -157,6 +160,7 @@ typedef enum VisMethod {
 } VisMethod;
 extern const char *const VIS_METHOD_NAMES[VIS_METHODS];
 
+// Where to look from, and what of the view is kept.
 typedef struct Eye {
     Vec3 position;
     Plane frustum[6];   // keep the positive side; all planes but the far one may pass through the eye
@@ -166,6 +170,7 @@ typedef struct Eye {
     bool on_surface;
 } Eye;
 
+// A cell that may be seen.
 typedef struct VisibleCell {
     int cell;
     double distance;  // from the eye to its nearest portal as it was reached, metres; 0 for the eye's cell
@@ -173,8 +178,10 @@ typedef struct VisibleCell {
 
 // What one query needs, sized once for a graph.
 typedef struct VisQuery VisQuery;
+// All memory is taken here. Graph and forest must outlive it; one thread may use it at a time.
 VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
 
+// What may be seen, and what it took to find out.
 typedef struct VisResult {
     const VisibleCell *cells;  // near to far
     const int *objects;        // to draw, increasing; those whose door state hides them are left out

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+// Memory of an arena.
 typedef struct ArenaBlock ArenaBlock;
 
 // Start with {0}. Not shared between threads.
@@ -17,7 +18,9 @@ typedef struct Arena {
 // Zeroed, aligned to 64 bytes. Never returns NULL: no memory prints the size and exits.
 void *arena_alloc(Arena *arena, size_t count, size_t size);
 char *arena_string(Arena *arena, const char *text);  // a copy
+// What printf would print, in the arena.
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// The same with the arguments in a list.
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
 void arena_free(Arena *arena);   // everything; the arena may be used again
 void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
@@ -28,6 +31,7 @@ void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block f
 // zeroed last element. The memory of outgrown arrays stays in the arena (at most as much again).
 #define ARENA_PUSH(arena, array, count, capacity)                                                            \
     ((array) = arena_grow((arena), (array), (count), &(capacity), sizeof *(array)), (array) + (count)++)
+// What ARENA_PUSH calls: an array with room for one more than `count`, the new element zeroed.
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size);
 
 #endif

@@ -8,6 +8,7 @@
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
 
+// The content of a file.
 typedef struct Bytes {
     unsigned char *data;  // followed by a zero byte that is not counted
     size_t size;

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 
+// Whom to tell; NULL, or without a `report`, nobody is told and no stage is asked to stop.
 typedef struct Progress {
     // Called now and then, from one thread at a time; `done` in [0, 1]. Returns false to ask the stage to stop.
     bool (*report)(void *context, const char *stage, double done);

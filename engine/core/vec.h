@@ -7,10 +7,12 @@
 #include <math.h>
 #include <stdbool.h>
 
+// A point or vector in plan.
 typedef struct Vec2 {
     double x, y;
 } Vec2;
 
+// A point or vector in space.
 typedef struct Vec3 {
     double x, y, z;
 } Vec3;
@@ -21,6 +23,7 @@ typedef struct Plane {
     double d;
 } Plane;
 
+// All points between two corners; empty where min > max.
 typedef struct Box {
     Vec3 min, max;
 } Box;
@@ -58,6 +61,7 @@ static inline double plane_distance(Plane plane, Vec3 p) { return vec3_dot(plane
 // The plane of a polygon by Newell's sum, which is right for convex, concave and slightly bent ones;
 // n is zero when the polygon has no area.
 Plane plane_of_polygon(const Vec3 *vertices, int count);
+// Its area, of a bent one that of its shadow along Newell's normal.
 double polygon_area(const Vec3 *vertices, int count);
 
 static inline Box box_empty(void) {

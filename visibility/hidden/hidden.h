@@ -34,11 +34,13 @@ typedef struct Scene {
     int count;
 } Scene;
 
+// A picture: what is seen through each pixel, and how far away.
 typedef struct ItemBuffer {
     int width, height;
     int32_t *item;  // [height * width] polygon index, -1: nothing
     float *depth;   // [height * width] distance along `forward`, metres, INFINITY: nothing
 } ItemBuffer;
+// Not yet drawn.
 ItemBuffer item_buffer_new(Arena *arena, int width, int height);
 
 // The largest picture, pixels each way.
@@ -64,6 +66,7 @@ typedef enum HiddenTruth {
     HIDDEN_GUESS   // wrong where its rule fails
 } HiddenTruth;
 
+// A method: a row of the table.
 typedef struct HiddenMethod {
     const char *name;  // command line, CSV, test output
     const char *summary;

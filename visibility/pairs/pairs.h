@@ -8,6 +8,7 @@
 
 #include "visibility/vis.h"
 
+// How pairs are searched.
 typedef struct PairOptions {
     int threads;     // 0: all cores; the result is the same on any number
     bool witnesses;  // keep the sightlines that prove pairs visible, where the method finds them
@@ -27,6 +28,7 @@ typedef struct PairWork {
     long long given_up;    // searches that became too long: what was in doubt then counts as seen
 } PairWork;
 
+// What a method found.
 typedef struct PairSet {
     int cell_count, words;
     uint64_t *seen;  // [cell_count * words] bit j of row i: j may be seen from i. Symmetric, diagonal set
@@ -42,6 +44,7 @@ static inline bool pair_bit(const uint64_t *rows, int words, int from, int to) {
     return rows[(size_t)from * (size_t)words + (size_t)to / 64] >> (to % 64) & 1;
 }
 
+// A method: a row of the table.
 typedef struct PairMethod {
     const char *name, *summary;
     void (*find)(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
@@ -53,8 +56,10 @@ const PairMethod *pair_method(const char *name);  // NULL: there is none of that
 
 // For methods: an empty set, and its completion by symmetry (seen and its transpose, proven or its transpose).
 PairSet pair_set_new(const CellGraph *graph, Arena *arena);
+// Visibility is symmetric: seen is seen both ways, proven one way is proven.
 void pair_set_make_symmetric(PairSet *set);
 
+// Adds count by count.
 void pair_work_add(PairWork *to, PairWork from);
 long long pair_count(const uint64_t *rows, int cell_count,
                      int words);  // of all bits, the diagonal among them

@@ -73,7 +73,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak asan fuzz bench pictures charts lint libraries install \
+.PHONY: all program maps house check-packages walk test soak soaked asan fuzz bench pictures charts lint libraries install \
         docs clean FORCE
 all:
 	$(submake) program maps
@@ -144,7 +144,12 @@ walk:
 test soak:
 	$(call install,$(to_build) $(to_test))
 	$(submake) program maps $(dir)/tests/all $(fuzzers:fuzz_%=$(dir)/tests/try_fuzz_%)
-	@ENFILADE_SOAK=$(if $(filter soak,$@),1) tests/run.sh $(dir)
+	@ENFILADE_SOAK=$(if $(filter soak,$@),1) ENFILADE_SOAK_MINUTES=2 tests/run.sh $(dir)
+	$(if $(filter soak,$@),$(submake) config=asan soaked)
+# Twenty minutes of everything that a walk can do, under the sanitizers.
+soaked: all $(dir)/tests/all
+	@ENFILADE_BUILD=$(dir) ENFILADE_SOAK=1 LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
+	    ASAN_OPTIONS=quarantine_size_mb=32 $(dir)/tests/all --filter 'soak/*'
 asan:
 	$(submake) config=asan test
 fuzz:

@@ -21,7 +21,7 @@ trap leave EXIT
 
 echo "a bare Debian 12 in $root"
 [ -e "$root/etc/debian_version" ] ||
-    debootstrap --variant=minbase --include=git,make bookworm "$root" "$mirror" >"$log" 2>&1 || fail "debootstrap: see $log"
+    debootstrap --variant=minbase bookworm "$root" "$mirror" >"$log" 2>&1 || fail "debootstrap: see $log"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 mount -t proc proc "$root/proc"
 mount --bind /dev "$root/dev"
@@ -33,6 +33,7 @@ inside() {
         sh -c "cd /root/enfilade && $*" >>"$log" 2>&1
 }
 : >"$log"
+inside "apt-get -q update && apt-get -q install -y --no-install-recommends git make ca-certificates" || fail "apt-get: see $log"
 for goal in walk test; do
     echo "make $goal"
     inside "make $goal" || fail "make $goal: $(tail -1 "$log") (all of it: $log)"

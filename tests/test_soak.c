@@ -134,6 +134,8 @@ static void frame(Soak *s, uint64_t seed) {
 // How much more memory a walk may hold at its end than after a third of it: what the allocator and OpenGL keep in fragments, and
 // one building more, as one is freed after the next is there. A leak of a building a reload is ten times as much.
 static const double MOST_GROWTH = 96e6;
+// Outside a soak, all.
+enum { FEWEST_FRAMES = 200 };
 
 // Proves that whatever is pressed the walk goes on, without an error that sanitizers or asserts see, and that its memory stays as it
 // is: random walks, doors, looks, stored views, files that change and break meanwhile, bakes in the background broken off and begun.
@@ -141,14 +143,14 @@ Test(soak, walks_on_whatever_is_pressed, .timeout = 3600) {
     static const char *const BUILDINGS[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
                                             "build/maps/office-plain.plan"};
     const char *minutes = getenv("ENFILADE_SOAK_MINUTES");
-    double seconds = support_soak() ? 60 * (minutes ? atof(minutes) : 20) : 4;
+    double seconds = support_soak() ? 60 * (minutes ? atof(minutes) : 20) : 0;
     int buildings = support_soak() ? 3 : 1;
     for (int b = 0; b < buildings; b++) {
         Soak s;
         uint64_t seed = (uint64_t)(b + 1);
         begin(&s, BUILDINGS[b], seed);
         double start = clock_seconds(), share = seconds / buildings, early = 0, late = 0;
-        for (double t = 0; t < share; t = clock_seconds() - start) {
+        for (double t = 0; t < share || s.frames < FEWEST_FRAMES; t = clock_seconds() - start) {
             for (int i = below(&s, 4); i > 0; i--) do_something(&s);
             frame(&s, seed);
             double *peak = t < share / 3 ? &early : &late;
@@ -157,7 +159,6 @@ Test(soak, walks_on_whatever_is_pressed, .timeout = 3600) {
         printf("soak: %s, %ld frames, %ld events, %ld of doors, %ld changed files of which %ld bad, %.0f "
                "then %.0f MB\n",
                BUILDINGS[b], s.frames, s.events, s.doors, s.changes, s.faults, early / 1e6, late / 1e6);
-        cr_expect_gt(s.frames, 10);
         if (support_soak())
             cr_expect_lt(late, early + MOST_GROWTH, "memory grows: seed %llu", (unsigned long long)seed);
         session_free(s.session);

@@ -1,0 +1,37 @@
+// curved_patch.h - what is asked of rational bicubic Bezier patches and of their trims.
+//
+// Source: G. Farin, Curves and Surfaces for CAGD, 1997, chapters 13 and 15.
+#ifndef MAPS_CURVED_PATCH_H
+#define MAPS_CURVED_PATCH_H
+
+#include "maps/curved.h"
+
+enum { PATCH_CONTROLS = 16 };
+
+typedef struct PatchPoint {
+    Vec3 point, du, dv;
+    Vec3
+        normal;  // unit, along du x dv; its limit where a border is drawn together to a point; zero where there is none
+} PatchPoint;
+
+// At parameters 0 .. 1. At a corner the point is its control, to the last bit.
+Vec3 curved_patch_point(const CurvedControl control[PATCH_CONTROLS], double u, double v);
+PatchPoint curved_patch_at(const CurvedControl control[PATCH_CONTROLS], double u, double v);
+
+// A border of a patch as a rational cubic curve: 0: v = 0, 1: u = 1, 2: v = 1, 3: u = 0, in the direction of u or v.
+void curved_patch_border(const CurvedControl control[PATCH_CONTROLS], int border, CurvedControl out[4]);
+// The same point, to the last bit, as of the curve turned round at 1 - t, where 1 - t is exact.
+Vec3 curved_curve_point(const CurvedControl control[4], double t);
+
+Vec2 curved_trim_point(const CurvedTrim *trim, double t);
+
+// How far a patch lies off the polygons between its points: at most
+// (du^2 uu + 2 du dv uv + dv^2 vv) / 8 off a triangle with legs du and dv in its parameters.
+typedef struct PatchBend {
+    double uu, uv, vv;  // metres
+} PatchBend;
+PatchBend curved_patch_bend(const CurvedControl control[PATCH_CONTROLS]);
+// The same of a curve: at most dt^2 of it / 8 off its chords.
+double curved_curve_bend(const CurvedControl control[4]);
+
+#endif

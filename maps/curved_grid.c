@@ -30,35 +30,26 @@ typedef struct Grid {
     CurvedMesh *out;
 } Grid;
 
-static double bent(const PatchBend *b, double nu, double nv) {
-    return (b->uu / (nu * nu) + 2 * b->uv / (nu * nv) + b->vv / (nv * nv)) / 8;
-}
-
-void curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v) {
-    PatchBend b = curved_patch_bend(control);
+double curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v) {
+    PatchBends bends = curved_patch_bends(control);
+    const int last = STEP_COUNT - 1;
     int i = 0, j = 0;
-    while (bent(&b, STEPS[i], STEPS[j]) > tolerance && (i + 1 < STEP_COUNT || j + 1 < STEP_COUNT)) {
-        double along = b.uu / (STEPS[i] * STEPS[i]), across = b.vv / (STEPS[j] * STEPS[j]);
-        bool first = along > across || (along == across && i <= j);
-        if (j + 1 == STEP_COUNT || (first && i + 1 < STEP_COUNT)) {
-            i++;
-        } else {
-            j++;
-        }
+    double off;
+    while ((off = curved_patch_off(&bends, STEPS[i], STEPS[j])) > tolerance && (i < last || j < last)) {
+        // The way that gains more.
+        double along = curved_patch_off(&bends, STEPS[i < last ? i + 1 : last], STEPS[j]),
+               across = curved_patch_off(&bends, STEPS[i], STEPS[j < last ? j + 1 : last]);
+        bool first = i < last && (j == last || along < across || (along == across && i <= j));
+        *(first ? &i : &j) += 1;
     }
     *u = STEPS[i];
     *v = STEPS[j];
-}
-
-double curved_patch_off(const CurvedControl *control, int u, int v) {
-    PatchBend b = curved_patch_bend(control);
-    return bent(&b, u, v);
+    return off;
 }
 
 int curved_border_steps(const CurvedControl border[4], double tolerance) {
-    double bend = curved_curve_bend(border);
     int i = 0;
-    while (i + 1 < STEP_COUNT && bend / (STEPS[i] * STEPS[i]) / 8 > BORDER_SHARE * tolerance) i++;
+    while (i + 1 < STEP_COUNT && curved_curve_off(border, STEPS[i]) > BORDER_SHARE * tolerance) i++;
     return STEPS[i];
 }
 
@@ -78,8 +69,7 @@ static void find_borders(Grid *g) {
         curved_patch_border(g->control, e, curve);
         int n = g->steps[e] = curved_border_steps(curve, g->tolerance);
         for (int i = 0; i <= n; i++) {
-            // Turned round, i becomes n - i: both ends count alike.
-            double t = 2 * i <= n ? (double)i / n : 1 - (double)(n - i) / n;
+            double t = curved_step(i, n);
             g->border[e][i] = (Knot){border_at(e, t), curved_curve_point(curve, t)};
         }
     }
@@ -100,7 +90,7 @@ static void find_knots(Grid *g) {
     g->knots = ARENA_ARRAY(g->arena, Knot, (g->nu + 1) * (g->nv + 1));
     for (int j = 0; j <= g->nv; j++) {
         for (int i = 0; i <= g->nu; i++) {
-            Vec2 at = vec2((double)i / g->nu, (double)j / g->nv);
+            Vec2 at = vec2(curved_step(i, g->nu), curved_step(j, g->nv));
             *knot(g, i, j) = (Knot){at, curved_patch_point(g->control, at.x, at.y)};
         }
     }
@@ -180,7 +170,7 @@ void curved_patch_mesh(const CurvedControl *control, double tolerance, Arena *ar
     Grid *g = ARENA_ARRAY(arena, Grid, 1);
     *g = (Grid){.control = control, .tolerance = tolerance, .arena = arena, .out = out};
     find_borders(g);
-    curved_patch_steps(control, tolerance, &g->nu, &g->nv);
+    double off = curved_patch_steps(control, tolerance, &g->nu, &g->nv);
     for (;;) {
         *out = (CurvedMesh){0};
         g->worst = 0;
@@ -191,5 +181,5 @@ void curved_patch_mesh(const CurvedControl *control, double tolerance, Arena *ar
         g->nu = finer(g->nu);
         g->nv = finer(g->nv);
     }
-    out->tolerance = fmax(curved_patch_off(control, g->nu, g->nv), g->worst);
+    out->tolerance = fmax(off, g->worst);
 }

@@ -1,10 +1,4 @@
 // curved_patch.c - rational bicubic patches by Bernstein polynomials on homogeneous controls (w x, w y, w z, w).
-//
-// The bound on the bend is that of second differences (D. Filip, R. Magedson & R. Markot, Surface algorithms using bounds on
-// derivatives, 1986), for rational patches with the weight as a fourth coordinate: if X / W is the patch and X' / W' the point
-// of the triangle with the same weights, their distance is (X - X' + (W' - W) X' / W') / W, which is at most
-// (|X - X'| + r |W - W'|) / least weight, r being how far controls lie off the middle of their box (J. Zheng & T. Sederberg,
-// Estimating tessellation parameter intervals for rational curves and surfaces, 2000).
 #include "maps/curved_patch.h"
 
 typedef struct Homogeneous {
@@ -14,10 +8,6 @@ typedef struct Homogeneous {
 
 // Below this share of the others a derivative counts as zero: far above the rounding of its sum.
 static const double GONE = 1e-9;
-
-static Homogeneous of_control(const CurvedControl *c) {
-    return (Homogeneous){vec3_scale(c->point, c->weight), c->weight};
-}
 
 static void add(Homogeneous *sum, double b, const CurvedControl *c) {
     double w = b * c->weight;
@@ -120,59 +110,4 @@ Vec2 curved_trim_point(const CurvedTrim *trim, double t) {
         w += b[i] * trim->weight[i];
     }
     return vec2_scale(sum, 1 / w);
-}
-
-// ---- bends
-
-// Controls about the middle of their box; returns how far they reach.
-static double centred(const CurvedControl *control, int count, Homogeneous *out, double *least) {
-    Box box = box_empty();
-    double reach = 0;
-    *least = INFINITY;
-    for (int i = 0; i < count; i++) box = box_add(box, control[i].point);
-    Vec3 middle = vec3_scale(vec3_add(box.min, box.max), 0.5);
-    for (int i = 0; i < count; i++) {
-        CurvedControl c = {vec3_sub(control[i].point, middle), control[i].weight};
-        out[i] = of_control(&c);
-        reach = fmax(reach, vec3_length(c.point));
-        *least = fmin(*least, c.weight);
-    }
-    return reach;
-}
-
-static double second(Homogeneous a, Homogeneous b, Homogeneous c, double reach) {
-    Vec3 x = vec3_add(vec3_sub(a.x, vec3_scale(b.x, 2)), c.x);
-    return vec3_length(x) + reach * fabs(a.w - 2 * b.w + c.w);
-}
-
-static double mixed(Homogeneous a, Homogeneous b, Homogeneous c, Homogeneous d, double reach) {
-    Vec3 x = vec3_sub(vec3_sub(a.x, b.x), vec3_sub(c.x, d.x));
-    return vec3_length(x) + reach * fabs(a.w - b.w - c.w + d.w);
-}
-
-PatchBend curved_patch_bend(const CurvedControl control[PATCH_CONTROLS]) {
-    Homogeneous h[PATCH_CONTROLS];
-    double least, reach = centred(control, PATCH_CONTROLS, h, &least);
-    PatchBend bend = {0, 0, 0};
-    for (int j = 0; j < 4; j++) {
-        for (int i = 0; i < 2; i++) {
-            const Homogeneous *u = &h[4 * j + i], *v = &h[4 * i + j];
-            bend.uu = fmax(bend.uu, 6 * second(u[0], u[1], u[2], reach) / least);
-            bend.vv = fmax(bend.vv, 6 * second(v[0], v[4], v[8], reach) / least);
-        }
-    }
-    for (int j = 0; j < 3; j++) {
-        for (int i = 0; i < 3; i++) {
-            const Homogeneous *p = &h[4 * j + i];
-            bend.uv = fmax(bend.uv, 9 * mixed(p[0], p[1], p[4], p[5], reach) / least);
-        }
-    }
-    return bend;
-}
-
-double curved_curve_bend(const CurvedControl control[4]) {
-    Homogeneous h[4];
-    double least, reach = centred(control, 4, h, &least);
-    double bend = fmax(second(h[0], h[1], h[2], reach), second(h[1], h[2], h[3], reach));
-    return 6 * bend / least;
 }

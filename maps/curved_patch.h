@@ -6,6 +6,14 @@
 
 #include "maps/curved.h"
 
+// Parameters of points that neighbours share are multiples of this, so that 1 - t is exact.
+#define CURVED_GRID 0x1p-40
+static inline double curved_snap(double t) { return nearbyint(t / CURVED_GRID) * CURVED_GRID; }
+// Of n steps the i-th; counted from the other end, the same point.
+static inline double curved_step(int i, int n) {
+    return 2 * i <= n ? curved_snap((double)i / n) : 1 - curved_snap((double)(n - i) / n);
+}
+
 enum { PATCH_CONTROLS = 16 };
 
 typedef struct PatchPoint {
@@ -25,13 +33,21 @@ Vec3 curved_curve_point(const CurvedControl control[4], double t);
 
 Vec2 curved_trim_point(const CurvedTrim *trim, double t);
 
-// How far a patch lies off the polygons between its points: at most
-// (du^2 uu + 2 du dv uv + dv^2 vv) / 8 off a triangle with legs du and dv in its parameters.
+// ---- curved_bend.c
+
+// A patch lies off a triangle with legs du and dv in its parameters by at most (du^2 uu + 2 du dv uv + dv^2 vv) / 8.
 typedef struct PatchBend {
     double uu, uv, vv;  // metres
 } PatchBend;
-PatchBend curved_patch_bend(const CurvedControl control[PATCH_CONTROLS]);
-// The same of a curve: at most dt^2 of it / 8 off its chords.
-double curved_curve_bend(const CurvedControl control[4]);
+// [i][j]: the most of its parts, the patch halved i times along u and j times along v.
+enum { BEND_LEVELS = 3 };
+typedef struct PatchBends {
+    PatchBend level[BEND_LEVELS][BEND_LEVELS];
+} PatchBends;
+PatchBends curved_patch_bends(const CurvedControl control[PATCH_CONTROLS]);
+
+// The most that so many equal steps along u and v leave between the patch and flat pieces, metres; between a curve and chords.
+double curved_patch_off(const PatchBends *bends, int u, int v);
+double curved_curve_off(const CurvedControl control[4], int steps);
 
 #endif

@@ -33,10 +33,8 @@ void curved_trimmed_mesh(const CurvedControl *control, const CurvedTrim *trims, 
 void curved_balls_mesh(const CurvedBall *balls, int count, double threshold, double tolerance, Arena *arena,
                        CurvedMesh *out);
 // How many steps along u and v a patch needs, and along a border of it: one of the same few numbers, so that neighbours
-// often have the same.
-void curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v);
-double curved_patch_off(const CurvedControl *control, int u,
-                        int v);  // the most that so many steps leave, metres
+// often have the same. Returns how far off the steps leave the patch, metres.
+double curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v);
 int curved_border_steps(const CurvedControl border[4], double tolerance);
 
 #endif

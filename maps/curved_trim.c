@@ -10,9 +10,6 @@
 #include "maps/curved_patch.h"
 #include "maps/curved_tessellate.h"
 
-// Parameters are multiples of this: the same point computed in two ways is the same.
-#define PARAMETER_GRID 0x1p-40
-
 enum { MOST_CURVE_STEPS = 64 };
 
 typedef struct Segment {
@@ -39,8 +36,6 @@ typedef struct Trimmed {
     CurvedMesh *out;
 } Trimmed;
 
-static double snap(double x) { return nearbyint(x / PARAMETER_GRID) * PARAMETER_GRID; }
-
 static int by_number(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -50,7 +45,7 @@ static int by_number(const void *a, const void *b) {
 
 static double *lines(int n, Arena *arena) {
     double *at = ARENA_ARRAY(arena, double, n + 1);
-    for (int i = 0; i <= n; i++) at[i] = snap((double)i / n);
+    for (int i = 0; i <= n; i++) at[i] = curved_step(i, n);
     return at;
 }
 
@@ -67,7 +62,7 @@ static void add_segment(Trimmed *t, Vec2 a, Vec2 b) {
     Vec2 from = a;
     for (int i = 0; i < count; i++) {
         Vec2 to = vec2_add(a, vec2_scale(vec2_sub(b, a), cut[i]));
-        to = i + 1 == count ? b : vec2(snap(to.x), snap(to.y));
+        to = i + 1 == count ? b : vec2(curved_snap(to.x), curved_snap(to.y));
         if (!vec2_equal(from, to))
             *ARENA_PUSH(t->arena, t->segments, t->segment_count, t->segment_capacity) = (Segment){from, to};
         from = to;
@@ -76,7 +71,7 @@ static void add_segment(Trimmed *t, Vec2 a, Vec2 b) {
 
 static Vec2 trim_at(const CurvedTrim *trim, double s) {
     Vec2 at = curved_trim_point(trim, s);
-    return vec2(snap(at.x), snap(at.y));
+    return vec2(curved_snap(at.x), curved_snap(at.y));
 }
 
 // How far the trim's curve on the patch lies off its chords, at their middles.
@@ -116,7 +111,7 @@ static void add_border_trim(Trimmed *t, const CurvedTrim *trim, int e) {
     double a = e % 2 ? from.y : from.x, b = e % 2 ? end.y : end.x;
     int n = t->border_steps[e];
     for (int k = 1; k < n; k++) {
-        double s = snap((double)(a < b ? k : n - k) / n);
+        double s = curved_step(a < b ? k : n - k, n);
         if ((s - a) * (s - b) >= 0) continue;
         add_segment(t, from, on_border(e, s));
         from = on_border(e, s);
@@ -140,7 +135,7 @@ static void add_trim(Trimmed *t, const CurvedTrim *trim) {
 static double u_at(const Segment *s, double v) {
     if (v == s->a.y) return s->a.x;
     if (v == s->b.y) return s->b.x;
-    return snap(s->a.x + (s->b.x - s->a.x) * (v - s->a.y) / (s->b.y - s->a.y));
+    return curved_snap(s->a.x + (s->b.x - s->a.x) * (v - s->a.y) / (s->b.y - s->a.y));
 }
 
 // An odd number of segments lies to the left.
@@ -171,7 +166,7 @@ static void add_crossing(const Segment *s, const Segment *r, double *level, int 
     double turn = vec2_cross(d, e);
     if (turn == 0) return;
     double x = vec2_cross(from, e) / turn, y = vec2_cross(from, d) / turn;
-    if (x > 0 && x < 1 && y > 0 && y < 1) level[(*count)++] = snap(s->a.y + x * d.y);
+    if (x > 0 && x < 1 && y > 0 && y < 1) level[(*count)++] = curved_snap(s->a.y + x * d.y);
 }
 
 typedef struct Edge {
@@ -298,10 +293,7 @@ static void add_side(const Trimmed *t, Vec2 a, Vec2 b, Vec2 **ring, int *count, 
 static Vec3 point_at(const Trimmed *t, Vec2 at) {
     int e = at.y == 0 ? 0 : at.x == 1 ? 1 : at.y == 1 ? 2 : at.x == 0 ? 3 : -1;
     if (e < 0) return curved_patch_point(t->control, at.x, at.y);
-    double s = e % 2 ? at.y : at.x;
-    int n = t->border_steps[e], k = (int)nearbyint(s * n);
-    if (s == snap((double)k / n)) s = 2 * k <= n ? (double)k / n : 1 - (double)(n - k) / n;
-    return curved_curve_point(t->border[e], s);
+    return curved_curve_point(t->border[e], e % 2 ? at.y : at.x);
 }
 
 static void add_polygon(Trimmed *t, const Piece *piece) {
@@ -329,8 +321,7 @@ void curved_trimmed_mesh(const CurvedControl *control, const CurvedTrim *trims, 
     Trimmed *t = ARENA_ARRAY(arena, Trimmed, 1);
     *t = (Trimmed){.control = control, .tolerance = tolerance, .arena = arena, .out = out};
     // A triangle anyhow in a cell may lie twice as far off as half a cell.
-    curved_patch_steps(control, tolerance / 2, &t->nu, &t->nv);
-    out->tolerance = 2 * curved_patch_off(control, t->nu, t->nv);
+    out->tolerance = 2 * curved_patch_steps(control, tolerance / 2, &t->nu, &t->nv);
     t->u = lines(t->nu, arena);
     t->v = lines(t->nv, arena);
     for (int e = 0; e < 4; e++) {

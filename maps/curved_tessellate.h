@@ -11,7 +11,8 @@ typedef struct CurvedMesh {
     int *first;      // [polygon_count + 1]
     int polygon_count;
     double
-        tolerance;  // that is kept, metres: larger than asked for where CURVED_MOST_SIDES and the like do not reach it
+        tolerance;  // that is kept, metres: larger than asked for where CURVED_MOST_SIDES and the like do not reach it;
+                    // INFINITY, and no polygons, where trims cut a patch into too many pieces
     int vertex_capacity, first_capacity;
 } CurvedMesh;
 

@@ -10,7 +10,10 @@
 #include "maps/curved_patch.h"
 #include "maps/curved_tessellate.h"
 
-enum { MOST_CURVE_STEPS = 64 };
+enum {
+    MOST_CURVE_STEPS = 32,  // chords of a trim
+    MOST_PIECES = 50000     // where loops cross each other all over
+};
 
 typedef struct Segment {
     Vec2 a, b;
@@ -150,6 +153,8 @@ static bool is_there(const Trimmed *t, Vec2 p) {
     return in;
 }
 
+static bool is_full(const Trimmed *t) { return t->piece_count >= MOST_PIECES; }
+
 static void add_piece(Trimmed *t, Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     const Vec2 given[4] = {a, b, c, d};
     Piece piece = {.count = 0};
@@ -160,57 +165,80 @@ static void add_piece(Trimmed *t, Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     t->corner_count += piece.count;
 }
 
+typedef struct Levels {
+    double *v;
+    int count, capacity;
+} Levels;
+
+static void add_level(Trimmed *t, Levels *levels, double v) {
+    *ARENA_PUSH(t->arena, levels->v, levels->count, levels->capacity) = v;
+}
+
 // Where two segments of a cell cross, their order changes.
-static void add_crossing(const Segment *s, const Segment *r, double *level, int *count) {
+static void add_crossing(Trimmed *t, const Segment *s, const Segment *r, Levels *levels) {
     Vec2 d = vec2_sub(s->b, s->a), e = vec2_sub(r->b, r->a), from = vec2_sub(r->a, s->a);
     double turn = vec2_cross(d, e);
     if (turn == 0) return;
     double x = vec2_cross(from, e) / turn, y = vec2_cross(from, d) / turn;
-    if (x > 0 && x < 1 && y > 0 && y < 1) level[(*count)++] = curved_snap(s->a.y + x * d.y);
+    if (x > 0 && x < 1 && y > 0 && y < 1) add_level(t, levels, curved_snap(s->a.y + x * d.y));
 }
 
 typedef struct Edge {
     double middle;  // u at half the slab's height
     double low, high;
+    bool side;  // of the cell, no segment
 } Edge;
 
 static int by_middle(const void *a, const void *b) {
     return by_number(&((const Edge *)a)->middle, &((const Edge *)b)->middle);
 }
 
-static void add_slab(Trimmed *t, const double side[2], double low, double high, const Segment *in,
-                     int count) {
-    Edge *edges = ARENA_ARRAY(t->arena, Edge, count + 2);
+// The sides of the cell and the segments that pass through the slab, by u.
+static int find_edges(const Trimmed *t, int column, double low, double high, const Segment *in, int count,
+                      Edge *edges) {
     int n = 0;
-    for (int k = 0; k < 2; k++) edges[n++] = (Edge){side[k], side[k], side[k]};
+    for (int k = 0; k < 2; k++) {
+        double side = t->u[column + k];
+        edges[n++] = (Edge){side, side, side, true};
+    }
     for (int i = 0; i < count; i++) {
         const Segment *s = &in[i];
         if (fmin(s->a.y, s->b.y) > low || fmax(s->a.y, s->b.y) < high) continue;
         double a = u_at(s, low), b = u_at(s, high);
-        edges[n++] = (Edge){(a + b) / 2, a, b};
+        edges[n++] = (Edge){(a + b) / 2, a, b, false};
     }
     qsort(edges, (size_t)n, sizeof *edges, by_middle);
-    for (int i = 0; i + 1 < n; i++) {
+    return n;
+}
+
+// The first gap between edges is asked for; each segment after it changes the answer.
+static void add_slab(Trimmed *t, double low, double high, const Edge *edges, int count) {
+    bool known = false, there = false;
+    for (int i = 0; i + 1 < count; i++) {
         const Edge *e = &edges[i], *f = &edges[i + 1];
-        if (!is_there(t, vec2((e->middle + f->middle) / 2, (low + high) / 2))) continue;
-        add_piece(t, vec2(e->low, low), vec2(f->low, low), vec2(f->high, high), vec2(e->high, high));
+        if (known && !e->side) there = !there;
+        if (e->middle == f->middle) continue;
+        if (!known) there = is_there(t, vec2((e->middle + f->middle) / 2, (low + high) / 2));
+        known = true;
+        if (there)
+            add_piece(t, vec2(e->low, low), vec2(f->low, low), vec2(f->high, high), vec2(e->high, high));
     }
 }
 
 static void add_cell(Trimmed *t, int i, int j, const Segment *in, int count) {
-    const double side[2] = {t->u[i], t->u[i + 1]};
-    double *level = ARENA_ARRAY(t->arena, double, 2 + 2 * count + count * count / 2);
-    int n = 0;
-    level[n++] = t->v[j];
-    level[n++] = t->v[j + 1];
+    Levels levels = {0};
+    Edge *edges = ARENA_ARRAY(t->arena, Edge, count + 2);
+    for (int k = 0; k < 2; k++) add_level(t, &levels, t->v[j + k]);
     for (int s = 0; s < count; s++) {
-        level[n++] = in[s].a.y;
-        level[n++] = in[s].b.y;
-        for (int r = 0; r < s; r++) add_crossing(&in[s], &in[r], level, &n);
+        add_level(t, &levels, in[s].a.y);
+        add_level(t, &levels, in[s].b.y);
+        for (int r = 0; r < s; r++) add_crossing(t, &in[s], &in[r], &levels);
     }
-    qsort(level, (size_t)n, sizeof *level, by_number);
-    for (int k = 0; k + 1 < n; k++)
-        if (level[k] < level[k + 1]) add_slab(t, side, level[k], level[k + 1], in, count);
+    qsort(levels.v, (size_t)levels.count, sizeof *levels.v, by_number);
+    for (int k = 0; k + 1 < levels.count && !is_full(t); k++) {
+        double low = levels.v[k], high = levels.v[k + 1];
+        if (low < high) add_slab(t, low, high, edges, find_edges(t, i, low, high, in, count, edges));
+    }
 }
 
 static int line_below(const double *line, int n, double x) {
@@ -330,6 +358,10 @@ void curved_trimmed_mesh(const CurvedControl *control, const CurvedTrim *trims, 
     }
     for (int i = 0; i < trim_count; i++) add_trim(t, &trims[i]);
     add_cells(t);
+    if (is_full(t)) {
+        out->tolerance = INFINITY;
+        return;
+    }
     sort_corners(t);
     for (int i = 0; i < t->piece_count; i++) add_polygon(t, &t->pieces[i]);
 }

@@ -27,6 +27,9 @@ bool plan_tessellate(PlanLine *line, PlanModels *models) {
     double kept = mesh.tolerance;
     int count = mesh.polygon_count;
     arena_free(&scratch);
+    if (!isfinite(kept))
+        return plan_fail(line,
+                         "the trims cut the patch into too many pieces (allowed: loops that hardly cross)");
     if (!fine)
         return plan_fail(line,
                          "a tolerance of %g metres takes too many polygons (allowed here: from about %.2g)",

@@ -6,7 +6,7 @@
 #include "maps/curved_patch.h"
 #include "maps/plan_curved.h"
 
-enum { MAX_TRIMS = 1000, MAX_BALLS = 100 };
+enum { MAX_TRIMS = 200, MAX_BALLS = 100 };
 static const double LEAST_WEIGHT = 0.001, MOST_WEIGHT = 1000;  // of controls
 static const double LEAST_RADIUS = 0.001, MOST_RADIUS = 100;   // of balls, metres
 static const double LEAST_THRESHOLD = 0.001, MOST_THRESHOLD = 100;

@@ -511,6 +511,15 @@ static const char LINE[] =
     "patch red 0,0,0 1,0,0 2,0,0 3,0,0 0,0,0 1,0,0 2,0,0 3,0,0 0,0,0 1,0,0 2,0,0 3,0,0 0,0,0 "
     "1,0,0 2,0,0 3,0,0";
 
+// A loop of 80 curves all over the square.
+static char *scribble(Arena *arena, int head) {
+    Random random = {17};
+    char *text = arena_format(arena, "%.*s\ntrim 0.5,0.5", head, SQUARE);
+    for (int i = 1; i < 240; i++)
+        text = arena_format(arena, "%s %.3f,%.3f", text, between(&random, 0, 1), between(&random, 0, 1));
+    return arena_format(arena, "%s 0.5,0.5", text);
+}
+
 // Proves that bad shapes are refused with what is wrong and what is allowed.
 Test(curved, faults_are_named) {
     Arena arena = {0};
@@ -546,6 +555,7 @@ Test(curved, faults_are_named) {
         {arena_format(&arena, "%.*s\ntrim 0,0 1,0 1,1 0,1 0,0", head, SQUARE), "the trim has 5 points"},
         {arena_format(&arena, "%.*s\ntrim 0,0 1,1 1,1 0,0", head, SQUARE),
          "nothing of the shape can be seen"},
+        {scribble(&arena, head), "the trims cut the patch into too many pieces"},
         {"box 0,0,0 1,1,1 red\ntrim 0,0 1,0 1,1 0,0", "a trim of nothing (allowed: behind a patch)"},
         {"ball 0,0,0 radius 1", "a ball of nothing"},
         {"metaballs red threshold 0.5", "the metaballs have no ball"},

@@ -63,16 +63,18 @@ static void add_mesh(Maker *m, const CurvedMesh *mesh, int shape, int material) 
     m->out->subdivided += mesh->polygon_count;
 }
 
-// A shape's polygons come where the first of those they replace was in the list.
-static void subdivide(Maker *m, const Building *b, const CurvedShape *shape, const Camera *camera,
+// A shape's polygons come where the first of those they replace was in the list. False where none are made of it.
+static bool subdivide(Maker *m, const Building *b, const CurvedShape *shape, const Camera *camera,
                       double pixels, double near) {
     double pixel = 2 * camera->tan_x / camera->width * near;
     Arena scratch = {0};
     CurvedMesh mesh;
     curved_tessellate(b, shape, pixels * pixel, &scratch, &mesh);
-    m->out->largest_off = fmax(m->out->largest_off, mesh.tolerance / pixel);
+    bool made = mesh.polygon_count > 0;
+    m->out->largest_off = fmax(m->out->largest_off, (made ? mesh.tolerance : shape->tolerance) / pixel);
     add_mesh(m, &mesh, (int)(shape - b->shapes), shape->material);
     arena_free(&scratch);
+    return made;
 }
 
 static void copy_given(Maker *m, const Building *b, const Scene *given, int polygon_count, int vertex_count) {
@@ -101,8 +103,7 @@ void curved_scene_new(const Building *building, const Scene *given, int polygon_
         if (shape >= 0 && state[shape] == UNSEEN) {
             const CurvedShape *s = &building->shapes[shape];
             bool seen = nearest_of(camera, box_of(building, s), &near);
-            state[shape] = seen ? DONE : KEPT;
-            if (seen) subdivide(&m, building, s, camera, pixels, near);
+            state[shape] = seen && subdivide(&m, building, s, camera, pixels, near) ? DONE : KEPT;
         }
         if (shape < 0 || state[shape] == KEPT)
             *ARENA_PUSH(arena, m.list, m.list_count, m.list_capacity) = index;

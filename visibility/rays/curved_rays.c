@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "visibility/rays/bezier_clip.h"
 #include "visibility/rays/metaball_hit.h"
 #include "visibility/rays/quadric_hit.h"
 
@@ -24,6 +25,14 @@ static void hit_quadric(const void *self, const Ray *ray, HitList *list, CurvedW
     quadric_hits(self, ray, list);
 }
 
+static const void *prepare_patch(const Building *building, const CurvedShape *shape, Arena *arena) {
+    return bezier_patch_new(building, shape, arena);
+}
+static Box box_of_patch(const void *self) { return ((const BezierPatch *)self)->box; }
+static void hit_patch(const void *self, const Ray *ray, HitList *list, CurvedWork *work) {
+    bezier_hits(self, ray, list, work);
+}
+
 static const void *prepare_balls(const Building *building, const CurvedShape *shape, Arena *arena) {
     return metaballs_new(building, shape, arena);
 }
@@ -38,6 +47,7 @@ static const Kind KINDS[CURVED_KINDS] = {
     [CURVED_SPHERE] = QUADRIC,
     [CURVED_CYLINDER] = QUADRIC,
     [CURVED_CONE] = QUADRIC,
+    [CURVED_PATCH] = {prepare_patch, box_of_patch, hit_patch},
     [CURVED_METABALLS] = {prepare_balls, box_of_balls, hit_balls},
 };
 

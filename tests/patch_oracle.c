@@ -97,7 +97,7 @@ bool patch_oracle_refine(const PatchOracle *o, const Ray *ray, double start_u, d
     Real3 a = real(n[0]), b = real(n[1]), d = real(ray->direction);
     Real3 from = added(real(ray->origin), scaled(real(o->centre), -1));
     Real u = (Real)start_u, v = (Real)start_v;
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 30; i++) {
         Real3 du, dv, p = added(point(o, u, v, &du, &dv), scaled(from, -1));
         Real f = dot(a, p), g = dot(b, p), fu = dot(a, du), fv = dot(a, dv), gu = dot(b, du), gv = dot(b, dv);
         Real det = fu * gv - fv * gu, step_u = (fv * g - gv * f) / det, step_v = (gu * f - fu * g) / det;

@@ -18,15 +18,18 @@
 #define LEAST_LEFT 1e-3
 // Distances that count as 0, of the patch's size: rounding of the ray, of its origin ten sizes away, and of the net.
 #define ROUNDING 4e-14
-// Of a piece: parts that fold and are no larger than this may be a double root; those that are no larger than the second
-// are one.
+// Of a piece: parts that fold and are no larger than this may be a double root.
 #define MAY_TOUCH 1e-2
-#define NARROWEST 1e-9
-// Hits with t no more than this apart, of the size, and the same normal, are one that was found in two parts.
+// How far beyond a part's border a root may lie, of that: neighbours then leave no crack.
+#define AT_BORDER 0.25
+// Distances of that are rounding alone, and no step makes them less.
+#define ROUNDED 0.02
+// Hits with t no more than this apart, of the size, and the same normal, are one that was found in two parts; of grazing
+// rays those whose distance from the ray differs by no more than rounding, too.
 #define SAME_HIT 1e-11
 #define SAME_NORMAL 1e-8  // 1 - cosine
 // Tangents whose cross product is less than this of their lengths make no frame to measure in.
-#define ASKEW 0.1
+#define ASKEW 0.2
 enum {
     WAITING = 64,     // parts: each halving leaves one
     MOST_PARTS = 400  // of a piece: tangent rays take 50; a ray within a flat piece would take any number
@@ -47,8 +50,9 @@ typedef struct Beam {
 
 // Part of a piece, in the plane across the ray.
 typedef struct Part {
-    Lane4 a[4];  // distances to a line along v; rows of v, lanes along u
-    Lane4 b[4];  // to a line along u; rows of u, lanes along v
+    Vec2 along_u, along_v;  // the lines, unit vectors
+    Lane4 a[4];             // distances to a line along v; rows of v, lanes along u
+    Lane4 b[4];             // to a line along u; rows of u, lanes along v
     double u, v, width_u, width_v;
 } Part;
 
@@ -102,26 +106,30 @@ static void choose_lines(const Lane4 f[4], const Lane4 g[4], bool for_clips, Vec
     *along_v = vec2_scale(v, sign);
 }
 
-// From two distances f and g, rows of v and lanes along u.
+// From coordinates f and g in the plane, rows of v and lanes along u.
 static void measure(Part *part, const Lane4 f[4], const Lane4 g[4], bool for_clips) {
     Vec2 u, v;
     choose_lines(f, g, for_clips, &u, &v);
-    Lane4 a[4], b[4];
+    part->along_u = u;
+    part->along_v = v;
     for (int k = 0; k < 4; k++) {
-        a[k] = f[k] * v.y - g[k] * v.x;
-        b[k] = u.x * g[k] - u.y * f[k];
+        part->a[k] = f[k] * v.y - g[k] * v.x;
+        part->b[k] = u.x * g[k] - u.y * f[k];
     }
-    lane4_transpose(b);
-    memcpy(part->a, a, sizeof a);
-    memcpy(part->b, b, sizeof b);
+    lane4_transpose(part->b);
 }
 
-static void measure_again(Part *part, bool for_clips) {
-    Lane4 f[4], g[4];
-    memcpy(f, part->a, sizeof f);
-    memcpy(g, part->b, sizeof g);
-    lane4_transpose(g);
-    measure(part, f, g, for_clips);
+// The coordinates again.
+static void coordinates(const Part *part, Lane4 f[4], Lane4 g[4]) {
+    Vec2 u = part->along_u, v = part->along_v;
+    double scale = 1 / vec2_cross(u, v);
+    Lane4 b[4];
+    memcpy(b, part->b, sizeof b);
+    lane4_transpose(b);
+    for (int k = 0; k < 4; k++) {
+        f[k] = (part->a[k] * u.x + b[k] * v.x) * scale;
+        g[k] = (part->a[k] * u.y + b[k] * v.y) * scale;
+    }
 }
 
 // ---- clips
@@ -200,8 +208,10 @@ static bool cones_are_apart(const Part *part) {
 
 static bool has_one_root_at_most(const Part *part) {
     if (cones_are_apart(part)) return true;
-    Part again = *part;
-    measure_again(&again, false);
+    Part again;
+    Lane4 f[4], g[4];
+    coordinates(part, f, g);
+    measure(&again, f, g, false);
     return cones_are_apart(&again);
 }
 
@@ -225,8 +235,18 @@ static Place place_at(const Part *part, double u, double v) {
                    lane4_sum(b * sv)};
 }
 
-// Newton's steps to the one root there may be in the part. False: it is not there, or was not found.
-static bool find_root(const Beam *beam, const Part *part, double *u, double *v) {
+// Is there no root but the one at u, v, outside the part but no farther than half its size?
+static bool is_alone(const Part *part) {
+    Part wide = *part;
+    cut_u(&wide, -0.5, 1.5);
+    cut_v(&wide, -0.5, 1.5);
+    return has_one_root_at_most(&wide);
+}
+
+typedef enum Search { FOUND, NONE, UNKNOWN } Search;
+
+// Newton's steps to the one root there may be in the part.
+static Search find_root(const Beam *beam, const Part *part, double *u, double *v) {
     *u = *v = 0.5;
     for (int i = 0; i < MOST_STEPS; i++) {
         Place at = place_at(part, *u, *v);
@@ -236,16 +256,18 @@ static bool find_root(const Beam *beam, const Part *part, double *u, double *v) 
         double dv = (at.b_u * at.a - at.a_u * at.b) / determinant;
         *u += du;
         *v += dv;
-        if (!(fabs(*u - 0.5) < 1.5 && fabs(*v - 0.5) < 1.5)) return false;
-        if (fabs(du) + fabs(dv) > 1e-7) continue;  // squared, it is less than rounding
+        if (!(fabs(*u - 0.5) < 1 && fabs(*v - 0.5) < 1)) return UNKNOWN;
+        bool rounded = fmax(fabs(at.a), fabs(at.b)) <= ROUNDED * beam->slack;
+        if (fabs(du) + fabs(dv) > 1e-7 && !rounded) continue;  // squared, it is less than rounding
         double in_u = fmin(fmax(*u, 0), 1), in_v = fmin(fmax(*v, 0), 1);
-        if (in_u == *u && in_v == *v) return true;
+        if (in_u == *u && in_v == *v) return FOUND;
         at = place_at(part, in_u, in_v);
         *u = in_u;
         *v = in_v;
-        return fabs(at.a) <= 2 * beam->slack && fabs(at.b) <= 2 * beam->slack;
+        if (fmax(fabs(at.a), fabs(at.b)) <= AT_BORDER * beam->slack) return FOUND;
+        return is_alone(part) ? NONE : UNKNOWN;
     }
-    return false;
+    return UNKNOWN;
 }
 
 // ---- folds
@@ -315,8 +337,10 @@ static Vec3 normal_at(const PatchNet *net, double u, double v, const PatchPoint 
 
 static bool is_known(const Beam *beam, const RayHit *hit) {
     const HitList *list = beam->list;
+    double slope = fabs(vec3_dot(hit->normal, beam->d));
+    double same = SAME_HIT * beam->patch->size + 2 * beam->slack / fmax(slope, 1e-9);
     for (int i = 0; i < list->count && i < list->max; i++)
-        if (fabs(list->hits[i].t - hit->t) <= SAME_HIT * beam->patch->size &&
+        if (fabs(list->hits[i].t - hit->t) <= same &&
             1 - fabs(vec3_dot(list->hits[i].normal, hit->normal)) < SAME_NORMAL)
             return true;
     return false;
@@ -355,28 +379,28 @@ static bool settle(const Beam *beam, const PatchPiece *piece, Part *part) {
         widen(&from[1], &to[1]);
         cut_u(part, from[0], to[0]);
         cut_v(part, from[1], to[1]);
-        if (is_zero(part, beam->slack) || fmax(part->width_u, part->width_v) < NARROWEST) {
+        if (is_zero(part, beam->slack)) {
             add_hit(beam, piece, part, 0.5, 0.5);
             return false;
         }
-        bool one = has_one_root_at_most(part);
-        if (one ? find_root(beam, part, &u, &v)
-                : fmax(part->width_u, part->width_v) < MAY_TOUCH && find_double_root(beam, part, &u, &v)) {
-            add_hit(beam, piece, part, u, v);
-            return false;
-        }
+        Search search = UNKNOWN;
+        if (has_one_root_at_most(part))
+            search = find_root(beam, part, &u, &v);
+        else if (fmax(part->width_u, part->width_v) < MAY_TOUCH && find_double_root(beam, part, &u, &v))
+            search = FOUND;
+        if (search == FOUND) add_hit(beam, piece, part, u, v);
+        if (search != UNKNOWN) return false;
         if (!shrinks) return true;
     }
 }
 
 // Across the longer of its mean tangents.
 static void halve(Part *first, Part *second) {
-    Lane4 g[4];
+    Lane4 f[4], g[4];
     Vec2 u, v;
-    memcpy(g, first->b, sizeof g);
-    lane4_transpose(g);
-    mean_tangents(first->a, g, &u, &v);
-    measure_again(first, true);
+    coordinates(first, f, g);
+    mean_tangents(f, g, &u, &v);
+    measure(first, f, g, true);
     *second = *first;
     if (vec2_dot(u, u) > vec2_dot(v, v)) {
         cut_u(first, 0, 0.5);

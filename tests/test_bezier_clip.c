@@ -142,12 +142,14 @@ static Vec3 tangent_at(const Bench *b, double u, double v, double turn, double o
 }
 
 // Rays that touch a patch without passing through: the double root is there, and at its place. Tolerance: anywhere
-// where the surface is within a few roundings of the ray.
+// where the surface is within a few roundings of the ray. In an asymptotic direction, where the root is as good as triple,
+// the iteration may end undecided, and says so.
 Test(bezier_clip, rays_that_touch, .timeout = 60) {
     for (int patch = 1; patch < RAY_PATCHES; patch++) {
         Arena arena = {0};
         Bench b = bench_of(patch, 1, vec3(0, 0, 0), 1, &arena);
         CurvedWork work = {0};
+        int missed = 0;
         for (int i = 0; i < support_count(1000, 100000); i++) {
             unsigned long long seed = 50000 * (unsigned long long)patch + (unsigned long long)i;
             Random random = {seed};
@@ -156,16 +158,22 @@ Test(bezier_clip, rays_that_touch, .timeout = 60) {
             Vec3 d = tangent_at(&b, u, v, random_between(&random, 0, 2 * M_PI), 4e-13 * b.size, &p, &reach);
             Ray ray = ray_through(p, d, 3 * b.size);
             RayHit hits[ORACLE_ROOTS];
+            long long undecided = work.undecided;
             int count = curved_rays_all(b.rays, 0, &ray, hits, ORACLE_ROOTS, &work);
             double nearest = INFINITY;
             for (int k = 0; k < count && k < ORACLE_ROOTS; k++)
                 nearest = fmin(nearest, fabs(hits[k].t - 3 * b.size));
-            cr_assert(nearest < reach, "%s, seed %llu: u %.6f v %.6f, %d hits, the nearest %g away, not %g",
+            missed += nearest >= reach;
+            cr_assert(nearest < reach || work.undecided > undecided,
+                      "%s, seed %llu: u %.6f v %.6f, %d hits, the nearest %g away, not %g",
                       RAY_PATCH_NAMES[patch], seed, u, v, count, nearest, reach);
         }
-        cr_log_info("%s: %.1f clips, %.1f halvings, %.1f steps a ray, %lld undecided", RAY_PATCH_NAMES[patch],
-                    (double)work.clips / (double)work.rays, (double)work.splits / (double)work.rays,
-                    (double)work.steps / (double)work.rays, work.undecided);
+        cr_assert(200LL * missed <= work.rays, "%s: %d of %lld missed", RAY_PATCH_NAMES[patch], missed,
+                  work.rays);
+        cr_log_info("%s: %.1f clips, %.1f halvings, %.1f steps a ray, %lld undecided, %d missed",
+                    RAY_PATCH_NAMES[patch], (double)work.clips / (double)work.rays,
+                    (double)work.splits / (double)work.rays, (double)work.steps / (double)work.rays,
+                    work.undecided, missed);
         arena_free(&arena);
     }
 }

@@ -40,6 +40,25 @@ static bool is_alone(const BezierPart *part) {
     return bezier_part_has_one_root_at_most(&wide);
 }
 
+static double into_part(double s) { return s < 0 ? 0 : s > 1 ? 1 : s; }
+
+// Is the root at u, v no farther outside than rounding? Then it is moved to the border: along it to where it is nearest,
+// since a grazing ray's place on the surface is known far less well than its distance from it.
+static bool is_at_border(const BezierBeam *beam, const BezierPart *part, double *u, double *v) {
+    bool along_v = into_part(*u) != *u, along_u = into_part(*v) != *v;
+    *u = into_part(*u);
+    *v = into_part(*v);
+    BezierPlace at = bezier_part_place(part, *u, *v);
+    if (along_v != along_u) {
+        double step_u = -(at.a * at.a_u + at.b * at.b_u) / (at.a_u * at.a_u + at.b_u * at.b_u);
+        double step_v = -(at.a * at.a_v + at.b * at.b_v) / (at.a_v * at.a_v + at.b_v * at.b_v);
+        if (along_u) *u = into_part(*u + step_u);
+        if (along_v) *v = into_part(*v + step_v);
+        at = bezier_part_place(part, *u, *v);
+    }
+    return fmax(fabs(at.a), fabs(at.b)) <= AT_BORDER * beam->slack;
+}
+
 typedef enum Search { FOUND, NONE, UNKNOWN } Search;
 
 // Newton's steps from u, v to the one root there may be in the part.
@@ -55,12 +74,8 @@ static Search find_root(const BezierBeam *beam, const BezierPart *part, double *
         if (!(fabs(*u - 0.5) < 1 && fabs(*v - 0.5) < 1)) return UNKNOWN;
         bool rounded = fmax(fabs(at.a), fabs(at.b)) <= ROUNDED * beam->slack;
         if (fabs(du) + fabs(dv) > LAST_STEP && !rounded) continue;
-        double in_u = fmin(fmax(*u, 0), 1), in_v = fmin(fmax(*v, 0), 1);
-        if (in_u == *u && in_v == *v) return FOUND;
-        at = bezier_part_place(part, in_u, in_v);
-        *u = in_u;
-        *v = in_v;
-        if (fmax(fabs(at.a), fabs(at.b)) <= AT_BORDER * beam->slack) return FOUND;
+        if (*u >= 0 && *u <= 1 && *v >= 0 && *v <= 1) return FOUND;
+        if (is_at_border(beam, part, u, v)) return FOUND;
         return is_alone(part) ? NONE : UNKNOWN;
     }
     return UNKNOWN;

@@ -42,21 +42,31 @@ static bool is_alone(const BezierPart *part) {
 
 static double into_part(double s) { return s < 0 ? 0 : s > 1 ? 1 : s; }
 
-// Is the root at u, v no farther outside than rounding? Then it is moved to the border: along it to where it is nearest,
+static bool is_on_ray(const BezierBeam *beam, const BezierPlace *at) {
+    return fmax(fabs(at->a), fabs(at->b)) <= AT_BORDER * beam->slack;
+}
+
+// Is the root at u, v no farther outside than rounding? Then it is moved to the border, and along it to where it is nearest,
 // since a grazing ray's place on the surface is known far less well than its distance from it.
 static bool is_at_border(const BezierBeam *beam, const BezierPart *part, double *u, double *v) {
-    bool along_v = into_part(*u) != *u, along_u = into_part(*v) != *v;
-    *u = into_part(*u);
-    *v = into_part(*v);
-    BezierPlace at = bezier_part_place(part, *u, *v);
-    if (along_v != along_u) {
-        double step_u = -(at.a * at.a_u + at.b * at.b_u) / (at.a_u * at.a_u + at.b_u * at.b_u);
-        double step_v = -(at.a * at.a_v + at.b * at.b_v) / (at.a_v * at.a_v + at.b_v * at.b_v);
-        if (along_u) *u = into_part(*u + step_u);
-        if (along_v) *v = into_part(*v + step_v);
+    double from_u = into_part(*u), from_v = into_part(*v);
+    bool out_u = from_u != *u, out_v = from_v != *v;
+    BezierPlace at = bezier_part_place(part, from_u, from_v);
+    double step_u = -(at.a * at.a_u + at.b * at.b_u) / (at.a_u * at.a_u + at.b_u * at.b_u);
+    double step_v = -(at.a * at.a_v + at.b * at.b_v) / (at.a_v * at.a_v + at.b_v * at.b_v);
+    *u = from_u;
+    *v = from_v;
+    if (is_on_ray(beam, &at)) return true;
+    if (out_u) {
+        *v = into_part(from_v + step_v);
         at = bezier_part_place(part, *u, *v);
+        if (is_on_ray(beam, &at)) return true;
     }
-    return fmax(fabs(at.a), fabs(at.b)) <= AT_BORDER * beam->slack;
+    if (!out_v) return false;
+    *u = into_part(from_u + step_u);
+    *v = from_v;
+    at = bezier_part_place(part, *u, *v);
+    return is_on_ray(beam, &at);
 }
 
 typedef enum Search { FOUND, NONE, UNKNOWN } Search;

@@ -19,6 +19,8 @@
 #define LEAST_LEFT 1e-3
 // Of a piece: parts that fold and are no larger than this may be a double root.
 #define MAY_TOUCH 1e-2
+// A part whose distances are all less than that, of the slack, is a point: where a row of control points is one, all along it.
+#define POINT 8
 // How far beyond a part's border a root may lie, of the slack: neighbours then leave no crack.
 #define AT_BORDER 0.25
 // Distances of that are rounding alone, and no step makes them less.
@@ -160,7 +162,7 @@ static bool settle(const BezierBeam *beam, const PatchPiece *piece, BezierPart *
         double from[2], to[2], u, v;
         beam->work->clips += 2;
         if (!bezier_part_clip(part, beam->slack, from, to)) return false;
-        if (bezier_part_is_zero(part, beam->slack)) {
+        if (bezier_part_is_zero(part, POINT * beam->slack)) {
             add_hit(beam, piece, part, 0.5, 0.5);
             return false;
         }

@@ -177,17 +177,17 @@ static void measure_all(Shooter *shooters, int count, Box box, uint64_t seed, Te
 static void bench_patch(int index, const BenchArguments *a, Text *csv) {
     Arena arena = {0};
     Building building = ray_patch_building(index, 1, &arena);
-    Shooter shooters[MOST_METHODS] = {{NULL}};
+    Shooter shooters[MOST_METHODS];
     int count = 0;
     for (const BezierMethod *method = BEZIER_METHODS; method->name; method++, count++) {
-        Shooter *s = &shooters[count];
         double start = clock_thread_seconds();
-        s->patch = bezier_patch_new(&building, building.shapes, method->whole, &arena);
-        s->prepare_ms = 1000 * (clock_thread_seconds() - start);
-        s->shape = RAY_PATCH_NAMES[index];
-        s->method = method->name;
-        s->of_patch = method;
-        s->slow = method->slow;
+        const BezierPatch *made = bezier_patch_new(&building, building.shapes, method->whole, &arena);
+        shooters[count] = (Shooter){.shape = RAY_PATCH_NAMES[index],
+                                    .method = method->name,
+                                    .of_patch = method,
+                                    .patch = made,
+                                    .slow = method->slow,
+                                    .prepare_ms = 1000 * (clock_thread_seconds() - start)};
     }
     Ray rays[TRUTH_RAYS];
     Building untrimmed = building;

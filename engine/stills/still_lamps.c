@@ -1,0 +1,319 @@
+// still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form (Lambert 1760 for polygons;
+// Snyder 1996, Area Light Sources for Real-Time Graphics, for balls). How much of it is seen shadow rays say, each to a point of a
+// lamp that is drawn in proportion to what it sends: so there is noise only where something hides a part (Heitz, Hill & McGuire
+// 2018, Combining Analytic Direct Illumination and Stochastic Shadows).
+#include "engine/stills/still_lamps.h"
+
+#include "engine/walk/false_colour.h"
+#include "radiosity/analytic.h"
+#include "radiosity/gather.h"
+
+// Seen from farther than so many times its radius, a polygon is as good as a point of its area: within 1 %.
+static const double FAR = 6;
+// Points of a lamp, of which one is chosen by what it sends (Talbot, Cline & Egbert 2005).
+enum { CANDIDATES = 4 };
+// Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
+static const double BEFORE = 1e-5;
+
+typedef struct Lamp {
+    int first_corner, corner_count;  // 0: a ball
+    Vec3 centre, normal;
+    double area, radius;  // of a polygon: that holds all of it
+    double before;
+    double exitance[3], luminous;
+    int cell;  // where it shines, -1: not known
+} Lamp;
+
+struct StillLamps {
+    const StillScene *scene;
+    Lamp *lamps;
+    Vec3 *corners;
+    int *first, *list;  // of a cell, [cell_count + 2] and runs of lamps; the last run is all of them
+    int count, cell_count, most_corners;
+};
+
+// ---- made once
+
+static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
+
+static bool is_ball(const CurvedShape *shape) {
+    if (shape->kind != CURVED_SPHERE) return false;
+    double r = vec3_length(shape->frame.axis[0]);
+    for (int a = 1; a < 3; a++)
+        if (fabs(vec3_length(shape->frame.axis[a]) - r) > 1e-9 * r) return false;
+    return true;
+}
+
+static void put_exitance(Lamp *lamp, const Material *m) {
+    lamp->exitance[0] = (double)m->emission.r;
+    lamp->exitance[1] = (double)m->emission.g;
+    lamp->exitance[2] = (double)m->emission.b;
+    lamp->luminous = light_luminous(lamp->exitance);
+}
+
+// The shape that is drawn exactly of which the face is a part; NULL: none.
+static const CurvedShape *shape_of(const StillScene *scene, const Face *face) {
+    const CellGraph *graph = scene->mesh->graph;
+    const Building *b = graph->building;
+    for (int s = 0; s < b->shape_count; s++) {
+        const CurvedShape *shape = &b->shapes[s];
+        if (shape->object != face->object || graph->objects[face->object].leaf >= 0) continue;
+        int first = graph->objects[shape->object].first_polygon + shape->first_polygon -
+                    b->objects[shape->object].first_polygon;
+        if (face->polygon >= first && face->polygon < first + shape->polygon_count) return shape;
+    }
+    return NULL;
+}
+
+static void add_ball(StillLamps *lamps, int shape, Arena *arena, int *capacity) {
+    const CellGraph *graph = lamps->scene->mesh->graph;
+    const CurvedShape *s = &graph->building->shapes[shape];
+    Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
+    *lamp = (Lamp){
+        .centre = s->frame.origin, .radius = vec3_length(s->frame.axis[0]), .before = BEFORE, .cell = -1};
+    lamp->area = 4 * M_PI * lamp->radius * lamp->radius;
+    put_exitance(lamp, &graph->building->materials[s->material]);
+}
+
+static void add_polygon(StillLamps *lamps, int face, double before, Arena *arena, int *capacity, int *corners,
+                        int *corner_capacity) {
+    const Mesh *mesh = lamps->scene->mesh;
+    const Face *f = &mesh->faces[face];
+    Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
+    *lamp = (Lamp){.first_corner = *corners, .normal = f->plane.n, .before = BEFORE + before};
+    // Vertices of neighbours on its edges say nothing of it: the polygon as it was.
+    const Polygon *p = &mesh->graph->polygons[f->polygon];
+    Box box = box_empty();
+    for (int i = 0; i < p->vertex_count; i++) {
+        Vec3 v = lamps->scene->vertices[p->first_vertex + i];
+        *ARENA_PUSH(arena, lamps->corners, *corners, *corner_capacity) = v;
+        box = box_add(box, v);
+        lamp->corner_count++;
+    }
+    lamp->centre = vec3_lerp(box.min, box.max, 0.5);
+    lamp->radius = 0.5 * vec3_length(vec3_sub(box.max, box.min));
+    lamp->area = polygon_area(lamps->corners + lamp->first_corner, lamp->corner_count);
+    put_exitance(lamp, mesh_material(mesh, face));
+}
+
+// What reaches into several cells may be seen from where none of them alone is.
+static int find_cell(const StillLamps *lamps, const Lamp *lamp) {
+    static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
+    const CellGraph *graph = lamps->scene->mesh->graph;
+    int cell = gather_cell(graph, lamp->centre, lamp->normal, -1);
+    for (int i = 0; i < lamp->corner_count; i++) {
+        Vec3 corner = vec3_lerp(lamps->corners[lamp->first_corner + i], lamp->centre, INWARDS);
+        if (gather_cell(graph, corner, lamp->normal, cell) != cell) return -1;
+    }
+    return cell;
+}
+
+static void add_lamps(StillLamps *lamps, Arena *arena) {
+    const Mesh *mesh = lamps->scene->mesh;
+    const Building *b = mesh->graph->building;
+    int capacity = 0, corners = 0, corner_capacity = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        if (!mesh_emits(mesh, f) ||
+            mesh->graph->polygons[mesh->faces[f].polygon].vertex_count > ANALYTIC_CORNERS)
+            continue;
+        const CurvedShape *shape = shape_of(lamps->scene, &mesh->faces[f]);
+        if (shape && is_ball(shape)) continue;
+        add_polygon(lamps, f, shape ? 2 * shape->tolerance : 0, arena, &capacity, &corners, &corner_capacity);
+        lamps->lamps[lamps->count - 1].cell = find_cell(lamps, &lamps->lamps[lamps->count - 1]);
+    }
+    for (int s = 0; s < b->shape_count; s++)
+        if (is_ball(&b->shapes[s]) && emits(&b->materials[b->shapes[s].material]))
+            add_ball(lamps, s, arena, &capacity);
+}
+
+static bool may_see(const StabForest *forest, int cell, const Lamp *lamp) {
+    return !forest || lamp->cell < 0 || vis_sees(forest, cell, lamp->cell);
+}
+
+StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena) {
+    StillLamps *lamps = ARENA_ARRAY(arena, StillLamps, 1);
+    lamps->scene = scene;
+    lamps->cell_count = scene->mesh->graph->cell_count;
+    add_lamps(lamps, arena);
+    lamps->first = ARENA_ARRAY(arena, int, lamps->cell_count + 2);
+    int count = 0, capacity = 0;
+    for (int c = 0; c <= lamps->cell_count; c++) {
+        lamps->first[c] = count;
+        for (int i = 0; i < lamps->count; i++)
+            if (c == lamps->cell_count || may_see(forest, c, &lamps->lamps[i]))
+                *ARENA_PUSH(arena, lamps->list, count, capacity) = i;
+    }
+    lamps->first[lamps->cell_count + 1] = count;
+    return lamps;
+}
+
+int still_lamps_count(const StillLamps *lamps) { return lamps->count; }
+
+// ---- in closed form
+
+double still_ball_share(Vec3 normal, Vec3 to, double radius) {
+    double d2 = vec3_dot(to, to), far2 = d2 / (radius * radius), cosine = vec3_dot(normal, to) / sqrt(d2);
+    if (far2 <= 1) return 1;
+    double above = 1 - far2 * cosine * cosine;
+    if (above <= 0) return fmax(cosine, 0) / far2;
+    double tangent = sqrt(far2 - 1), sine = sqrt(1 - cosine * cosine);
+    double part = cosine * acos(fmin(fmax(-cosine * tangent / sine, -1), 1)) - sqrt(above) * tangent;
+    return fmax((part / far2 + atan(sqrt(above) / tangent)) / M_PI, 0);
+}
+
+typedef struct Frame {
+    Vec3 x, y, n, point;
+} Frame;
+
+static double near_share(const StillLamps *lamps, const Lamp *lamp, const Frame *f) {
+    Vec3 local[ANALYTIC_CORNERS];
+    for (int i = 0; i < lamp->corner_count; i++) {
+        Vec3 v = vec3_sub(lamps->corners[lamp->first_corner + i], f->point);
+        local[i] = vec3(vec3_dot(f->x, v), vec3_dot(f->y, v), vec3_dot(f->n, v));
+    }
+    return analytic_point(local, lamp->corner_count);
+}
+
+// The share of the light that leaves the place that would meet the lamp's front.
+static double share_of(const StillLamps *lamps, const Lamp *lamp, const Frame *f) {
+    Vec3 to = vec3_sub(lamp->centre, f->point);
+    double ahead = vec3_dot(f->n, to);
+    if (ahead <= -lamp->radius) return 0;
+    if (lamp->corner_count == 0) return still_ball_share(f->n, to, lamp->radius);
+    double before = -vec3_dot(lamp->normal, to);
+    if (before <= 0) return 0;
+    double d2 = vec3_dot(to, to);
+    if (d2 > FAR * FAR * lamp->radius * lamp->radius && ahead > lamp->radius)
+        return lamp->area * ahead * before / (M_PI * d2 * d2);
+    return near_share(lamps, lamp, f);
+}
+
+// ---- points of a lamp
+
+// Uniform over the triangles between the first corner and each edge.
+static Vec3 point_of_polygon(const StillLamps *lamps, const Lamp *lamp, double u, double v) {
+    const Vec3 *c = lamps->corners + lamp->first_corner;
+    double left = u * lamp->area, area = 0;
+    int last = lamp->corner_count - 2, i = 1;
+    for (; i <= last; i++) {
+        area = 0.5 * vec3_length(vec3_cross(vec3_sub(c[i], c[0]), vec3_sub(c[i + 1], c[0])));
+        if (left < area || i == last) break;
+        left -= area;
+    }
+    double along = area > 0 ? fmin(left / area, 1) : 0;
+    return vec3_lerp(c[0], vec3_lerp(c[i], c[i + 1], along), sqrt(v));
+}
+
+// Uniform over the directions from the place.
+static Vec3 point_of_ball(const Lamp *lamp, Vec3 from, double u, double v) {
+    Vec3 to = vec3_sub(lamp->centre, from), x, y;
+    double d2 = vec3_dot(to, to), r2 = lamp->radius * lamp->radius, d = sqrt(d2);
+    if (d2 <= r2) return from;
+    double least = sqrt(1 - r2 / d2), cosine = 1 - u * (1 - least), sine2 = 1 - cosine * cosine;
+    double far = d * cosine - sqrt(fmax(r2 - d2 * sine2, 0)), turn = 2 * M_PI * v;
+    Vec3 axis = vec3_scale(to, 1 / d);
+    view_axes(axis, &x, &y);
+    Vec3 across = vec3_scale(vec3_add(vec3_scale(x, cos(turn)), vec3_scale(y, sin(turn))), sqrt(sine2));
+    return vec3_add(from, vec3_scale(vec3_add(vec3_scale(axis, cosine), across), far));
+}
+
+static double sends(const Lamp *lamp, const Frame *f, Vec3 point) {
+    Vec3 to = vec3_sub(point, f->point);
+    double d2 = vec3_dot(to, to), ahead = fmax(vec3_dot(f->n, to), 0);
+    if (lamp->corner_count == 0) return d2 > 0 ? ahead / sqrt(d2) : 0;
+    return d2 > 0 ? ahead * fmax(-vec3_dot(lamp->normal, to), 0) / (d2 * d2) : 0;
+}
+
+static double fraction(double a) { return a - floor(a); }
+
+// One of a few points, by what each sends; false: none sends anything.
+static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2],
+                         double pick, Vec3 *out) {
+    Vec3 point[CANDIDATES];
+    double weight[CANDIDATES], sum = 0;
+    for (int i = 0; i < CANDIDATES; i++) {
+        // Two by two, each in a quarter of its own.
+        double a = fraction(u[0] + 0.5 * (i & 1)), b = fraction(u[1] + 0.5 * (i >> 1));
+        point[i] = lamp->corner_count == 0 ? point_of_ball(lamp, f->point, a, b)
+                                           : point_of_polygon(lamps, lamp, a, b);
+        sum += weight[i] = sends(lamp, f, point[i]);
+    }
+    if (!(sum > 0)) return false;
+    int i = 0;
+    double left = pick * sum;
+    while (i + 1 < CANDIDATES && left >= weight[i]) left -= weight[i++];
+    *out = point[i];
+    return true;
+}
+
+static bool sees(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2], double pick) {
+    Vec3 point;
+    if (!choose_point(lamps, lamp, f, u, pick, &point)) return false;
+    Vec3 to = vec3_sub(point, f->point);
+    double d = vec3_length(to);
+    Ray ray = {f->point, vec3_scale(to, 1 / d), STILL_NEAR, d - lamp->before};
+    return !still_rays_blocked(&lamps->scene->opaque, &ray);
+}
+
+// ---- light
+
+// Lamps that are weighed at once, at most: of more the rest is left to a second go.
+enum { TOGETHER = 256 };
+
+typedef struct Weighed {
+    int lamp[TOGETHER], count;
+    double share[TOGETHER], sum;  // of all that they would send, as it is seen
+} Weighed;
+
+static void weigh(const StillLamps *lamps, const Frame *f, const int *list, int count, Weighed *out) {
+    out->count = 0;
+    out->sum = 0;
+    for (int i = 0; i < count; i++) {
+        const Lamp *lamp = &lamps->lamps[list[i]];
+        double share = share_of(lamps, lamp, f);
+        if (!(share > 0)) continue;
+        out->lamp[out->count] = list[i];
+        out->share[out->count++] = share;
+        out->sum += share * lamp->luminous;
+    }
+}
+
+static void next_numbers(StillNumbers *numbers, double u[3]) {
+    // Powers of 1 / 1.2207440846, the root of x^4 = x + 1.
+    static const double STEP[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    for (int i = 0; i < 3; i++) u[i] = fraction(numbers->shift[i] + STEP[i] * numbers->next);
+    numbers->next++;
+}
+
+// Each shadow ray is to a lamp by what it sends.
+static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, int rays,
+                     StillNumbers *numbers, double out[3]) {
+    for (int k = 0; k < rays; k++) {
+        double u[3];
+        next_numbers(numbers, u);
+        double left = u[0] * w->sum, own = 0;
+        int i = 0;
+        for (;; i++) {
+            own = w->share[i] * lamps->lamps[w->lamp[i]].luminous;
+            if (left < own || i + 1 == w->count) break;
+            left -= own;
+        }
+        const Lamp *lamp = &lamps->lamps[w->lamp[i]];
+        if (!sees(lamps, lamp, f, u + 1, fmin(left / own, 1))) continue;
+        for (int c = 0; c < 3; c++) out[c] += w->sum / lamp->luminous * lamp->exitance[c] / rays;
+    }
+}
+
+void still_lamps_light(const StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
+                       double out[3]) {
+    int run = place->cell >= 0 ? place->cell : lamps->cell_count;
+    Frame f = {.n = place->normal, .point = place->point};
+    view_axes(f.n, &f.x, &f.y);
+    Weighed w;
+    out[0] = out[1] = out[2] = 0;
+    for (int i = lamps->first[run]; i < lamps->first[run + 1]; i += TOGETHER) {
+        int count = lamps->first[run + 1] - i;
+        weigh(lamps, &f, lamps->list + i, count < TOGETHER ? count : TOGETHER, &w);
+        if (w.sum > 0) add_seen(lamps, &w, &f, rays, numbers, out);
+    }
+}

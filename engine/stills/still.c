@@ -178,6 +178,7 @@ bool still_draw(const StillSource *source, const Camera *camera, const StillOpti
     parallel_for(parallel_threads(options->threads), s.columns * s.rows, draw_tile, &s);
     report->seconds = clock_seconds() - start;
     for (int i = 0; i < s.columns * s.rows; i++) add_work(&report->work, &s.tiles[i].work);
+    if (s.light.lamps) still_lamps_end(s.light.lamps);
     arena_free(&arena);
     return !atomic_load(&s.stopped);
 }

@@ -1,35 +1,59 @@
 // still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form (Lambert 1760 for polygons;
 // Snyder 1996, Area Light Sources for Real-Time Graphics, for balls). How much of it is seen shadow rays say, each to a point of a
 // lamp that is drawn in proportion to what it sends: so there is noise only where something hides a part (Heitz, Hill & McGuire
-// 2018, Combining Analytic Direct Illumination and Stochastic Shadows).
+// 2018, Combining Analytic Direct Illumination and Stochastic Shadows). Of which lamps a patch of the mesh sees little is found by
+// some rays when it is first looked at, and they are chosen less often, to the same mean.
 #include "engine/stills/still_lamps.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
 
 #include "engine/walk/false_colour.h"
 #include "radiosity/analytic.h"
 #include "radiosity/gather.h"
 
-// Seen from farther than so many times its radius, a polygon is as good as a point of its area: within 1 %.
-static const double FAR = 6;
+// Seen from farther than so many times its radius, a polygon is as good as a point of its area, and a quadrilateral as four: within
+// 1 %.
+static const double FAR = 8, MIDDLING = 2;
 // Points of a lamp, of which one is chosen by what it sends (Talbot, Cline & Egbert 2005).
-enum { CANDIDATES = 4 };
+enum { POINTS = 4 };
+// Rays from a patch to each lamp that say how much it sees of it, and the least that it is taken to see.
+enum { LOOKS = 16 };
+static const double LEAST_SEEN = 0.08;
 // Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
 static const double BEFORE = 1e-5;
 
 typedef struct Lamp {
     int first_corner, corner_count;  // 0: a ball
     Vec3 centre, normal;
+    Vec3 four[4];         // of a quadrilateral: where Gauss's rule looks
     double area, radius;  // of a polygon: that holds all of it
     double before;
     double exitance[3], luminous;
     int cell;  // where it shines, -1: not known
 } Lamp;
 
+// A lamp as a side of a patch may see it.
+typedef struct Candidate {
+    int lamp;
+    float seen;  // about so much of it, LEAST_SEEN .. 1
+} Candidate;
+
+typedef struct Candidates {
+    int count;
+    Candidate lamp[];
+} Candidates;
+
 struct StillLamps {
     const StillScene *scene;
     Lamp *lamps;
     Vec3 *corners;
-    int *first, *list;  // of a cell, [cell_count + 2] and runs of lamps; the last run is all of them
-    int count, cell_count, most_corners;
+    const StabForest *forest;
+    _Atomic(Candidates *)
+        *of_patch;  // [2 * patch_count] of the front and back of each, when they were asked for
+    pthread_mutex_t lock;
+    Arena found;  // behind the lock
+    int count;
 };
 
 // ---- made once
@@ -75,6 +99,16 @@ static void add_ball(StillLamps *lamps, int shape, Arena *arena, int *capacity) 
     put_exitance(lamp, &graph->building->materials[s->material]);
 }
 
+// Gauss's two places along each of two directions, exact for cubics on a parallelogram.
+static void put_four(Lamp *lamp, const Vec3 *c) {
+    static const double PLACE[2] = {0.21132486540518713, 0.7886751345948129};
+    if (lamp->corner_count != 4) return;
+    for (int i = 0; i < 4; i++) {
+        double u = PLACE[i & 1], v = PLACE[i >> 1];
+        lamp->four[i] = vec3_lerp(vec3_lerp(c[0], c[1], u), vec3_lerp(c[3], c[2], u), v);
+    }
+}
+
 static void add_polygon(StillLamps *lamps, int face, double before, Arena *arena, int *capacity, int *corners,
                         int *corner_capacity) {
     const Mesh *mesh = lamps->scene->mesh;
@@ -93,6 +127,7 @@ static void add_polygon(StillLamps *lamps, int face, double before, Arena *arena
     lamp->centre = vec3_lerp(box.min, box.max, 0.5);
     lamp->radius = 0.5 * vec3_length(vec3_sub(box.max, box.min));
     lamp->area = polygon_area(lamps->corners + lamp->first_corner, lamp->corner_count);
+    put_four(lamp, lamps->corners + lamp->first_corner);
     put_exitance(lamp, mesh_material(mesh, face));
 }
 
@@ -126,25 +161,19 @@ static void add_lamps(StillLamps *lamps, Arena *arena) {
             add_ball(lamps, s, arena, &capacity);
 }
 
-static bool may_see(const StabForest *forest, int cell, const Lamp *lamp) {
-    return !forest || lamp->cell < 0 || vis_sees(forest, cell, lamp->cell);
-}
-
 StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena) {
     StillLamps *lamps = ARENA_ARRAY(arena, StillLamps, 1);
     lamps->scene = scene;
-    lamps->cell_count = scene->mesh->graph->cell_count;
+    lamps->forest = forest;
     add_lamps(lamps, arena);
-    lamps->first = ARENA_ARRAY(arena, int, lamps->cell_count + 2);
-    int count = 0, capacity = 0;
-    for (int c = 0; c <= lamps->cell_count; c++) {
-        lamps->first[c] = count;
-        for (int i = 0; i < lamps->count; i++)
-            if (c == lamps->cell_count || may_see(forest, c, &lamps->lamps[i]))
-                *ARENA_PUSH(arena, lamps->list, count, capacity) = i;
-    }
-    lamps->first[lamps->cell_count + 1] = count;
+    lamps->of_patch = arena_alloc(arena, 2 * (size_t)scene->mesh->patch_count + 1, sizeof *lamps->of_patch);
+    pthread_mutex_init(&lamps->lock, NULL);
     return lamps;
+}
+
+void still_lamps_end(StillLamps *lamps) {
+    pthread_mutex_destroy(&lamps->lock);
+    arena_free(&lamps->found);
 }
 
 int still_lamps_count(const StillLamps *lamps) { return lamps->count; }
@@ -182,10 +211,17 @@ static double share_of(const StillLamps *lamps, const Lamp *lamp, const Frame *f
     if (lamp->corner_count == 0) return still_ball_share(f->n, to, lamp->radius);
     double before = -vec3_dot(lamp->normal, to);
     if (before <= 0) return 0;
-    double d2 = vec3_dot(to, to);
-    if (d2 > FAR * FAR * lamp->radius * lamp->radius && ahead > lamp->radius)
-        return lamp->area * ahead * before / (M_PI * d2 * d2);
-    return near_share(lamps, lamp, f);
+    double d2 = vec3_dot(to, to), radius2 = lamp->radius * lamp->radius;
+    if (ahead <= lamp->radius || d2 < MIDDLING * MIDDLING * radius2) return near_share(lamps, lamp, f);
+    if (d2 > FAR * FAR * radius2) return lamp->area * ahead * before / (M_PI * d2 * d2);
+    if (lamp->corner_count != 4) return near_share(lamps, lamp, f);
+    double sum = 0;
+    for (int i = 0; i < 4; i++) {
+        Vec3 way = vec3_sub(lamp->four[i], f->point);
+        double way2 = vec3_dot(way, way);
+        sum += vec3_dot(f->n, way) / (way2 * way2);
+    }
+    return lamp->area / 4 * before * sum / M_PI;
 }
 
 // ---- points of a lamp
@@ -229,9 +265,9 @@ static double fraction(double a) { return a - floor(a); }
 // One of a few points, by what each sends; false: none sends anything.
 static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2],
                          double pick, Vec3 *out) {
-    Vec3 point[CANDIDATES];
-    double weight[CANDIDATES], sum = 0;
-    for (int i = 0; i < CANDIDATES; i++) {
+    Vec3 point[POINTS];
+    double weight[POINTS], sum = 0;
+    for (int i = 0; i < POINTS; i++) {
         // Two by two, each in a quarter of its own.
         double a = fraction(u[0] + 0.5 * (i & 1)), b = fraction(u[1] + 0.5 * (i >> 1));
         point[i] = lamp->corner_count == 0 ? point_of_ball(lamp, f->point, a, b)
@@ -241,7 +277,7 @@ static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame 
     if (!(sum > 0)) return false;
     int i = 0;
     double left = pick * sum;
-    while (i + 1 < CANDIDATES && left >= weight[i]) left -= weight[i++];
+    while (i + 1 < POINTS && left >= weight[i]) left -= weight[i++];
     *out = point[i];
     return true;
 }
@@ -255,28 +291,7 @@ static bool sees(const StillLamps *lamps, const Lamp *lamp, const Frame *f, cons
     return !still_rays_blocked(&lamps->scene->opaque, &ray);
 }
 
-// ---- light
-
-// Lamps that are weighed at once, at most: of more the rest is left to a second go.
-enum { TOGETHER = 256 };
-
-typedef struct Weighed {
-    int lamp[TOGETHER], count;
-    double share[TOGETHER], sum;  // of all that they would send, as it is seen
-} Weighed;
-
-static void weigh(const StillLamps *lamps, const Frame *f, const int *list, int count, Weighed *out) {
-    out->count = 0;
-    out->sum = 0;
-    for (int i = 0; i < count; i++) {
-        const Lamp *lamp = &lamps->lamps[list[i]];
-        double share = share_of(lamps, lamp, f);
-        if (!(share > 0)) continue;
-        out->lamp[out->count] = list[i];
-        out->share[out->count++] = share;
-        out->sum += share * lamp->luminous;
-    }
-}
+// ---- which lamps a patch sees
 
 static void next_numbers(StillNumbers *numbers, double u[3]) {
     // Powers of 1 / 1.2207440846, the root of x^4 = x + 1.
@@ -285,35 +300,186 @@ static void next_numbers(StillNumbers *numbers, double u[3]) {
     numbers->next++;
 }
 
-// Each shadow ray is to a lamp by what it sends.
+// A point of one of its elements, each as often as the other.
+static Vec3 point_of_patch(const Mesh *mesh, const Patch *patch, int k, double u, double v) {
+    const Element *e = &mesh->elements[patch->first_element + k % patch->element_count];
+    const int *corner = mesh->corners + e->first_corner;
+    int i = 1 + (int)(u * (e->corner_count - 2));
+    double along = fraction(u * (e->corner_count - 2)), out = sqrt(v);
+    Vec3 far = vec3_lerp(mesh->vertices[corner[i]], mesh->vertices[corner[i + 1]], along);
+    return vec3_lerp(mesh->vertices[corner[0]], far, out);
+}
+
+// The share of looks from a patch that meet nothing before the lamp; below 0 where all of them are from below its horizon.
+static double seen_share(const StillLamps *lamps, const Patch *patch, Vec3 normal, const Lamp *lamp) {
+    int seen = 0, above = 0;
+    StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
+    for (int k = 0; k < LOOKS; k++) {
+        double u[3], w[3];
+        next_numbers(&numbers, u);
+        next_numbers(&numbers, w);
+        Frame f = {.n = normal, .point = point_of_patch(lamps->scene->mesh, patch, k, u[0], u[1])};
+        if (lamp->corner_count > 0 && vec3_dot(lamp->normal, vec3_sub(lamp->centre, f.point)) >= 0) continue;
+        above++;
+        seen += sees(lamps, lamp, &f, w, u[2]);
+    }
+    return above > 0 ? (double)seen / LOOKS : -1;
+}
+
+// What lies around a patch on a curved shape looks other ways than it: there nothing is left out for its horizon.
+static bool may_matter(const StillLamps *lamps, const Patch *patch, const Lamp *lamp, bool curved) {
+    const Mesh *mesh = lamps->scene->mesh;
+    if (curved || lamp->corner_count == 0) return true;
+    // All of the patch behind the lamp.
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        for (int i = 0; i < element->corner_count; i++) {
+            Vec3 to = vec3_sub(mesh->vertices[mesh->corners[element->first_corner + i]], lamp->centre);
+            if (vec3_dot(lamp->normal, to) > 0) return true;
+        }
+    }
+    return false;
+}
+
+// The cells into which a side of a patch looks; count 0: not known.
+typedef struct Cells {
+    int cell[4], count;
+} Cells;
+
+// Of a wall all is in one cell; what stands in rooms may reach into several.
+static Cells cells_of(const StillLamps *lamps, const Patch *patch, const Face *face, Vec3 normal) {
+    static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
+    const Mesh *mesh = lamps->scene->mesh;
+    Cells out = {.cell = {patch->cell}, .count = patch->cell >= 0};
+    bool front = vec3_dot(normal, face->plane.n) > 0;
+    if (front && mesh->graph->objects[face->object].kind == OBJECT_SURFACE) return out;
+    out.count = 0;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        for (int i = 0; i < element->corner_count; i++) {
+            Vec3 at =
+                vec3_lerp(mesh->vertices[mesh->corners[element->first_corner + i]], patch->centre, INWARDS);
+            int cell = gather_cell(mesh->graph, at, normal, patch->cell), k = 0;
+            while (k < out.count && out.cell[k] != cell) k++;
+            if (k < out.count) continue;
+            if (cell < 0 || out.count == 4) return (Cells){.count = 0};
+            out.cell[out.count++] = cell;
+        }
+    }
+    return out;
+}
+
+static bool any_sees(const StillLamps *lamps, const Cells *cells, const Lamp *lamp) {
+    if (cells->count == 0 || lamp->cell < 0 || !lamps->forest) return true;
+    for (int i = 0; i < cells->count; i++)
+        if (vis_sees(lamps->forest, cells->cell[i], lamp->cell)) return true;
+    return false;
+}
+
+static bool on_shape(const StillLamps *lamps, const Face *face) {
+    return shape_of(lamps->scene, face) != NULL;
+}
+
+// Does any of a lamp rise above the plane of a face?
+static bool rises(const StillLamps *lamps, const Lamp *lamp, Vec3 n, double d) {
+    if (lamp->corner_count == 0) return vec3_dot(n, lamp->centre) + lamp->radius > d;
+    for (int i = 0; i < lamp->corner_count; i++)
+        if (vec3_dot(n, lamps->corners[lamp->first_corner + i]) > d) return true;
+    return false;
+}
+
+static Candidates *find_candidates(const StillLamps *lamps, int patch, bool front, Arena *arena) {
+    const Mesh *mesh = lamps->scene->mesh;
+    const Patch *p = &mesh->patches[patch];
+    const Face *face = &mesh->faces[p->face];
+    Vec3 normal = vec3_scale(face->plane.n, front ? 1 : -1);
+    double d = front ? face->plane.d : -face->plane.d;
+    bool curved = on_shape(lamps, face);
+    Cells cells = cells_of(lamps, p, face, normal);
+    Candidates *out = arena_alloc(arena, 1, sizeof *out + (size_t)lamps->count * sizeof *out->lamp);
+    for (int i = 0; i < lamps->count; i++) {
+        const Lamp *lamp = &lamps->lamps[i];
+        if (!any_sees(lamps, &cells, lamp) || !may_matter(lamps, p, lamp, curved) ||
+            (!curved && !rises(lamps, lamp, normal, d)))
+            continue;
+        double seen = seen_share(lamps, p, normal, lamp);
+        if (seen < 0 && !curved) continue;
+        out->lamp[out->count++] = (Candidate){i, (float)fmax(seen, LEAST_SEEN)};
+    }
+    return out;
+}
+
+// Whoever comes first looks; two that look at once find the same.
+static const Candidates *candidates_of(StillLamps *lamps, int patch, bool front) {
+    _Atomic(Candidates *) *place = &lamps->of_patch[2 * patch + !front];
+    Candidates *found = atomic_load(place);
+    if (found) return found;
+    Arena scratch = {0};
+    Candidates *made = find_candidates(lamps, patch, front, &scratch);
+    size_t size = sizeof *made + (size_t)made->count * sizeof *made->lamp;
+    pthread_mutex_lock(&lamps->lock);
+    found = atomic_load(place);
+    if (!found) {
+        found = arena_alloc(&lamps->found, 1, size);
+        memcpy(found, made, size);
+        atomic_store(place, found);
+    }
+    pthread_mutex_unlock(&lamps->lock);
+    arena_free(&scratch);
+    return found;
+}
+
+// ---- light
+
+// Lamps that are weighed at once, at most: of more the rest is left to a second go.
+enum { TOGETHER = 256 };
+
+typedef struct Weighed {
+    int lamp[TOGETHER], count;
+    double share[TOGETHER], weight[TOGETHER],
+        sum;  // of the light that leaves the place; of what is likely to be seen
+} Weighed;
+
+static void weigh(const StillLamps *lamps, const Frame *f, const Candidate *list, int count, Weighed *out) {
+    out->count = 0;
+    out->sum = 0;
+    for (int i = 0; i < count; i++) {
+        const Lamp *lamp = &lamps->lamps[list[i].lamp];
+        double share = share_of(lamps, lamp, f);
+        if (!(share > 0)) continue;
+        out->lamp[out->count] = list[i].lamp;
+        out->weight[out->count] = share * lamp->luminous * (double)list[i].seen;
+        out->sum += out->weight[out->count];
+        out->share[out->count++] = share;
+    }
+}
+
+// Each shadow ray is to a lamp by what it is likely to send.
 static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, int rays,
                      StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {
         double u[3];
         next_numbers(numbers, u);
-        double left = u[0] * w->sum, own = 0;
+        double left = u[0] * w->sum;
         int i = 0;
-        for (;; i++) {
-            own = w->share[i] * lamps->lamps[w->lamp[i]].luminous;
-            if (left < own || i + 1 == w->count) break;
-            left -= own;
-        }
+        while (left >= w->weight[i] && i + 1 < w->count) left -= w->weight[i++];
         const Lamp *lamp = &lamps->lamps[w->lamp[i]];
-        if (!sees(lamps, lamp, f, u + 1, fmin(left / own, 1))) continue;
-        for (int c = 0; c < 3; c++) out[c] += w->sum / lamp->luminous * lamp->exitance[c] / rays;
+        if (!sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1))) continue;
+        double scale = w->share[i] * w->sum / w->weight[i] / rays;
+        for (int c = 0; c < 3; c++) out[c] += scale * lamp->exitance[c];
     }
 }
 
-void still_lamps_light(const StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
+void still_lamps_light(StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
                        double out[3]) {
-    int run = place->cell >= 0 ? place->cell : lamps->cell_count;
+    const Candidates *list = candidates_of(lamps, place->patch, place->front);
     Frame f = {.n = place->normal, .point = place->point};
     view_axes(f.n, &f.x, &f.y);
     Weighed w;
     out[0] = out[1] = out[2] = 0;
-    for (int i = lamps->first[run]; i < lamps->first[run + 1]; i += TOGETHER) {
-        int count = lamps->first[run + 1] - i;
-        weigh(lamps, &f, lamps->list + i, count < TOGETHER ? count : TOGETHER, &w);
+    for (int i = 0; i < list->count; i += TOGETHER) {
+        int count = list->count - i;
+        weigh(lamps, &f, list->lamp + i, count < TOGETHER ? count : TOGETHER, &w);
         if (w.sum > 0) add_seen(lamps, &w, &f, rays, numbers, out);
     }
 }

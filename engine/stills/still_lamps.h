@@ -15,17 +15,19 @@ typedef struct StillNumbers {
 typedef struct StillLamps StillLamps;
 // Which lamps a cell may see the forest tells; NULL: all.
 StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena);
+void still_lamps_end(StillLamps *lamps);
 int still_lamps_count(const StillLamps *lamps);
 
 // A place before whose surface one asks for light.
 typedef struct StillPlace {
     Vec3 point, normal;
-    int cell;  // in which it lies, -1: not known
+    int patch;   // of the mesh, on which it lies or near which
+    bool front;  // of it
 } StillPlace;
 
 // The irradiance that lamps send there, W/m^2 a channel: what would arrive if nothing stood between, in closed form, times the share
 // that is seen of it, by `rays` shadow rays.
-void still_lamps_light(const StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
+void still_lamps_light(StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
                        double out[3]);
 
 // The share of the light that leaves a place towards a ball at `to`, of which the horizon hides what is below it.

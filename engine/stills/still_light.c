@@ -4,7 +4,6 @@
 #include "engine/stills/still_light.h"
 
 #include "engine/walk/walk_shade.h"
-#include "radiosity/gather.h"
 
 // Facets are looked for so many tolerances to either side of their shape.
 static const double FACET_REACH = 4;
@@ -28,7 +27,7 @@ static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[
 }
 
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
-                           const RadSolution *lamps_only, const StillLamps *lamps, Arena *arena) {
+                           const RadSolution *lamps_only, StillLamps *lamps, Arena *arena) {
     const Mesh *mesh = scene->mesh;
     StillLight light = {.scene = scene, .lamps = lamps};
     Arena scratch = {0};
@@ -103,15 +102,10 @@ static Spot find_spot(const StillScene *scene, const StillSurface *s, const Surf
 // ---- light
 
 static void add_lamps(const StillLight *light, const StillSurface *s, const Spot *spot, Vec3 at, Vec3 normal,
-                      int rays, StillNumbers *numbers, double out[3]) {
-    const Mesh *mesh = light->scene->mesh;
-    const Element *element = &mesh->elements[spot->element];
-    // Of a wall all is in one cell; what stands in rooms may reach into several.
-    int cell = mesh->patches[element->patch].cell;
-    bool wall = mesh->graph->objects[mesh->faces[element->face].object].kind == OBJECT_SURFACE;
-    if (!wall) cell = gather_cell(mesh->graph, at, normal, cell);
+                      bool front, int rays, StillNumbers *numbers, double out[3]) {
+    int patch = light->scene->mesh->elements[spot->element].patch;
     double arrives[3];
-    still_lamps_light(light->lamps, &(StillPlace){at, normal, cell}, rays, numbers, arrives);
+    still_lamps_light(light->lamps, &(StillPlace){at, normal, patch, front}, rays, numbers, arrives);
     out[0] += (double)s->material->reflectance.r * arrives[0];
     out[1] += (double)s->material->reflectance.g * arrives[1];
     out[2] += (double)s->material->reflectance.b * arrives[2];
@@ -128,7 +122,7 @@ void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *h
     if (spot.element >= 0) {
         reconstruct_in(light->scene->mesh, &light->baked, spot.element, spot.point, out);
         for (int c = 0; c < 3; c++) out[c] *= share;
-        if (light->lamps) add_lamps(light, s, &spot, at, normal, rays, numbers, out);
+        if (light->lamps) add_lamps(light, s, &spot, at, normal, hit->front, rays, numbers, out);
     }
     // Elsewhere it is in what was baked.
     if (hit->front && (light->lamps || spot.element < 0)) {

@@ -7,15 +7,15 @@
 
 typedef struct StillLight {
     const StillScene *scene;
-    VertexLight baked;        // of all, or of what was reflected before it came
-    const StillLamps *lamps;  // NULL: their light is in `baked`
-    double mean[3];           // of all surfaces by area, W/m^2
+    VertexLight baked;  // of all, or of what was reflected before it came
+    StillLamps *lamps;  // NULL: their light is in `baked`
+    double mean[3];     // of all surfaces by area, W/m^2
 } StillLight;
 
 // `lamps_only`: of the same mesh, what lamps alone do without reflection. Then `baked` is the difference, and what lamps send straight
 // comes from `lamps`. NULL, NULL: all is baked.
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
-                           const RadSolution *lamps_only, const StillLamps *lamps, Arena *arena);
+                           const RadSolution *lamps_only, StillLamps *lamps, Arena *arena);
 
 // What a ray sees of it, W/m^2 a channel (of a diffuse surface that looks the same); by so many shadow rays.
 void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, int rays,

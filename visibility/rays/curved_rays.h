@@ -19,5 +19,9 @@ CurvedRays *curved_rays_new(const Building *building, Arena *arena);
 Box curved_rays_box(const CurvedRays *rays, int shape);
 // The first hit with near < t < far, from either side; `work` may be NULL.
 bool curved_rays_hit(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hit, CurvedWork *work);
+// All of them, the nearest first: writes at most `max` (2 at least), returns how many there are. Where a ray touches without
+// passing through, that is one.
+int curved_rays_all(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits, int max,
+                    CurvedWork *work);
 
 #endif

@@ -1,0 +1,122 @@
+// test_bezier_clip.c - rays and Bezier patches: every hit there is, and no other, against a dense grid refined by Newton's
+// steps in long doubles; rays that touch; patches of all sizes and places; neighbours without cracks; trims.
+#include <criterion/criterion.h>
+
+#include "engine/app/ray_patches.h"
+#include "engine/core/random.h"
+#include "tests/patch_oracle.h"
+#include "tests/support.h"
+#include "visibility/rays/curved_rays.h"
+
+// Of a hit's place, of the patch's size.
+#define EXACT 1e-9
+
+typedef struct Bench {
+    Building building;
+    CurvedRays *rays;
+    PatchOracle *oracle;
+    double size;
+} Bench;
+
+static Bench bench_of(int patch, double scale, Vec3 shift, int cells, Arena *arena) {
+    Bench b = {.building = ray_patch_building(patch, scale, arena)};
+    for (int k = 0; k < 16; k++) b.building.controls[k].point = vec3_add(b.building.controls[k].point, shift);
+    b.building.shapes[0].trim_count = 0;
+    b.rays = curved_rays_new(&b.building, arena);
+    b.oracle = patch_oracle_new(&b.building, cells, arena);
+    b.size = patch_oracle_size(b.oracle);
+    return b;
+}
+
+static Vec3 random_unit_vector(Random *random) {
+    double z = random_between(random, -1, 1), a = random_between(random, 0, 2 * M_PI), r = sqrt(1 - z * z);
+    return vec3(r * cos(a), r * sin(a), z);
+}
+
+static Ray ray_through(Vec3 p, Vec3 direction, double before) {
+    return (Ray){vec3_sub(p, vec3_scale(direction, before)), direction, -INFINITY, INFINITY};
+}
+
+// Half of the rays pass anywhere through the bounds, the others nearly touch the patch: down to a millionth of a radian.
+static Ray random_ray(const Bench *b, Random *random) {
+    if (random_unit(random) < 0.5) {
+        Box box = curved_rays_box(b->rays, 0);
+        Vec3 p =
+            vec3(random_between(random, box.min.x, box.max.x), random_between(random, box.min.y, box.max.y),
+                 random_between(random, box.min.z, box.max.z));
+        return ray_through(p, random_unit_vector(random), 3 * b->size);
+    }
+    Vec3 du, dv, p = patch_oracle_point(b->oracle, random_unit(random), random_unit(random), &du, &dv);
+    double turn = random_between(random, 0, 2 * M_PI), lift = pow(10, random_between(random, -6, 0));
+    Vec3 n = vec3_normalize(vec3_cross(du, dv));
+    Vec3 d = vec3_add(vec3_scale(vec3_normalize(du), cos(turn)), vec3_scale(vec3_normalize(dv), sin(turn)));
+    d = vec3_normalize(vec3_add(vec3_normalize(d), vec3_scale(n, lift)));
+    return ray_through(p, d, 3 * b->size);
+}
+
+static double off_ray(const Bench *b, const Ray *ray, const RayHit *hit) {
+    Vec3 p = patch_oracle_point(b->oracle, hit->u, hit->v, NULL, NULL);
+    return vec3_length(vec3_sub(p, vec3_add(ray->origin, vec3_scale(ray->direction, hit->t))));
+}
+
+typedef struct Tally {
+    long long rays, roots, unsure, beyond_the_grid;
+} Tally;
+
+// Each hit is a root, each root is a hit, one each.
+static void check_ray(const Bench *b, const Ray *ray, const char *name, unsigned long long seed,
+                      Tally *tally) {
+    OracleRoot roots[ORACLE_ROOTS];
+    RayHit hits[ORACLE_ROOTS];
+    bool taken[ORACLE_ROOTS] = {false};
+    int root_count = patch_oracle_roots(b->oracle, ray, roots);
+    int count = curved_rays_all(b->rays, 0, ray, hits, ORACLE_ROOTS, NULL);
+    tally->rays++;
+    tally->roots += root_count;
+    for (int i = 0; i < count; i++) {
+        OracleRoot root;
+        double off = off_ray(b, ray, &hits[i]);
+        cr_assert(off < EXACT * b->size, "%s, seed %llu: hit %d is %g off the ray", name, seed, i,
+                  off / b->size);
+        bool known = false;
+        for (int k = 0; k < root_count; k++) {
+            double apart = fabs(roots[k].t - hits[i].t);
+            if (taken[k] || apart > (roots[k].sure ? EXACT : 1e-5) * b->size) continue;
+            taken[k] = known = true;
+            break;
+        }
+        if (known) continue;
+        bool is_root = patch_oracle_refine(b->oracle, ray, hits[i].u, hits[i].v, &root);
+        if (is_root && root.sure) tally->beyond_the_grid++;
+        cr_assert(!is_root || !root.sure || fabs(root.t - hits[i].t) < EXACT * b->size, "%s, seed %llu", name,
+                  seed);
+        for (int k = 0; k < root_count && is_root && root.sure; k++)
+            cr_assert(fabs(roots[k].t - root.t) > EXACT * b->size,
+                      "%s, seed %llu: hit %d of %d is there twice", name, seed, i, count);
+    }
+    for (int k = 0; k < root_count; k++) {
+        tally->unsure += !roots[k].sure;
+        cr_assert(taken[k] || !roots[k].sure,
+                  "%s, seed %llu: no hit at u %.9f v %.9f t %.9f (%d hits, %d roots)", name, seed, roots[k].u,
+                  roots[k].v, roots[k].t, count, root_count);
+    }
+}
+
+// All roots of 1,000 rays a patch, and no more: number and place.
+Test(bezier_clip, all_roots, .timeout = 300) {
+    for (int patch = 0; patch < RAY_PATCHES; patch++) {
+        Arena arena = {0};
+        Bench b = bench_of(patch, 1, vec3(0, 0, 0), 100, &arena);
+        Tally tally = {0};
+        for (int i = 0; i < support_count(1000, 20000); i++) {
+            uint64_t seed = 1000000 * (uint64_t)(patch + 1) + (uint64_t)i;
+            Random random = {seed};
+            Ray ray = random_ray(&b, &random);
+            check_ray(&b, &ray, RAY_PATCH_NAMES[patch], (unsigned long long)seed, &tally);
+        }
+        cr_log_info("%s: %lld roots of %lld rays, %lld at folds, %lld beyond the grid",
+                    RAY_PATCH_NAMES[patch], tally.roots, tally.rays, tally.unsure, tally.beyond_the_grid);
+        cr_assert(tally.unsure * 10 < tally.roots && tally.beyond_the_grid * 100 < tally.roots);
+        arena_free(&arena);
+    }
+}

@@ -1,0 +1,170 @@
+// bernstein.c - roots of polynomials by Bezier clipping (Nishita, Sederberg & Kakimoto 1990, section 2; Sederberg & Nishita
+// 1990): what lies outside the convex hull's meeting with the axis is cut off, what does not shrink is halved. Departure:
+// as soon as the coefficients only rise or only fall there is one root, which Newton's steps find within its bracket.
+#include "visibility/rays/bernstein.h"
+
+#include <string.h>
+
+// A piece that keeps more than this after a clip is halved (Nishita, Sederberg & Kakimoto 1990).
+#define SHRINKS 0.8
+// Of pieces that are no more than this wide and still neither without root nor monotone, 2^-28: a double root is lost in
+// rounding at the square root of that of a double.
+#define NARROWEST 3.7e-9
+// Pieces waiting. Each level of halving leaves one, and there are 28.
+enum { WAITING = 40 };
+// A root of degree 6 takes less than 60; six at once are not twice as far.
+enum { MOST_PIECES = 400 };
+enum { MOST_STEPS = 60 };  // of Newton's, or halvings of its bracket
+
+double bernstein_value(const double *c, int degree, double s, double *slope) {
+    double b[BERNSTEIN_DEGREE + 1];
+    memcpy(b, c, sizeof *b * (size_t)(degree + 1));
+    for (int level = degree; level > 1; level--)
+        for (int i = 0; i < level; i++) b[i] += s * (b[i + 1] - b[i]);
+    *slope = degree * (b[1] - b[0]);
+    return b[0] + s * (b[1] - b[0]);
+}
+
+void bernstein_cut(double *c, int degree, double low, double high) {
+    if (high < 1)
+        for (int level = 1; level <= degree; level++)
+            for (int i = degree; i >= level; i--) c[i] = c[i - 1] + high * (c[i] - c[i - 1]);
+    double s = low / high;
+    if (low > 0)
+        for (int level = 1; level <= degree; level++)
+            for (int i = 0; i <= degree - level; i++) c[i] += s * (c[i + 1] - c[i]);
+}
+
+// Towards one end: the first place from c[0] on at which the hull comes down to 0, in steps of one coefficient.
+static double comes_down(const double *c, int degree, int stride) {
+    double first = degree;
+    for (int j = 1; j <= degree; j++) {
+        double below = c[j * stride];
+        if (!(below <= 0)) continue;
+        for (int i = 0; i < j; i++) {
+            double above = c[i * stride];
+            if (above > 0) first = fmin(first, i + (j - i) * (above / (above - below)));
+        }
+    }
+    return first;
+}
+
+bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high) {
+    double least = c[0], most = c[0];
+    for (int i = 1; i <= degree; i++) least = fmin(least, c[i]), most = fmax(most, c[i]);
+    if (!(least <= slack && most >= -slack)) return false;
+    double b[BERNSTEIN_DEGREE + 1];
+    for (int end = 0; end < 2; end++) {
+        double first = c[end ? degree : 0], sign = first > 0 ? 1 : -1;
+        for (int i = 0; i <= degree; i++) b[i] = sign * c[i] - slack;
+        double way =
+            b[end ? degree : 0] <= 0 ? 0 : comes_down(end ? b + degree : b, degree, end ? -1 : 1) / degree;
+        *(end ? high : low) = end ? 1 - way : way;
+    }
+    return true;
+}
+
+// The root of coefficients that only rise or only fall, between ends of different signs.
+static double monotone_root(const double *c, int degree, CurvedWork *work) {
+    double low = 0, high = 1, slope, s = c[0] / (c[0] - c[degree]), rising = c[degree] > c[0] ? 1 : -1;
+    for (int i = 0; i < MOST_STEPS; i++) {
+        double value = rising * bernstein_value(c, degree, s, &slope);
+        work->steps++;
+        if (value == 0) break;
+        *(value > 0 ? &high : &low) = s;
+        double next = s - value / (rising * slope);
+        if (!(next > low && next < high)) next = (low + high) / 2;
+        if (next == s || next == low || next == high) break;
+        bool done = fabs(next - s) <= 1e-16;
+        s = next;
+        if (done) break;
+    }
+    return s;
+}
+
+static bool is_monotone(const double *c, int degree) {
+    bool rises = true, falls = true;
+    for (int i = 0; i < degree; i++) rises &= c[i + 1] >= c[i], falls &= c[i + 1] <= c[i];
+    return rises != falls;
+}
+
+typedef struct Piece {
+    double c[BERNSTEIN_DEGREE + 1];
+    double low, high;  // of it, in the whole
+} Piece;
+
+static void cut_piece(Piece *p, int degree, double low, double high) {
+    double width = p->high - p->low, from = p->low;
+    bernstein_cut(p->c, degree, low, high);
+    p->low = from + low * width;
+    p->high = from + high * width;
+}
+
+typedef struct Roots {
+    double *root;
+    int count, max;
+    double from, to;  // the places that the last root may lie at
+} Roots;
+
+// A root where two pieces meet, and one that is as wide as rounding has it, is found in several.
+static void add_root(Roots *roots, double low, double high) {
+    if (roots->count > 0 && low - roots->to <= NARROWEST) {
+        roots->to = fmax(roots->to, high);
+        roots->root[roots->count - 1] = (roots->from + roots->to) / 2;
+    } else if (roots->count < roots->max) {
+        roots->root[roots->count++] = (low + high) / 2;
+        roots->from = low;
+        roots->to = high;
+    }
+}
+
+static bool is_zero(const double *c, int degree, double slack) {
+    for (int i = 0; i <= degree; i++)
+        if (!(fabs(c[i]) <= slack)) return false;
+    return true;
+}
+
+// Clips a piece until it is empty or a root or must be halved. True: halve it.
+static bool settle(Piece *p, int degree, double slack, Roots *roots, CurvedWork *work) {
+    for (;;) {
+        double low, high;
+        if (!bernstein_clip(p->c, degree, slack, &low, &high)) return false;
+        if (p->high - p->low <= NARROWEST || is_zero(p->c, degree, slack)) {
+            add_root(roots, p->low, p->high);
+            return false;
+        }
+        if (is_monotone(p->c, degree) && p->c[0] * p->c[degree] <= 0) {
+            double s = p->low + monotone_root(p->c, degree, work) * (p->high - p->low);
+            add_root(roots, s, s);
+            return false;
+        }
+        work->clips++;
+        if (high - low > SHRINKS) return true;
+        if (!(high > low)) {  // a single place: an end of the piece, or where the hull touches
+            add_root(roots, p->low + low * (p->high - p->low), p->low + low * (p->high - p->low));
+            return false;
+        }
+        cut_piece(p, degree, low, high);
+    }
+}
+
+int bernstein_roots(const double *c, int degree, double slack, double *root, int max, CurvedWork *work) {
+    Piece waiting[WAITING];
+    Roots roots = {.root = root, .max = max};
+    int count = 1;
+    waiting[0] = (Piece){.low = 0, .high = 1};
+    memcpy(waiting[0].c, c, sizeof *c * (size_t)(degree + 1));
+    for (int pieces = 0; count > 0; pieces++) {
+        if (pieces == MOST_PIECES || count + 2 > WAITING) {
+            work->undecided++;
+            break;
+        }
+        Piece p = waiting[--count];
+        if (!settle(&p, degree, slack, &roots, work)) continue;
+        work->splits++;
+        waiting[count] = waiting[count + 1] = p;
+        cut_piece(&waiting[count++], degree, 0.5, 1);
+        cut_piece(&waiting[count++], degree, 0, 0.5);
+    }
+    return roots.count;
+}

@@ -249,10 +249,12 @@ int building_check(const Building *b, Arena *arena, const char **faults, int max
     Check c = {.b = b, .arena = arena, .faults = faults, .max = max};
     check_form(&c);
     check_materials_and_storeys(&c);
+    check_optics(&c);
     check_regions(&c);
     check_openings(&c);
     check_leaves(&c);
     check_objects(&c);
+    check_curved(&c);
     check_inlays(&c);
     check_lights_and_views(&c);
     check_world(&c);

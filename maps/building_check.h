@@ -24,6 +24,9 @@ static inline const char *text_of(const char *name) { return name && *name ? nam
 
 // building_check_regions.c
 void check_regions(Check *c);
+// building_check_curved.c: mirrors and indices of refraction; curved shapes
+void check_optics(Check *c);
+void check_curved(Check *c);
 // building_check_forms.c: what a building of this form may hold, and given portals.
 void check_form(Check *c);
 

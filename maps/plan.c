@@ -7,6 +7,8 @@
 #include "maps/plan_file.h"
 
 static const double MAX_EMISSION = 1e6;  // W/m^2
+static const double MAX_INDEX = 4;       // of refraction: germanium's
+static const double ROUNDING = 1e-6;     // of reflectances, which are floats
 static const double EYE_HEIGHT = 1.6;    // above the floor
 static const double DEFAULT_FOV = 70 * (M_PI / 180);
 static const char MARK[] = "\xEF\xBB\xBF";  // of UTF-8, with which some editors begin a file
@@ -105,14 +107,27 @@ static bool read_reflectance(PlanLine *line, Rgb *out) {
 static bool read_material(Plan *plan) {
     PlanLine *line = &plan->line;
     Material material = {.alpha = 1};
-    double alpha = 1, emission[3] = {0};
+    double alpha = 1, emission[3] = {0}, mirror = 0, refraction = 0;
     PlanOption options[] = {
         {.word = "alpha", .kind = PLAN_PURE, .out = &alpha, .min = 0, .max = 1},
-        {.word = "emission", .kind = PLAN_SPECTRUM, .out = emission, .min = 0, .max = MAX_EMISSION}};
+        {.word = "emission", .kind = PLAN_SPECTRUM, .out = emission, .min = 0, .max = MAX_EMISSION},
+        {.word = "mirror", .kind = PLAN_PURE, .out = &mirror, .min = 0, .max = 1},
+        {.word = "index", .kind = PLAN_PURE, .out = &refraction, .min = 1, .max = MAX_INDEX}};
     if (!plan_name(line, "the material's name", &material.name) ||
-        !read_reflectance(line, &material.reflectance) || !plan_options(line, options, 2))
+        !read_reflectance(line, &material.reflectance) || !plan_options(line, options, 4))
         return false;
+    const Rgb *r = &material.reflectance;
+    double most = (double)fmaxf(r->r, fmaxf(r->g, r->b));
+    if (most + mirror > 1 + ROUNDING)
+        return plan_fail(line, "a reflectance of %.3g and a mirror of %g make %.3g (allowed: at most 1)",
+                         most, mirror, most + mirror);
+    if (refraction > 0 && alpha == 1)
+        return plan_fail(line,
+                         "an index of %g without alpha (allowed: alpha below 1, so that one sees through)",
+                         refraction);
     material.alpha = (float)alpha;
+    material.mirror = (float)mirror;
+    material.index = (float)refraction;
     material.emission = (Rgb){(float)emission[0], (float)emission[1], (float)emission[2]};
     int index = building_add_material(plan->arena, plan->b, material);
     return plan_declare(line, &plan->materials, "material", material.name, index);
@@ -314,6 +329,14 @@ static bool read_box(Plan *plan) { return plan_read_box(&plan->line, &plan->mode
 static bool read_prism(Plan *plan) { return plan_read_prism(&plan->line, &plan->models); }
 static bool read_cylinder(Plan *plan) { return plan_read_cylinder(&plan->line, &plan->models); }
 static bool read_poly(Plan *plan) { return plan_read_poly(&plan->line, &plan->models); }
+static bool read_sphere(Plan *plan) { return plan_read_sphere(&plan->line, &plan->models); }
+static bool read_ellipsoid(Plan *plan) { return plan_read_ellipsoid(&plan->line, &plan->models); }
+static bool read_cone(Plan *plan) { return plan_read_cone(&plan->line, &plan->models); }
+static bool read_lathe(Plan *plan) { return plan_read_lathe(&plan->line, &plan->models); }
+static bool read_patch(Plan *plan) { return plan_read_patch(&plan->line, &plan->models); }
+static bool read_trim(Plan *plan) { return plan_read_trim(&plan->line, &plan->models); }
+static bool read_metaballs(Plan *plan) { return plan_read_metaballs(&plan->line, &plan->models); }
+static bool read_ball(Plan *plan) { return plan_read_ball(&plan->line, &plan->models); }
 static bool read_model_light(Plan *plan) { return plan_read_model_light(&plan->line, &plan->models); }
 
 static bool read_tour(Plan *plan) {
@@ -355,21 +378,42 @@ typedef struct Statement {
     bool (*read)(Plan *plan);
 } Statement;
 
-static const Statement STATEMENTS[] = {
-    {"plan", BLOCK_NONE, false, read_header},        {"storey", BLOCK_NONE, false, read_storey},
-    {"material", BLOCK_NONE, false, read_material},  {"ground", BLOCK_NONE, false, read_ground},
-    {"facade", BLOCK_NONE, false, read_facade},      {"slabs", BLOCK_NONE, false, read_slabs},
-    {"room", BLOCK_NONE, true, plan_read_room},      {"wall", BLOCK_NONE, true, plan_read_wall},
-    {"door", BLOCK_NONE, true, plan_read_door},      {"passage", BLOCK_NONE, true, plan_read_passage},
-    {"window", BLOCK_NONE, true, plan_read_window},  {"stairwell", BLOCK_NONE, true, read_stairwell},
-    {"stair", BLOCK_NONE, true, read_stair},         {"light", BLOCK_NONE, true, read_light},
-    {"inlay", BLOCK_NONE, true, read_inlay},         {"model", BLOCK_NONE, false, read_model},
-    {"place", BLOCK_NONE, true, read_place},         {"view", BLOCK_NONE, true, read_view},
-    {"tour", BLOCK_NONE, true, read_tour},           {"start", BLOCK_NONE, true, read_start},
-    {"box", BLOCK_MODEL, false, read_box},           {"prism", BLOCK_MODEL, false, read_prism},
-    {"cylinder", BLOCK_MODEL, false, read_cylinder}, {"poly", BLOCK_MODEL, false, read_poly},
-    {"light", BLOCK_MODEL, false, read_model_light}, {"end", BLOCK_MODEL, false, read_end},
-    {"eye", BLOCK_TOUR, true, read_tour_eye},        {"end", BLOCK_TOUR, false, read_end}};
+static const Statement STATEMENTS[] = {{"plan", BLOCK_NONE, false, read_header},
+                                       {"storey", BLOCK_NONE, false, read_storey},
+                                       {"material", BLOCK_NONE, false, read_material},
+                                       {"ground", BLOCK_NONE, false, read_ground},
+                                       {"facade", BLOCK_NONE, false, read_facade},
+                                       {"slabs", BLOCK_NONE, false, read_slabs},
+                                       {"room", BLOCK_NONE, true, plan_read_room},
+                                       {"wall", BLOCK_NONE, true, plan_read_wall},
+                                       {"door", BLOCK_NONE, true, plan_read_door},
+                                       {"passage", BLOCK_NONE, true, plan_read_passage},
+                                       {"window", BLOCK_NONE, true, plan_read_window},
+                                       {"stairwell", BLOCK_NONE, true, read_stairwell},
+                                       {"stair", BLOCK_NONE, true, read_stair},
+                                       {"light", BLOCK_NONE, true, read_light},
+                                       {"inlay", BLOCK_NONE, true, read_inlay},
+                                       {"model", BLOCK_NONE, false, read_model},
+                                       {"place", BLOCK_NONE, true, read_place},
+                                       {"view", BLOCK_NONE, true, read_view},
+                                       {"tour", BLOCK_NONE, true, read_tour},
+                                       {"start", BLOCK_NONE, true, read_start},
+                                       {"box", BLOCK_MODEL, false, read_box},
+                                       {"prism", BLOCK_MODEL, false, read_prism},
+                                       {"cylinder", BLOCK_MODEL, false, read_cylinder},
+                                       {"poly", BLOCK_MODEL, false, read_poly},
+                                       {"sphere", BLOCK_MODEL, false, read_sphere},
+                                       {"ellipsoid", BLOCK_MODEL, false, read_ellipsoid},
+                                       {"cone", BLOCK_MODEL, false, read_cone},
+                                       {"lathe", BLOCK_MODEL, false, read_lathe},
+                                       {"patch", BLOCK_MODEL, false, read_patch},
+                                       {"trim", BLOCK_MODEL, false, read_trim},
+                                       {"metaballs", BLOCK_MODEL, false, read_metaballs},
+                                       {"ball", BLOCK_MODEL, false, read_ball},
+                                       {"light", BLOCK_MODEL, false, read_model_light},
+                                       {"end", BLOCK_MODEL, false, read_end},
+                                       {"eye", BLOCK_TOUR, true, read_tour_eye},
+                                       {"end", BLOCK_TOUR, false, read_end}};
 enum { STATEMENT_COUNT = sizeof STATEMENTS / sizeof STATEMENTS[0] };
 
 static bool unknown_statement(Plan *plan, const char *word) {
@@ -382,6 +426,9 @@ static bool unknown_statement(Plan *plan, const char *word) {
                      list);
 }
 
+// Lines that go on with the shape of the line above.
+static bool adds_to_shape(const Statement *s) { return s->read == read_trim || s->read == read_ball; }
+
 static bool read_statement(Plan *plan) {
     PlanLine *line = &plan->line;
     if (line->count == 0) return true;
@@ -393,6 +440,7 @@ static bool read_statement(Plan *plan) {
         if (statement->block != plan->block || strcmp(statement->word, word) != 0) continue;
         if (statement->needs_storey && plan->storey < 0)
             return plan_fail(line, "'%s' stands before any storey (allowed: after one)", word);
+        if (!adds_to_shape(statement) && !plan_close_shape(line, &plan->models)) return false;
         return statement->read(plan);
     }
     return unknown_statement(plan, word);

@@ -1,8 +1,7 @@
 // plan_model.c - boxes, prisms, cylinders and single polygons in a model's own frame, and models in a building.
 #include "maps/plan_model.h"
 
-// Beyond these a file is refused: some 100 times what fits on a screen.
-enum { MAX_POLYGONS = 4000000, MAX_SIDES = 64, MAX_STEPS = 200 };
+enum { MAX_SIDES = 64, MAX_STEPS = 200 };
 static const double MAX_FLUX = 1e6;  // W
 
 enum { TOP = 1, BOTTOM = 2, LEFT = 4, RIGHT = 8, FRONT = 16, BACK = 32 };
@@ -92,15 +91,24 @@ bool plan_read_prism(PlanLine *line, PlanModels *models) {
 bool plan_read_cylinder(PlanLine *line, PlanModels *models) {
     int material, sides = 8;
     Vec2 centre;
-    double z[2], radius = 0;
+    double z[2], radius = 0, tolerance = PLAN_TOLERANCE;
     unsigned without = 0;
+    bool round = false;
     PlanOption options[] = {
         {.word = "radius", .kind = PLAN_LENGTH, .out = &radius, .min = 0.001, .max = 100, .required = true},
         {.word = "sides", .kind = PLAN_WHOLE, .out = &sides, .min = 3, .max = MAX_SIDES},
-        {.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES}};
+        {.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES},
+        {.word = "round", .kind = PLAN_FLAG, .out = &round},
+        PLAN_TOLERANCE_WORD(tolerance)};
     if (!plan_material(line, &material) || !read_heights(line, z) ||
-        !plan_point(line, "the centre", &centre) || !plan_options(line, options, 3))
+        !plan_point(line, "the centre", &centre) || !plan_options(line, options, 5))
         return false;
+    if (round ? options[1].given : options[4].given)
+        return plan_fail(line, "a cylinder with %s (allowed: sides, or round and a tolerance)",
+                         round ? "sides that is round" : "a tolerance that is not round");
+    if (round)
+        return plan_add_round(line, models, centre, z, radius, tolerance,
+                              (bool[]){!(without & BOTTOM), !(without & TOP)}, material);
     Vec2 ring[MAX_SIDES];
     for (int i = 0; i < sides; i++) {
         double angle = 2 * M_PI * (i + 0.5) / sides;
@@ -166,13 +174,19 @@ void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int 
     }
 }
 
-static Vec3 stand_point(PlanStand stand, double cosine, double sine, Vec3 p) {
-    double x = stand.mirror ? -p.x : p.x;
-    return vec3(stand.at.x + cosine * x - sine * p.y, stand.at.y + sine * x + cosine * p.y, stand.at.z + p.z);
+Vec3 plan_turn_point(const PlanTurn *t, Vec3 p) {
+    double x = t->stand.mirror ? -p.x : p.x;
+    Vec3 at = t->stand.at;
+    return vec3(at.x + t->cosine * x - t->sine * p.y, at.y + t->sine * x + t->cosine * p.y, at.z + p.z);
+}
+
+Vec3 plan_turn_vector(const PlanTurn *t, Vec3 v) {
+    double x = t->stand.mirror ? -v.x : v.x;
+    return vec3(t->cosine * x - t->sine * v.y, t->sine * x + t->cosine * v.y, v.z);
 }
 
 // Quarter turns are exact: a desk by a wall stays flush with it.
-static void turn(double angle, double *cosine, double *sine) {
+static void turn_by(double angle, double *cosine, double *sine) {
     double quarters = angle / (M_PI / 2), whole = nearbyint(quarters);
     *cosine = cos(angle);
     *sine = sin(angle);
@@ -184,18 +198,18 @@ static void turn(double angle, double *cosine, double *sine) {
 }
 
 static bool stand_polygon(PlanLine *line, Arena *arena, const Building *shapes, const Polygon *p,
-                          PlanStand stand, double cosine, double sine, Building *b) {
+                          const PlanTurn *turn, Building *b) {
     Vec3 *corner = ARENA_ARRAY(arena, Vec3, p->vertex_count);
     for (int k = 0; k < p->vertex_count; k++) {
-        int from = stand.mirror ? p->vertex_count - 1 - k : k;
-        Vec3 v = stand_point(stand, cosine, sine, shapes->vertices[p->first_vertex + from]);
+        int from = turn->stand.mirror ? p->vertex_count - 1 - k : k;
+        Vec3 v = plan_turn_point(turn, shapes->vertices[p->first_vertex + from]);
         if (fabs(v.x) > MAPS_LIMIT || fabs(v.y) > MAPS_LIMIT || fabs(v.z) > MAPS_LIMIT)
             return plan_fail(line, "a corner comes to (%g, %g, %g) (allowed: at most %g m)", v.x, v.y, v.z,
                              MAPS_LIMIT);
         corner[k] = v;
     }
-    if (b->polygon_count >= MAX_POLYGONS)
-        return plan_fail(line, "the building has more than %d polygons (limit)", MAX_POLYGONS);
+    if (b->polygon_count >= PLAN_MAX_POLYGONS)
+        return plan_fail(line, "the building has more than %d polygons (limit)", PLAN_MAX_POLYGONS);
     building_add_polygon(arena, b, corner, p->vertex_count, p->material);
     return true;
 }
@@ -204,18 +218,22 @@ bool plan_stand_model(PlanLine *line, Arena *arena, const PlanModels *models, in
                       PlanStand stand, Building *b) {
     const Building *shapes = &models->shapes;
     const Object *shape = &shapes->objects[model];
-    double cosine, sine;
-    turn(stand.angle, &cosine, &sine);
+    PlanTurn turn = {.stand = stand};
+    turn_by(stand.angle, &turn.cosine, &turn.sine);
+    int *placed = ARENA_ARRAY(arena, int, shape->polygon_count + 1);
     int object = building_add_object(arena, b, shape->kind, name);
     for (int i = 0; i < shape->polygon_count; i++) {
         const Polygon *p = &shapes->polygons[shape->first_polygon + i];
-        if (!stand_polygon(line, arena, shapes, p, stand, cosine, sine, b)) return false;
+        placed[i] = b->polygon_count;
+        if (!stand_polygon(line, arena, shapes, p, &turn, b)) return false;
     }
+    placed[shape->polygon_count] = b->polygon_count;
+    plan_stand_shapes(arena, models, model, &turn, placed, b);
     building_set_proxy(b, stand.angle);
     for (int i = 0; i < shapes->light_count; i++) {
         Light light = shapes->lights[i];
         if (light.object != model) continue;
-        light.position = stand_point(stand, cosine, sine, light.position);
+        light.position = plan_turn_point(&turn, light.position);
         light.name = name;
         light.object = object;
         *ARENA_PUSH(arena, b->lights, b->light_count, b->light_capacity) = light;

@@ -264,6 +264,31 @@ static bool read_choice(PlanLine *line, const PlanOption *option) {
     return true;
 }
 
+static bool read_triple(PlanLine *line, const PlanOption *o) {
+    double v[3] = {0};
+    int n = line->next < line->count ? scan_tuple(line->words[line->next], v, 3) : 0;
+    bool inside = n == 3;
+    for (int i = 0; i < n; i++) inside = inside && v[i] >= o->min && v[i] <= o->max;
+    if (!inside)
+        return plan_fail(line, "%s is %s (allowed: x,y,z, each from %g to %g metres)", o->word, found(line),
+                         o->min, o->max);
+    *(Vec3 *)o->out = vec3(v[0], v[1], v[2]);
+    line->next++;
+    return true;
+}
+
+static bool read_list(PlanLine *line, const PlanOption *o) {
+    PlanList *list = o->out;
+    int capacity = 0;
+    double value;
+    *list = (PlanList){0};
+    do {
+        if (!plan_number(line, o->word, o->min, o->max, "", &value)) return false;
+        *ARENA_PUSH(line->arena, list->numbers, list->count, capacity) = value;
+    } while (line->next < line->count && scan_tuple(line->words[line->next], &value, 1) == 1);
+    return true;
+}
+
 static bool read_value(PlanLine *line, const PlanOption *o) {
     double degrees;
     switch (o->kind) {
@@ -291,6 +316,10 @@ static bool read_value(PlanLine *line, const PlanOption *o) {
         return read_choice(line, o);
     case PLAN_SHAPE:
         return plan_points(line, "corners", 3, o->out);
+    case PLAN_TRIPLE:
+        return read_triple(line, o);
+    case PLAN_LIST:
+        return read_list(line, o);
     }
     return false;
 }

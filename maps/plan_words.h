@@ -35,13 +35,20 @@ typedef enum PlanOptionKind {
     PLAN_FLAG,      // bool
     PLAN_CHOICE,    // int: which of `words`
     PLAN_SET,       // unsigned: a bit for each of `words` named
-    PLAN_SHAPE      // PlanShape: points x,y
+    PLAN_SHAPE,     // PlanShape: points x,y
+    PLAN_TRIPLE,    // Vec3: x,y,z
+    PLAN_LIST       // PlanList: numbers to the next word
 } PlanOptionKind;
 
 typedef struct PlanShape {
     Vec2 *points;
     int count;
 } PlanShape;
+
+typedef struct PlanList {
+    double *numbers;
+    int count;
+} PlanList;
 
 // `word value`, in any order, after what comes first in a statement.
 typedef struct PlanOption {

@@ -21,7 +21,8 @@ static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[
     out[0] = out[1] = out[2] = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         for (int c = 0; c < 3; c++) out[c] += mesh->elements[e].area * solution->radiosity[e][c];
-        area += mesh->elements[e].area;
+        // Mirrors show the rest.
+        area += mesh->elements[e].area * (1 - (double)mesh_material(mesh, mesh->elements[e].face)->mirror);
     }
     for (int c = 0; c < 3 && area > 0; c++) out[c] /= area;
 }

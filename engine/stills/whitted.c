@@ -113,28 +113,22 @@ static void see_through(Trace *t, const Path *path, const StillSurface *s, const
 
 // ---- what is not seen through
 
-// As far as it is a mirror; what has an index is glazed, and reflects besides what its glaze lets through.
-static double mirrored(const Material *m, double cosine) {
-    double share = (double)m->mirror;
-    if (m->index > 0) share += (1 - share) * glass_fresnel(cosine, (double)m->index);
-    return share;
-}
-
+// A mirror reflects besides what it scatters. What has an index is glazed: of what its glaze reflects nothing comes to what is below.
 static void see(Trace *t, const Path *path, const StillSurface *s, const SurfaceHit *hit, double out[3]) {
+    const Material *m = s->material;
     double cosine = fmin(-vec3_dot(path->ray.direction, hit->at.normal), 1);
-    double share = hit->front ? mirrored(s->material, cosine) : 0, lit[3];
-    if (share == 0) t->work->matt++;
-    share = without_faint(t, path->weight, share);
-    if (share < 1) {
-        int rays = (int)ceil(t->w->lamp_rays * path->weight * (1 - share));
-        StillNumbers numbers = numbers_of(t, rays);
-        still_light_at(t->w->light, &path->ray, hit, rays, &numbers, lit);
-        add(out, lit, 1 - share, CLEAR);
-    }
-    if (share > 0) {
+    double glaze = hit->front && m->index > 0 ? glass_fresnel(cosine, (double)m->index) : 0;
+    double mirrored = hit->front ? glaze + (1 - glaze) * (double)m->mirror : 0, lit[3];
+    int rays = (int)ceil(t->w->lamp_rays * path->weight * (1 - glaze));
+    StillNumbers numbers = numbers_of(t, rays);
+    still_light_at(t->w->light, &path->ray, hit, rays, &numbers, lit);
+    add(out, lit, 1 - glaze, CLEAR);
+    if (mirrored > 0) {
         Vec3 at = still_ray_at(&path->ray, hit->at.t);
         Vec3 along = glass_reflect(path->ray.direction, hit->at.normal);
-        go_on(t, path, at, along, &path->media, share, CLEAR, out);
+        go_on(t, path, at, along, &path->media, mirrored, CLEAR, out);
+    } else {
+        t->work->matt++;
     }
 }
 

@@ -9,7 +9,7 @@
 #include "maps/curved_tessellate.h"
 
 // Steps of the coarsest grid: along the box, and across the radius of the smallest ball.
-enum { LEAST_CELLS = 8, BALL_CELLS = 4 };
+enum { LEAST_CELLS = 6, BALL_CELLS = 3 };
 // A vertex of the grid nearer to the surface than this share of a step lies on it.
 static const double NEAR = 0.2;
 // Of the tolerance, that the next grid is made for.

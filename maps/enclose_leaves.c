@@ -1,5 +1,5 @@
 // enclose_leaves.c - what moves of a door: as its model has it, or one leaf or two that fill the doorway, made as boxes;
-// of a glazed door as a frame around a pane.
+// of a glazed door as a frame around a pane, unless it is all of glass.
 #include "maps/enclose.h"
 
 // A leaf keeps this clear of jamb, sill and head, metres: more than VIS_TOUCH and than the planes' noise.
@@ -122,7 +122,9 @@ void leaves_draw(Enclosure *e, int hole) {
         int object = building_add_object(e->arena, b, OBJECT_LEAF, o->name);
         b->objects[object].opening = leaf->opening;
         b->objects[object].leaf = i;
-        if (o->glazed && width >= LEAST_GLAZED && height >= LEAST_GLAZED) {
+        // What is seen through needs no frame: the leaf is one sheet of it.
+        bool framed = o->glazed && b->materials[o->material].alpha >= 1;
+        if (framed && width >= LEAST_GLAZED && height >= LEAST_GLAZED) {
             add_glazed(e, leaf, width, height, o->material);
         } else {
             add_box(e, leaf, vec2(0, width), vec2(0, height), leaf->thickness, o->material);

@@ -2,7 +2,8 @@
 """house_sh3d.py HOUSE.plan HOUSE.sh3d - writes house.plan as a Sweet Home 3D home: a ZIP of Home.xml and OBJ models.
 
 Reads only what house.plan uses of the format; all its rooms have edges along x or y. Walls, which the plan leaves
-to its rooms, become walls with two sides; inlays become thin boxes. The same input gives the same bytes."""
+to its rooms, become walls with two sides; inlays become thin boxes. Round shapes become polygons, metaballs are left
+out, mirrors are light grey. The same input gives the same bytes."""
 import hashlib
 import math
 import shlex
@@ -12,12 +13,27 @@ from xml.sax.saxutils import quoteattr
 
 MM = 1000.0
 WATTS_AT_FULL_POWER = 36.5   # flux of the strongest lamp: power 1
+LIGHTEST = 0.85              # reflectance: what a mirror throws back and more is drawn as this
+AROUND, UPWARDS = 16, 4      # sides of round shapes, steps along a curve of a profile
 RUG = 0.012                  # metres, thickness of what was an inlay
 FRAME = 0.05                 # metres, width of door and window frames
 
 
 def point(word):
     return tuple(float(part) for part in word.split(","))
+
+
+def srgb(linear):
+    return round(255 * (12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055))
+
+
+def colour_of(w):
+    """RRGGBB of a material's words."""
+    if w[2] != "reflectance":
+        return w[2][1:]
+    numbers = [float(x) for x in w[3:6]] if len(w) > 5 and w[4][0].isdigit() else 3 * [float(w[3])]
+    mirror = float(w[w.index("mirror", 3) + 1]) if "mirror" in w[3:] else 0.0
+    return "%02X%02X%02X" % tuple(srgb(min(LIGHTEST, x + mirror)) for x in numbers)
 
 
 class House:
@@ -45,7 +61,7 @@ class House:
     def statement(self, w):
         if w[0] == "material":
             alpha = float(w[w.index("alpha") + 1]) if "alpha" in w else 1.0
-            self.materials[w[1]] = (w[2][1:], alpha)
+            self.materials[w[1]] = (colour_of(w), alpha)
         elif w[0] == "storey":
             o = options(w[2:])
             self.storeys.append({"name": w[1], "floor": float(o["floor"]), "height": float(o["height"]),
@@ -88,7 +104,7 @@ class House:
 def options(words):
     out, i = {}, 0
     while i < len(words):
-        if words[i] in ("glazed", "mirror"):
+        if words[i] in ("glazed", "mirror", "round"):
             out[words[i]] = True
             i += 1
         elif words[i] == "shape":
@@ -138,6 +154,16 @@ class Obj:
         if "bottom" not in without:
             self.face([(*p, z0) for p in ring[::-1]], material)
 
+    def turned(self, centre, profile, material):
+        """A profile of (r, z) turned about the upright axis through `centre`; outside lies to its right."""
+        rings = [[(centre[0] + r * math.cos(2 * math.pi * i / AROUND), centre[1] + r * math.sin(2 * math.pi * i / AROUND),
+                   z) for i in range(AROUND + 1)] if r > 0 else [(centre[0], centre[1], z)] * (AROUND + 1)
+                 for r, z in profile]
+        for low, high in zip(rings, rings[1:]):
+            for i in range(AROUND):
+                corners = [low[i], low[i + 1], high[i + 1], high[i]]
+                self.face([c for k, c in enumerate(corners) if c != corners[k - 1]], material)
+
     def text(self, library):
         lines = ["# written by house_sh3d.py", "mtllib " + library] if library else ["# written by house_sh3d.py"]
         lines += ["v %.4f %.4f %.4f" % v for v in self.vertices]
@@ -161,17 +187,46 @@ class Obj:
         return "\n".join(lines)
 
 
+def cubics(points):
+    """Points along cubic Bezier curves set end to end."""
+    out = points[:1]
+    for k in range(0, len(points) - 3, 3):
+        for i in range(1, UPWARDS + 1):
+            t = i / UPWARDS
+            b = ((1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t ** 3)
+            out.append(tuple(round(sum(b[j] * points[k + j][c] for j in range(4)), 6) for c in (0, 1)))
+    return out
+
+
+def round_obj(obj, w):
+    """Spheres, upright cones, what a lathe turns."""
+    if w[0] == "sphere":
+        (x, y, z), r = point(w[2]), float(options(w[3:])["radius"])
+        half = AROUND // 2
+        obj.turned((x, y), [(0 if i in (0, half) else r * math.sin(math.pi * i / half), z - r * math.cos(math.pi * i / half))
+                            for i in range(half + 1)], w[1])
+    elif w[0] == "cone":
+        (x, y, z), top, o = point(w[2]), point(w[3]), options(w[4:w.index("without")] if "without" in w else w[4:])
+        ends = [(float(o["radius"]), z), (float(o.get("top", 0)), top[2])]
+        without = w[w.index("without"):] if "without" in w else ()
+        obj.turned((x, y), ([] if "bottom" in without else [(0, z)]) + ends + ([] if "top" in without else [(0, top[2])]),
+                   w[1])
+    elif w[0] == "lathe":
+        obj.turned(point(w[2]), cubics([point(x) for x in w[4:] if "," in x]), w[1])
+
+
 def model_obj(statements):
     obj, lights = Obj(), []
     for w in statements:
         without = w[w.index("without") + 1:] if "without" in w else ()
+        round_obj(obj, w)
         if w[0] == "box":
             obj.box(point(w[1]), point(w[2]), w[3], without)
         elif w[0] == "prism":
             obj.prism([point(x) for x in w[4:] if "," in x], float(w[2]), float(w[3]), w[1], without)
         elif w[0] == "cylinder":
             o = options(w[5:w.index("without")] if without else w[5:])
-            (cx, cy), n, r = point(w[4]), int(o.get("sides", 8)), float(o["radius"])
+            (cx, cy), n, r = point(w[4]), int(o.get("sides", AROUND if "round" in o else 8)), float(o["radius"])
             ring = [(cx + r * math.cos(2 * math.pi * (i + .5) / n), cy + r * math.sin(2 * math.pi * (i + .5) / n))
                     for i in range(n)]
             obj.prism(ring, float(w[2]), float(w[3]), w[1], without)

@@ -17,9 +17,12 @@
 static const double FAR = 8, MIDDLING = 2;
 // Points of a lamp, of which one is chosen by what it sends (Talbot, Cline & Egbert 2005).
 enum { POINTS = 4 };
-// Rays from a patch to each lamp that say how much it sees of it, and the least that it is taken to see.
+// Rays from a patch to each lamp that say how much it sees of it.
 enum { LOOKS = 16 };
-static const double LEAST_SEEN = 0.08;
+// Lamps of which it saw nothing are asked for once in a while.
+static const double ONCE_IN_A_WHILE = 0.25;
+// From farther than so many times its radius all points of a lamp send much the same.
+static const double EVEN = 4;
 // Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
 static const double BEFORE = 1e-5;
 
@@ -36,11 +39,12 @@ typedef struct Lamp {
 // A lamp as a side of a patch may see it.
 typedef struct Candidate {
     int lamp;
-    float seen;  // about so much of it, LEAST_SEEN .. 1
+    float seen;  // about so much of it, above 0 .. 1
 } Candidate;
 
+// First those of which it saw something.
 typedef struct Candidates {
-    int count;
+    int seen_count, count;
     Candidate lamp[];
 } Candidates;
 
@@ -265,9 +269,11 @@ static double fraction(double a) { return a - floor(a); }
 // One of a few points, by what each sends; false: none sends anything.
 static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2],
                          double pick, Vec3 *out) {
-    Vec3 point[POINTS];
+    Vec3 point[POINTS], to = vec3_sub(lamp->centre, f->point);
     double weight[POINTS], sum = 0;
-    for (int i = 0; i < POINTS; i++) {
+    bool even = vec3_dot(to, to) > EVEN * EVEN * lamp->radius * lamp->radius;
+    int points = even && vec3_dot(f->n, to) > lamp->radius ? 1 : POINTS;
+    for (int i = 0; i < points; i++) {
         // Two by two, each in a quarter of its own.
         double a = fraction(u[0] + 0.5 * (i & 1)), b = fraction(u[1] + 0.5 * (i >> 1));
         point[i] = lamp->corner_count == 0 ? point_of_ball(lamp, f->point, a, b)
@@ -277,7 +283,7 @@ static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame 
     if (!(sum > 0)) return false;
     int i = 0;
     double left = pick * sum;
-    while (i + 1 < POINTS && left >= weight[i]) left -= weight[i++];
+    while (i + 1 < points && left >= weight[i]) left -= weight[i++];
     *out = point[i];
     return true;
 }
@@ -397,6 +403,7 @@ static Candidates *find_candidates(const StillLamps *lamps, int patch, bool fron
     bool curved = on_shape(lamps, face);
     Cells cells = cells_of(lamps, p, face, normal);
     Candidates *out = arena_alloc(arena, 1, sizeof *out + (size_t)lamps->count * sizeof *out->lamp);
+    int hidden = lamps->count;  // from there on, for now
     for (int i = 0; i < lamps->count; i++) {
         const Lamp *lamp = &lamps->lamps[i];
         if (!any_sees(lamps, &cells, lamp) || !may_matter(lamps, p, lamp, curved) ||
@@ -404,8 +411,14 @@ static Candidates *find_candidates(const StillLamps *lamps, int patch, bool fron
             continue;
         double seen = seen_share(lamps, p, normal, lamp);
         if (seen < 0 && !curved) continue;
-        out->lamp[out->count++] = (Candidate){i, (float)fmax(seen, LEAST_SEEN)};
+        if (seen > 0)
+            out->lamp[out->seen_count++] = (Candidate){i, (float)seen};
+        else
+            out->lamp[--hidden] = (Candidate){i, 1};
     }
+    out->count = out->seen_count + lamps->count - hidden;
+    memmove(out->lamp + out->seen_count, out->lamp + hidden,
+            (size_t)(lamps->count - hidden) * sizeof *out->lamp);
     return out;
 }
 
@@ -455,7 +468,7 @@ static void weigh(const StillLamps *lamps, const Frame *f, const Candidate *list
 }
 
 // Each shadow ray is to a lamp by what it is likely to send.
-static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, int rays,
+static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, int rays, double scale,
                      StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {
         double u[3];
@@ -465,8 +478,17 @@ static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, 
         while (left >= w->weight[i] && i + 1 < w->count) left -= w->weight[i++];
         const Lamp *lamp = &lamps->lamps[w->lamp[i]];
         if (!sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1))) continue;
-        double scale = w->share[i] * w->sum / w->weight[i] / rays;
-        for (int c = 0; c < 3; c++) out[c] += scale * lamp->exitance[c];
+        double share = scale * w->share[i] * w->sum / w->weight[i] / rays;
+        for (int c = 0; c < 3; c++) out[c] += share * lamp->exitance[c];
+    }
+}
+
+static void add_all(const StillLamps *lamps, const Frame *f, const Candidate *list, int count, int rays,
+                    double scale, StillNumbers *numbers, double out[3]) {
+    Weighed w;
+    for (int i = 0; i < count; i += TOGETHER) {
+        weigh(lamps, f, list + i, count - i < TOGETHER ? count - i : TOGETHER, &w);
+        if (w.sum > 0) add_seen(lamps, &w, f, rays, scale, numbers, out);
     }
 }
 
@@ -475,11 +497,12 @@ void still_lamps_light(StillLamps *lamps, const StillPlace *place, int rays, Sti
     const Candidates *list = candidates_of(lamps, place->patch, place->front);
     Frame f = {.n = place->normal, .point = place->point};
     view_axes(f.n, &f.x, &f.y);
-    Weighed w;
     out[0] = out[1] = out[2] = 0;
-    for (int i = 0; i < list->count; i += TOGETHER) {
-        int count = list->count - i;
-        weigh(lamps, &f, list->lamp + i, count < TOGETHER ? count : TOGETHER, &w);
-        if (w.sum > 0) add_seen(lamps, &w, &f, rays, numbers, out);
-    }
+    add_all(lamps, &f, list->lamp, list->seen_count, rays, 1, numbers, out);
+    if (list->count == list->seen_count) return;
+    double u[3];
+    next_numbers(numbers, u);
+    if (u[0] < ONCE_IN_A_WHILE)
+        add_all(lamps, &f, list->lamp + list->seen_count, list->count - list->seen_count, 1,
+                1 / ONCE_IN_A_WHILE, numbers, out);
 }

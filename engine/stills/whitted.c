@@ -25,10 +25,10 @@ static void follow(Trace *t, const Path *path, double out[3]);
 
 static double most_of(Rgb c) { return (double)fmaxf(c.r, fmaxf(c.g, c.b)); }
 
-// A pixel's samples go on where the one before ended, at each of their surfaces.
+// A pixel's samples go on where the one before ended, at each of their surfaces: one number a shadow ray, and one more.
 static StillNumbers numbers_of(Trace *t, int rays) {
     Random random = {t->seed ^ (uint64_t)t->visits++ * 0x9e3779b97f4a7c15u};
-    StillNumbers numbers = {.next = t->sample * rays};
+    StillNumbers numbers = {.next = t->sample * (rays + 1)};
     for (int i = 0; i < 3; i++) numbers.shift[i] = random_unit(&random);
     return numbers;
 }

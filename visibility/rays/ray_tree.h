@@ -6,7 +6,7 @@
 #include "visibility/rays/ray_surfaces.h"
 
 // Items of a leaf, at most.
-enum { SURFACE_TREE_LEAF = 4 };
+enum { SURFACE_TREE_LEAF = 3 };
 
 // Bounds of its eight children, each axis: low, high. What a child lacks is a box that nothing meets.
 typedef struct SurfaceNode {

@@ -17,8 +17,10 @@
 static const double FAR = 8, MIDDLING = 2;
 // Points of a lamp, of which one is chosen by what it sends (Talbot, Cline & Egbert 2005).
 enum { POINTS = 4 };
-// Rays from a patch to each lamp that say how much it sees of it.
-enum { LOOKS = 16 };
+// Rays from a patch to the lamps of an object that say how much it sees of them. On curved shapes their facets say little of what
+// lies around them: of all that may be seen something is taken to be.
+enum { LOOKS = 32 };
+static const float CURVED_SEEN = 0.2f;
 // Lamps of which it saw nothing are asked for once in a while.
 static const double ONCE_IN_A_WHILE = 0.25;
 // From farther than so many times its radius all points of a lamp send much the same.
@@ -33,7 +35,8 @@ typedef struct Lamp {
     double area, radius;  // of a polygon: that holds all of it
     double before;
     double exitance[3], luminous;
-    int cell;  // where it shines, -1: not known
+    int cell;   // where it shines, -1: not known
+    int group;  // those of one object: they are seen together or not at all
 } Lamp;
 
 // A lamp as a side of a patch may see it.
@@ -56,8 +59,9 @@ struct StillLamps {
     _Atomic(Candidates *)
         *of_patch;  // [2 * patch_count] of the front and back of each, when they were asked for
     pthread_mutex_t lock;
-    Arena found;  // behind the lock
-    int count;
+    Arena found;       // behind the lock
+    int *group_first;  // [group_count + 1] in `lamps`
+    int count, group_count;
 };
 
 // ---- made once
@@ -165,11 +169,25 @@ static void add_lamps(StillLamps *lamps, Arena *arena) {
             add_ball(lamps, s, arena, &capacity);
 }
 
+// From objects, which come one after the other, to numbers of groups. A ball is one by itself.
+static void find_groups(StillLamps *lamps, Arena *arena) {
+    int object = -1;
+    lamps->group_first = ARENA_ARRAY(arena, int, lamps->count + 1);
+    for (int i = 0; i < lamps->count; i++) {
+        Lamp *lamp = &lamps->lamps[i];
+        if (i == 0 || lamp->group < 0 || lamp->group != object) lamps->group_first[lamps->group_count++] = i;
+        object = lamp->group;
+        lamp->group = lamps->group_count - 1;
+    }
+    lamps->group_first[lamps->group_count] = lamps->count;
+}
+
 StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena) {
     StillLamps *lamps = ARENA_ARRAY(arena, StillLamps, 1);
     lamps->scene = scene;
     lamps->forest = forest;
     add_lamps(lamps, arena);
+    find_groups(lamps, arena);
     lamps->of_patch = arena_alloc(arena, 2 * (size_t)scene->mesh->patch_count + 1, sizeof *lamps->of_patch);
     pthread_mutex_init(&lamps->lock, NULL);
     return lamps;
@@ -316,20 +334,30 @@ static Vec3 point_of_patch(const Mesh *mesh, const Patch *patch, int k, double u
     return vec3_lerp(mesh->vertices[corner[0]], far, out);
 }
 
-// The share of looks from a patch that meet nothing before the lamp; below 0 where all of them are from below its horizon.
-static double seen_share(const StillLamps *lamps, const Patch *patch, Vec3 normal, const Lamp *lamp) {
-    int seen = 0, above = 0;
+// One of a group's lamps that turns its front to a point, from one of them on; NULL: none does.
+static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, double u) {
+    int first = lamps->group_first[group], count = lamps->group_first[group + 1] - first,
+        start = (int)(u * count);
+    for (int i = 0; i < count; i++) {
+        const Lamp *lamp = &lamps->lamps[first + (start + i) % count];
+        if (lamp->corner_count == 0 || vec3_dot(lamp->normal, vec3_sub(lamp->centre, point)) < 0) return lamp;
+    }
+    return NULL;
+}
+
+// The share of looks from a patch that meet nothing before the lamps of a group.
+static float seen_share(const StillLamps *lamps, const Patch *patch, Vec3 normal, int group) {
+    int seen = 0;
     StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
     for (int k = 0; k < LOOKS; k++) {
         double u[3], w[3];
         next_numbers(&numbers, u);
         next_numbers(&numbers, w);
         Frame f = {.n = normal, .point = point_of_patch(lamps->scene->mesh, patch, k, u[0], u[1])};
-        if (lamp->corner_count > 0 && vec3_dot(lamp->normal, vec3_sub(lamp->centre, f.point)) >= 0) continue;
-        above++;
-        seen += sees(lamps, lamp, &f, w, u[2]);
+        const Lamp *lamp = facing_of(lamps, group, f.point, u[2]);
+        seen += lamp && sees(lamps, lamp, &f, w, w[2]);
     }
-    return above > 0 ? (double)seen / LOOKS : -1;
+    return (float)seen / LOOKS;
 }
 
 // What lies around a patch on a curved shape looks other ways than it: there nothing is left out for its horizon.
@@ -404,15 +432,16 @@ static Candidates *find_candidates(const StillLamps *lamps, int patch, bool fron
     Cells cells = cells_of(lamps, p, face, normal);
     Candidates *out = arena_alloc(arena, 1, sizeof *out + (size_t)lamps->count * sizeof *out->lamp);
     int hidden = lamps->count;  // from there on, for now
+    float seen = -1;            // of the group, -1: not looked for
     for (int i = 0; i < lamps->count; i++) {
         const Lamp *lamp = &lamps->lamps[i];
+        if (i == lamps->group_first[lamp->group]) seen = -1;
         if (!any_sees(lamps, &cells, lamp) || !may_matter(lamps, p, lamp, curved) ||
             (!curved && !rises(lamps, lamp, normal, d)))
             continue;
-        double seen = seen_share(lamps, p, normal, lamp);
-        if (seen < 0 && !curved) continue;
-        if (seen > 0)
-            out->lamp[out->seen_count++] = (Candidate){i, (float)seen};
+        if (seen < 0) seen = seen_share(lamps, p, normal, lamp->group);
+        if (seen > 0 || curved)
+            out->lamp[out->seen_count++] = (Candidate){i, curved ? fmaxf(seen, CURVED_SEEN) : seen};
         else
             out->lamp[--hidden] = (Candidate){i, 1};
     }

@@ -1,68 +1,17 @@
-// still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form (Lambert 1760 for polygons;
-// Snyder 1996, Area Light Sources for Real-Time Graphics, for balls). How much of it is seen shadow rays say, each to a point of a
-// lamp that is drawn in proportion to what it sends: so there is noise only where something hides a part (Heitz, Hill & McGuire
-// 2018, Combining Analytic Direct Illumination and Stochastic Shadows). Of which lamps a patch of the mesh sees little is found by
-// some rays when it is first looked at, and they are chosen less often, to the same mean.
+// still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form. How much of it is seen shadow rays
+// say, each to a point of a lamp that is chosen by what it is likely to send. So there is noise only where something hides a part
+// (Heitz, Hill & McGuire 2018, Combining Analytic Direct Illumination and Stochastic Shadows).
 #include "engine/stills/still_lamps.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
-
+#include "engine/stills/still_lamps_parts.h"
 #include "engine/walk/false_colour.h"
 #include "radiosity/analytic.h"
 #include "radiosity/gather.h"
 
-// Seen from farther than so many times its radius, a polygon is as good as a point of its area, and a quadrilateral as four: within
-// 1 %.
-static const double FAR = 8, MIDDLING = 2;
-// Points of a lamp, of which one is chosen by what it sends (Talbot, Cline & Egbert 2005).
-enum { POINTS = 4 };
-// Rays from a patch to the lamps of an object that say how much it sees of them. On curved shapes their facets say little of what
-// lies around them: of all that may be seen something is taken to be.
-enum { LOOKS = 32 };
-static const float CURVED_SEEN = 0.2f;
-// Lamps of which it saw nothing are asked for once in a while.
+// Lamps of which an element saw nothing are asked for once in a while.
 static const double ONCE_IN_A_WHILE = 0.25;
-// From farther than so many times its radius all points of a lamp send much the same.
-static const double EVEN = 4;
 // Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
 static const double BEFORE = 1e-5;
-
-typedef struct Lamp {
-    int first_corner, corner_count;  // 0: a ball
-    Vec3 centre, normal;
-    Vec3 four[4];         // of a quadrilateral: where Gauss's rule looks
-    double area, radius;  // of a polygon: that holds all of it
-    double before;
-    double exitance[3], luminous;
-    int cell;   // where it shines, -1: not known
-    int group;  // those of one object: they are seen together or not at all
-} Lamp;
-
-// A lamp as a side of a patch may see it.
-typedef struct Candidate {
-    int lamp;
-    float seen;  // about so much of it, above 0 .. 1
-} Candidate;
-
-// First those of which it saw something.
-typedef struct Candidates {
-    int seen_count, count;
-    Candidate lamp[];
-} Candidates;
-
-struct StillLamps {
-    const StillScene *scene;
-    Lamp *lamps;
-    Vec3 *corners;
-    const StabForest *forest;
-    _Atomic(Candidates *)
-        *of_patch;  // [2 * patch_count] of the front and back of each, when they were asked for
-    pthread_mutex_t lock;
-    Arena found;       // behind the lock
-    int *group_first;  // [group_count + 1] in `lamps`
-    int count, group_count;
-};
 
 // ---- made once
 
@@ -84,7 +33,7 @@ static void put_exitance(Lamp *lamp, const Material *m) {
 }
 
 // The shape that is drawn exactly of which the face is a part; NULL: none.
-static const CurvedShape *shape_of(const StillScene *scene, const Face *face) {
+const CurvedShape *lamp_shape_of(const StillScene *scene, const Face *face) {
     const CellGraph *graph = scene->mesh->graph;
     const Building *b = graph->building;
     for (int s = 0; s < b->shape_count; s++) {
@@ -159,7 +108,7 @@ static void add_lamps(StillLamps *lamps, Arena *arena) {
         if (!mesh_emits(mesh, f) ||
             mesh->graph->polygons[mesh->faces[f].polygon].vertex_count > ANALYTIC_CORNERS)
             continue;
-        const CurvedShape *shape = shape_of(lamps->scene, &mesh->faces[f]);
+        const CurvedShape *shape = lamp_shape_of(lamps->scene, &mesh->faces[f]);
         if (shape && is_ball(shape)) continue;
         add_polygon(lamps, f, shape ? 2 * shape->tolerance : 0, arena, &capacity, &corners, &corner_capacity);
         lamps->lamps[lamps->count - 1].cell = find_cell(lamps, &lamps->lamps[lamps->count - 1]);
@@ -188,7 +137,8 @@ StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, A
     lamps->forest = forest;
     add_lamps(lamps, arena);
     find_groups(lamps, arena);
-    lamps->of_patch = arena_alloc(arena, 2 * (size_t)scene->mesh->patch_count + 1, sizeof *lamps->of_patch);
+    lamps->of_element =
+        arena_alloc(arena, 2 * (size_t)scene->mesh->element_count + 1, sizeof *lamps->of_element);
     pthread_mutex_init(&lamps->lock, NULL);
     return lamps;
 }
@@ -200,275 +150,11 @@ void still_lamps_end(StillLamps *lamps) {
 
 int still_lamps_count(const StillLamps *lamps) { return lamps->count; }
 
-// ---- in closed form
-
-double still_ball_share(Vec3 normal, Vec3 to, double radius) {
-    double d2 = vec3_dot(to, to), far2 = d2 / (radius * radius), cosine = vec3_dot(normal, to) / sqrt(d2);
-    if (far2 <= 1) return 1;
-    double above = 1 - far2 * cosine * cosine;
-    if (above <= 0) return fmax(cosine, 0) / far2;
-    double tangent = sqrt(far2 - 1), sine = sqrt(1 - cosine * cosine);
-    double part = cosine * acos(fmin(fmax(-cosine * tangent / sine, -1), 1)) - sqrt(above) * tangent;
-    return fmax((part / far2 + atan(sqrt(above) / tangent)) / M_PI, 0);
-}
-
-typedef struct Frame {
-    Vec3 x, y, n, point;
-} Frame;
-
-static double near_share(const StillLamps *lamps, const Lamp *lamp, const Frame *f) {
-    Vec3 local[ANALYTIC_CORNERS];
-    for (int i = 0; i < lamp->corner_count; i++) {
-        Vec3 v = vec3_sub(lamps->corners[lamp->first_corner + i], f->point);
-        local[i] = vec3(vec3_dot(f->x, v), vec3_dot(f->y, v), vec3_dot(f->n, v));
-    }
-    return analytic_point(local, lamp->corner_count);
-}
-
-// The share of the light that leaves the place that would meet the lamp's front.
-static double share_of(const StillLamps *lamps, const Lamp *lamp, const Frame *f) {
-    Vec3 to = vec3_sub(lamp->centre, f->point);
-    double ahead = vec3_dot(f->n, to);
-    if (ahead <= -lamp->radius) return 0;
-    if (lamp->corner_count == 0) return still_ball_share(f->n, to, lamp->radius);
-    double before = -vec3_dot(lamp->normal, to);
-    if (before <= 0) return 0;
-    double d2 = vec3_dot(to, to), radius2 = lamp->radius * lamp->radius;
-    if (ahead <= lamp->radius || d2 < MIDDLING * MIDDLING * radius2) return near_share(lamps, lamp, f);
-    if (d2 > FAR * FAR * radius2) return lamp->area * ahead * before / (M_PI * d2 * d2);
-    if (lamp->corner_count != 4) return near_share(lamps, lamp, f);
-    double sum = 0;
-    for (int i = 0; i < 4; i++) {
-        Vec3 way = vec3_sub(lamp->four[i], f->point);
-        double way2 = vec3_dot(way, way);
-        sum += vec3_dot(f->n, way) / (way2 * way2);
-    }
-    return lamp->area / 4 * before * sum / M_PI;
-}
-
-// ---- points of a lamp
-
-// Uniform over the triangles between the first corner and each edge.
-static Vec3 point_of_polygon(const StillLamps *lamps, const Lamp *lamp, double u, double v) {
-    const Vec3 *c = lamps->corners + lamp->first_corner;
-    double left = u * lamp->area, area = 0;
-    int last = lamp->corner_count - 2, i = 1;
-    for (; i <= last; i++) {
-        area = 0.5 * vec3_length(vec3_cross(vec3_sub(c[i], c[0]), vec3_sub(c[i + 1], c[0])));
-        if (left < area || i == last) break;
-        left -= area;
-    }
-    double along = area > 0 ? fmin(left / area, 1) : 0;
-    return vec3_lerp(c[0], vec3_lerp(c[i], c[i + 1], along), sqrt(v));
-}
-
-// Uniform over the directions from the place.
-static Vec3 point_of_ball(const Lamp *lamp, Vec3 from, double u, double v) {
-    Vec3 to = vec3_sub(lamp->centre, from), x, y;
-    double d2 = vec3_dot(to, to), r2 = lamp->radius * lamp->radius, d = sqrt(d2);
-    if (d2 <= r2) return from;
-    double least = sqrt(1 - r2 / d2), cosine = 1 - u * (1 - least), sine2 = 1 - cosine * cosine;
-    double far = d * cosine - sqrt(fmax(r2 - d2 * sine2, 0)), turn = 2 * M_PI * v;
-    Vec3 axis = vec3_scale(to, 1 / d);
-    view_axes(axis, &x, &y);
-    Vec3 across = vec3_scale(vec3_add(vec3_scale(x, cos(turn)), vec3_scale(y, sin(turn))), sqrt(sine2));
-    return vec3_add(from, vec3_scale(vec3_add(vec3_scale(axis, cosine), across), far));
-}
-
-static double sends(const Lamp *lamp, const Frame *f, Vec3 point) {
-    Vec3 to = vec3_sub(point, f->point);
-    double d2 = vec3_dot(to, to), ahead = fmax(vec3_dot(f->n, to), 0);
-    if (lamp->corner_count == 0) return d2 > 0 ? ahead / sqrt(d2) : 0;
-    return d2 > 0 ? ahead * fmax(-vec3_dot(lamp->normal, to), 0) / (d2 * d2) : 0;
-}
-
-static double fraction(double a) { return a - floor(a); }
-
-// One of a few points, by what each sends; false: none sends anything.
-static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2],
-                         double pick, Vec3 *out) {
-    Vec3 point[POINTS], to = vec3_sub(lamp->centre, f->point);
-    double weight[POINTS], sum = 0;
-    bool even = vec3_dot(to, to) > EVEN * EVEN * lamp->radius * lamp->radius;
-    int points = even && vec3_dot(f->n, to) > lamp->radius ? 1 : POINTS;
-    for (int i = 0; i < points; i++) {
-        // Two by two, each in a quarter of its own.
-        double a = fraction(u[0] + 0.5 * (i & 1)), b = fraction(u[1] + 0.5 * (i >> 1));
-        point[i] = lamp->corner_count == 0 ? point_of_ball(lamp, f->point, a, b)
-                                           : point_of_polygon(lamps, lamp, a, b);
-        sum += weight[i] = sends(lamp, f, point[i]);
-    }
-    if (!(sum > 0)) return false;
-    int i = 0;
-    double left = pick * sum;
-    while (i + 1 < points && left >= weight[i]) left -= weight[i++];
-    *out = point[i];
-    return true;
-}
-
-static bool sees(const StillLamps *lamps, const Lamp *lamp, const Frame *f, const double u[2], double pick) {
-    Vec3 point;
-    if (!choose_point(lamps, lamp, f, u, pick, &point)) return false;
-    Vec3 to = vec3_sub(point, f->point);
-    double d = vec3_length(to);
-    Ray ray = {f->point, vec3_scale(to, 1 / d), STILL_NEAR, d - lamp->before};
-    return !still_rays_blocked(&lamps->scene->opaque, &ray);
-}
-
-// ---- which lamps a patch sees
-
-static void next_numbers(StillNumbers *numbers, double u[3]) {
+void lamp_numbers_next(StillNumbers *numbers, double u[3]) {
     // Powers of 1 / 1.2207440846, the root of x^4 = x + 1.
     static const double STEP[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-    for (int i = 0; i < 3; i++) u[i] = fraction(numbers->shift[i] + STEP[i] * numbers->next);
+    for (int i = 0; i < 3; i++) u[i] = lamp_fraction(numbers->shift[i] + STEP[i] * numbers->next);
     numbers->next++;
-}
-
-// A point of one of its elements, each as often as the other.
-static Vec3 point_of_patch(const Mesh *mesh, const Patch *patch, int k, double u, double v) {
-    const Element *e = &mesh->elements[patch->first_element + k % patch->element_count];
-    const int *corner = mesh->corners + e->first_corner;
-    int i = 1 + (int)(u * (e->corner_count - 2));
-    double along = fraction(u * (e->corner_count - 2)), out = sqrt(v);
-    Vec3 far = vec3_lerp(mesh->vertices[corner[i]], mesh->vertices[corner[i + 1]], along);
-    return vec3_lerp(mesh->vertices[corner[0]], far, out);
-}
-
-// One of a group's lamps that turns its front to a point, from one of them on; NULL: none does.
-static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, double u) {
-    int first = lamps->group_first[group], count = lamps->group_first[group + 1] - first,
-        start = (int)(u * count);
-    for (int i = 0; i < count; i++) {
-        const Lamp *lamp = &lamps->lamps[first + (start + i) % count];
-        if (lamp->corner_count == 0 || vec3_dot(lamp->normal, vec3_sub(lamp->centre, point)) < 0) return lamp;
-    }
-    return NULL;
-}
-
-// The share of looks from a patch that meet nothing before the lamps of a group.
-static float seen_share(const StillLamps *lamps, const Patch *patch, Vec3 normal, int group) {
-    int seen = 0;
-    StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
-    for (int k = 0; k < LOOKS; k++) {
-        double u[3], w[3];
-        next_numbers(&numbers, u);
-        next_numbers(&numbers, w);
-        Frame f = {.n = normal, .point = point_of_patch(lamps->scene->mesh, patch, k, u[0], u[1])};
-        const Lamp *lamp = facing_of(lamps, group, f.point, u[2]);
-        seen += lamp && sees(lamps, lamp, &f, w, w[2]);
-    }
-    return (float)seen / LOOKS;
-}
-
-// What lies around a patch on a curved shape looks other ways than it: there nothing is left out for its horizon.
-static bool may_matter(const StillLamps *lamps, const Patch *patch, const Lamp *lamp, bool curved) {
-    const Mesh *mesh = lamps->scene->mesh;
-    if (curved || lamp->corner_count == 0) return true;
-    // All of the patch behind the lamp.
-    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        for (int i = 0; i < element->corner_count; i++) {
-            Vec3 to = vec3_sub(mesh->vertices[mesh->corners[element->first_corner + i]], lamp->centre);
-            if (vec3_dot(lamp->normal, to) > 0) return true;
-        }
-    }
-    return false;
-}
-
-// The cells into which a side of a patch looks; count 0: not known.
-typedef struct Cells {
-    int cell[4], count;
-} Cells;
-
-// Of a wall all is in one cell; what stands in rooms may reach into several.
-static Cells cells_of(const StillLamps *lamps, const Patch *patch, const Face *face, Vec3 normal) {
-    static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
-    const Mesh *mesh = lamps->scene->mesh;
-    Cells out = {.cell = {patch->cell}, .count = patch->cell >= 0};
-    bool front = vec3_dot(normal, face->plane.n) > 0;
-    if (front && mesh->graph->objects[face->object].kind == OBJECT_SURFACE) return out;
-    out.count = 0;
-    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        for (int i = 0; i < element->corner_count; i++) {
-            Vec3 at =
-                vec3_lerp(mesh->vertices[mesh->corners[element->first_corner + i]], patch->centre, INWARDS);
-            int cell = gather_cell(mesh->graph, at, normal, patch->cell), k = 0;
-            while (k < out.count && out.cell[k] != cell) k++;
-            if (k < out.count) continue;
-            if (cell < 0 || out.count == 4) return (Cells){.count = 0};
-            out.cell[out.count++] = cell;
-        }
-    }
-    return out;
-}
-
-static bool any_sees(const StillLamps *lamps, const Cells *cells, const Lamp *lamp) {
-    if (cells->count == 0 || lamp->cell < 0 || !lamps->forest) return true;
-    for (int i = 0; i < cells->count; i++)
-        if (vis_sees(lamps->forest, cells->cell[i], lamp->cell)) return true;
-    return false;
-}
-
-static bool on_shape(const StillLamps *lamps, const Face *face) {
-    return shape_of(lamps->scene, face) != NULL;
-}
-
-// Does any of a lamp rise above the plane of a face?
-static bool rises(const StillLamps *lamps, const Lamp *lamp, Vec3 n, double d) {
-    if (lamp->corner_count == 0) return vec3_dot(n, lamp->centre) + lamp->radius > d;
-    for (int i = 0; i < lamp->corner_count; i++)
-        if (vec3_dot(n, lamps->corners[lamp->first_corner + i]) > d) return true;
-    return false;
-}
-
-static Candidates *find_candidates(const StillLamps *lamps, int patch, bool front, Arena *arena) {
-    const Mesh *mesh = lamps->scene->mesh;
-    const Patch *p = &mesh->patches[patch];
-    const Face *face = &mesh->faces[p->face];
-    Vec3 normal = vec3_scale(face->plane.n, front ? 1 : -1);
-    double d = front ? face->plane.d : -face->plane.d;
-    bool curved = on_shape(lamps, face);
-    Cells cells = cells_of(lamps, p, face, normal);
-    Candidates *out = arena_alloc(arena, 1, sizeof *out + (size_t)lamps->count * sizeof *out->lamp);
-    int hidden = lamps->count;  // from there on, for now
-    float seen = -1;            // of the group, -1: not looked for
-    for (int i = 0; i < lamps->count; i++) {
-        const Lamp *lamp = &lamps->lamps[i];
-        if (i == lamps->group_first[lamp->group]) seen = -1;
-        if (!any_sees(lamps, &cells, lamp) || !may_matter(lamps, p, lamp, curved) ||
-            (!curved && !rises(lamps, lamp, normal, d)))
-            continue;
-        if (seen < 0) seen = seen_share(lamps, p, normal, lamp->group);
-        if (seen > 0 || curved)
-            out->lamp[out->seen_count++] = (Candidate){i, curved ? fmaxf(seen, CURVED_SEEN) : seen};
-        else
-            out->lamp[--hidden] = (Candidate){i, 1};
-    }
-    out->count = out->seen_count + lamps->count - hidden;
-    memmove(out->lamp + out->seen_count, out->lamp + hidden,
-            (size_t)(lamps->count - hidden) * sizeof *out->lamp);
-    return out;
-}
-
-// Whoever comes first looks; two that look at once find the same.
-static const Candidates *candidates_of(StillLamps *lamps, int patch, bool front) {
-    _Atomic(Candidates *) *place = &lamps->of_patch[2 * patch + !front];
-    Candidates *found = atomic_load(place);
-    if (found) return found;
-    Arena scratch = {0};
-    Candidates *made = find_candidates(lamps, patch, front, &scratch);
-    size_t size = sizeof *made + (size_t)made->count * sizeof *made->lamp;
-    pthread_mutex_lock(&lamps->lock);
-    found = atomic_load(place);
-    if (!found) {
-        found = arena_alloc(&lamps->found, 1, size);
-        memcpy(found, made, size);
-        atomic_store(place, found);
-    }
-    pthread_mutex_unlock(&lamps->lock);
-    arena_free(&scratch);
-    return found;
 }
 
 // ---- light
@@ -482,12 +168,13 @@ typedef struct Weighed {
         sum;  // of the light that leaves the place; of what is likely to be seen
 } Weighed;
 
-static void weigh(const StillLamps *lamps, const Frame *f, const Candidate *list, int count, Weighed *out) {
+static void weigh(const StillLamps *lamps, const LampFrame *f, const Candidate *list, int count,
+                  Weighed *out) {
     out->count = 0;
     out->sum = 0;
     for (int i = 0; i < count; i++) {
         const Lamp *lamp = &lamps->lamps[list[i].lamp];
-        double share = share_of(lamps, lamp, f);
+        double share = lamp_share(lamps, lamp, f);
         if (!(share > 0)) continue;
         out->lamp[out->count] = list[i].lamp;
         out->weight[out->count] = share * lamp->luminous * (double)list[i].seen;
@@ -497,22 +184,22 @@ static void weigh(const StillLamps *lamps, const Frame *f, const Candidate *list
 }
 
 // Each shadow ray is to a lamp by what it is likely to send.
-static void add_seen(const StillLamps *lamps, const Weighed *w, const Frame *f, int rays, double scale,
+static void add_seen(const StillLamps *lamps, const Weighed *w, const LampFrame *f, int rays, double scale,
                      StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {
         double u[3];
-        next_numbers(numbers, u);
+        lamp_numbers_next(numbers, u);
         double left = u[0] * w->sum;
         int i = 0;
         while (left >= w->weight[i] && i + 1 < w->count) left -= w->weight[i++];
         const Lamp *lamp = &lamps->lamps[w->lamp[i]];
-        if (!sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1))) continue;
+        if (!lamp_sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1))) continue;
         double share = scale * w->share[i] * w->sum / w->weight[i] / rays;
         for (int c = 0; c < 3; c++) out[c] += share * lamp->exitance[c];
     }
 }
 
-static void add_all(const StillLamps *lamps, const Frame *f, const Candidate *list, int count, int rays,
+static void add_all(const StillLamps *lamps, const LampFrame *f, const Candidate *list, int count, int rays,
                     double scale, StillNumbers *numbers, double out[3]) {
     Weighed w;
     for (int i = 0; i < count; i += TOGETHER) {
@@ -523,14 +210,14 @@ static void add_all(const StillLamps *lamps, const Frame *f, const Candidate *li
 
 void still_lamps_light(StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
                        double out[3]) {
-    const Candidates *list = candidates_of(lamps, place->patch, place->front);
-    Frame f = {.n = place->normal, .point = place->point};
+    const Candidates *list = lamp_candidates(lamps, place->element, place->front);
+    LampFrame f = {.n = place->normal, .point = place->point};
     view_axes(f.n, &f.x, &f.y);
     out[0] = out[1] = out[2] = 0;
     add_all(lamps, &f, list->lamp, list->seen_count, rays, 1, numbers, out);
     if (list->count == list->seen_count) return;
     double u[3];
-    next_numbers(numbers, u);
+    lamp_numbers_next(numbers, u);
     if (u[0] < ONCE_IN_A_WHILE)
         add_all(lamps, &f, list->lamp + list->seen_count, list->count - list->seen_count, 1,
                 1 / ONCE_IN_A_WHILE, numbers, out);

@@ -21,8 +21,8 @@ int still_lamps_count(const StillLamps *lamps);
 // A place before whose surface one asks for light.
 typedef struct StillPlace {
     Vec3 point, normal;
-    int patch;   // of the mesh, on which it lies or near which
-    bool front;  // of it
+    int element;  // of the mesh, on which it lies or near which
+    bool front;   // of it
 } StillPlace;
 
 // The irradiance that lamps send there, W/m^2 a channel: what would arrive if nothing stood between, in closed form, times the share

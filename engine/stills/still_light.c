@@ -104,9 +104,8 @@ static Spot find_spot(const StillScene *scene, const StillSurface *s, const Surf
 
 static void add_lamps(const StillLight *light, const StillSurface *s, const Spot *spot, Vec3 at, Vec3 normal,
                       bool front, int rays, StillNumbers *numbers, double out[3]) {
-    int patch = light->scene->mesh->elements[spot->element].patch;
     double arrives[3];
-    still_lamps_light(light->lamps, &(StillPlace){at, normal, patch, front}, rays, numbers, arrives);
+    still_lamps_light(light->lamps, &(StillPlace){at, normal, spot->element, front}, rays, numbers, arrives);
     out[0] += (double)s->material->reflectance.r * arrives[0];
     out[1] += (double)s->material->reflectance.g * arrives[1];
     out[2] += (double)s->material->reflectance.b * arrives[2];

@@ -1,9 +1,13 @@
 // bench_hidden_scenes.c - the scenes of `bench hidden`.
 #include "engine/app/bench_hidden_scenes.h"
 
+#include <stdio.h>
+
+#include "engine/core/clock.h"
 #include "engine/core/random.h"
 #include "engine/walk/tour.h"
 #include "engine/walk/view.h"
+#include "visibility/hidden/curved_scene.h"
 
 // Random polygons lie so far before the eye, metres; half the picture's extent at 1 m.
 static const double NEAR = 4, FAR = 12, TAN = 0.5;
@@ -97,6 +101,18 @@ static Scene scene_of(const CellGraph *graph, const VisResult *seen, Arena *aren
     return (Scene){graph->polygons, graph->vertices, list, count};
 }
 
+// A scene of the view's own where the building has curved shapes: they are subdivided for it. Adds to `polygons` and `seconds`.
+static Scene subdivided(const CellGraph *graph, Scene scene, const Camera *camera, Arena *arena,
+                        long *polygons, double *seconds) {
+    CurvedScene curved;
+    double start = clock_thread_seconds();
+    curved_scene_new(graph->building, &scene, graph->polygon_count, graph->vertex_count, camera,
+                     CURVED_SCENE_PIXELS, arena, &curved);
+    *seconds += clock_thread_seconds() - start;
+    *polygons += curved.subdivided;
+    return curved.scene;
+}
+
 bool hidden_views_building(const char *file, const BenchArguments *a, int frames, Arena *arena,
                            HiddenViews *whole, HiddenViews *culled, Error *error) {
     AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
@@ -110,21 +126,28 @@ bool hidden_views_building(const char *file, const BenchArguments *a, int frames
     VisQuery *query = vis_query_new(&scene->graph, &scene->forest, arena);
     if (frames > path.frame_count) frames = path.frame_count;
     HiddenViews *out[2] = {whole, culled};
+    bool curved = scene->building.shape_count > 0;
+    long polygons = 0;
+    double seconds = 0;
     for (int k = 0; k < 2; k++) {
         *out[k] = (HiddenViews){ARENA_ARRAY(arena, HiddenView, frames), frames};
         for (int i = 0; i < frames; i++) {
             const TourFrame *at = &path.frames[(long)i * path.frame_count / frames];
             Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
             Eye eye = walk_eye(&camera);
-            bool same = k == 0 && i > 0;
+            bool same = k == 0 && i > 0 && !curved;
             Scene list = same ? whole->views[0].scene : (Scene){0};
             if (!same) {
                 int cell = vis_locate(&scene->graph, at->eye, -1);
                 VisResult seen = vis_query(query, &eye, cell, NULL, k == 0 ? VIS_NONE : VIS_STAB);
                 list = scene_of(&scene->graph, &seen, arena);
             }
+            if (curved) list = subdivided(&scene->graph, list, &camera, arena, &polygons, &seconds);
             out[k]->views[i] = (HiddenView){list, camera, same};
         }
     }
+    if (curved)
+        fprintf(stderr, "%s: curved shapes become %.0f polygons a view, within %g pixels, in %.3f ms\n", file,
+                (double)polygons / (2 * frames), CURVED_SCENE_PIXELS, 1e3 * seconds / (2 * frames));
     return true;
 }

@@ -1,10 +1,8 @@
 // patch_oracle.c - all hits of a ray with a patch, from a dense grid and Newton's steps in long doubles.
 #include "tests/patch_oracle.h"
 
-#include <string.h>
-
-// Cells are looked at as if they were this much larger, for what bends between their corners.
-#define GROWN 0.5
+// Cells are looked at as if they were so large, in halves of them, for what bends between their corners.
+#define GROWN 2.0
 // Roots nearer to each other are one, in parameter.
 #define SAME 1e-8
 // At a fold: the ray's angle with the surface, as a sine; at the border: the parameter's distance.
@@ -17,7 +15,8 @@ typedef struct Real3 {
 } Real3;
 
 struct PatchOracle {
-    CurvedControl control[16];
+    Real3 point[16];  // about the centre, multiplied by their weights
+    Real weight[16];
     Vec3 centre;
     double size;
     int cells;
@@ -42,11 +41,10 @@ static Real3 point(const PatchOracle *o, Real u, Real v, Real3 *du, Real3 *dv) {
     basis(u, bu, su);
     basis(v, bv, sv);
     for (int k = 0; k < 16; k++) {
-        const CurvedControl *c = &o->control[k];
-        Real3 q = scaled(added(real(c->point), scaled(real(o->centre), -1)), (Real)c->weight);
+        Real3 q = o->point[k];
         Real b = bu[k % 4] * bv[k / 4], s = su[k % 4] * bv[k / 4], t = bu[k % 4] * sv[k / 4];
         p = added(p, scaled(q, b)), pu = added(pu, scaled(q, s)), pv = added(pv, scaled(q, t));
-        w += b * (Real)c->weight, wu += s * (Real)c->weight, wv += t * (Real)c->weight;
+        w += b * o->weight[k], wu += s * o->weight[k], wv += t * o->weight[k];
     }
     p = scaled(p, 1 / w);
     *du = scaled(added(pu, scaled(p, -wu)), 1 / w);
@@ -68,10 +66,14 @@ double patch_oracle_size(const PatchOracle *o) { return o->size; }
 
 PatchOracle *patch_oracle_new(const Building *building, int cells, Arena *arena) {
     PatchOracle *o = ARENA_ARRAY(arena, PatchOracle, 1);
-    memcpy(o->control, building->controls, sizeof o->control);
+    const CurvedControl *control = building->controls;
     Box box = box_empty();
-    for (int k = 0; k < 16; k++) box = box_add(box, o->control[k].point);
+    for (int k = 0; k < 16; k++) box = box_add(box, control[k].point);
     o->centre = vec3_lerp(box.min, box.max, 0.5);
+    for (int k = 0; k < 16; k++) {
+        o->weight[k] = (Real)control[k].weight;
+        o->point[k] = scaled(added(real(control[k].point), scaled(real(o->centre), -1)), o->weight[k]);
+    }
     o->size = vec3_length(vec3_sub(box.max, box.min));
     o->cells = cells;
     o->grid = ARENA_ARRAY(arena, Vec3, (cells + 1) * (cells + 1));
@@ -97,7 +99,7 @@ bool patch_oracle_refine(const PatchOracle *o, const Ray *ray, double start_u, d
     Real3 a = real(n[0]), b = real(n[1]), d = real(ray->direction);
     Real3 from = added(real(ray->origin), scaled(real(o->centre), -1));
     Real u = (Real)start_u, v = (Real)start_v;
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 30; i++) {
         Real3 du, dv, p = added(point(o, u, v, &du, &dv), scaled(from, -1));
         Real f = dot(a, p), g = dot(b, p), fu = dot(a, du), fv = dot(a, dv), gu = dot(b, du), gv = dot(b, dv);
         Real det = fu * gv - fv * gu, step_u = (fv * g - gv * f) / det, step_v = (gu * f - fu * g) / det;
@@ -121,27 +123,41 @@ static void add(OracleRoot *roots, int *count, OracleRoot root) {
     if (*count < ORACLE_ROOTS) roots[(*count)++] = root;
 }
 
+// Where the ray passes a cell, by its corners in the plane across the ray, in cells from its middle. False: it does not, by far.
+// `folds`: it may pass more than once.
+static bool passes(const Vec2 c[4], Vec2 *at, bool *folds) {
+    Vec2 mean = vec2_scale(vec2_add(vec2_add(c[0], c[1]), vec2_add(c[2], c[3])), 0.25), grow = {0};
+    for (int k = 0; k < 4; k++)
+        grow = vec2(fmax(grow.x, fabs(c[k].x - mean.x)), fmax(grow.y, fabs(c[k].y - mean.y)));
+    if (fabs(mean.x) > GROWN * grow.x || fabs(mean.y) > GROWN * grow.y) return false;
+    Vec2 u = vec2_scale(vec2_sub(vec2_add(c[1], c[3]), vec2_add(c[0], c[2])), 0.5);
+    Vec2 v = vec2_scale(vec2_sub(vec2_add(c[2], c[3]), vec2_add(c[0], c[1])), 0.5);
+    double det = vec2_cross(u, v);
+    *folds = fabs(det) < 0.1 * vec2_length(u) * vec2_length(v);
+    *at = vec2(vec2_cross(v, mean) / det, vec2_cross(mean, u) / det);
+    return *folds || (fabs(at->x) < GROWN && fabs(at->y) < GROWN);
+}
+
 int patch_oracle_roots(const PatchOracle *o, const Ray *ray, OracleRoot out[ORACLE_ROOTS]) {
     Vec3 n[2], from = vec3_sub(ray->origin, o->centre);
     axes_across(ray->direction, n);
-    double e[2] = {vec3_dot(n[0], from), vec3_dot(n[1], from)};
+    Vec2 e = {vec3_dot(n[0], from), vec3_dot(n[1], from)};
     int count = 0, row = o->cells + 1;
     for (int i = 0; i < o->cells * row; i++) {
         if (i % row == o->cells) continue;
-        const Vec3 *corner[4] = {&o->grid[i], &o->grid[i + 1], &o->grid[i + row], &o->grid[i + row + 1]};
-        bool near = true;
-        for (int axis = 0; axis < 2 && near; axis++) {
-            double low = INFINITY, high = -INFINITY;
-            for (int k = 0; k < 4; k++) {
-                double at = vec3_dot(n[axis], *corner[k]) - e[axis];
-                low = fmin(low, at), high = fmax(high, at);
-            }
-            double grow = GROWN * (high - low);
-            near = low - grow <= 0 && high + grow >= 0;
+        const int corners[4] = {i, i + 1, i + row, i + row + 1};
+        Vec2 corner[4], at;
+        for (int k = 0; k < 4; k++) {
+            const Vec3 *p = &o->grid[corners[k]];
+            corner[k] = vec2(vec3_dot(n[0], *p) - e.x, vec3_dot(n[1], *p) - e.y);
         }
-        OracleRoot root;
-        for (int k = 0; k < 5 && near; k++) {  // from its middle and its corners
-            double u = i % row + (k == 4 ? 0.5 : k % 2), v = i / row + (k == 4 ? 0.5 : k / 2);
+        bool folds;
+        if (!passes(corner, &at, &folds)) continue;
+        for (int k = 0; k < (folds ? 5 : 1); k++) {  // where it folds, from the middle and the corners
+            double u = i % row + 0.5, v = i / row + 0.5;
+            u += folds ? (k < 4 ? k % 2 - 0.5 : 0) : at.x;
+            v += folds ? (k < 4 ? k / 2 - 0.5 : 0) : at.y;
+            OracleRoot root;
             if (patch_oracle_refine(o, ray, u / o->cells, v / o->cells, &root)) add(out, &count, root);
         }
     }

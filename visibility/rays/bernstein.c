@@ -10,6 +10,8 @@
 // Of pieces that are no more than this wide and still neither without root nor monotone, 2^-28: a double root is lost in
 // rounding at the square root of that of a double.
 #define NARROWEST 3.7e-9
+// A multiple root is no wider than this: the sixth root of rounding is no place to look for one.
+#define WIDEST 1e-4
 // Pieces waiting. Each level of halving leaves one, and there are 28.
 enum { WAITING = 40 };
 // A root of degree 6 takes less than 60; six at once are not twice as far.
@@ -101,14 +103,25 @@ static void cut_piece(Piece *p, int degree, double low, double high) {
 }
 
 typedef struct Roots {
+    const double *c;  // of the whole
+    int degree;
+    double slack;
     double *root;
     int count, max;
     double from, to;  // the places that the last root may lie at
 } Roots;
 
+// Does the polynomial not leave the slack between two places?
+static bool stays_zero(const Roots *roots, double from, double to) {
+    if (to - from <= NARROWEST) return true;
+    double slope;
+    return to - from <= WIDEST &&
+           fabs(bernstein_value(roots->c, roots->degree, (from + to) / 2, &slope)) <= roots->slack;
+}
+
 // A root where two pieces meet, and one that is as wide as rounding has it, is found in several.
 static void add_root(Roots *roots, double low, double high) {
-    if (roots->count > 0 && low - roots->to <= NARROWEST) {
+    if (roots->count > 0 && stays_zero(roots, roots->to, low)) {
         roots->to = fmax(roots->to, high);
         roots->root[roots->count - 1] = (roots->from + roots->to) / 2;
     } else if (roots->count < roots->max) {
@@ -150,7 +163,7 @@ static bool settle(Piece *p, int degree, double slack, Roots *roots, CurvedWork 
 
 int bernstein_roots(const double *c, int degree, double slack, double *root, int max, CurvedWork *work) {
     Piece waiting[WAITING];
-    Roots roots = {.root = root, .max = max};
+    Roots roots = {.c = c, .degree = degree, .slack = slack, .root = root, .max = max};
     int count = 1;
     waiting[0] = (Piece){.low = 0, .high = 1};
     memcpy(waiting[0].c, c, sizeof *c * (size_t)(degree + 1));

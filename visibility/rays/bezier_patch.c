@@ -7,7 +7,6 @@
 // A piece is flat enough when the second differences of its control points are below this, of its size: of a piece of
 // a circle it allows 0.2 rad or so.
 #define FLAT 0.04
-enum { MOST_DEPTH = 5 };  // of the tree: 4^5 pieces
 // By which boxes grow, of the patch's size: what rounding moves points and rays.
 #define BOX_ROUNDING 1e-13
 // Control points are this many halvings nearer to a piece, each way, when its box is taken.
@@ -51,17 +50,13 @@ void bezier_cut_net(PatchNet *net, bool along_v, double low, double high) {
     cut(net->x, &by), cut(net->y, &by), cut(net->z, &by), cut(net->w, &by);
 }
 
-static Lane4 over_rows(const Lane4 row[4], Lane4 basis) {
-    return (basis[0] * row[0] + basis[1] * row[1]) + (basis[2] * row[2] + basis[3] * row[3]);
-}
-
 // Of sum(P B) / sum(w B): a value from those of its numerator and denominator, and derivatives.
 PatchPoint bezier_patch_point(const PatchNet *net, double u, double v) {
     Lane4 bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
     const Lane4 *of[4] = {net->x, net->y, net->z, net->w};
     double value[4], du[4], dv[4];
     for (int k = 0; k < 4; k++) {
-        Lane4 row = over_rows(of[k], bv), slope = over_rows(of[k], sv);
+        Lane4 row = bezier_over_rows(of[k], bv), slope = bezier_over_rows(of[k], sv);
         value[k] = lane4_sum(row * bu), du[k] = lane4_sum(row * su), dv[k] = lane4_sum(slope * bu);
     }
     double w = 1 / value[3];
@@ -163,7 +158,7 @@ static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *aren
         int at = node.count++;
         node.low[0][at] = box.min.x, node.low[1][at] = box.min.y, node.low[2][at] = box.min.z;
         node.high[0][at] = box.max.x, node.high[1][at] = box.max.y, node.high[2][at] = box.max.z;
-        bool leaf = depth == MOST_DEPTH || is_flat(&p->net);
+        bool leaf = depth == PATCH_DEPTH || is_flat(&p->net);
         node.child[at] = leaf ? add_piece(patch, p, state == TRIM_SOME_KEPT, arena)
                               : add_node(patch, *p, depth + 1, arena);
     }

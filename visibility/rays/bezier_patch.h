@@ -24,6 +24,8 @@ typedef struct PatchNode {
     int count;
 } PatchNode;
 
+enum { PATCH_DEPTH = 5 };  // of the tree, at most: 4^5 pieces
+
 typedef struct BezierPatch {
     Vec3 centre;
     double size;       // from corner to corner of its control points' box
@@ -48,6 +50,10 @@ static inline Lane4 bezier_slopes(double s) {
 static inline Lane4 bezier_bends(double s) {
     double r = 1 - s;
     return (Lane4){6 * r, 6 * (s - 2 * r), 6 * (r - 2 * s), 6 * s};
+}
+
+static inline Lane4 bezier_over_rows(const Lane4 row[4], Lane4 basis) {
+    return (basis[0] * row[0] + basis[1] * row[1]) + (basis[2] * row[2] + basis[3] * row[3]);
 }
 
 // What restricts coefficients to low .. high: of[i] are the shares of the old ones in new coefficient i.

@@ -63,6 +63,14 @@ static inline double lane4_most_of(Lane4 a) {
     return a[0];
 }
 
+// Lane by lane, of four rows.
+static inline Lane4 lane4_least_row(const Lane4 row[4]) {
+    return lane4_least(lane4_least(row[0], row[1]), lane4_least(row[2], row[3]));
+}
+static inline Lane4 lane4_most_row(const Lane4 row[4]) {
+    return lane4_most(lane4_most(row[0], row[1]), lane4_most(row[2], row[3]));
+}
+
 static inline double lane4_sum(Lane4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
 // Rows become columns.

@@ -1,0 +1,195 @@
+// bezier_part.c - parts of a patch along a ray: clipped by convex hulls (Nishita, Sederberg & Kakimoto 1990, section 3), cut,
+// halved, and told to have one root at most.
+#include "visibility/rays/bezier_part.h"
+
+#include <string.h>
+
+// Tangents whose cross product is less than this of their lengths make no frame to measure in.
+#define ASKEW 0.2
+
+// ---- lines
+
+// The mean tangents of a net in the plane, from its corners; both rows of v, lanes along u.
+static void mean_tangents(const Lane4 f[4], const Lane4 g[4], Vec2 *along_u, Vec2 *along_v) {
+    *along_u = vec2(f[0][3] - f[0][0] + f[3][3] - f[3][0], g[0][3] - g[0][0] + g[3][3] - g[3][0]);
+    *along_v = vec2(f[3][0] - f[0][0] + f[3][3] - f[0][3], g[3][0] - g[0][0] + g[3][3] - g[0][3]);
+}
+
+static Vec2 unit(Vec2 a, Vec2 instead) {
+    double length = vec2_length(a);
+    return length > 0 ? vec2_scale(a, 1 / length) : instead;
+}
+
+// Lines along the mean tangents; where these are nearly one, the second line is across the first: only so is a part
+// clipped along both.
+static void choose_lines(const Lane4 f[4], const Lane4 g[4], bool for_clips, Vec2 *along_u, Vec2 *along_v) {
+    Vec2 u, v;
+    mean_tangents(f, g, &u, &v);
+    double long_u = vec2_length(u), long_v = vec2_length(v);
+    bool u_leads = long_u >= long_v;
+    u = unit(u, unit(vec2(v.y, -v.x), vec2(1, 0)));
+    v = unit(v, vec2(-u.y, u.x));
+    if (for_clips && fabs(vec2_cross(u, v)) < ASKEW) {
+        if (u_leads)
+            v = vec2(-u.y, u.x);
+        else
+            u = vec2(v.y, -v.x);
+    }
+    double sign = vec2_cross(u, v) < 0 ? -1 : 1;  // so that distances grow with u and v
+    *along_u = vec2_scale(u, sign);
+    *along_v = vec2_scale(v, sign);
+}
+
+void bezier_part_measure(BezierPart *part, const Lane4 f[4], const Lane4 g[4], bool for_clips) {
+    Vec2 u, v;
+    choose_lines(f, g, for_clips, &u, &v);
+    part->along_u = u;
+    part->along_v = v;
+    for (int k = 0; k < 4; k++) {
+        part->a[k] = f[k] * v.y - g[k] * v.x;
+        part->b[k] = u.x * g[k] - u.y * f[k];
+    }
+    lane4_transpose(part->b);
+}
+
+// The coordinates again.
+static void coordinates(const BezierPart *part, Lane4 f[4], Lane4 g[4]) {
+    Vec2 u = part->along_u, v = part->along_v;
+    double scale = 1 / vec2_cross(u, v);
+    Lane4 b[4];
+    memcpy(b, part->b, sizeof b);
+    lane4_transpose(b);
+    for (int k = 0; k < 4; k++) {
+        f[k] = (part->a[k] * u.x + b[k] * v.x) * scale;
+        g[k] = (part->a[k] * u.y + b[k] * v.y) * scale;
+    }
+}
+
+// ---- clips
+
+// Where the hull of (lane / 3, low .. high) comes down to 0 from lane 0 on, in lanes; low[0] > 0.
+static double comes_down(const double low[4]) {
+    double first = 3;
+    for (int j = 1; j < 4; j++) {
+        if (!(low[j] <= 0)) continue;
+        for (int i = 0; i < j; i++)
+            if (low[i] > 0) first = fmin(first, i + (j - i) * (low[i] / (low[i] - low[j])));
+    }
+    return first;
+}
+
+// The lanes, as 0 .. 1, outside which no distance is within slack of 0. False: none is.
+static bool clip(const Lane4 row[4], double slack, double *from, double *to) {
+    Lane4 low = lane4_least_row(row) - lane4_of(slack), high = -lane4_most_row(row) - lane4_of(slack);
+    unsigned above = lane4_mask(low > lane4_of(0)), below = lane4_mask(high > lane4_of(0));
+    if (above == 15 || below == 15) return false;
+    *from = 0;
+    *to = 1;
+    if ((above | below) & 1) {
+        Lane4 a = above & 1 ? low : high;
+        *from = comes_down((double[]){a[0], a[1], a[2], a[3]}) / 3;
+    }
+    if ((above | below) & 8) {
+        Lane4 a = above & 8 ? low : high;
+        *to = 1 - comes_down((double[]){a[3], a[2], a[1], a[0]}) / 3;
+    }
+    return true;
+}
+
+bool bezier_part_clip(const BezierPart *part, double slack, double from[2], double to[2]) {
+    return clip(part->a, slack, &from[0], &to[0]) && clip(part->b, slack, &from[1], &to[1]);
+}
+
+static void cut_u(BezierPart *part, double from, double to) {
+    BezierCut cut = bezier_cut(from, to);
+    bezier_cut_lanes(part->a, &cut);
+    bezier_cut_rows(part->b, &cut);
+    part->u += from * part->width_u;
+    part->width_u *= to - from;
+}
+
+static void cut_v(BezierPart *part, double from, double to) {
+    BezierCut cut = bezier_cut(from, to);
+    bezier_cut_rows(part->a, &cut);
+    bezier_cut_lanes(part->b, &cut);
+    part->v += from * part->width_v;
+    part->width_v *= to - from;
+}
+
+void bezier_part_cut(BezierPart *part, const double from[2], const double to[2]) {
+    cut_u(part, from[0], to[0]);
+    cut_v(part, from[1], to[1]);
+}
+
+void bezier_part_halve(BezierPart *first, BezierPart *second) {
+    Lane4 f[4], g[4];
+    Vec2 u, v;
+    coordinates(first, f, g);
+    mean_tangents(f, g, &u, &v);
+    bezier_part_measure(first, f, g, true);
+    *second = *first;
+    if (vec2_dot(u, u) > vec2_dot(v, v)) {
+        cut_u(first, 0, 0.5);
+        cut_u(second, 0.5, 1);
+    } else {
+        cut_v(first, 0, 0.5);
+        cut_v(second, 0.5, 1);
+    }
+}
+
+bool bezier_part_is_zero(const BezierPart *part, double slack) {
+    return !(
+        lane4_most_of(lane4_most_row(part->a)) > slack || lane4_least_of(lane4_least_row(part->a)) < -slack ||
+        lane4_most_of(lane4_most_row(part->b)) > slack || lane4_least_of(lane4_least_row(part->b)) < -slack);
+}
+
+// ---- one root or none
+
+// The least difference of neighbouring lanes, which is along the distance's own parameter; the largest of rows.
+static void slopes(const Lane4 row[4], double *least, double *most_across) {
+    Lane4 along[4], across = lane4_of(0);
+    for (int k = 0; k < 4; k++)
+        along[k] = __builtin_shufflevector(row[k], row[k], 1, 2, 3, 3) -
+                   __builtin_shufflevector(row[k], row[k], 0, 1, 2, 2);
+    for (int k = 0; k < 3; k++) across = lane4_most(across, lane4_abs(row[k + 1] - row[k]));
+    *least = lane4_least_of(lane4_least_row(along));
+    *most_across = lane4_most_of(across);
+}
+
+static bool cones_are_apart(const BezierPart *part) {
+    double a_u, a_v, b_v, b_u;
+    slopes(part->a, &a_u, &a_v);
+    slopes(part->b, &b_v, &b_u);
+    return a_u > 0 && b_v > 0 && a_u * b_v > a_v * b_u;
+}
+
+bool bezier_part_has_one_root_at_most(const BezierPart *part) {
+    if (cones_are_apart(part)) return true;
+    BezierPart again;
+    Lane4 f[4], g[4];
+    coordinates(part, f, g);
+    bezier_part_measure(&again, f, g, false);
+    return cones_are_apart(&again);
+}
+
+// ---- places
+
+BezierPlace bezier_part_place(const BezierPart *part, double u, double v) {
+    Lane4 bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
+    Lane4 a = bezier_over_rows(part->a, bv), b = bezier_over_rows(part->b, bu);
+    return (BezierPlace){lane4_sum(a * bu),
+                         lane4_sum(a * su),
+                         lane4_sum(bezier_over_rows(part->a, sv) * bu),
+                         lane4_sum(b * bv),
+                         lane4_sum(bezier_over_rows(part->b, su) * bv),
+                         lane4_sum(b * sv)};
+}
+
+BezierBends bezier_part_bends(const BezierPart *part, double u, double v) {
+    Lane4 bu = bezier_basis(u), su = bezier_slopes(u), cu = bezier_bends(u);
+    Lane4 bv = bezier_basis(v), sv = bezier_slopes(v), cv = bezier_bends(v);
+    return (BezierBends){
+        lane4_sum(bezier_over_rows(part->a, bv) * cu), lane4_sum(bezier_over_rows(part->a, sv) * su),
+        lane4_sum(bezier_over_rows(part->a, cv) * bu), lane4_sum(bezier_over_rows(part->b, cu) * bv),
+        lane4_sum(bezier_over_rows(part->b, su) * sv), lane4_sum(bezier_over_rows(part->b, bu) * cv)};
+}

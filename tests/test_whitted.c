@@ -174,7 +174,7 @@ typedef struct Seen {
 static Seen view_of(Room *room, Camera camera, StillDirect direct) {
     Arena *arena = &room->lit->arena;
     Seen v = {.scene = still_scene_new(&room->lit->mesh, NULL, STILL_TREE_OWN, arena), .camera = camera};
-    StillLamps *lamps = direct == STILL_RAYS ? still_lamps_new(v.scene, &room->lit->forest, arena) : NULL;
+    StillLamps *lamps = direct == STILL_RAYS ? still_lamps_new(v.scene, &room->lit->forest, 16, arena) : NULL;
     v.light = still_light_new(v.scene, &room->solution, &room->lamps_only, lamps, arena);
     v.media = still_scene_media(v.scene, camera.eye);
     v.whitted = (Whitted){.scene = v.scene, .depth = 12, .threshold = 1.0 / 512, .lamp_rays = 2};
@@ -259,7 +259,7 @@ Test(whitted, shadows_are_sharp) {
         for (int c = 0; c < 3; c++) room->solution.radiosity[e][c] = room->lamps_only.radiosity[e][c] = 0;
     Arena *arena = &room->lit->arena;
     StillScene *scene = still_scene_new(&room->lit->mesh, NULL, STILL_TREE_OWN, arena);
-    StillLamps *lamps = still_lamps_new(scene, &room->lit->forest, arena);
+    StillLamps *lamps = still_lamps_new(scene, &room->lit->forest, 16, arena);
     StillLight light = still_light_new(scene, &room->solution, &room->lamps_only, lamps, arena);
     for (int i = 0; i < 2; i++) {
         Ray ray = {vec3(1 + 2 * i, 2, 2.4), vec3(0, 0, -1), 0, INFINITY};

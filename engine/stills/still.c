@@ -141,7 +141,7 @@ static void prepare(Still *s, const StillSource *source, StillReport *report, Ar
     const WalkLight *baked = source->light;
     bool rays = s->options->direct == STILL_RAYS;
     s->scene = still_scene_new(baked->mesh, baked->door_open, s->options->tree, arena);
-    StillLamps *lamps = rays ? still_lamps_new(s->scene, source->forest, arena) : NULL;
+    StillLamps *lamps = rays ? still_lamps_new(s->scene, source->forest, s->options->samples, arena) : NULL;
     s->light = still_light_new(s->scene, baked->solution, source->lamps_only, lamps, arena);
     s->exposure = expose(source, s->camera, s->options->stops);
     s->sky.exposure = s->exposure;

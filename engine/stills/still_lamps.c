@@ -10,6 +10,8 @@
 
 // Lamps of which an element saw nothing are asked for once in a while.
 static const double ONCE_IN_A_WHILE = 0.25;
+// Looks from an element: two for each sample of a pixel, within bounds.
+enum { LEAST_LOOKS = 16, MOST_LOOKS = 128 };
 // Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
 static const double BEFORE = 1e-5;
 
@@ -39,8 +41,7 @@ const CurvedShape *lamp_shape_of(const StillScene *scene, const Face *face) {
     for (int s = 0; s < b->shape_count; s++) {
         const CurvedShape *shape = &b->shapes[s];
         if (shape->object != face->object || graph->objects[face->object].leaf >= 0) continue;
-        int first = graph->objects[shape->object].first_polygon + shape->first_polygon -
-                    b->objects[shape->object].first_polygon;
+        int first = still_first_polygon(graph, shape);
         if (face->polygon >= first && face->polygon < first + shape->polygon_count) return shape;
     }
     return NULL;
@@ -131,10 +132,13 @@ static void find_groups(StillLamps *lamps, Arena *arena) {
     lamps->group_first[lamps->group_count] = lamps->count;
 }
 
-StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena) {
+StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, int samples, Arena *arena) {
     StillLamps *lamps = ARENA_ARRAY(arena, StillLamps, 1);
     lamps->scene = scene;
     lamps->forest = forest;
+    lamps->looks = samples < LEAST_LOOKS / 2  ? LEAST_LOOKS
+                   : samples < MOST_LOOKS / 2 ? 2 * samples
+                                              : MOST_LOOKS;
     add_lamps(lamps, arena);
     find_groups(lamps, arena);
     lamps->of_element =

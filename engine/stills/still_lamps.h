@@ -13,8 +13,9 @@ typedef struct StillNumbers {
 } StillNumbers;
 
 typedef struct StillLamps StillLamps;
-// Which lamps a cell may see the forest tells; NULL: all.
-StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, Arena *arena);
+// Which lamps a cell may see the forest tells; NULL: all. For pictures of so many samples a pixel: more of them are worth more care
+// beforehand.
+StillLamps *still_lamps_new(const StillScene *scene, const StabForest *forest, int samples, Arena *arena);
 void still_lamps_end(StillLamps *lamps);
 int still_lamps_count(const StillLamps *lamps);
 

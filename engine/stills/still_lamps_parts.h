@@ -41,6 +41,7 @@ struct StillLamps {
     Arena found;       // behind the lock
     int *group_first;  // [group_count + 1] in `lamps`
     int count, group_count;
+    int looks;  // rays from an element to the lamps of an object that say how much it sees of them
 };
 
 // Before what is lit: a place and its axes.

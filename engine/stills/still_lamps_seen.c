@@ -3,10 +3,10 @@
 #include "engine/stills/still_lamps_parts.h"
 #include "radiosity/gather.h"
 
-// Rays from an element to the lamps of an object that say how much it sees of them. On curved shapes facets say little of what lies
-// around them: of all that may be seen something is taken to be.
-enum { LOOKS = 16 };
+// On curved shapes facets say little of what lies around them: of all that may be seen something is taken to be.
 static const float CURVED_SEEN = 0.2f;
+// And of what an element sees little of: where that is seen it would be bright by the inverse.
+static const float LEAST_SEEN = 0.25f;
 
 // Uniform over its triangles.
 static Vec3 point_of_element(const Mesh *mesh, const Element *e, double u, double v) {
@@ -32,7 +32,7 @@ static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, dou
 static float seen_share(const StillLamps *lamps, const Element *element, Vec3 normal, int group) {
     int seen = 0;
     StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
-    for (int k = 0; k < LOOKS; k++) {
+    for (int k = 0; k < lamps->looks; k++) {
         double u[3], w[3];
         lamp_numbers_next(&numbers, u);
         lamp_numbers_next(&numbers, w);
@@ -40,7 +40,7 @@ static float seen_share(const StillLamps *lamps, const Element *element, Vec3 no
         const Lamp *lamp = facing_of(lamps, group, f.point, u[2]);
         seen += lamp && lamp_sees(lamps, lamp, &f, w, w[2]);
     }
-    return (float)seen / LOOKS;
+    return (float)seen / (float)lamps->looks;
 }
 
 // Is any of an element before a lamp? What lies around one on a curved shape is elsewhere.
@@ -115,7 +115,7 @@ static Candidates *find_candidates(const StillLamps *lamps, int index, bool fron
             continue;
         if (seen < 0) seen = seen_share(lamps, element, normal, lamp->group);
         if (seen > 0 || curved)
-            out->lamp[out->seen_count++] = (Candidate){i, curved ? fmaxf(seen, CURVED_SEEN) : seen};
+            out->lamp[out->seen_count++] = (Candidate){i, fmaxf(seen, curved ? CURVED_SEEN : LEAST_SEEN)};
         else
             out->lamp[--hidden] = (Candidate){i, 1};
     }

@@ -5,6 +5,9 @@
 
 #include "engine/walk/walk_shade.h"
 
+// Facets of curved shapes are so small that shots hit some of them twice and others not at all: their light is a mean over those within
+// this of them, metres, and so many of their own sizes, that look the same way.
+static const double SMOOTH = 0.04, SMOOTH_SIZES = 3;
 // Facets are looked for so many tolerances to either side of their shape.
 static const double FACET_REACH = 4;
 
@@ -27,6 +30,48 @@ static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[
     for (int c = 0; c < 3 && area > 0; c++) out[c] /= area;
 }
 
+// Of one element, over those from `first` to `end`.
+static void smooth_element(const Mesh *mesh, const Vec3 *centres, int element, int first, int end,
+                           double (*from)[3], double out[3]) {
+    const Element *e = &mesh->elements[element];
+    double reach = fmax(SMOOTH, SMOOTH_SIZES * sqrt(e->area)), weights = 0;
+    Vec3 n = mesh->faces[e->face].plane.n;
+    out[0] = out[1] = out[2] = 0;
+    for (int k = first; k < end; k++) {
+        Vec3 way = vec3_sub(centres[k], centres[element]);
+        double d2 = vec3_dot(way, way) / (reach * reach);
+        double alike = vec3_dot(n, mesh->faces[mesh->elements[k].face].plane.n);
+        if (d2 >= 1 || alike <= 0) continue;
+        double weight = mesh->elements[k].area * (1 - d2) * (1 - d2) * alike * alike;
+        for (int c = 0; c < 3; c++) out[c] += weight * from[k][c];
+        weights += weight;
+    }
+    for (int c = 0; c < 3; c++) out[c] /= weights;
+}
+
+// The faces of a shape follow each other.
+static void smooth_shapes(const Mesh *mesh, double (*light)[3]) {
+    const CellGraph *graph = mesh->graph;
+    Arena scratch = {0};
+    Vec3 *centres = ARENA_ARRAY(&scratch, Vec3, mesh->element_count + 1);
+    double(*from)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *from);
+    memcpy(from, light, (size_t)mesh->element_count * sizeof *from);
+    for (int e = 0; e < mesh->element_count; e++) centres[e] = element_centroid(mesh, e);
+    for (int s = 0; s < graph->building->shape_count; s++) {
+        const CurvedShape *shape = &graph->building->shapes[s];
+        int first = still_first_polygon(graph, shape), low = mesh->element_count, end = 0;
+        for (int p = first; p < first + shape->polygon_count; p++) {
+            if (mesh->face_of[p] < 0) continue;
+            const Face *face = &mesh->faces[mesh->face_of[p]];
+            low = face->first_element < low ? face->first_element : low;
+            if (face->first_element + face->element_count > end)
+                end = face->first_element + face->element_count;
+        }
+        for (int e = low; e < end; e++) smooth_element(mesh, centres, e, low, end, from, light[e]);
+    }
+    arena_free(&scratch);
+}
+
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
                            const RadSolution *lamps_only, StillLamps *lamps, Arena *arena) {
     const Mesh *mesh = scene->mesh;
@@ -36,6 +81,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
     if (lamps) {
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         difference(mesh, solution, lamps_only, shown.radiosity);
+        smooth_shapes(mesh, shown.radiosity);
         // What was gathered at nodes is not split.
         shown.node = NULL;
         shown.node_count = 0;

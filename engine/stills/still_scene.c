@@ -46,7 +46,7 @@ static bool is_drawn(const CellGraph *graph, const CurvedShape *shape) {
     return graph->objects[shape->object].leaf < 0;
 }
 
-static int first_polygon(const CellGraph *graph, const CurvedShape *shape) {
+int still_first_polygon(const CellGraph *graph, const CurvedShape *shape) {
     int into = shape->first_polygon - graph->building->objects[shape->object].first_polygon;
     return graph->objects[shape->object].first_polygon + into;
 }
@@ -56,7 +56,7 @@ static void find_shapes(Parts *parts) {
     for (int p = 0; p < graph->polygon_count; p++) parts->shape_of[p] = -1;
     for (int s = 0; s < graph->building->shape_count; s++) {
         const CurvedShape *shape = &graph->building->shapes[s];
-        int first = first_polygon(graph, shape);
+        int first = still_first_polygon(graph, shape);
         for (int p = first; p < first + shape->polygon_count && is_drawn(graph, shape); p++)
             parts->shape_of[p] = s;
     }
@@ -101,7 +101,8 @@ static void find_bodies(Parts *parts, const Vec3 *vertices) {
     }
     for (int s = 0; s < graph->building->shape_count; s++) {
         const CurvedShape *shape = &graph->building->shapes[s];
-        parts->body_of_shape[s] = shape->polygon_count > 0 ? parts->body_of[first_polygon(graph, shape)] : -1;
+        parts->body_of_shape[s] =
+            shape->polygon_count > 0 ? parts->body_of[still_first_polygon(graph, shape)] : -1;
     }
 }
 

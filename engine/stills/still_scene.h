@@ -41,6 +41,9 @@ typedef struct StillScene {
 // `door_open` [opening_count] as the mesh was made with; NULL: as drawn.
 StillScene *still_scene_new(const Mesh *mesh, const float *door_open, StillTree kind, Arena *arena);
 
+// Of a shape's polygons, in the graph.
+int still_first_polygon(const CellGraph *graph, const CurvedShape *shape);
+
 SurfaceHit still_rays_first(const StillRays *rays, const Ray *ray);
 bool still_rays_blocked(const StillRays *rays, const Ray *ray);
 

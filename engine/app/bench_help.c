@@ -86,6 +86,12 @@ static const char OF_LIGHT[] =
     "distance\n"
     "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
     "own\n"
-    "    --seed N            of their turns\n";
+    "    --seed N            of their turns\n\n"
+    "  rays           what a ray costs that hits or misses a curved shape; of Bezier patches by each method, "
+    "and what "
+    "each\n"
+    "                 misses or makes up\n"
+    "    --seed N            of the rays\n"
+    "    --csv OUT           as above\n";
 
 bool bench_print_help(void) { return fputs(OF_WALKS, stdout) >= 0 && fputs(OF_LIGHT, stdout) >= 0; }

@@ -28,10 +28,11 @@ static const struct {
                {"light", bench_light, bench_light_knows, "bench"},
                {"rooms", bench_rooms, NULL, NULL},
                {"hidden", bench_hidden, bench_hidden_knows, "bake"},
-               {"breaks", bench_breaks, NULL, NULL}};
+               {"breaks", bench_breaks, NULL, NULL},
+               {"rays", bench_rays, NULL, NULL}};
 
 static const char ALLOWED[] =
-    "walk, collision, visibility, formfactors, radiosity, light, rooms, hidden, breaks";
+    "walk, collision, visibility, formfactors, radiosity, light, rooms, hidden, breaks, rays";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 

@@ -16,15 +16,20 @@
 enum { WAITING = 40 };
 // A root of degree 6 takes less than 60; six at once are not twice as far.
 enum { MOST_PIECES = 400 };
+// Of a root.
+#define ROOT_ROUNDING 1e-16
 enum { MOST_STEPS = 60 };  // of Newton's, or halvings of its bracket
 
+// The mean of two polynomials of one degree less, whose difference is the slope; each by a Horner scheme of positive shares.
 double bernstein_value(const double *c, int degree, double s, double *slope) {
-    double b[BERNSTEIN_DEGREE + 1];
-    memcpy(b, c, sizeof *b * (size_t)(degree + 1));
-    for (int level = degree; level > 1; level--)
-        for (int i = 0; i < level; i++) b[i] += s * (b[i + 1] - b[i]);
-    *slope = degree * (b[1] - b[0]);
-    return b[0] + s * (b[1] - b[0]);
+    double r = 1 - s, first = c[0], second = c[1], share = 1;
+    for (int i = 1; i < degree; i++) {
+        share *= s * (degree - i) / i;
+        first = first * r + share * c[i];
+        second = second * r + share * c[i + 1];
+    }
+    *slope = degree * (second - first);
+    return r * first + s * second;
 }
 
 void bernstein_cut(double *c, int degree, double low, double high) {
@@ -45,7 +50,9 @@ static double comes_down(const double *c, int degree, int stride) {
         if (!(below <= 0)) continue;
         for (int i = 0; i < j; i++) {
             double above = c[i * stride];
-            if (above > 0) first = fmin(first, i + (j - i) * (above / (above - below)));
+            if (!(above > 0)) continue;
+            double at = i + (j - i) * (above / (above - below));
+            first = at < first ? at : first;
         }
     }
     return first;
@@ -53,7 +60,10 @@ static double comes_down(const double *c, int degree, int stride) {
 
 bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high) {
     double least = c[0], most = c[0];
-    for (int i = 1; i <= degree; i++) least = fmin(least, c[i]), most = fmax(most, c[i]);
+    for (int i = 1; i <= degree; i++) {
+        least = c[i] < least ? c[i] : least;
+        most = c[i] > most ? c[i] : most;
+    }
     if (!(least <= slack && most >= -slack)) return false;
     double b[BERNSTEIN_DEGREE + 1];
     for (int end = 0; end < 2; end++) {
@@ -66,9 +76,11 @@ bool bernstein_clip(const double *c, int degree, double slack, double *low, doub
     return true;
 }
 
-// The root of coefficients that only rise or only fall, between ends of different signs.
+// The root of coefficients that only rise or only fall, between ends of different signs. Newton's steps end where the next
+// would be less than rounding, as the last two tell: they fall as squares.
 static double monotone_root(const double *c, int degree, CurvedWork *work) {
-    double low = 0, high = 1, slope, s = c[0] / (c[0] - c[degree]), rising = c[degree] > c[0] ? 1 : -1;
+    double low = 0, high = 1, before = 1, slope, s = c[0] / (c[0] - c[degree]);
+    double rising = c[degree] > c[0] ? 1 : -1;
     for (int i = 0; i < MOST_STEPS; i++) {
         double value = rising * bernstein_value(c, degree, s, &slope);
         work->steps++;
@@ -76,10 +88,10 @@ static double monotone_root(const double *c, int degree, CurvedWork *work) {
         *(value > 0 ? &high : &low) = s;
         double next = s - value / (rising * slope);
         if (!(next > low && next < high)) next = (low + high) / 2;
-        if (next == s || next == low || next == high) break;
-        bool done = fabs(next - s) <= 1e-16;
+        double step = fabs(next - s);
         s = next;
-        if (done) break;
+        if (next == low || next == high || step * step * step <= ROOT_ROUNDING * before * before) break;
+        before = step;
     }
     return s;
 }
@@ -168,6 +180,7 @@ int bernstein_roots(const double *c, int degree, double slack, double *root, int
     waiting[0] = (Piece){.low = 0, .high = 1};
     memcpy(waiting[0].c, c, sizeof *c * (size_t)(degree + 1));
     for (int pieces = 0; count > 0; pieces++) {
+        if (roots.count == max && waiting[count - 1].low - roots.to > WIDEST) break;
         if (pieces == MOST_PIECES || count + 2 > WAITING) {
             work->undecided++;
             break;

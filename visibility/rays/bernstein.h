@@ -8,13 +8,13 @@
 
 enum { BERNSTEIN_DEGREE = 6 };  // the highest there may be
 
-// Its value, and its slope there. By de Casteljau: no digits are lost.
+// Its value, and its slope there; degree 1 at least.
 double bernstein_value(const double *c, int degree, double s, double *slope);
 // The same polynomial with `low` .. `high` as its 0 .. 1.
 void bernstein_cut(double *c, int degree, double low, double high);
 // Where the convex hull of (i / degree, c[i]) meets the band |y| <= slack: no root lies elsewhere. False: nowhere.
 bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high);
-// Roots in rising order, at most `max`, by Bezier clipping; a multiple root, or what touches 0 within slack, is one.
+// The first `max` roots in rising order, by Bezier clipping; a multiple root, or what touches 0 within slack, is one.
 int bernstein_roots(const double *c, int degree, double slack, double *root, int max, CurvedWork *work);
 
 #endif

@@ -158,7 +158,9 @@ static void piece_hits(const BezierBeam *beam, const PatchPiece *piece) {
     if (misses(f, beam->slack)) return;
     bezier_beam_project(beam, &piece->net, 1, g);
     if (misses(g, beam->slack)) return;
-    BezierPart waiting[WAITING] = {{.width_u = 1, .width_v = 1}};
+    BezierPart waiting[WAITING];
+    waiting[0].u = waiting[0].v = 0;
+    waiting[0].width_u = waiting[0].width_v = 1;
     bezier_part_measure(&waiting[0], f, g, true);
     int count = 1;
     for (int parts = 0; count > 0; parts++) {

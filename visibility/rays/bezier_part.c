@@ -73,7 +73,10 @@ static double comes_down(const double low[4]) {
     for (int j = 1; j < 4; j++) {
         if (!(low[j] <= 0)) continue;
         for (int i = 0; i < j; i++)
-            if (low[i] > 0) first = fmin(first, i + (j - i) * (low[i] / (low[i] - low[j])));
+            if (low[i] > 0) {
+                double at = i + (j - i) * (low[i] / (low[i] - low[j]));
+                first = at < first ? at : first;
+            }
     }
     return first;
 }

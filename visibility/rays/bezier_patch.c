@@ -147,7 +147,7 @@ static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *aren
     (void)ARENA_PUSH(arena, patch->nodes, patch->node_count, patch->node_capacity);
     PatchPiece part[4] = {whole};
     PatchNode node = {.count = 0};
-    int count = cut_in_parts(part);
+    int count = depth < PATCH_DEPTH ? cut_in_parts(part) : 1;
     for (int i = 0; i < count; i++) {
         const PatchPiece *p = &part[i];
         TrimState state = patch->trim ? trim_state(patch->trim, vec2(p->u, p->v),
@@ -158,7 +158,7 @@ static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *aren
         int at = node.count++;
         node.low[0][at] = box.min.x, node.low[1][at] = box.min.y, node.low[2][at] = box.min.z;
         node.high[0][at] = box.max.x, node.high[1][at] = box.max.y, node.high[2][at] = box.max.z;
-        bool leaf = depth == PATCH_DEPTH || is_flat(&p->net);
+        bool leaf = depth >= PATCH_DEPTH - 1 || is_flat(&p->net);
         node.child[at] = leaf ? add_piece(patch, p, state == TRIM_SOME_KEPT, arena)
                               : add_node(patch, *p, depth + 1, arena);
     }
@@ -166,7 +166,7 @@ static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *aren
     return index;
 }
 
-BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape, Arena *arena) {
+BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape, bool whole, Arena *arena) {
     const CurvedControl *controls = building->controls + shape->first_control;
     BezierPatch *patch = ARENA_ARRAY(arena, BezierPatch, 1);
     Box box = box_empty();
@@ -177,19 +177,19 @@ BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape
     }
     patch->centre = vec3_lerp(box.min, box.max, 0.5);
     patch->size = vec3_length(vec3_sub(box.max, box.min));
-    PatchPiece whole = {.width_u = 1, .width_v = 1};
+    PatchPiece all = {.width_u = 1, .width_v = 1};
     for (int k = 0; k < 16; k++) {
         double w = controls[k].weight / heaviest;
         Vec3 p = vec3_scale(vec3_sub(controls[k].point, patch->centre), w);
-        whole.net.x[k / 4][k % 4] = p.x, whole.net.y[k / 4][k % 4] = p.y, whole.net.z[k / 4][k % 4] = p.z;
-        whole.net.w[k / 4][k % 4] = w;
+        all.net.x[k / 4][k % 4] = p.x, all.net.y[k / 4][k % 4] = p.y, all.net.z[k / 4][k % 4] = p.z;
+        all.net.w[k / 4][k % 4] = w;
     }
     if (shape->trim_count > 0)
         patch->trim = trim_new(building->trims + shape->first_trim, shape->trim_count, arena);
-    Box tight = tight_box(&whole.net, 2 * BOX_HALVINGS);
+    Box tight = tight_box(&all.net, 2 * BOX_HALVINGS);
     double rounding = BOX_ROUNDING * (patch->size + vec3_length(patch->centre));
     patch->box =
         box_grow((Box){vec3_add(patch->centre, tight.min), vec3_add(patch->centre, tight.max)}, rounding);
-    add_node(patch, whole, 0, arena);
+    add_node(patch, all, whole ? PATCH_DEPTH : 0, arena);
     return patch;
 }

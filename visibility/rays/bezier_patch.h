@@ -36,7 +36,8 @@ typedef struct BezierPatch {
     Box box;
 } BezierPatch;
 
-BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape, Arena *arena);
+// `whole`: in one piece, as it is.
+BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape, bool whole, Arena *arena);
 
 // The four Bernstein polynomials of degree 3, and their derivatives.
 static inline Lane4 bezier_basis(double s) {

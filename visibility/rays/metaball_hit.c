@@ -153,17 +153,25 @@ static Vec3 normal_at(const Metaballs *m, Vec3 p) {
     return vec3_normalize(vec3(lane4_sum(x), lane4_sum(y), lane4_sum(z)));
 }
 
+static void add_root(Walk *walk, double s) {
+    if (s - walk->last <= SAME_ROOT * walk->m->size) return;
+    walk->last = s;
+    if (!hit_list_wants(walk->list, walk->start + s)) return;
+    Vec3 p = vec3_add(walk->o, vec3_scale(walk->d, s));
+    hit_list_add(walk->list, (RayHit){.t = walk->start + s, .normal = normal_at(walk->m, p)});
+}
+
+// Where only the first hit is asked for, the first root is, most times.
 static void add_roots(Walk *walk, double low, double high, const double *field, double slack) {
     double root[FIELD];
-    int count = bernstein_roots(field, FIELD, slack, root, FIELD, walk->work);
-    for (int i = 0; i < count; i++) {
-        double s = low + (high - low) * root[i];
-        if (s - walk->last <= SAME_ROOT * walk->m->size) continue;
-        walk->last = s;
-        if (!hit_list_wants(walk->list, walk->start + s)) continue;
-        Vec3 p = vec3_add(walk->o, vec3_scale(walk->d, s));
-        hit_list_add(walk->list, (RayHit){.t = walk->start + s, .normal = normal_at(walk->m, p)});
+    bool all = walk->list->max > 1;
+    int count = bernstein_roots(field, FIELD, slack, root, all ? FIELD : 1, walk->work);
+    if (!all && count == 1) {
+        add_root(walk, low + (high - low) * root[0]);
+        if (walk->list->count > 0) return;
+        count = bernstein_roots(field, FIELD, slack, root, FIELD, walk->work);
     }
+    for (int i = 0; i < count; i++) add_root(walk, low + (high - low) * root[i]);
 }
 
 // Between two ends of chords that are neighbours.
@@ -178,7 +186,10 @@ static void walk_interval(Walk *walk, const Chord *chords, int count, double low
         metaball_add_field(w, c->weight, field);
         weights += fabs(c->weight);
     }
-    for (int i = 0; i <= FIELD; i++) field[i] -= walk->m->threshold, most = fmax(most, field[i]);
+    for (int i = 0; i <= FIELD; i++) {
+        field[i] -= walk->m->threshold;
+        most = field[i] > most ? field[i] : most;
+    }
     if (most < -FIELD_ROUNDING * weights) return;
     add_roots(walk, low, high, field, FIELD_ROUNDING * weights);
 }

@@ -15,9 +15,6 @@
 #include "visibility/rays/ray_grid.h"
 #include "visibility/rays/ray_tree.h"
 
-const char BENCH_RAY_TREES_HEAD[] =
-    "table,scene,polygons,kind,method,rays,prepare_ms,ns_a_ray,met_share,differ_share\n";
-
 enum { ROUNDS = 5, SIDE = 256, COUNT = SIDE * SIDE };
 // What Embree leaves out or takes twice at an edge is told apart from what differs: by so many metres along the ray.
 static const double SAME = 1e-3;
@@ -172,9 +169,10 @@ static void add_rows(const Bench *b, const char *scene, Kind kind, const Ray *ra
                 isfinite(met[way][i]) != isfinite(met[OWN][i]) || fabs(met[way][i] - met[OWN][i]) > SAME;
         }
         char row[256];
-        snprintf(row, sizeof row, "trees,%s,%d,%s,%s,%d,%.3f,%.1f,%.4f,%.6f\n", scene,
-                 b->surfaces.polygon_count, KIND_NAMES[kind], WAY_NAMES[way], COUNT, 1e3 * b->prepare[way],
-                 1e9 * least[way] / COUNT, (double)hits / COUNT, (double)differ / COUNT);
+        double ns = 1e9 * least[way] / COUNT;
+        snprintf(row, sizeof row, "%s %s,%s,%d,%.4f,%.3f,%.1f,,%.0f,,,,,%d,%d,\n", scene, KIND_NAMES[kind],
+                 WAY_NAMES[way], COUNT, (double)hits / COUNT, 1e3 * b->prepare[way], ns, 1e9 / ns, hits,
+                 differ);
         fputs(row, stdout);
         text_append(csv, "%s", row);
     }

@@ -39,7 +39,7 @@ static int distinct(const RaySource *source, const Polygon *p, Vec3 origin, Vec3
 
 static void put_polygon(RaySurfaces *s, int item, const Vec3 *v, int count) {
     RayPolygon *p = &s->polygons[item];
-    p->plane = count < 3 ? (Plane){0} : plane_of_polygon(v, count);
+    if (count >= 3) p->plane = plane_of_polygon(v, count);
     s->boxes[item] = box_empty();
     for (int i = 0; i < count; i++) s->boxes[item] = box_add(s->boxes[item], v[i]);
     if (vec3_dot(p->plane.n, p->plane.n) == 0) return;

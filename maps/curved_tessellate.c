@@ -144,7 +144,6 @@ void curved_tessellate(const Building *b, const CurvedShape *shape, double toler
                        CurvedMesh *out) {
     CORE_ASSERT(tolerance > 0);
     *out = (CurvedMesh){.tolerance = tolerance};
-    const CurvedControl *control = b->controls + shape->first_control;
     switch (shape->kind) {
     case CURVED_SPHERE:
         sphere_mesh(shape, tolerance, arena, out);
@@ -155,10 +154,10 @@ void curved_tessellate(const Building *b, const CurvedShape *shape, double toler
         return;
     case CURVED_PATCH:
         if (shape->trim_count > 0) {
-            curved_trimmed_mesh(control, b->trims + shape->first_trim, shape->trim_count, tolerance, arena,
-                                out);
+            curved_trimmed_mesh(b->controls + shape->first_control, b->trims + shape->first_trim,
+                                shape->trim_count, tolerance, arena, out);
         } else {
-            curved_patch_mesh(control, tolerance, arena, out);
+            curved_patch_mesh(b->controls + shape->first_control, tolerance, arena, out);
         }
         return;
     case CURVED_METABALLS:

@@ -205,7 +205,7 @@ bool plan_read_lathe(PlanLine *line, PlanModels *models) {
 static void stand_patch(Arena *arena, const Building *from, const PlanTurn *turn, CurvedShape *shape,
                         Building *b) {
     const CurvedControl *control = from->controls + shape->first_control;
-    const CurvedTrim *trims = from->trims + shape->first_trim;
+    int first_trim = shape->first_trim;
     bool mirror = turn->stand.mirror;
     shape->first_control = b->control_count;
     for (int i = 0; i < PATCH_CONTROLS; i++) {
@@ -216,7 +216,7 @@ static void stand_patch(Arena *arena, const Building *from, const PlanTurn *turn
     }
     shape->first_trim = b->trim_count;
     for (int i = 0; i < shape->trim_count; i++) {
-        CurvedTrim t = trims[i];
+        CurvedTrim t = from->trims[first_trim + i];
         for (int k = 0; mirror && k < 4; k++) t.point[k].x = 1 - t.point[k].x;
         *ARENA_PUSH(arena, b->trims, b->trim_count, b->trim_capacity) = t;
     }

@@ -174,10 +174,9 @@ bool plan_read_ball(PlanLine *line, PlanModels *models) {
 }
 
 static bool check_balls(PlanLine *line, const Building *shapes, const CurvedShape *shape) {
-    const CurvedBall *balls = shapes->balls + shape->first_ball;
     if (shape->ball_count == 0)
         return plan_fail(line, "the metaballs have no ball (allowed: at least one line 'ball')");
-    double peak = curved_field_peak(balls, shape->ball_count);
+    double peak = curved_field_peak(shapes->balls + shape->first_ball, shape->ball_count);
     return peak > shape->threshold ||
            plan_fail(line,
                      "the field of the metaballs reaches %.4g, their threshold is %g (allowed: below that)",

@@ -64,7 +64,7 @@ static int compare_ways(const void *a, const void *b) {
     return first ? first : compare_points(p->b, q->b);
 }
 
-int curved_open_edges(const CurvedMesh *mesh, Arena *arena) {
+int curved_find_open(const CurvedMesh *mesh, Arena *arena, Vec3 **ends) {
     int count = mesh->polygon_count ? mesh->first[mesh->polygon_count] : 0, n = 0, open = 0;
     Way *there = ARENA_ARRAY(arena, Way, count + 1), *back = ARENA_ARRAY(arena, Way, count + 1);
     for (int i = 0; i < mesh->polygon_count; i++) {
@@ -75,15 +75,24 @@ int curved_open_edges(const CurvedMesh *mesh, Arena *arena) {
             back[n++] = (Way){b, a};
         }
     }
+    *ends = ARENA_ARRAY(arena, Vec3, 2 * n + 1);
     qsort(there, (size_t)n, sizeof *there, compare_ways);
     qsort(back, (size_t)n, sizeof *back, compare_ways);
     for (int i = 0, j = 0; i < n || j < n;) {
         int order = i == n ? 1 : j == n ? -1 : compare_ways(&there[i], &back[j]);
-        open += order < 0;
+        if (order < 0) {
+            (*ends)[2 * open] = there[i].a;
+            (*ends)[2 * open++ + 1] = there[i].b;
+        }
         i += order <= 0;
         j += order >= 0;
     }
     return open;
+}
+
+int curved_open_edges(const CurvedMesh *mesh, Arena *arena) {
+    Vec3 *ends;
+    return curved_find_open(mesh, arena, &ends);
 }
 
 double curved_area(const CurvedMesh *mesh) {

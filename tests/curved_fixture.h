@@ -12,7 +12,8 @@ void curved_read_model(Arena *arena, const char *lines, const char *words, Build
 // All polygons of the building's shapes at a tolerance; 0: those it holds.
 CurvedMesh curved_all(const Building *b, double tolerance, Arena *arena);
 
-// Edges that no neighbour has the other way round.
+// Edges that no neighbour has the other way round: how many; and where, `ends` [2 * count].
+int curved_find_open(const CurvedMesh *mesh, Arena *arena, Vec3 **ends);
 int curved_open_edges(const CurvedMesh *mesh, Arena *arena);
 double curved_area(const CurvedMesh *mesh);
 double curved_volume(const CurvedMesh *mesh);  // of closed ones, by the divergence theorem

@@ -63,7 +63,7 @@ static Look *look(Arena *arena, const Building *b, const Camera *camera, double 
 }
 
 // Proves that scan lines and the depth buffer draw shapes subdivided for the view as a tessellation up to ten times as fine does: what
-// differs lies at the edges, at most every fourth pixel of them (a quarter of a pixel of inset moves so many), and depths differ
+// differs lies at the edges, at most every 50th pixel of them (of those on either side of an edge that is inset by up to a quarter of a pixel, mostly less), and depths differ
 // by no more than some pixels; and that both draw the very same.
 Test(curved_scene, edges_agree_with_a_fine_tessellation) {
     static const double DISTANCES[] = {1.9, 4, 12};
@@ -92,7 +92,7 @@ Test(curved_scene, edges_agree_with_a_fine_tessellation) {
             }
         }
         cr_expect_gt(curved, 200, "the shapes are seen: %d pixels", curved);
-        cr_expect_lt(4 * other, edges, "distance %g: %d of %d edge pixels differ", DISTANCES[k], other,
+        cr_expect_lt(50 * other, edges, "distance %g: %d of %d edge pixels differ", DISTANCES[k], other,
                      edges);
         arena_free(&arena);
     }

@@ -205,3 +205,68 @@ Test(bezier_clip, small_large_and_far) {
         arena_free(&arena);
     }
 }
+
+// Control points in the middle of a row of four are those of its halves, which share the last and the first.
+static void halve_row(const CurvedControl row[4], CurvedControl first[4], CurvedControl second[4]) {
+    double p[4][4];
+    for (int i = 0; i < 4; i++) {
+        p[i][0] = row[i].point.x * row[i].weight, p[i][1] = row[i].point.y * row[i].weight;
+        p[i][2] = row[i].point.z * row[i].weight, p[i][3] = row[i].weight;
+    }
+    for (int level = 0; level < 4; level++) {
+        first[level] =
+            (CurvedControl){vec3(p[0][0] / p[0][3], p[0][1] / p[0][3], p[0][2] / p[0][3]), p[0][3]};
+        int last = 3 - level;
+        second[last] = (CurvedControl){
+            vec3(p[last][0] / p[last][3], p[last][1] / p[last][3], p[last][2] / p[last][3]), p[last][3]};
+        for (int i = 0; i < last; i++)
+            for (int k = 0; k < 4; k++) p[i][k] = (p[i][k] + p[i + 1][k]) / 2;
+    }
+}
+
+// A patch and its two halves: a ray at their seam hits one of them, or both, where it hits the whole. And at a pole, where a
+// row of control points is one point, it hits once, with a normal.
+Test(bezier_clip, seams_and_poles) {
+    for (int patch = 0; patch < RAY_PATCHES; patch++) {
+        Arena arena = {0};
+        Bench b = bench_of(patch, 1, vec3(0, 0, 0), 1, &arena);
+        CurvedControl halves[32];
+        CurvedShape shapes[2] = {b.building.shapes[0], b.building.shapes[0]};
+        for (int row = 0; row < 4; row++)
+            halve_row(&b.building.controls[4 * row], &halves[4 * row], &halves[16 + 4 * row]);
+        shapes[1].first_control = 16;
+        Building cut = {.controls = halves, .control_count = 32, .shapes = shapes, .shape_count = 2};
+        CurvedRays *rays = curved_rays_new(&cut, &arena);
+        for (int i = 0; i < 5000; i++) {
+            Random random = {(uint64_t)i};
+            Vec3 p = patch_oracle_point(b.oracle, 0.5, random_unit(&random), NULL, NULL);
+            Ray ray = ray_through(p, random_unit_vector(&random), 3 * b.size);
+            bool met = false;
+            for (int half = 0; half < 2; half++) {
+                RayHit hits[ORACLE_ROOTS];
+                int count = curved_rays_all(rays, half, &ray, hits, ORACLE_ROOTS, NULL);
+                for (int k = 0; k < count; k++) {
+                    double slope = fabs(vec3_dot(hits[k].normal, ray.direction));
+                    met |= fabs(hits[k].t - 3 * b.size) < 1e-12 * b.size / fmax(slope * slope, 1e-8);
+                }
+            }
+            cr_assert(met, "%s, seed %d: slips through", RAY_PATCH_NAMES[patch], i);
+        }
+        arena_free(&arena);
+    }
+    Arena arena = {0};
+    Bench b = bench_of(6, 1, vec3(0, 0, 0), 1, &arena);  // the sphere: its pole is at the end of v
+    for (int i = 0; i < 5000; i++) {
+        Random random = {(uint64_t)i};
+        Vec3 d = random_unit_vector(&random);
+        d.z = -0.1 - fabs(d.z);
+        Ray ray = ray_through(vec3(0, 0, 1), vec3_normalize(d), 3 * b.size);
+        ray.far = 3.1 * b.size;
+        RayHit hits[4];
+        int count = curved_rays_all(b.rays, 0, &ray, hits, 4, NULL);
+        cr_assert_eq(count, 1, "seed %d: %d hits at the pole", i, count);
+        cr_assert(fabs(hits[0].t - 3 * b.size) < EXACT * b.size && fabs(fabs(hits[0].normal.z) - 1) < 1e-9,
+                  "seed %d: normal %g %g %g", i, hits[0].normal.x, hits[0].normal.y, hits[0].normal.z);
+    }
+    arena_free(&arena);
+}

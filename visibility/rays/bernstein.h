@@ -14,6 +14,8 @@ double bernstein_value(const double *c, int degree, double s, double *slope);
 void bernstein_cut(double *c, int degree, double low, double high);
 // Where the convex hull of (i / degree, c[i]) meets the band |y| <= slack: no root lies elsewhere. False: nowhere.
 bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high);
+// Where that hull is not below 0.
+bool bernstein_clip_above(const double *c, int degree, double *low, double *high);
 // The first `max` roots in rising order, by Bezier clipping; a multiple root, or what touches 0 within slack, is one.
 int bernstein_roots(const double *c, int degree, double slack, double *root, int max, CurvedWork *work);
 

@@ -19,6 +19,8 @@
 #define LEAST_LEFT 1e-3
 // Of a piece: parts that fold and are no larger than this may be a double root.
 #define MAY_TOUCH 1e-2
+// A part whose distances are all less than that, of the slack, is a point: where a row of control points is one, all along it.
+#define POINT 8
 // How far beyond a part's border a root may lie, of the slack: neighbours then leave no crack.
 #define AT_BORDER 0.25
 // Distances of that are rounding alone, and no step makes them less.
@@ -40,6 +42,35 @@ static bool is_alone(const BezierPart *part) {
     return bezier_part_has_one_root_at_most(&wide);
 }
 
+static double into_part(double s) { return s < 0 ? 0 : s > 1 ? 1 : s; }
+
+static bool is_on_ray(const BezierBeam *beam, const BezierPlace *at) {
+    return fmax(fabs(at->a), fabs(at->b)) <= AT_BORDER * beam->slack;
+}
+
+// Is the root at u, v no farther outside than rounding? Then it is moved to the border, and along it to where it is nearest,
+// since a grazing ray's place on the surface is known far less well than its distance from it.
+static bool is_at_border(const BezierBeam *beam, const BezierPart *part, double *u, double *v) {
+    double from_u = into_part(*u), from_v = into_part(*v);
+    bool out_u = from_u != *u, out_v = from_v != *v;
+    BezierPlace at = bezier_part_place(part, from_u, from_v);
+    double step_u = -(at.a * at.a_u + at.b * at.b_u) / (at.a_u * at.a_u + at.b_u * at.b_u);
+    double step_v = -(at.a * at.a_v + at.b * at.b_v) / (at.a_v * at.a_v + at.b_v * at.b_v);
+    *u = from_u;
+    *v = from_v;
+    if (is_on_ray(beam, &at)) return true;
+    if (out_u) {
+        *v = into_part(from_v + step_v);
+        at = bezier_part_place(part, *u, *v);
+        if (is_on_ray(beam, &at)) return true;
+    }
+    if (!out_v) return false;
+    *u = into_part(from_u + step_u);
+    *v = from_v;
+    at = bezier_part_place(part, *u, *v);
+    return is_on_ray(beam, &at);
+}
+
 typedef enum Search { FOUND, NONE, UNKNOWN } Search;
 
 // Newton's steps from u, v to the one root there may be in the part.
@@ -55,12 +86,8 @@ static Search find_root(const BezierBeam *beam, const BezierPart *part, double *
         if (!(fabs(*u - 0.5) < 1 && fabs(*v - 0.5) < 1)) return UNKNOWN;
         bool rounded = fmax(fabs(at.a), fabs(at.b)) <= ROUNDED * beam->slack;
         if (fabs(du) + fabs(dv) > LAST_STEP && !rounded) continue;
-        double in_u = fmin(fmax(*u, 0), 1), in_v = fmin(fmax(*v, 0), 1);
-        if (in_u == *u && in_v == *v) return FOUND;
-        at = bezier_part_place(part, in_u, in_v);
-        *u = in_u;
-        *v = in_v;
-        if (fmax(fabs(at.a), fabs(at.b)) <= AT_BORDER * beam->slack) return FOUND;
+        if (*u >= 0 && *u <= 1 && *v >= 0 && *v <= 1) return FOUND;
+        if (is_at_border(beam, part, u, v)) return FOUND;
         return is_alone(part) ? NONE : UNKNOWN;
     }
     return UNKNOWN;
@@ -135,7 +162,7 @@ static bool settle(const BezierBeam *beam, const PatchPiece *piece, BezierPart *
         double from[2], to[2], u, v;
         beam->work->clips += 2;
         if (!bezier_part_clip(part, beam->slack, from, to)) return false;
-        if (bezier_part_is_zero(part, beam->slack)) {
+        if (bezier_part_is_zero(part, POINT * beam->slack)) {
             add_hit(beam, piece, part, 0.5, 0.5);
             return false;
         }

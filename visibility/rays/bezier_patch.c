@@ -5,8 +5,8 @@
 #include <string.h>
 
 // A piece is flat enough when the second differences of its control points are below this, of its size: of a piece of
-// a circle it allows 0.2 rad or so.
-#define FLAT 0.04
+// a circle it allows 0.3 rad or so.
+#define FLAT 0.06
 // By which boxes grow, of the patch's size: what rounding moves points and rays.
 #define BOX_ROUNDING 1e-13
 // Control points are this many halvings nearer to a piece, each way, when its box is taken.

@@ -15,11 +15,4 @@ typedef enum TrimState { TRIM_KEPT, TRIM_CUT_OFF, TRIM_SOME_KEPT } TrimState;
 // Of a rectangle of parameters. Some may be said to be kept where all or none is.
 TrimState trim_state(const Trim *trim, Vec2 low, Vec2 high);
 
-// Where two curves meet, in the parameter of each; overlapping curves meet at no place that is told.
-typedef struct TrimMeeting {
-    double s, t;
-} TrimMeeting;
-// Writes at most `max`, returns how many were found.
-int trim_meetings(const CurvedTrim *a, const CurvedTrim *b, TrimMeeting *out, int max, CurvedWork *work);
-
 #endif

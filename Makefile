@@ -187,6 +187,9 @@ pictures:
 	    --size 800x450 --offscreen build/pictures/lux-living --tour living
 	montage build/pictures/baked-living/frame-00000.png build/pictures/lux-living/frame-00000.png -tile 2x1 \
 	    -geometry 600x338+0+0 -depth 8 -colors 200 tests/pictures/lit.png
+	$(dir)/enfilade render build/maps/house.plan --light build/pictures/house.rad --view still --samples 64 \
+	    -o build/pictures/still.png
+	convert build/pictures/still.png -strip -define png:compression-level=9 tests/pictures/still.png
 	$(dir)/enfilade bench radiosity --pictures build/pictures >build/pictures/radiosity.csv
 	montage build/pictures/doi-itoh-2-hemicube.png build/pictures/doi-itoh-2-hemisphere.png -tile 2x1 -geometry +3+3 \
 	    -colors 128 tests/pictures/hemicube-hemisphere.png
@@ -199,7 +202,7 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
-	for chart in rooms radiosity breaks formfactors hidden light; do [ ! -e build/bench/$$chart.csv ] || \
+	for chart in rooms radiosity breaks formfactors hidden light rays; do [ ! -e build/bench/$$chart.csv ] || \
 	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:

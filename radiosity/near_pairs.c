@@ -9,7 +9,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
-#include "radiosity/lane.h"
+#include "engine/core/lane.h"
 
 // Of a polygon that has so many corners, those of neighbours on its edges included.
 enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };

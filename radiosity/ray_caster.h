@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_RAY_CASTER_H
 #define RADIOSITY_RAY_CASTER_H
 
-#include "radiosity/lane.h"
+#include "engine/core/lane.h"
 #include "radiosity/mesh.h"
 
 typedef struct RayCaster RayCaster;

@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_SAMPLER_PART_H
 #define RADIOSITY_SAMPLER_PART_H
 
-#include "radiosity/lane.h"
+#include "engine/core/lane.h"
 #include "radiosity/lines.h"
 #include "radiosity/sampler.h"
 

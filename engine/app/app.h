@@ -21,6 +21,7 @@ int cmd_vis(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_walk(int argc, char **argv);
 int cmd_bake(int argc, char **argv);
+int cmd_render(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 
 typedef struct AppOptions {

@@ -48,7 +48,7 @@ bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkL
                rad_load(path, mesh, doors, arena, solution, error);
     }
     arena_free(&scratch);
-    *out = (WalkLight){mesh, solution};
+    *out = (WalkLight){mesh, solution, doors};
     return good;
 }
 
@@ -89,7 +89,7 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     if (!bake_mesh(&a, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
         return false;
-    *out = (WalkLight){mesh, solution};
+    *out = (WalkLight){mesh, solution, doors};
     rad_fit(mesh, &a.rad);
     a.rad.threads = hooks->threads;
     if (hooks->show) {

@@ -43,7 +43,7 @@ bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_hidden(const BenchArguments *arguments, Error *error);
 bool bench_hidden_knows(const char *method);                       // of --methods
 bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
-bool bench_rays(const BenchArguments *arguments, Error *error);    // of shapes of its own: no files
+bool bench_rays(const BenchArguments *arguments, Error *error);    // of shapes of its own, and of files
 
 // Adds the rows of one building to the table, and prints them.
 typedef bool BenchFile(const char *file, const BenchArguments *arguments, Text *csv, Error *error);

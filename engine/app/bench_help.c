@@ -90,7 +90,10 @@ static const char OF_LIGHT[] =
     "  rays           what a ray costs that hits or misses a curved shape; of Bezier patches by each method, "
     "and what "
     "each\n"
-    "                 misses or makes up\n"
+    "                 misses or makes up; in each building rays of a picture, anywhere, and between places "
+    "by our "
+    "own\n"
+    "                 hierarchy, a grid and Embree\n"
     "    --seed N            of the rays\n"
     "    --csv OUT           as above\n";
 

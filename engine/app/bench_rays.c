@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "engine/app/bench.h"
+#include "engine/app/bench_ray_trees.h"
 #include "engine/app/ray_patches.h"
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
@@ -252,7 +253,5 @@ static bool bench_shapes(const BenchArguments *a, Text *csv, Error *error) {
 }
 
 bool bench_rays(const BenchArguments *a, Error *error) {
-    BenchArguments own = *a;
-    own.file_count = 0;
-    return bench_table(&own, HEAD, bench_shapes, NULL, error);
+    return bench_table(a, HEAD, bench_shapes, bench_ray_trees, error);
 }

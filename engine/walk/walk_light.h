@@ -8,6 +8,7 @@
 typedef struct WalkLight {
     const Mesh *mesh;
     const RadSolution *solution;
+    const float *door_open;  // [opening_count] as they stood
 } WalkLight;
 
 #endif

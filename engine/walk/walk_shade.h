@@ -42,6 +42,10 @@
 #define WALK_GLARE 12.0
 #define WALK_WHITE 10.0
 
+// What is exposed on a screen: each channel by the curve of Reinhard, Stark, Shirley & Ferwerda (2002, equation 4), so that what is
+// too bright turns white with its hue. In C and in shaders.
+#define WALK_CURVE(x) (x) * (1.0 + (x) / (WALK_WHITE * WALK_WHITE)) / (1.0 + (x))
+
 // Light by radiosity is that of lamps: outside it is night, and panes mirror little.
 #define WALK_NIGHT_ZENITH 0.0015, 0.0025, 0.0065
 #define WALK_NIGHT_HORIZON 0.010, 0.014, 0.025

@@ -39,7 +39,6 @@
     NUMBER(NIGHT_PANE)                                                                                       \
     NUMBER(BACK_SHARE)                                                                                       \
     NUMBER(GLARE)                                                                                            \
-    NUMBER(WHITE)                                                                                            \
     NUMBER(EXPOSURE)                                                                                         \
     NUMBER(SHOULDER_TOP)                                                                                     \
     NUMBER(SHOULDER_BOTTOM)
@@ -195,18 +194,18 @@ const char WALK_LIT_VERTEX[] =
                                  "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
                                  "}\n";
 
-// Each channel by the curve of Reinhard et al. (2002, equation 4), so that what is too bright turns white with its hue; then
-// IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
-const char WALK_LIT_FRAGMENT[] =
-    VERSION CONSTANTS "in vec3 vLight;\n"
-                      "out vec4 result;\n"
-                      "void main() {\n"
-                      "    vec3 x = max(vLight, 0.0);\n"
-                      "    x = min(x * (1.0 + x / (WHITE * WHITE)) / (1.0 + x), 1.0);\n"
-                      "    vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);\n"
-                      "    vec3 y = 0.662002687 * a + 0.684122060 * b - 0.323583601 * c - 0.0225411470 * x;\n"
-                      "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
-                      "}\n";
+// By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
+const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
+    "in vec3 vLight;\n"
+    "out vec4 result;\n"
+    "void main() {\n"
+    "    vec3 x = max(vLight, 0.0);\n"
+    "    x = min(" WALK_TEXT(WALK_CURVE(
+        x)) ", 1.0);\n"
+            "    vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);\n"
+            "    vec3 y = 0.662002687 * a + 0.684122060 * b - 0.323583601 * c - 0.0225411470 * x;\n"
+            "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
+            "}\n";
 
 // What arrives is what leaves, less what is emitted, by the reflectance; where nothing is reflected it is not known: -1.
 const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES

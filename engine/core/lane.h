@@ -1,7 +1,7 @@
 // lane.h - eight floats at a time, by the vector extensions of GCC and clang; by name what those have no word for. A
 // comparison gives a mask: all bits or none.
-#ifndef RADIOSITY_LANE_H
-#define RADIOSITY_LANE_H
+#ifndef CORE_LANE_H
+#define CORE_LANE_H
 
 #include <stdint.h>
 #ifdef __AVX2__

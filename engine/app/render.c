@@ -1,0 +1,197 @@
+// render.c - finds the light of a building or bakes it, finds what of it lamps send straight, draws, writes.
+#include "engine/app/render.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include "engine/app/app_light.h"
+#include "engine/core/clock.h"
+#include "engine/core/file.h"
+#include "engine/walk/image.h"
+
+// Where neither the command nor a view of the building says, radians.
+static const double USUAL_FOV = 70 * (M_PI / 180);
+// An eye and what it looks at are at least so far apart, metres.
+static const double NEAREST_LOOK = 1e-6;
+
+typedef struct Render {
+    const RenderArguments *a;
+    AppScene scene;
+    WalkLight light;
+    RadSolution lamps_only;
+    Camera camera;
+    StillReport report;
+    double seconds_light, seconds_lamps;
+    bool baked;  // here, not found
+    bool stopped;
+} Render;
+
+// ---- the camera
+
+static bool find_view(const RenderArguments *a, const Building *b, Viewpoint *out, Error *error) {
+    *out = (Viewpoint){.eye = b->start, .yaw = b->start_yaw, .fov = USUAL_FOV};
+    if (!a->view) {
+        if (b->viewpoint_count > 0) *out = b->viewpoints[0];
+        return true;
+    }
+    char names[512] = "";
+    size_t used = 0;
+    for (int i = 0; i < b->viewpoint_count; i++) {
+        if (strcmp(b->viewpoints[i].name, a->view) == 0) {
+            *out = b->viewpoints[i];
+            return true;
+        }
+        int more =
+            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", b->viewpoints[i].name);
+        if (more > 0 && used + (size_t)more < sizeof names) used += (size_t)more;
+    }
+    return error_set(error, "%s: there is no view `%s` (allowed: %s)", a->file, a->view,
+                     used ? names : "none, it has no views");
+}
+
+static bool find_camera(Render *r, Error *error) {
+    const RenderArguments *a = r->a;
+    Viewpoint v;
+    if (!find_view(a, &r->scene.building, &v, error)) return false;
+    if (a->from) v.eye = a->eye;
+    if (a->widened) v.fov = a->fov;
+    if (a->towards) {
+        Vec3 way = vec3_sub(a->look, v.eye);
+        double length = vec3_length(way);
+        if (!(length > NEAREST_LOOK))
+            return error_set(error, "%s: --look is where the eye is (allowed: another place)", a->file);
+        v.yaw = atan2(way.y, way.x);
+        v.pitch = asin(fmin(fmax(way.z / length, -1), 1));
+    }
+    r->camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
+    return true;
+}
+
+// ---- light
+
+// What was asked for must fit; what was found and does not is passed over.
+static bool find_light(Render *r, Arena *arena, bool *found, Error *error) {
+    const char *lights[APP_LIGHTS];
+    int count = app_find_lights(r->a->file, r->a->map, r->a->light, arena, lights);
+    *found = false;
+    for (int i = 0; i < count && !*found; i++) {
+        *found = app_load_light(lights[i], &r->scene, arena, &r->light, error);
+        if (!*found && r->a->light) return false;
+        if (!*found) fprintf(stderr, "enfilade: passed over: %s\n", error->text);
+    }
+    return true;
+}
+
+static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    AppBake *bake = app_bake_new(r->a->file, &r->scene, arena);
+    if (!bake)
+        return error_set(error, "%s: nothing emits light (bake it with --sky, then --light FILE.rad)",
+                         r->a->file);
+    LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
+    bool good = app_bake(bake, &hooks, arena, &r->light, error);
+    if (good && *error->text) fprintf(stderr, "enfilade: %s\n", error->text);
+    r->baked = true;
+    return good;
+}
+
+static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    double start = clock_seconds();
+    bool found;
+    bool good = find_light(r, arena, &found, error) && (found || bake_light(r, progress, arena, error));
+    r->seconds_light = clock_seconds() - start;
+    return good;
+}
+
+// ---- what lamps send straight
+
+static const char *lamps_place(const Render *r, Arena *arena) {
+    char *folder;
+    if (!file_cache_folder(arena, &folder, NULL)) return NULL;
+    return arena_format(arena, "%s/%016llx-lamps.rad", folder, (unsigned long long)r->scene.building.hash);
+}
+
+// Made as the bake does it, on the same mesh. It is kept in the cache; one that was made on another mesh is made anew.
+static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    const Mesh *mesh = r->light.mesh;
+    double start = clock_seconds();
+    Error reason;
+    const char *place = lamps_place(r, arena);
+    if (place && access(place, R_OK) == 0 &&
+        rad_load(place, mesh, r->light.door_open, arena, &r->lamps_only, &reason)) {
+        r->seconds_lamps = clock_seconds() - start;
+        return true;
+    }
+    if (!rad_start_dark(mesh, arena, &r->lamps_only, error)) return false;
+    RadOptions options = rad_default_options();
+    options.residual = options.form_factor.resolution = 0;
+    rad_fit(mesh, &options);
+    options.lamps_only = true;
+    options.residual = 0;
+    options.threads = r->a->still.threads;
+    RadReport report =
+        rad_shoot(mesh, &r->scene.forest, r->light.door_open, &options, progress, &r->lamps_only);
+    r->seconds_lamps = clock_seconds() - start;
+    if (report.stopped) return error_set(error, "stopped");
+    if (place && !rad_save(place, mesh, r->light.door_open, &r->lamps_only, &reason))
+        fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
+    return true;
+}
+
+// ---- the picture
+
+static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    const RenderArguments *a = r->a;
+    uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->width * (size_t)a->height * 3);
+    StillSource source = {&r->scene.forest, &r->light, &r->lamps_only};
+    if (!still_draw(&source, &r->camera, &a->still, progress, rgb, &r->report))
+        return error_set(error, "stopped");
+    return image_write_png(a->out, rgb, a->width, a->height, error);
+}
+
+static bool load(Render *r, Arena *arena, Error *error) {
+    AppOptions load = app_default_options();
+    load.map = r->a->map;
+    load.lamps = true;
+    load.vis.threads = r->a->still.threads;
+    return app_load(r->a->file, &load, arena, &r->scene, error) && app_has_walls(&r->scene, error);
+}
+
+static void print_result(const Render *r) {
+    const StillReport *s = &r->report;
+    const RenderArguments *a = r->a;
+    double millions = (double)s->work.rays / 1e6;
+    if (!a->json) {
+        printf("%s: %dx%d, %d samples a pixel, %.1f million rays, %d lamps, %.2f s", a->out, a->width,
+               a->height, a->still.samples, millions, s->lamps, s->seconds);
+        printf(" (light %s in %.2f s, lamps %.2f s, scene %.2f s)\n", r->baked ? "baked" : "read",
+               r->seconds_light, r->seconds_lamps, s->seconds_scene);
+        return;
+    }
+    app_print_json(json_pack(
+        "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f s:f}", "file", a->out,
+        "width", a->width, "height", a->height, "samples", a->still.samples, "depth", a->still.depth,
+        "direct", STILL_DIRECT_NAMES[a->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
+        s->exposure, "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt",
+        (json_int_t)s->work.matt, "ended_escaped", (json_int_t)s->work.escaped, "ended_faint",
+        (json_int_t)s->work.faint, "ended_deep", (json_int_t)s->work.deep, "baked", r->baked, "seconds_light",
+        r->seconds_light, "seconds_lamps", r->seconds_lamps, "seconds_scene", s->seconds_scene, "seconds",
+        s->seconds));
+}
+
+int render(const RenderArguments *arguments) {
+    Render r = {.a = arguments};
+    Arena arena = {0};
+    Error error = {""};
+    Progress progress = app_progress_stoppable(0);
+    bool good =
+        load(&r, &arena, &error) && find_camera(&r, &error) && get_light(&r, &progress, &arena, &error);
+    if (good && arguments->still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
+    good = good && draw(&r, &progress, &arena, &error);
+    app_progress_end();
+    if (good) print_result(&r);
+    arena_free(&arena);
+    if (good) return APP_GOOD;
+    if (strcmp(error.text, "stopped") == 0)
+        return app_fail(APP_BAD_INPUT, "stopped: %s was not written", arguments->out);
+    return app_fail(APP_BAD_INPUT, "%s", error.text);
+}

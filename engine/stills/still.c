@@ -1,0 +1,184 @@
+// still.c - pixels: samples of each, stratified, their mean exposed as in the walkthrough.
+#include "engine/stills/still.h"
+
+#include <stdatomic.h>
+
+#include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "engine/walk/view.h"
+#include "engine/walk/walk_shade.h"
+
+const char *const STILL_DIRECT_NAMES[STILL_DIRECTS] = {"baked", "rays"};
+
+// A ray that counts less than this in its pixel is not followed: half of a step of a screen's 255.
+static const double THRESHOLD = 1.0 / 512;
+// Shadow rays of each sample.
+enum { LAMP_RAYS = 2 };
+// Pixels each way of what a thread takes at once.
+enum { TILE = 16 };
+
+StillOptions still_default_options(void) {
+    return (StillOptions){.samples = 16, .depth = 12, .direct = STILL_RAYS};
+}
+
+typedef struct Sky {
+    double day[3];    // radiosity of what lies above the horizon, W/m^2
+    double exposure;  // of night, which the walkthrough gives as it is on the screen
+} Sky;
+
+typedef struct Tile {
+    WhittedWork work;
+} Tile;
+
+typedef struct Still {
+    const Camera *camera;
+    const StillOptions *options;
+    const Progress *progress;
+    StillScene *scene;
+    StillLight light;
+    Whitted whitted;
+    Sky sky;
+    Media media;
+    double exposure;
+    uint8_t *rgb;
+    Tile *tiles;
+    int columns, rows;
+    atomic_int done;
+    atomic_bool stopped;
+} Still;
+
+// ---- on the screen
+
+uint8_t still_tone(double light) {
+    double x = fmin(fmax(light, 0), WALK_WHITE);
+    x = fmin(WALK_CURVE(x), 1);
+    double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+    return (uint8_t)lrint(255 * y);
+}
+
+// ---- the sky
+
+static double smooth_step(double low, double high, double x) {
+    double t = fmin(fmax((x - low) / (high - low), 0), 1);
+    return t * t * (3 - 2 * t);
+}
+
+// As the walkthrough draws it (walk_shaders.c): of an even sky of day, nothing but what it is.
+static void sky_at(const void *context, Vec3 direction, double out[3]) {
+    static const double ZENITH[3] = {WALK_NIGHT_ZENITH}, HORIZON[3] = {WALK_NIGHT_HORIZON},
+                        GROUND[3] = {WALK_NIGHT_GROUND};
+    const Sky *sky = context;
+    double rise = direction.z, up = 0.97 * sqrt(fmax(rise, 0)), above = smooth_step(-0.03, 0.01, rise);
+    bool day = sky->day[0] + sky->day[1] + sky->day[2] > 0;
+    for (int c = 0; c < 3; c++) {
+        double high = HORIZON[c] + up * (ZENITH[c] - HORIZON[c]);
+        double night = (double)WALK_EXPOSURE * (GROUND[c] + above * (high - GROUND[c])) / sky->exposure;
+        out[c] = day ? above * sky->day[c] : night;
+    }
+}
+
+// ---- exposure
+
+static double expose(const StillSource *source, const Camera *camera, double stops) {
+    const Mesh *mesh = source->light->mesh;
+    Arena scratch = {0};
+    LitMesh *lit = lit_mesh_new(mesh, &scratch);
+    LitLight light = lit_light_new(lit, &scratch);
+    lit_light_fill(lit, source->light->solution, &light);
+    VisQuery *query = vis_query_new(mesh->graph, source->forest, &scratch);
+    Eye eye = walk_eye(camera);
+    VisResult seen =
+        vis_query(query, &eye, vis_locate(mesh->graph, camera->eye, -1), source->light->door_open, VIS_STAB);
+    Exposure exposure = {.stops = stops};
+    exposure_adapt(&exposure, exposure_meter(lit, &light, camera, seen.objects, seen.object_count),
+                   light.level, 0);
+    arena_free(&scratch);
+    return exposure_scale(&exposure);
+}
+
+// ---- pixels
+
+// Halves again and again (van der Corput 1935).
+static double radical_inverse(unsigned i) {
+    i = __builtin_bswap32(i);
+    i = (i & 0x0f0f0f0fu) << 4 | (i & 0xf0f0f0f0u) >> 4;
+    i = (i & 0x33333333u) << 2 | (i & 0xccccccccu) >> 2;
+    i = (i & 0x55555555u) << 1 | (i & 0xaaaaaaaau) >> 1;
+    return i * 0x1p-32;
+}
+
+// Samples are Hammersley's points, shifted for each pixel by another vector (Cranley & Patterson 1976).
+static void draw_pixel(const Still *s, int x, int y, WhittedWork *work) {
+    Random random = {(uint64_t)y << 32 | (uint64_t)x};
+    double shift[2] = {random_unit(&random), random_unit(&random)}, sum[3] = {0};
+    uint64_t seed = random_next(&random);
+    int samples = s->options->samples;
+    for (int i = 0; i < samples; i++) {
+        double u = (i + shift[0]) / samples, v = radical_inverse((unsigned)i) + shift[1];
+        Vec3 way = vec3_normalize(camera_ray(s->camera, x + u, y + (v - floor(v))));
+        Ray ray = {s->camera->eye, way, 0, INFINITY};
+        double light[3];
+        whitted_trace(&s->whitted, &ray, &s->media, seed, i, work, light);
+        // What is white anyway is no brighter: a lamp's edge has steps else.
+        for (int c = 0; c < 3; c++) sum[c] += fmin(light[c] * s->exposure, WALK_WHITE);
+    }
+    for (int c = 0; c < 3; c++) s->rgb[3 * (y * s->camera->width + x) + c] = still_tone(sum[c] / samples);
+}
+
+static void draw_tile(void *context, int index, int thread) {
+    Still *s = context;
+    int width = s->camera->width, height = s->camera->height;
+    int x0 = index % s->columns * TILE, y0 = index / s->columns * TILE;
+    if (atomic_load(&s->stopped)) return;
+    for (int y = y0; y < y0 + TILE && y < height; y++)
+        for (int x = x0; x < x0 + TILE && x < width; x++) draw_pixel(s, x, y, &s->tiles[index].work);
+    int done = atomic_fetch_add(&s->done, 1) + 1;
+    if (thread == 0 && !progress_report(s->progress, "still", (double)done / (s->columns * s->rows)))
+        atomic_store(&s->stopped, true);
+}
+
+static void prepare(Still *s, const StillSource *source, StillReport *report, Arena *arena) {
+    const WalkLight *baked = source->light;
+    bool rays = s->options->direct == STILL_RAYS;
+    s->scene = still_scene_new(baked->mesh, baked->door_open, s->options->tree, arena);
+    StillLamps *lamps = rays ? still_lamps_new(s->scene, source->forest, s->options->samples, arena) : NULL;
+    s->light = still_light_new(s->scene, baked->solution, source->lamps_only, lamps, arena);
+    s->exposure = expose(source, s->camera, s->options->stops);
+    s->sky.exposure = s->exposure;
+    for (int c = 0; c < 3; c++) s->sky.day[c] = M_PI * baked->solution->sky[c];
+    s->media = still_scene_media(s->scene, s->camera->eye);
+    s->whitted = (Whitted){s->scene, &s->light, s->options->depth, THRESHOLD, LAMP_RAYS, sky_at, &s->sky};
+    report->exposure = s->exposure;
+    report->lamps = lamps ? still_lamps_count(lamps) : 0;
+}
+
+static void add_work(WhittedWork *sum, const WhittedWork *work) {
+    sum->rays += work->rays;
+    sum->matt += work->matt;
+    sum->escaped += work->escaped;
+    sum->faint += work->faint;
+    sum->deep += work->deep;
+}
+
+bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
+                const Progress *progress, uint8_t *rgb, StillReport *report) {
+    Arena arena = {0};
+    Still s = {.camera = camera,
+               .options = options,
+               .progress = progress,
+               .rgb = rgb,
+               .columns = (camera->width + TILE - 1) / TILE,
+               .rows = (camera->height + TILE - 1) / TILE};
+    double start = clock_seconds();
+    *report = (StillReport){0};
+    prepare(&s, source, report, &arena);
+    report->seconds_scene = clock_seconds() - start;
+    s.tiles = ARENA_ARRAY(&arena, Tile, s.columns * s.rows);
+    start = clock_seconds();
+    parallel_for(parallel_threads(options->threads), s.columns * s.rows, draw_tile, &s);
+    report->seconds = clock_seconds() - start;
+    for (int i = 0; i < s.columns * s.rows; i++) add_work(&report->work, &s.tiles[i].work);
+    if (s.light.lamps) still_lamps_end(s.light.lamps);
+    arena_free(&arena);
+    return !atomic_load(&s.stopped);
+}

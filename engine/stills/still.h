@@ -1,0 +1,44 @@
+// still.h - a picture of a baked building by rays.
+#ifndef STILLS_STILL_H
+#define STILLS_STILL_H
+
+#include "engine/stills/whitted.h"
+#include "engine/walk/exposure.h"
+#include "engine/walk/walk_light.h"
+
+typedef enum StillDirect { STILL_BAKED, STILL_RAYS, STILL_DIRECTS } StillDirect;
+extern const char *const STILL_DIRECT_NAMES[STILL_DIRECTS];
+
+typedef struct StillOptions {
+    int samples;         // of a pixel, 1 .. 4096
+    int depth;           // 1 .. 64
+    int threads;         // 0: all cores; the picture is the same on any number
+    StillDirect direct;  // light straight from lamps
+    StillTree tree;
+    double stops;  // brighter by so many powers of two
+} StillOptions;
+StillOptions still_default_options(void);
+
+// What is drawn.
+typedef struct StillSource {
+    const StabForest *forest;
+    const WalkLight *light;
+    const RadSolution *lamps_only;  // of the same mesh; for STILL_RAYS
+} StillSource;
+
+typedef struct StillReport {
+    WhittedWork work;
+    double exposure;       // m^2/W
+    double seconds_scene;  // of all that is made once
+    double seconds;        // of the picture
+    int lamps;
+} StillReport;
+
+// Into `rgb` [height * width * 3] sRGB, rows from the top. False: progress asked to stop.
+bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
+                const Progress *progress, uint8_t *rgb, StillReport *report);
+
+// A channel on the screen, 0 .. 255, of light times exposure.
+uint8_t still_tone(double light);
+
+#endif

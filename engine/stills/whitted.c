@@ -1,0 +1,162 @@
+// whitted.c - each surface sends on a ray that is reflected and one that is refracted, as far as it is mirror or glass (Whitted 1980,
+// An Improved Illumination Model for Shaded Display). A ray is followed no further for one of four reasons: the surface does
+// neither; nothing was met; what it would bring is below a threshold; there are too many before it.
+//
+// Departures: for the last two reasons no light is lost. Of two rays that part, the one that counts too little leaves its share to
+// the other; a ray that is not followed brings the mean of the building. So what is as bright as all around it cannot be seen, and
+// the end of a tunnel of two mirrors is not dark.
+#include "engine/stills/whitted.h"
+
+typedef struct Trace {
+    const Whitted *w;
+    uint64_t seed;
+    int sample, visits;  // surfaces that were lit so far
+    WhittedWork *work;
+} Trace;
+
+typedef struct Path {
+    Ray ray;
+    Media media;
+    double weight;  // what it counts in the pixel, at most, of any channel
+    int depth;
+} Path;
+
+static void follow(Trace *t, const Path *path, double out[3]);
+
+static double most_of(Rgb c) { return (double)fmaxf(c.r, fmaxf(c.g, c.b)); }
+
+// A pixel's samples go on where the one before ended, at each of their surfaces: one number a shadow ray, and one more.
+static StillNumbers numbers_of(Trace *t, int rays) {
+    Random random = {t->seed ^ (uint64_t)t->visits++ * 0x9e3779b97f4a7c15u};
+    StillNumbers numbers = {.next = t->sample * (rays + 1)};
+    for (int i = 0; i < 3; i++) numbers.shift[i] = random_unit(&random);
+    return numbers;
+}
+
+// ---- glass
+
+// What light becomes by passing it: as far as it is opaque it has its colour.
+static Rgb tint_of(const Material *m) {
+    float clear = 1 - m->alpha;
+    return (Rgb){clear + m->alpha * m->reflectance.r, clear + m->alpha * m->reflectance.g,
+                 clear + m->alpha * m->reflectance.b};
+}
+
+// A surface that is seen through: how much it reflects, and where the rest goes.
+typedef struct Passage {
+    double reflected;
+    Vec3 through;
+    Media beyond;
+    Rgb tint;
+} Passage;
+
+static const Rgb CLEAR = {1, 1, 1};
+
+// Of a body that refracts.
+static Passage refract(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
+    double index = (double)s->material->index;
+    Passage p = {.beyond =
+                     front ? media_enter(&path->media, s->body, index) : media_leave(&path->media, s->body),
+                 .tint = front ? tint_of(s->material) : CLEAR};
+    // Where it is left that was never entered, one is in it all the same.
+    double here = front ? media_index(&path->media) : index, beyond = front ? index : media_index(&p.beyond);
+    double cosine = fmin(-vec3_dot(path->ray.direction, normal), 1);
+    p.reflected = glass_fresnel(cosine, beyond / here);
+    if (!glass_refract(path->ray.direction, normal, beyond / here, &p.through)) p.reflected = 1;
+    return p;
+}
+
+// Of a thin one: straight through. A closed one has a second face, which reflects for itself.
+static Passage pass(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
+    double index = s->material->index > 0 ? (double)s->material->index : GLASS_USUAL;
+    double cosine = fmin(-vec3_dot(path->ray.direction, normal), 1);
+    bool closed = s->body >= 0;
+    return (Passage){.reflected = closed ? glass_fresnel(cosine, index) : glass_sheet(cosine, index),
+                     .through = path->ray.direction,
+                     .beyond = path->media,
+                     .tint = front || !closed ? tint_of(s->material) : CLEAR};
+}
+
+static void add(double out[3], const double light[3], double share, Rgb tint) {
+    out[0] += share * (double)tint.r * light[0];
+    out[1] += share * (double)tint.g * light[1];
+    out[2] += share * (double)tint.b * light[2];
+}
+
+static void go_on(Trace *t, const Path *path, Vec3 at, Vec3 direction, const Media *media, double share,
+                  Rgb tint, double out[3]) {
+    Path next = {still_ray(at, direction), *media, path->weight * share * most_of(tint), path->depth + 1};
+    double light[3];
+    follow(t, &next, light);
+    add(out, light, share, tint);
+}
+
+// The share of the first of two rays, of which one that counts too little leaves its share to the other.
+static double without_faint(Trace *t, double weight, double share) {
+    double least = t->w->threshold / weight;
+    bool none = share > 0 && share < least, all = share < 1 && 1 - share < least;
+    t->work->faint += none || all;
+    return none ? 0 : all ? 1 : share;
+}
+
+static void see_through(Trace *t, const Path *path, const StillSurface *s, const SurfaceHit *hit,
+                        double out[3]) {
+    Vec3 at = still_ray_at(&path->ray, hit->at.t), n = vec3_scale(hit->at.normal, hit->front ? 1 : -1);
+    bool refracts = s->body >= 0 && s->material->index > 0;
+    Passage p = refracts ? refract(path, s, hit->front, n) : pass(path, s, hit->front, n);
+    double reflected = p.reflected + (1 - p.reflected) * (double)s->material->mirror;
+    reflected = without_faint(t, path->weight, reflected);
+    if (reflected > 0)
+        go_on(t, path, at, glass_reflect(path->ray.direction, n), &path->media, reflected, CLEAR, out);
+    if (reflected < 1) go_on(t, path, at, p.through, &p.beyond, 1 - reflected, p.tint, out);
+}
+
+// ---- what is not seen through
+
+// A mirror reflects besides what it scatters. What has an index is glazed: of what its glaze reflects nothing comes to what is below.
+static void see(Trace *t, const Path *path, const StillSurface *s, const SurfaceHit *hit, double out[3]) {
+    const Material *m = s->material;
+    double cosine = fmin(-vec3_dot(path->ray.direction, hit->at.normal), 1);
+    double glaze = hit->front && m->index > 0 ? glass_fresnel(cosine, (double)m->index) : 0;
+    double mirrored = hit->front ? glaze + (1 - glaze) * (double)m->mirror : 0, lit[3];
+    int rays = (int)ceil(t->w->lamp_rays * path->weight * (1 - glaze));
+    StillNumbers numbers = numbers_of(t, rays);
+    still_light_at(t->w->light, &path->ray, hit, rays, &numbers, lit);
+    add(out, lit, 1 - glaze, CLEAR);
+    if (mirrored > 0) {
+        Vec3 at = still_ray_at(&path->ray, hit->at.t);
+        Vec3 along = glass_reflect(path->ray.direction, hit->at.normal);
+        go_on(t, path, at, along, &path->media, mirrored, CLEAR, out);
+    } else {
+        t->work->matt++;
+    }
+}
+
+static void follow(Trace *t, const Path *path, double out[3]) {
+    out[0] = out[1] = out[2] = 0;
+    bool faint = path->weight < t->w->threshold;
+    if (faint || path->depth >= t->w->depth) {
+        ++*(faint ? &t->work->faint : &t->work->deep);
+        add(out, t->w->light->mean, 1, CLEAR);
+        return;
+    }
+    SurfaceHit hit = still_rays_first(&t->w->scene->all, &path->ray);
+    t->work->rays++;
+    if (hit.item < 0) {
+        t->work->escaped++;
+        if (t->w->sky) t->w->sky(t->w->sky_context, path->ray.direction, out);
+        return;
+    }
+    const StillSurface *s = &t->w->scene->surfaces[hit.item];
+    if (s->material->alpha < 1)
+        see_through(t, path, s, &hit, out);
+    else
+        see(t, path, s, &hit, out);
+}
+
+void whitted_trace(const Whitted *w, const Ray *ray, const Media *media, uint64_t seed, int sample,
+                   WhittedWork *work, double out[3]) {
+    Trace t = {w, seed, sample, 0, work};
+    Path path = {*ray, *media, 1, 0};
+    follow(&t, &path, out);
+}

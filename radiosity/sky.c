@@ -23,8 +23,6 @@ enum { BATCH = 256 };
 static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
-// Openings nearer than this to a piece's middle are its own plane, metres.
-static const double ON_PLANE = 1e-6;
 
 // One thread's tools.
 typedef struct Watcher {
@@ -184,64 +182,6 @@ static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const Sky
     return any;
 }
 
-// An opening from a piece's middle, in the view's axes.
-typedef struct Exit {
-    Plane plane;        // n to the middle's side
-    const Plane *edge;  // [count] inside of all
-    int count;
-} Exit;
-
-static bool make_exit(const View *view, const SkyOpening *o, Plane *edge, Exit *out) {
-    double off = vec3_dot(o->plane.n, vec3_sub(view->eye, o->vertices[0]));
-    if (off < ON_PLANE) return false;  // it leads in, from here
-    Vec3 last = {0, 0, 0}, sum = {0, 0, 0};
-    bool above = false;
-    for (int i = 0; i <= o->count; i++) {
-        Vec3 v = vec3_sub(o->vertices[i % o->count], view->eye);
-        Vec3 p = {vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v)};
-        if (i > 0) edge[i - 1].n = vec3_cross(last, p);
-        if (i < o->count) sum = vec3_add(sum, p);
-        above = above || p.z > 0;
-        last = p;
-    }
-    for (int i = 0; i < o->count; i++)
-        if (vec3_dot(edge[i].n, sum) < 0) edge[i].n = vec3_scale(edge[i].n, -1);
-    Vec3 n = o->plane.n;
-    n = vec3(vec3_dot(view->x, n), vec3_dot(view->y, n), vec3_dot(view->z, n));
-    *out = (Exit){{n, -off}, edge, o->count};
-    return above;
-}
-
-static bool leaves_by(const Exit *exit, Vec3 w, double distance) {
-    double slope = vec3_dot(exit->plane.n, w);
-    // Met at exit->plane.d / slope; both are below 0.
-    if (slope >= 0 || exit->plane.d < slope * (distance - ON_PLANE)) return false;
-    for (int i = 0; i < exit->count; i++)
-        if (vec3_dot(exit->edge[i].n, w) < 0) return false;
-    return true;
-}
-
-// Forgets what is seen behind another opening: light that leaves by it comes in elsewhere, if it does.
-static void end_at_exits(const Shine *s, Watcher *w, const View *view, int opening) {
-    enum { MOST_EDGES = 64 };
-    const FormFactorSamples *in = sampler_samples(w->inside);
-    const SkyOpening *own = &s->openings.openings[opening];
-    for (int k = 0; k < s->openings.count; k++) {
-        const SkyOpening *o = &s->openings.openings[k];
-        Plane edge[MOST_EDGES];
-        Exit exit;
-        CORE_ASSERT(o->count <= MOST_EDGES);
-        if (k == opening || !vis_sees(s->forest, own->inside, o->inside) || !make_exit(view, o, edge, &exit))
-            continue;
-        for (int i = 0; i < in->count; i++) {
-            if (w->item[i] < 0) continue;
-            const ViewFace *f = &view->faces[w->item[i]];
-            Vec3 along = {(double)in->x[i], (double)in->y[i], (double)in->z[i]};
-            if (leaves_by(&exit, along, f->d / vec3_dot(f->n, along))) w->item[i] = -1;
-        }
-    }
-}
-
 static void keep_beam(const Shine *s, const Row *row, Beam *beam) {
     beam->element = ARENA_ARRAY(&beam->arena, int, row->count + 1);
     beam->factor = ARENA_ARRAY(&beam->arena, float, row->count + 1);
@@ -267,7 +207,7 @@ static void look_in(void *context, int index, int thread) {
     const FormFactorSamples *in = sampler_samples(w->inside);
     for (int i = 0; i < in->count; i++)
         if (!w->sky[i]) w->item[i] = -1;
-    end_at_exits(s, w, view, piece->opening);
+    sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
     row_of_items(&w->sum, view, in, w->item);
     keep_beam(s, row_finish(&w->sum), beam);
 }

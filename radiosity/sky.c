@@ -17,8 +17,9 @@
 
 // Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
-// Pieces whose light is found at a time.
-enum { BATCH = 256 };
+// Pieces whose light is found at a time, and patches that look for the sky: a tenth of a second of one core, and then progress is
+// told of.
+enum { BATCH = 256, PATCH_BATCH = 4096 };
 // A patch that has lost less than this of the sky is not cut up.
 static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
@@ -54,7 +55,7 @@ typedef struct Shine {
     int *mirror;    // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
     Watcher *watchers;
     Beam beams[BATCH];
-    int first;  // piece of the batch
+    int first;  // piece or patch of the batch
 } Shine;
 
 // ---- tools
@@ -149,7 +150,7 @@ static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patc
 // Under the open sky a patch looks for all its elements.
 static void look_from_patch(void *context, int index, int thread) {
     Shine *s = context;
-    const Patch *patch = &s->mesh->patches[index];
+    const Patch *patch = &s->mesh->patches[s->first + index];
     Vec3 n = s->mesh->faces[patch->face].plane.n;
     Watcher *w = &s->watchers[thread];
     double share = 0;
@@ -239,26 +240,41 @@ static void receive_beam(const Mesh *mesh, const SkyPiece *piece, const Beam *be
     }
 }
 
-static void shine(Shine *s, int threads, const double radiance[3], RadSolution *solution) {
+static int batch_of(const Shine *s, int all, int most) {
+    return all - s->first < most ? all - s->first : most;
+}
+
+static bool shine_outdoors(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                           RadSolution *solution) {
     const Mesh *mesh = s->mesh;
     double lamps[3];
     memcpy(lamps, solution->emitted, sizeof lamps);
-    parallel_for(threads, mesh->patch_count, look_from_patch, s);
+    for (s->first = 0; s->first < mesh->patch_count; s->first += PATCH_BATCH) {
+        if (!progress_report(progress, "sky", 0.5 * s->first / mesh->patch_count)) return false;
+        parallel_for(threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
+    }
     for (int e = 0; e < mesh->element_count; e++)
         if (s->share[e] > 0)
             receive(mesh, e, M_PI * mesh->elements[e].area * s->share[e], radiance, solution);
-    memcpy(solution->outdoors, solution->emitted, sizeof solution->outdoors);
-    for (int c = 0; c < 3; c++) solution->outdoors[c] -= lamps[c];
-    for (s->first = 0; s->first < s->openings.piece_count; s->first += BATCH) {
-        int left = s->openings.piece_count - s->first, count = left < BATCH ? left : BATCH;
-        parallel_for(threads, count, look_in, s);
-        for (int i = 0; i < count; i++)
-            receive_beam(mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
-    }
+    for (int c = 0; c < 3; c++) solution->outdoors[c] = solution->emitted[c] - lamps[c];
+    return true;
 }
 
-void rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
-               const double radiance[3], RadSolution *solution) {
+static bool shine_in(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                     RadSolution *solution) {
+    int all = s->openings.piece_count;
+    for (s->first = 0; s->first < all; s->first += BATCH) {
+        if (!progress_report(progress, "sky", 0.5 + 0.5 * s->first / all)) return false;
+        int count = batch_of(s, all, BATCH);
+        parallel_for(threads, count, look_in, s);
+        for (int i = 0; i < count; i++)
+            receive_beam(s->mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
+    }
+    return true;
+}
+
+bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
+               const double radiance[3], const Progress *progress, RadSolution *solution) {
     CORE_ASSERT(solution->shots == 0);
     Arena arena = {0};
     int threads = parallel_threads(options->threads);
@@ -272,9 +288,11 @@ void rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
     for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
-    shine(s, threads, radiance, solution);
+    bool good = shine_outdoors(s, threads, radiance, progress, solution) &&
+                shine_in(s, threads, radiance, progress, solution);
     memcpy(solution->sky, radiance, sizeof solution->sky);
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
     arena_free(&arena);
+    return good;
 }

@@ -284,7 +284,7 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     if (good) {
         rad_fit(&mesh, &baked.rad);
         if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
-            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, &solution);
+            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, NULL, &solution);
         baked.report = rad_shoot(&mesh, &b->scene.forest, b->doors, &baked.rad, NULL, &solution);
         baked.seconds = clock_seconds() - begin;
         baked.elements = mesh.element_count;

@@ -8,6 +8,7 @@
 
 #include "engine/app/bake.h"
 #include "engine/app/bench.h"
+#include "engine/app/light_errors.h"
 #include "engine/app/light_points.h"
 #include "engine/core/clock.h"
 #include "radiosity/sky.h"
@@ -20,6 +21,9 @@ static const char HEAD[] =
     "element_median,element_rms,element_p90,element_max,element_lit_median,element_lit_rms,element_mean_rms,"
     "vertex_median,vertex_rms,vertex_p90,vertex_max,vertex_lit_median,vertex_lit_rms,vertex_mean_rms,"
     "points,points_reflecting,points_dark,truth_error\n";
+
+// Of pixels of a picture of errors, relative: below that one sees noise, not errors.
+static const double PIXEL_ERROR = 0.02;
 
 // ---- ways to bake
 
@@ -266,6 +270,22 @@ static void add_row(const LightBench *b, const Way *way, const Baked *baked, Tex
     fflush(stdout);
 }
 
+// From the first stored viewpoint, or where one begins.
+static bool draw_errors(const LightBench *b, const Way *way, const Mesh *mesh, const RadSolution *solution,
+                        Error *error) {
+    const BenchArguments *a = b->arguments;
+    const Building *building = &b->scene.building;
+    Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
+    if (building->viewpoint_count > 0) v = building->viewpoints[0];
+    Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
+    LightErrors errors = {mesh, solution, PIXEL_ERROR, a->seed};
+    double rms, begin = clock_seconds();
+    if (!light_errors_picture(&errors, &camera, a->pictures, way->name, &rms, error)) return false;
+    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%\n", bench_name(b->file), way->name,
+            a->pictures, way->name, clock_seconds() - begin, rms);
+    return true;
+}
+
 static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     Arena arena = {0};
     Mesh mesh;
@@ -291,6 +311,7 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
         baked.patches = mesh.patch_count;
         baked.probe_seconds = find_errors(b, &mesh, &solution);
         add_row(b, way, &baked, csv);
+        if (b->arguments->pictures) good = draw_errors(b, way, &mesh, &solution, error);
     }
     arena_free(&arena);
     return good;

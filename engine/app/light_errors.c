@@ -15,7 +15,7 @@ static const double ENDS = 0.2;
 // Pixels with less light than this share of the mean of all are measured against it.
 static const double DARK = 0.01;
 // Where it is hardly lit paths are many: a pixel stays as uncertain as it is then.
-static const long long MOST_PATHS = 2000;
+static const long long MOST_PATHS = 5000;
 static const uint8_t NOTHING = 96;  // grey
 
 typedef struct Pixels {

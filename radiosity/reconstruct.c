@@ -37,6 +37,7 @@ typedef struct Fit {
     const RadSolution *solution;
     Vec3 *centroid;      // [element_count]
     double (*light)[3];  // [element_count] W/m^2, there
+    bool *sliver;        // [element_count]
     int *stamp, now;     // [element_count] the collection that last took the element
     Vec3 x, y;           // of the node's plane
     Around *around;
@@ -91,6 +92,7 @@ static void find_light(Fit *fit) {
         memcpy(fit->light[e], fit->solution->radiosity[e], sizeof *fit->light);
         gather_around(fit, e, &moment, power, &area, &count);
         if (fit->mesh->elements[e].area * count >= SLIVER * area) continue;
+        fit->sliver[e] = true;
         fit->centroid[e] = vec3_scale(moment, 1 / area);
         for (int c = 0; c < 3; c++) fit->light[e][c] = power[c] / area;
     }
@@ -195,21 +197,62 @@ static void find_factors(Fit *fit, int node) {
     lay(fit, 0);
 }
 
+// Adds what the fits of all nodes make of the elements' light.
+static void add_fits(Fit *fit, double (*out)[3]) {
+    for (int n = 0; n < fit->nodes->count; n++) {
+        find_factors(fit, n);
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i < fit->count; i++)
+                out[n][c] += fit->around[i].factor * fit->light[fit->around[i].element][c];
+    }
+}
+
+// The mean over an element of what its corners show.
+static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *scratch, double out[3]) {
+    const Mesh *mesh = fit->mesh;
+    const Element *e = &mesh->elements[element];
+    Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
+    int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
+    double all = 0;
+    for (int i = 0; i < e->corner_count; i++) v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];
+    polygon_triangulate(v, e->corner_count, triangle);
+    for (int t = 0; t < e->corner_count - 2; t++) {
+        const int *k = triangle + 3 * t;
+        double area = polygon_area((Vec3[]){v[k[0]], v[k[1]], v[k[2]]}, 3);
+        all += area;
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++)
+                out[c] += area / 3 * node[fit->nodes->of_corner[e->first_corner + k[i]]][c];
+    }
+    for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
+}
+
+// What elements have and their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
+static void leave_the_rest(Fit *fit, double (*node)[3]) {
+    Arena scratch = {0};
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        double shown[3] = {0, 0, 0};
+        arena_reset(&scratch);
+        shown_mean(fit, e, node, &scratch, shown);
+        for (int c = 0; c < 3; c++)
+            fit->light[e][c] = fit->sliver[e] ? 0 : fit->solution->radiosity[e][c] - shown[c];
+    }
+    arena_free(&scratch);
+}
+
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
     Fit fit = {.mesh = mesh, .nodes = nodes, .solution = solution};
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->element_count);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
+    fit.sliver = ARENA_ARRAY(&fit.scratch, bool, mesh->element_count);
     fit.light = arena_alloc(&fit.scratch, (size_t)mesh->element_count, sizeof *fit.light);
     find_light(&fit);
-    for (int n = 0; n < nodes->count; n++) {
-        find_factors(&fit, n);
-        for (int c = 0; c < 3; c++) {
-            double sum = 0;
-            for (int i = 0; i < fit.count; i++)
-                sum += fit.around[i].factor * fit.light[fit.around[i].element][c];
-            out[n][c] = fmax(sum, 0);
-        }
-    }
+    memset(out, 0, (size_t)nodes->count * sizeof *out);
+    add_fits(&fit, out);
+    leave_the_rest(&fit, out);
+    add_fits(&fit, out);
+    for (int n = 0; n < nodes->count; n++)
+        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c], 0);
     arena_free(&fit.scratch);
 }
 

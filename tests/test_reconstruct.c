@@ -217,7 +217,7 @@ Test(reconstruct, creases_and_materials_stay_apart) {
     s = dark(&hand.mesh, &hand.arena);
     set(&s, 1, 5);
     light = reconstruct_light(&hand.mesh, &s, &hand.arena);
-    for (int i = 0; i < 8; i++) cr_assert_eq(light.corner[i][0], i < 4 ? 0 : 5);
+    for (int i = 0; i < 8; i++) cr_assert_float_eq(light.corner[i][0], i < 4 ? 0 : 5, 1e-12);
     arena_free(&hand.arena);
 }
 

@@ -22,9 +22,6 @@ static const char HEAD[] =
     "vertex_median,vertex_rms,vertex_p90,vertex_max,vertex_lit_median,vertex_lit_rms,vertex_mean_rms,"
     "points,points_reflecting,points_dark,truth_error\n";
 
-// Of pixels of a picture of errors, relative: below that one sees noise, not errors.
-static const double PIXEL_ERROR = 0.02;
-
 // ---- ways to bake
 
 typedef struct Way {
@@ -278,11 +275,12 @@ static bool draw_errors(const LightBench *b, const Way *way, const Mesh *mesh, c
     Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
     if (building->viewpoint_count > 0) v = building->viewpoints[0];
     Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
-    LightErrors errors = {mesh, solution, PIXEL_ERROR, a->seed};
-    double rms, begin = clock_seconds();
-    if (!light_errors_picture(&errors, &camera, a->pictures, way->name, &rms, error)) return false;
-    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%\n", bench_name(b->file), way->name,
-            a->pictures, way->name, clock_seconds() - begin, rms);
+    LightErrors errors = {mesh, solution, a->seed};
+    LightErrorsFound found;
+    double begin = clock_seconds();
+    if (!light_errors_picture(&errors, &camera, a->pictures, way->name, &found, error)) return false;
+    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%, noise %.2f %%\n", bench_name(b->file),
+            way->name, a->pictures, way->name, clock_seconds() - begin, found.rms, found.noise);
     return true;
 }
 

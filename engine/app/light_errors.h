@@ -8,13 +8,16 @@
 typedef struct LightErrors {
     const Mesh *mesh;
     const RadSolution *solution;
-    double error;  // of the truth, standard error of a pixel, relative
     uint64_t seed;
 } LightErrors;
 
-// Writes DIR/NAME-error.png, and DIR/light-error-scale.svg, its legend. Pixels that show lamps, backs or nothing are grey. `rms`: of the
-// others, in percent.
+// Roots of mean squares over the pixels, percent.
+typedef struct LightErrorsFound {
+    double rms, noise;  // of what is shown; of that, the standard error of the truth
+} LightErrorsFound;
+
+// Writes DIR/NAME-error.png, and DIR/light-error-scale.svg, its legend. Pixels that show lamps, backs or nothing are grey.
 bool light_errors_picture(const LightErrors *errors, const Camera *camera, const char *folder,
-                          const char *name, double *rms, Error *error);
+                          const char *name, LightErrorsFound *found, Error *error);
 
 #endif

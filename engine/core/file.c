@@ -118,14 +118,9 @@ static bool settle(int fd, const char *path, char beside[PATH_MAX]) {
     return rename(beside, path) == 0;
 }
 
-bool file_write(const char *path, const void *data, size_t size, Error *error) {
-    if (is_stream(path)) return write_stream(path, data, size, error);
-    char beside[PATH_MAX] = "";
-    if (strlen(path) + sizeof ".XXXXXX" > sizeof beside)
-        return error_set(error, "%s: the path is too long", path);
-    int fd = open_nameless(path);
-    if (fd < 0) fd = open_named(path, beside);
-    if (fd < 0) return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+// `beside`: "" with a file without a name. Closes the file; false with errno.
+static bool write_as(int fd, const char *path, const void *data, size_t size, char beside[PATH_MAX]) {
+    if (fd < 0) return false;
     bool good = write_all(fd, data, size) && settle(fd, path, beside);
     int reason = errno;
     if (!good && *beside) unlink(beside);
@@ -133,7 +128,22 @@ bool file_write(const char *path, const void *data, size_t size, Error *error) {
         good = false;
         reason = errno;
     }
-    if (!good) return error_set(error, "%s: cannot be written: %s", path, strerror(reason));
+    errno = reason;
+    return good;
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    if (is_stream(path)) return write_stream(path, data, size, error);
+    char beside[PATH_MAX] = "";
+    if (strlen(path) + sizeof ".XXXXXX" > sizeof beside)
+        return error_set(error, "%s: the path is too long", path);
+    bool good = write_as(open_nameless(path), path, data, size, beside);
+    // A name takes /proc, which may not be there. What else fails fails again.
+    if (!good) {
+        int fd = open_named(path, beside);
+        good = write_as(fd, path, data, size, beside);
+    }
+    if (!good) return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
     sync_folder(path);
     return true;
 }

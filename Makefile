@@ -190,6 +190,16 @@ pictures:
 	$(dir)/enfilade render build/maps/house.plan --light build/pictures/house.rad --view still --samples 64 \
 	    -o build/pictures/still.png
 	convert build/pictures/still.png -strip -define png:compression-level=9 tests/pictures/still.png
+	# Errors of what is shown, and the same view: where one begins. The truth is coarse: minutes of path tracing even so.
+	$(dir)/enfilade bench light build/maps/office-plain.plan --methods default --points 1 --error 0.5 --size 96x54 \
+	    --pictures build/pictures >build/pictures/light-error.csv
+	$(dir)/enfilade bake build/maps/office-plain.plan -o build/pictures/office-plain.rad
+	$(dir)/enfilade walk build/maps/office-plain.plan --light build/pictures/office-plain.rad --size 480x270 \
+	    --offscreen build/pictures/office-plain --every 100000
+	rsvg-convert build/pictures/light-error-scale.svg -o build/pictures/light-error-scale.png
+	montage build/pictures/office-plain/frame-00000.png '(' build/pictures/default-error.png -filter point -resize \
+	    480x270 ')' -tile 2x1 -geometry 480x270+3+3 -depth 8 miff:- | convert - build/pictures/light-error-scale.png \
+	    -gravity center -append -colors 128 tests/pictures/light-error.png
 	$(dir)/enfilade bench radiosity --pictures build/pictures >build/pictures/radiosity.csv
 	montage build/pictures/doi-itoh-2-hemicube.png build/pictures/doi-itoh-2-hemisphere.png -tile 2x1 -geometry +3+3 \
 	    -colors 128 tests/pictures/hemicube-hemisphere.png

@@ -78,9 +78,11 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
     bool good = rad_start_dark(mesh, &arena, &solution, error);
+    if (good && sum3(a->options->sky) > 0 &&
+        !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, a->progress,
+                   &solution))
+        good = error_set(error, "stopped");
     if (good) {
-        if (sum3(a->options->sky) > 0)
-            rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, &solution);
         RadReport report =
             rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
         if (report.stopped) good = error_set(error, "stopped");

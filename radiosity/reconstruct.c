@@ -19,6 +19,8 @@ static const double AMONG = 1;
 static const double MOST_NOISE = 8;
 // Centroids nearer than this, metres squared, count no more: rounding.
 static const double NEAREST = 1e-18;
+// Elements smaller than this share of the mean of those around them are slivers: elements of neighbouring sizes are not, of 1 to 4.
+static const double SLIVER = 0.25;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
 static const double NO_SPREAD = 1e-6;
 
@@ -32,9 +34,12 @@ typedef struct Around {
 typedef struct Fit {
     const Mesh *mesh;
     const Nodes *nodes;
-    Vec3 *centroid;   // [element_count]
-    int *stamp, now;  // [element_count] the collection that last took the element
-    Vec3 x, y;        // of the node's plane
+    const RadSolution *solution;
+    Vec3 *centroid;      // [element_count]
+    double (*light)[3];  // [element_count] W/m^2, there
+    bool *sliver;        // [element_count]
+    int *stamp, now;     // [element_count] the collection that last took the element
+    Vec3 x, y;           // of the node's plane
     Around *around;
     int count, capacity;
     Arena scratch;
@@ -52,6 +57,45 @@ Vec3 element_centroid(const Mesh *mesh, int element) {
         twice += part;
     }
     return twice > 0 ? vec3_add(base, vec3_scale(moment, 1 / twice)) : base;
+}
+
+// ---- slivers
+
+// Of an element and all that meet it smoothly, each once: their sums, of place and light by area.
+static void gather_around(Fit *fit, int element, Vec3 *moment, double power[3], double *area, int *count) {
+    const Mesh *mesh = fit->mesh;
+    const Element *own = &mesh->elements[element];
+    fit->now++;
+    for (int c = own->first_corner; c < own->first_corner + own->corner_count; c++) {
+        int node = fit->nodes->of_corner[c];
+        for (int i = fit->nodes->first[node]; i < fit->nodes->first[node + 1]; i++) {
+            int e = fit->nodes->element[i];
+            if (fit->stamp[e] == fit->now) continue;
+            fit->stamp[e] = fit->now;
+            double a = mesh->elements[e].area;
+            *moment = vec3_add(*moment, vec3_scale(element_centroid(mesh, e), a));
+            for (int k = 0; k < 3; k++) power[k] += a * fit->solution->radiosity[e][k];
+            *area += a;
+            ++*count;
+        }
+    }
+}
+
+// Slivers beside what stands on a surface are so small that few samples meet them, and what those say is noise. A sliver tells
+// the light of all around it, where the middle of all that is: so linear fields stay as they are.
+static void find_light(Fit *fit) {
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        double power[3] = {0, 0, 0}, area = 0;
+        Vec3 moment = {0, 0, 0};
+        int count = 0;
+        fit->centroid[e] = element_centroid(fit->mesh, e);
+        memcpy(fit->light[e], fit->solution->radiosity[e], sizeof *fit->light);
+        gather_around(fit, e, &moment, power, &area, &count);
+        if (fit->mesh->elements[e].area * count >= SLIVER * area) continue;
+        fit->sliver[e] = true;
+        fit->centroid[e] = vec3_scale(moment, 1 / area);
+        for (int c = 0; c < 3; c++) fit->light[e][c] = power[c] / area;
+    }
 }
 
 // ---- which elements
@@ -153,20 +197,62 @@ static void find_factors(Fit *fit, int node) {
     lay(fit, 0);
 }
 
+// Adds what the fits of all nodes make of the elements' light.
+static void add_fits(Fit *fit, double (*out)[3]) {
+    for (int n = 0; n < fit->nodes->count; n++) {
+        find_factors(fit, n);
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i < fit->count; i++)
+                out[n][c] += fit->around[i].factor * fit->light[fit->around[i].element][c];
+    }
+}
+
+// The mean over an element of what its corners show.
+static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *scratch, double out[3]) {
+    const Mesh *mesh = fit->mesh;
+    const Element *e = &mesh->elements[element];
+    Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
+    int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
+    double all = 0;
+    for (int i = 0; i < e->corner_count; i++) v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];
+    polygon_triangulate(v, e->corner_count, triangle);
+    for (int t = 0; t < e->corner_count - 2; t++) {
+        const int *k = triangle + 3 * t;
+        double area = polygon_area((Vec3[]){v[k[0]], v[k[1]], v[k[2]]}, 3);
+        all += area;
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++)
+                out[c] += area / 3 * node[fit->nodes->of_corner[e->first_corner + k[i]]][c];
+    }
+    for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
+}
+
+// What elements have and their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
+static void leave_the_rest(Fit *fit, double (*node)[3]) {
+    Arena scratch = {0};
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        double shown[3] = {0, 0, 0};
+        arena_reset(&scratch);
+        shown_mean(fit, e, node, &scratch, shown);
+        for (int c = 0; c < 3; c++)
+            fit->light[e][c] = fit->sliver[e] ? 0 : fit->solution->radiosity[e][c] - shown[c];
+    }
+    arena_free(&scratch);
+}
+
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
-    Fit fit = {.mesh = mesh, .nodes = nodes};
+    Fit fit = {.mesh = mesh, .nodes = nodes, .solution = solution};
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->element_count);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
-    for (int e = 0; e < mesh->element_count; e++) fit.centroid[e] = element_centroid(mesh, e);
-    for (int n = 0; n < nodes->count; n++) {
-        find_factors(&fit, n);
-        for (int c = 0; c < 3; c++) {
-            double sum = 0;
-            for (int i = 0; i < fit.count; i++)
-                sum += fit.around[i].factor * solution->radiosity[fit.around[i].element][c];
-            out[n][c] = fmax(sum, 0);
-        }
-    }
+    fit.sliver = ARENA_ARRAY(&fit.scratch, bool, mesh->element_count);
+    fit.light = arena_alloc(&fit.scratch, (size_t)mesh->element_count, sizeof *fit.light);
+    find_light(&fit);
+    memset(out, 0, (size_t)nodes->count * sizeof *out);
+    add_fits(&fit, out);
+    leave_the_rest(&fit, out);
+    add_fits(&fit, out);
+    for (int n = 0; n < nodes->count; n++)
+        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c], 0);
     arena_free(&fit.scratch);
 }
 

@@ -17,14 +17,13 @@
 
 // Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
-// Pieces whose light is found at a time.
-enum { BATCH = 256 };
+// Pieces whose light is found at a time, and patches that look for the sky: a tenth of a second of one core, and then progress is
+// told of.
+enum { BATCH = 256, PATCH_BATCH = 4096 };
 // A patch that has lost less than this of the sky is not cut up.
 static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
-// Openings nearer than this to a piece's middle are its own plane, metres.
-static const double ON_PLANE = 1e-6;
 
 // One thread's tools.
 typedef struct Watcher {
@@ -56,7 +55,7 @@ typedef struct Shine {
     int *mirror;    // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
     Watcher *watchers;
     Beam beams[BATCH];
-    int first;  // piece of the batch
+    int first;  // piece or patch of the batch
 } Shine;
 
 // ---- tools
@@ -151,7 +150,7 @@ static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patc
 // Under the open sky a patch looks for all its elements.
 static void look_from_patch(void *context, int index, int thread) {
     Shine *s = context;
-    const Patch *patch = &s->mesh->patches[index];
+    const Patch *patch = &s->mesh->patches[s->first + index];
     Vec3 n = s->mesh->faces[patch->face].plane.n;
     Watcher *w = &s->watchers[thread];
     double share = 0;
@@ -184,64 +183,6 @@ static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const Sky
     return any;
 }
 
-// An opening from a piece's middle, in the view's axes.
-typedef struct Exit {
-    Plane plane;        // n to the middle's side
-    const Plane *edge;  // [count] inside of all
-    int count;
-} Exit;
-
-static bool make_exit(const View *view, const SkyOpening *o, Plane *edge, Exit *out) {
-    double off = vec3_dot(o->plane.n, vec3_sub(view->eye, o->vertices[0]));
-    if (off < ON_PLANE) return false;  // it leads in, from here
-    Vec3 last = {0, 0, 0}, sum = {0, 0, 0};
-    bool above = false;
-    for (int i = 0; i <= o->count; i++) {
-        Vec3 v = vec3_sub(o->vertices[i % o->count], view->eye);
-        Vec3 p = {vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v)};
-        if (i > 0) edge[i - 1].n = vec3_cross(last, p);
-        if (i < o->count) sum = vec3_add(sum, p);
-        above = above || p.z > 0;
-        last = p;
-    }
-    for (int i = 0; i < o->count; i++)
-        if (vec3_dot(edge[i].n, sum) < 0) edge[i].n = vec3_scale(edge[i].n, -1);
-    Vec3 n = o->plane.n;
-    n = vec3(vec3_dot(view->x, n), vec3_dot(view->y, n), vec3_dot(view->z, n));
-    *out = (Exit){{n, -off}, edge, o->count};
-    return above;
-}
-
-static bool leaves_by(const Exit *exit, Vec3 w, double distance) {
-    double slope = vec3_dot(exit->plane.n, w);
-    // Met at exit->plane.d / slope; both are below 0.
-    if (slope >= 0 || exit->plane.d < slope * (distance - ON_PLANE)) return false;
-    for (int i = 0; i < exit->count; i++)
-        if (vec3_dot(exit->edge[i].n, w) < 0) return false;
-    return true;
-}
-
-// Forgets what is seen behind another opening: light that leaves by it comes in elsewhere, if it does.
-static void end_at_exits(const Shine *s, Watcher *w, const View *view, int opening) {
-    enum { MOST_EDGES = 64 };
-    const FormFactorSamples *in = sampler_samples(w->inside);
-    const SkyOpening *own = &s->openings.openings[opening];
-    for (int k = 0; k < s->openings.count; k++) {
-        const SkyOpening *o = &s->openings.openings[k];
-        Plane edge[MOST_EDGES];
-        Exit exit;
-        CORE_ASSERT(o->count <= MOST_EDGES);
-        if (k == opening || !vis_sees(s->forest, own->inside, o->inside) || !make_exit(view, o, edge, &exit))
-            continue;
-        for (int i = 0; i < in->count; i++) {
-            if (w->item[i] < 0) continue;
-            const ViewFace *f = &view->faces[w->item[i]];
-            Vec3 along = {(double)in->x[i], (double)in->y[i], (double)in->z[i]};
-            if (leaves_by(&exit, along, f->d / vec3_dot(f->n, along))) w->item[i] = -1;
-        }
-    }
-}
-
 static void keep_beam(const Shine *s, const Row *row, Beam *beam) {
     beam->element = ARENA_ARRAY(&beam->arena, int, row->count + 1);
     beam->factor = ARENA_ARRAY(&beam->arena, float, row->count + 1);
@@ -267,7 +208,7 @@ static void look_in(void *context, int index, int thread) {
     const FormFactorSamples *in = sampler_samples(w->inside);
     for (int i = 0; i < in->count; i++)
         if (!w->sky[i]) w->item[i] = -1;
-    end_at_exits(s, w, view, piece->opening);
+    sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
     row_of_items(&w->sum, view, in, w->item);
     keep_beam(s, row_finish(&w->sum), beam);
 }
@@ -299,26 +240,41 @@ static void receive_beam(const Mesh *mesh, const SkyPiece *piece, const Beam *be
     }
 }
 
-static void shine(Shine *s, int threads, const double radiance[3], RadSolution *solution) {
+static int batch_of(const Shine *s, int all, int most) {
+    return all - s->first < most ? all - s->first : most;
+}
+
+static bool shine_outdoors(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                           RadSolution *solution) {
     const Mesh *mesh = s->mesh;
     double lamps[3];
     memcpy(lamps, solution->emitted, sizeof lamps);
-    parallel_for(threads, mesh->patch_count, look_from_patch, s);
+    for (s->first = 0; s->first < mesh->patch_count; s->first += PATCH_BATCH) {
+        if (!progress_report(progress, "sky", 0.5 * s->first / mesh->patch_count)) return false;
+        parallel_for(threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
+    }
     for (int e = 0; e < mesh->element_count; e++)
         if (s->share[e] > 0)
             receive(mesh, e, M_PI * mesh->elements[e].area * s->share[e], radiance, solution);
-    memcpy(solution->outdoors, solution->emitted, sizeof solution->outdoors);
-    for (int c = 0; c < 3; c++) solution->outdoors[c] -= lamps[c];
-    for (s->first = 0; s->first < s->openings.piece_count; s->first += BATCH) {
-        int left = s->openings.piece_count - s->first, count = left < BATCH ? left : BATCH;
-        parallel_for(threads, count, look_in, s);
-        for (int i = 0; i < count; i++)
-            receive_beam(mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
-    }
+    for (int c = 0; c < 3; c++) solution->outdoors[c] = solution->emitted[c] - lamps[c];
+    return true;
 }
 
-void rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
-               const double radiance[3], RadSolution *solution) {
+static bool shine_in(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                     RadSolution *solution) {
+    int all = s->openings.piece_count;
+    for (s->first = 0; s->first < all; s->first += BATCH) {
+        if (!progress_report(progress, "sky", 0.5 + 0.5 * s->first / all)) return false;
+        int count = batch_of(s, all, BATCH);
+        parallel_for(threads, count, look_in, s);
+        for (int i = 0; i < count; i++)
+            receive_beam(s->mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
+    }
+    return true;
+}
+
+bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
+               const double radiance[3], const Progress *progress, RadSolution *solution) {
     CORE_ASSERT(solution->shots == 0);
     Arena arena = {0};
     int threads = parallel_threads(options->threads);
@@ -332,9 +288,11 @@ void rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
     for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
-    shine(s, threads, radiance, solution);
+    bool good = shine_outdoors(s, threads, radiance, progress, solution) &&
+                shine_in(s, threads, radiance, progress, solution);
     memcpy(solution->sky, radiance, sizeof solution->sky);
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
     arena_free(&arena);
+    return good;
 }

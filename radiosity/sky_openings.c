@@ -4,14 +4,11 @@
 
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
-#include "radiosity/view.h"
 
 // Side of a piece aimed at, metres: small to the distance of what stands near a window; and how many pieces there are before
 // they become larger.
 static const double PIECE = 0.2;
 static const double MOST_PIECES = 50000;
-
-enum { MOST_CORNERS = 64 };
 
 bool sky_is_outdoors(const CellGraph *graph, int cell) {
     return vis_region(graph, cell)->kind == REGION_OUTDOORS;
@@ -31,7 +28,7 @@ static Vec3 centre_of(const Vec3 *v, int count) {
 
 // What of a polygon lies from `low` to `high` along x. `out` has room for count + 2.
 static int strip(const Vec3 *polygon, int count, Vec3 x, double low, double high, Vec3 *out) {
-    Vec3 part[MOST_CORNERS];
+    Vec3 part[SKY_CORNERS];
     int left = polygon_clip(polygon, count, (Plane){x, low}, 0, part);
     return left < 3 ? 0 : polygon_clip(part, left, (Plane){vec3_scale(x, -1), -high}, 0, out);
 }
@@ -46,8 +43,8 @@ static void extent(const Vec3 *polygon, int count, Vec3 x, double *low, double *
 
 static void cut(SkyOpenings *out, int opening, double size, Arena *arena, int *capacity) {
     const SkyOpening *o = &out->openings[opening];
-    Vec3 x, y, corner = o->vertices[0], polygon[MOST_CORNERS], column[MOST_CORNERS], piece[MOST_CORNERS];
-    CORE_ASSERT(o->count + 4 < MOST_CORNERS);
+    Vec3 x, y, corner = o->vertices[0], polygon[SKY_CORNERS], column[SKY_CORNERS], piece[SKY_CORNERS];
+    CORE_ASSERT(o->count + 4 < SKY_CORNERS);
     view_axes(o->plane.n, &x, &y);
     // About a corner, so that far from the origin no digits are lost.
     for (int i = 0; i < o->count; i++) polygon[i] = vec3_sub(o->vertices[i], corner);

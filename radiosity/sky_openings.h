@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_SKY_OPENINGS_H
 #define RADIOSITY_SKY_OPENINGS_H
 
-#include "radiosity/mesh.h"
+#include "radiosity/form_factor.h"
 
 typedef struct SkyOpening {
     int inside, outside;   // cells
@@ -23,7 +23,14 @@ typedef struct SkyOpenings {
     int count, piece_count;
 } SkyOpenings;
 
+// Openings of more corners are not taken.
+enum { SKY_CORNERS = 64 };
+
 bool sky_is_outdoors(const CellGraph *graph, int cell);
 SkyOpenings sky_openings(const CellGraph *graph, Arena *arena);
+
+// Of what samples see from the middle of a piece of an opening, inwards, forgets (-1) what lies behind another opening.
+void sky_end_at_exits(const SkyOpenings *openings, const StabForest *forest, int opening, const View *view,
+                      const FormFactorSamples *samples, int32_t *item);
 
 #endif

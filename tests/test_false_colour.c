@@ -87,3 +87,19 @@ Test(false_colour, colours_are_evenly_spaced) {
     Rgb below = false_colour_at(-3), low = false_colour_at(0);
     cr_expect(memcmp(&below, &low, sizeof low) == 0, "what is below the scale has its lowest colour");
 }
+
+// Proves that the signed scale is lightest in the middle, darkens evenly and as far to both sides, blue below and red above, and
+// ends where it should.
+Test(false_colour, signed_scale_has_two_ends) {
+    double before = 2;
+    for (int i = 0; i <= 10; i++) {
+        Rgb low = false_colour_signed(-i / 10.0), high = false_colour_signed(i / 10.0);
+        double light = (double)(high.r + high.g + high.b);
+        cr_expect_lt(light, before + 1e-6 + (i == 0));
+        before = light;
+        if (i > 0) cr_expect(low.b > low.r && high.r > high.b, "%d", i);
+    }
+    Rgb end = false_colour_signed(1), beyond = false_colour_signed(7), zero = false_colour_signed(0);
+    cr_expect(end.r == beyond.r && end.g == beyond.g && end.b == beyond.b);
+    cr_expect_lt(fabsf(zero.r - zero.b), 0.01f);
+}

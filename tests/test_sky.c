@@ -25,7 +25,7 @@ static RadSolution shone(Lit *lit, const RadOptions *options) {
     RadSolution s;
     Error error = {""};
     cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &s, &error), "%s", error.text);
-    rad_shine(&lit->mesh, &lit->forest, NULL, options, SKY, &s);
+    cr_assert(rad_shine(&lit->mesh, &lit->forest, NULL, options, SKY, NULL, &s));
     return s;
 }
 
@@ -265,4 +265,26 @@ Test(sky, is_stored_and_resumed) {
     cr_assert_arr_eq(back.radiosity, whole.radiosity, (size_t)back.element_count * sizeof *back.radiosity);
     lit_free(lit);
     arena_free(&arena);
+}
+
+// Asks to stop once this share is done.
+static bool stop_at(void *context, const char *stage, double done) {
+    cr_assert_str_eq(stage, "sky");
+    return done < *(double *)context;
+}
+
+// Proves that daylight heeds whoever asks to stop, outdoors and at the openings, and else is as if nobody had been told of it.
+Test(sky, stops_when_asked) {
+    Lit *lit = room_with_window(1, 1, 0.5);
+    RadOptions options = options_of(CULL_PORTALS, 2);
+    double never = 2, at[2] = {0, 0.5};
+    RadSolution alone = shone(lit, &options), s;
+    Error error = {""};
+    for (int i = 0; i < 3; i++) {
+        Progress progress = {stop_at, i < 2 ? &at[i] : &never};
+        cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &s, &error), "%s", error.text);
+        cr_assert_eq(rad_shine(&lit->mesh, &lit->forest, NULL, &options, SKY, &progress, &s), i == 2);
+    }
+    cr_assert_arr_eq(s.radiosity, alone.radiosity, (size_t)s.element_count * sizeof *s.radiosity);
+    lit_free(lit);
 }

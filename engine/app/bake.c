@@ -147,8 +147,12 @@ static bool check_sky(const Bake *bake, Error *error) {
 
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
-    rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->sky, &bake->solution);
+    Progress progress = app_progress_stoppable(0);
+    bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->sky, &progress,
+                           &bake->solution);
+    app_progress_end();
     bake->sky_seconds = clock_seconds() - start;
+    if (!whole) return error_set(error, "stopped before all daylight was in: nothing is stored");
     if (sum3(bake->solution.emitted) > 0) return true;
     return error_set(error, "nothing emits light, and none of the sky's comes in");
 }

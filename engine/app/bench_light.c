@@ -8,6 +8,7 @@
 
 #include "engine/app/bake.h"
 #include "engine/app/bench.h"
+#include "engine/app/light_errors.h"
 #include "engine/app/light_points.h"
 #include "engine/core/clock.h"
 #include "radiosity/sky.h"
@@ -266,6 +267,23 @@ static void add_row(const LightBench *b, const Way *way, const Baked *baked, Tex
     fflush(stdout);
 }
 
+// From the first stored viewpoint, or where one begins.
+static bool draw_errors(const LightBench *b, const Way *way, const Mesh *mesh, const RadSolution *solution,
+                        Error *error) {
+    const BenchArguments *a = b->arguments;
+    const Building *building = &b->scene.building;
+    Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
+    if (building->viewpoint_count > 0) v = building->viewpoints[0];
+    Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
+    LightErrors errors = {mesh, solution, a->seed};
+    LightErrorsFound found;
+    double begin = clock_seconds();
+    if (!light_errors_picture(&errors, &camera, a->pictures, way->name, &found, error)) return false;
+    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%, noise %.2f %%\n", bench_name(b->file),
+            way->name, a->pictures, way->name, clock_seconds() - begin, found.rms, found.noise);
+    return true;
+}
+
 static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     Arena arena = {0};
     Mesh mesh;
@@ -284,13 +302,14 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     if (good) {
         rad_fit(&mesh, &baked.rad);
         if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
-            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, &solution);
+            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, NULL, &solution);
         baked.report = rad_shoot(&mesh, &b->scene.forest, b->doors, &baked.rad, NULL, &solution);
         baked.seconds = clock_seconds() - begin;
         baked.elements = mesh.element_count;
         baked.patches = mesh.patch_count;
         baked.probe_seconds = find_errors(b, &mesh, &solution);
         add_row(b, way, &baked, csv);
+        if (b->arguments->pictures) good = draw_errors(b, way, &mesh, &solution, error);
     }
     arena_free(&arena);
     return good;

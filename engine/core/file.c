@@ -6,9 +6,13 @@
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
+
+// Beside a file, tried for a name that nothing has.
+enum { MOST_NAMES = 1000 };
 
 bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error) {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -44,16 +48,20 @@ static bool write_all(int fd, const char *data, size_t size) {
     return true;
 }
 
-// A rename is on disk only when the folder is.
-static void sync_folder(const char *path) {
-    char folder[PATH_MAX];
-    snprintf(folder, sizeof folder, "%s", path);
+static void put_folder(const char *path, char folder[PATH_MAX]) {
+    snprintf(folder, PATH_MAX, "%s", path);
     char *slash = strrchr(folder, '/');
     if (slash) {
         slash[slash == folder] = 0;
     } else {
         strcpy(folder, ".");
     }
+}
+
+// A rename is on disk only when the folder is.
+static void sync_folder(const char *path) {
+    char folder[PATH_MAX];
+    put_folder(path, folder);
     int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0) return;
     fsync(fd);
@@ -74,26 +82,70 @@ static bool write_stream(const char *path, const void *data, size_t size, Error 
     return good || error_set(error, "%s: cannot be written: %s", path, strerror(reason));
 }
 
-bool file_write(const char *path, const void *data, size_t size, Error *error) {
-    if (is_stream(path)) return write_stream(path, data, size, error);
-    char beside[PATH_MAX];
-    if (snprintf(beside, sizeof beside, "%s.XXXXXX", path) >= (int)sizeof beside) {
-        return error_set(error, "%s: the path is too long", path);
+// A file without a name, in the folder of `path`: a program that is ended while it writes leaves nothing behind. -1 where the file
+// system knows none.
+static int open_nameless(const char *path) {
+    char folder[PATH_MAX];
+    put_folder(path, folder);
+    return open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+}
+
+// Gives it one beside `path`, that nothing has yet; longer than that of mkostemp never is.
+static bool name_beside(int fd, const char *path, char beside[PATH_MAX]) {
+    char own[64];
+    snprintf(own, sizeof own, "/proc/self/fd/%d", fd);
+    for (int i = 0; i < MOST_NAMES; i++) {
+        if (snprintf(beside, PATH_MAX, "%s.%06x", path, (unsigned)(getpid() + i) & 0xffffff) >= PATH_MAX)
+            return false;
+        if (linkat(AT_FDCWD, own, AT_FDCWD, beside, AT_SYMLINK_FOLLOW) == 0) return true;
+        if (errno != EEXIST) return false;
     }
+    return false;
+}
+
+static int open_named(const char *path, char beside[PATH_MAX]) {
+    snprintf(beside, PATH_MAX, "%s.XXXXXX", path);
     int fd = mkostemp(beside, O_CLOEXEC);
-    if (fd < 0) return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
     mode_t mask = umask(0);
     umask(mask);
-    bool good = write_all(fd, data, size) && fchmod(fd, 0666 & ~mask) == 0 && fsync(fd) == 0;
+    if (fd >= 0) fchmod(fd, 0666 & ~mask);
+    return fd;
+}
+
+// Onto the disk and under its name. `beside` is empty where it has none yet.
+static bool settle(int fd, const char *path, char beside[PATH_MAX]) {
+    if (fsync(fd) != 0 || (!*beside && !name_beside(fd, path, beside))) return false;
+    return rename(beside, path) == 0;
+}
+
+// `beside`: "" with a file without a name. Closes the file; false with errno.
+static bool write_as(int fd, const char *path, const void *data, size_t size, char beside[PATH_MAX]) {
+    if (fd < 0) return false;
+    bool good = write_all(fd, data, size) && settle(fd, path, beside);
     int reason = errno;
-    good = close(fd) == 0 && good;
-    if (good && rename(beside, path) == 0) {
-        sync_folder(path);
-        return true;
+    if (!good && *beside) unlink(beside);
+    if (close(fd) != 0 && good) {
+        good = false;
+        reason = errno;
     }
-    if (good) reason = errno;
-    unlink(beside);
-    return error_set(error, "%s: cannot be written: %s", path, strerror(reason));
+    errno = reason;
+    return good;
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    if (is_stream(path)) return write_stream(path, data, size, error);
+    char beside[PATH_MAX] = "";
+    if (strlen(path) + sizeof ".XXXXXX" > sizeof beside)
+        return error_set(error, "%s: the path is too long", path);
+    bool good = write_as(open_nameless(path), path, data, size, beside);
+    // A name takes /proc, which may not be there. What else fails fails again.
+    if (!good) {
+        int fd = open_named(path, beside);
+        good = write_as(fd, path, data, size, beside);
+    }
+    if (!good) return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+    sync_folder(path);
+    return true;
 }
 
 bool file_make_folder(const char *path, Error *error) {

@@ -1,6 +1,9 @@
 // polygon.c - Sutherland & Hodgman 1974 clipping by one plane, and ear clipping of convex polygons.
 #include "engine/core/polygon.h"
 
+// What is left of a polygon has no area, of all that it had: rounding of vertices that are a millionth of its length off the line.
+static const double NO_AREA = 1e-6;
+
 // The cut is computed from the lexicographically smaller end, so that it is the same from both sides.
 static Vec3 cut(Vec3 a, double da, Vec3 b, double db) {
     bool swap = a.x != b.x ? a.x > b.x : a.y != b.y ? a.y > b.y : a.z > b.z;
@@ -38,6 +41,34 @@ static double fatness(Vec3 a, Vec3 b, Vec3 c) {
     return longest > 0 ? vec3_length(vec3_cross(ab, ac)) / longest : 0;
 }
 
+// Of a ring of vertices, twice.
+static double ring_area(const Vec3 *vertices, const int *ring, int count) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 1; i + 1 < count; i++)
+        sum = vec3_add(sum, vec3_cross(vec3_sub(vertices[ring[i]], vertices[ring[0]]),
+                                       vec3_sub(vertices[ring[i + 1]], vertices[ring[0]])));
+    return vec3_length(sum);
+}
+
+// The fattest ear that leaves area: one that swallows the last corner which is not collinear leaves a line, whose vertices
+// would be corners of no triangle that can be seen; neighbours that share the line would show a seam.
+static int find_ear(const Vec3 *vertices, const int *ring, int left) {
+    double all = ring_area(vertices, ring, left), best_fatness = -INFINITY;
+    int best = 0;
+    for (int i = 0; i < left; i++) {
+        int before = (i + left - 1) % left, after = (i + 1) % left;
+        const int ear[3] = {ring[before], ring[i], ring[after]};
+        double f = fatness(vertices[ear[0]], vertices[ear[1]], vertices[ear[2]]);
+        if (left == 4)
+            f = fmin(f, fatness(vertices[ear[2]], vertices[ring[(i + 2) % left]], vertices[ear[0]]));
+        if (!(all - ring_area(vertices, ear, 3) > NO_AREA * all)) f -= 1;
+        if (f <= best_fatness) continue;
+        best_fatness = f;
+        best = i;
+    }
+    return best;
+}
+
 void polygon_triangulate(const Vec3 *vertices, int count, int *triangle) {
     int ring[256];
     bool small = count <= 256;
@@ -52,22 +83,7 @@ void polygon_triangulate(const Vec3 *vertices, int count, int *triangle) {
     }
     for (int i = 0; i < count; i++) ring[i] = i;
     for (int left = count; left > 2; left--) {
-        int best = 0;
-        double best_fatness = -1;
-        for (int i = 0; i < left; i++) {
-            int a = ring[(i + left - 1) % left], b = ring[i], c = ring[(i + 1) % left];
-            double f = fatness(vertices[a], vertices[b], vertices[c]);
-            // The other triangles at this corner must stay fat as well: an ear may not swallow the last
-            // corner that is not collinear, which only matters for the last but one ear.
-            if (left == 4) {
-                int d = ring[(i + 2) % left];
-                f = fmin(f, fatness(vertices[c], vertices[d], vertices[a]));
-            }
-            if (f > best_fatness) {
-                best_fatness = f;
-                best = i;
-            }
-        }
+        int best = find_ear(vertices, ring, left);
         *triangle++ = ring[(best + left - 1) % left];
         *triangle++ = ring[best];
         *triangle++ = ring[(best + 1) % left];

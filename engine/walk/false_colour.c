@@ -11,6 +11,10 @@ static const int DECADES = 3;
 static const double DARK = 0.24, LIGHT = 0.95, CHROMA = 0.092;
 static const double HUE_DARK = 300 * M_PI / 180, HUE_LIGHT = 105 * M_PI / 180;
 
+// Of what is too little or too much: lightness and chroma at both ends, which sRGB has for both hues, blue and red.
+static const double ENDS = 0.5, CHROMA_ENDS = 0.16;
+static const double HUE_BELOW = 260 * M_PI / 180, HUE_ABOVE = 27 * M_PI / 180;
+
 const char *const FALSE_COLOUR_NAMES[FALSE_COLOURS] = {"off", "radiosity", "irradiance", "illuminance"};
 const char *const FALSE_COLOUR_UNITS[FALSE_COLOURS] = {"", "W/m\u00b2", "W/m\u00b2", "lux"};
 
@@ -66,9 +70,9 @@ static float to_screen(double x) {
     return (float)(x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055);
 }
 
-Rgb false_colour_at(double place) {
-    double t = fmin(fmax(place, 0), 1), lightness = DARK + t * (LIGHT - DARK);
-    double hue = HUE_DARK + t * (HUE_LIGHT - HUE_DARK), a = CHROMA * cos(hue), b = CHROMA * sin(hue);
+// Of Oklab, as sRGB.
+static Rgb colour_of(double lightness, double chroma, double hue) {
+    double a = chroma * cos(hue), b = chroma * sin(hue);
     double l = lightness + 0.3963377774 * a + 0.2158037573 * b,
            m = lightness - 0.1055613458 * a - 0.0638541728 * b,
            s = lightness - 0.0894841775 * a - 1.2914855480 * b;
@@ -78,4 +82,14 @@ Rgb false_colour_at(double place) {
     return (Rgb){to_screen(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
                  to_screen(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
                  to_screen(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+}
+
+Rgb false_colour_at(double place) {
+    double t = fmin(fmax(place, 0), 1);
+    return colour_of(DARK + t * (LIGHT - DARK), CHROMA, HUE_DARK + t * (HUE_LIGHT - HUE_DARK));
+}
+
+Rgb false_colour_signed(double place) {
+    double t = fmin(fmax(place, -1), 1);
+    return colour_of(LIGHT - fabs(t) * (LIGHT - ENDS), CHROMA_ENDS * fabs(t), t < 0 ? HUE_BELOW : HUE_ABOVE);
 }

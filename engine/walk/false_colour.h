@@ -42,5 +42,7 @@ int light_range_ticks(LightRange range, double out[LIGHT_RANGE_TICKS]);
 
 // The colour at a place of the scale, sRGB 0 .. 1: equal steps look equally far apart, and brighter is more.
 Rgb false_colour_at(double place);
+// Of what may be too little or too much, -1 .. 1: blue, near white at 0, red; as far from white to the eye on both sides.
+Rgb false_colour_signed(double place);
 
 #endif

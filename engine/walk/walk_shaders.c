@@ -184,7 +184,7 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
 // some of their front's light. Lamps are bright however little the exposure leaves of them.
 const char WALK_LIT_VERTEX[] =
     VERSION CONSTANTS LIT_PLACES "uniform float exposure;\n"
-                                 "out vec3 vLight;\n"
+                                 "centroid out vec3 vLight;\n"
                                  "void main() {\n"
                                  "    gl_Position = clip * vec4(position - eye, 1.0);\n"
                                  "    vLight = mix(before, light, fade) * exposure;\n"
@@ -196,7 +196,7 @@ const char WALK_LIT_VERTEX[] =
 
 // By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
 const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
-    "in vec3 vLight;\n"
+    "centroid in vec3 vLight;\n"
     "out vec4 result;\n"
     "void main() {\n"
     "    vec3 x = max(vLight, 0.0);\n"
@@ -212,7 +212,7 @@ const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
     "uniform samplerBuffer materials;\n"
     "uniform vec3 weights;\n"
     "uniform bool arriving;\n"
-    "out float vValue;\n"
+    "centroid out float vValue;\n"
     "void main() {\n"
     "    gl_Position = clip * vec4(position - eye, 1.0);\n"
     "    vec3 value = mix(before, light, fade);\n"
@@ -224,7 +224,7 @@ const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
     "    vValue = dot(value, weights);\n"
     "}\n";
 
-const char WALK_FALSE_FRAGMENT[] = VERSION "in float vValue;\n"
+const char WALK_FALSE_FRAGMENT[] = VERSION "centroid in float vValue;\n"
                                            "uniform sampler2D scale;\n"
                                            "uniform float low, octaves;\n"  // of the scale
                                            "out vec4 result;\n"

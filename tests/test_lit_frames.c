@@ -1,0 +1,161 @@
+// test_lit_frames.c - frames of lit buildings, looked at and kept: corners, feet of furniture, frames of doors, sills of windows and
+// stairs, where light meets seams. What is drawn now is held against tests/references.
+//
+// ENFILADE_KEEP=1 takes the references anew: look at them before they are committed.
+#include <criterion/criterion.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "engine/walk/image.h"
+#include "engine/walk/view.h"
+#include "engine/walk/walk_renderer.h"
+#include "tests/baked_fixture.h"
+#include "tests/support.h"
+#include "visibility/hidden/gl_context.h"
+
+enum { WIDTH = 480, HEIGHT = 270, CHANNELS = 3 * WIDTH * HEIGHT };
+// As compare_pictures.py has it: a channel that differs by no more than this is the same, levels of 256, and so large a share of
+// pixels may lie on the other side of an edge or of a shadow.
+enum { LEVELS = 24 };
+static const double SHARE = 0.004;
+// And the picture's mean may not drift, levels: what is brighter or darker all over.
+static const double MEAN = 3;
+
+typedef struct LitView {
+    const char *name;
+    Vec3 eye;
+    double yaw, pitch, fov;  // degrees
+    double stops;            // on top of what the eye adapts to
+} LitView;
+
+static const LitView TWO_ROOMS[] = {{"door", {0.6, 3, 1.6}, -50, -12, 75, 0},
+                                    {"leg", {6.6, 1.4, 0.35}, -30, -42, 40, 0},
+                                    {"corner", {2, 1.75, 1.6}, 158, 25, 80, 0},
+                                    {0}};
+static const LitView HOUSE[] = {
+    {"bed", {2.7, 5.11, 4.5}, -179, -40, 60, 0},     {"wardrobe", {10.66, 1.8, 4.5}, 114, -12, 80, 0},
+    {"sill", {2.7, 1.8, 4.5}, -29, -12, 80, 0},      {"stairs", {6.4, 6.1, 1.6}, 95, -28, 75, 0},
+    {"worktop", {10.66, 3.25, 1.6}, -134, 5, 80, 0}, {0}};
+static const LitView OFFICE_PLAIN[] = {{"desk", {2, 2, 1.6}, 45, -30, 80, 0},
+                                       {"partition", {18.4, 18.4, 1.6}, -120, -12, 80, 0},
+                                       {"enfilade", {34.8, 4.6, 1.6}, 90, -30, 80, 0},
+                                       {0}};
+static const LitView OFFICE[] = {{"corridor", {3, 5.5, 1.6}, 0, -30, 80, 0},
+                                 {"shelves", {29.6, 21, 1.6}, 122.7, -12, 80, 0},
+                                 {"desks", {4.81, 48.4, 1.6}, -97.4, -30, 80, 0},
+                                 {0}};
+// Homes, of Sweet Home 3D.
+static const LitView BASEMENT[] = {{"bathroom", {6.2, -0.97, 2.72}, 71.9, -30, 80, 0},
+                                   {"shelves", {3.1, -2.22, 2.72}, 74.7, -12, 80, 0},
+                                   {"frames", {3.19, -2.28, 2.72}, -140.9, -30, 80, 0},
+                                   {0}};
+static const LitView APARTMENT[] = {
+    {"boxes", {5.12, -6.41, 1.47}, 112.4, -30, 80, 0}, {"corner", {7.12, -6.18, 1.6}, -37.6, 5, 80, 0}, {0}};
+static const LitView FOUR_BEDROOMS[] = {
+    {"table", {8.37, -4.92, 1.64}, -48.6, -30, 80, 0}, {"window", {11.76, -6.46, 1.62}, 24.4, 5, 80, 0}, {0}};
+
+// In steps that no eye sees: the file is a third as large.
+static void keep(const char *path, const uint8_t *rgb, Arena *arena) {
+    enum { STEP = 4 };
+    Error error;
+    uint8_t *rough = ARENA_ARRAY(arena, uint8_t, CHANNELS);
+    for (int i = 0; i < CHANNELS; i++) {
+        int level = (rgb[i] + STEP / 2) / STEP * STEP;
+        rough[i] = (uint8_t)(level > 255 ? 255 : level);
+    }
+    cr_assert(image_write_png(path, rough, WIDTH, HEIGHT, &error), "%s", error.text);
+}
+
+static uint8_t *draw(const BakedBuilding *b, WalkRenderer *renderer, const LitView *view, Arena *arena) {
+    Error error;
+    const double DEGREE = M_PI / 180;
+    Camera camera =
+        camera_look(view->eye, view->yaw * DEGREE, view->pitch * DEGREE, view->fov * DEGREE, WIDTH, HEIGHT);
+    Eye eye = walk_eye(&camera);
+    VisQuery *query = vis_query_new(&b->scene.graph, &b->scene.forest, arena);
+    int cell = vis_locate(&b->scene.graph, camera.eye, -1);
+    VisResult v = vis_query(query, &eye, cell, b->doors, VIS_STAB);
+    Exposure exposure = {.stops = view->stops};
+    const LitLight *light = walk_renderer_lit(renderer);
+    double seen = exposure_meter(walk_renderer_mesh(renderer), light, &camera, v.objects, v.object_count);
+    exposure_adapt(&exposure, seen, light->level, 0);
+    walk_renderer_tone(renderer, exposure_scale(&exposure), FALSE_COLOUR_OFF);
+    walk_renderer_pose(renderer, b->doors);
+    uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, CHANNELS);
+    cr_assert(walk_renderer_draw(renderer, &camera, v.objects, v.object_count, WALK_BAKED, &error) &&
+                  walk_renderer_finish_scene(renderer, &error) && walk_renderer_read(renderer, rgb, &error),
+              "%s", error.text);
+    return rgb;
+}
+
+static void compare(const char *path, const uint8_t *rgb, Arena *arena) {
+    Error error;
+    uint8_t *kept;
+    int width, height, differing = 0;
+    double sum = 0;
+    cr_assert(image_read_png(path, arena, &kept, &width, &height, &error), "%s", error.text);
+    cr_assert(width == WIDTH && height == HEIGHT, "%s", path);
+    for (int i = 0; i < CHANNELS; i += 3) {
+        int most = 0;
+        for (int c = i; c < i + 3; c++) {
+            most = abs(rgb[c] - kept[c]) > most ? abs(rgb[c] - kept[c]) : most;
+            sum += rgb[c] - kept[c];
+        }
+        differing += most > LEVELS;
+    }
+    cr_expect_leq(differing, (int)(SHARE * WIDTH * HEIGHT), "%s: %d pixels differ by more than %d levels",
+                  path, differing, LEVELS);
+    cr_expect_lt(fabs(sum / CHANNELS), MEAN, "%s: %.1f levels brighter in the mean", path, sum / CHANNELS);
+}
+
+static void check(const char *file, const char *building, const LitView *views) {
+    Error error;
+    BakedBuilding *b = baked_building(file, 0);
+    GlContext *context = gl_context_open(&b->arena, &error);
+    cr_assert(context, "%s", error.text);
+    WalkRenderer *renderer = walk_renderer_new(&b->scene.graph, &b->arena, &error);
+    cr_assert(renderer, "%s", error.text);
+    WalkLight light = {&b->mesh, &b->solution};
+    cr_assert(walk_renderer_light(renderer, &light, &b->arena, &error), "%s", error.text);
+    for (; views->name; views++) {
+        Arena scratch = {0};
+        const char *path = arena_format(&scratch, "tests/references/lit-%s-%s.png", building, views->name);
+        const uint8_t *rgb = draw(b, renderer, views, &scratch);
+        if (getenv("ENFILADE_KEEP")) keep(path, rgb, &scratch);
+        compare(path, rgb, &scratch);
+        arena_free(&scratch);
+    }
+    walk_renderer_free(renderer);
+    gl_context_close(context);
+    baked_building_free(b);
+}
+
+// Proves that what is shown of the light of the samples is what was looked at and found free of cracks, dark or bright patches.
+Test(lit_frames, two_rooms, .timeout = 200) { check("build/maps/two-rooms.plan", "two-rooms", TWO_ROOMS); }
+Test(lit_frames, house, .timeout = 300) { check("build/maps/house.plan", "house", HOUSE); }
+
+// Large ones, and homes that others drew: make soak.
+Test(lit_frames, office_plain, .timeout = 600) {
+    if (!support_count(0, 1)) cr_skip_test("its bake takes half a minute with others beside it: make soak");
+    check("build/maps/office-plain.plan", "office-plain", OFFICE_PLAIN);
+}
+Test(lit_frames, office, .timeout = 600) {
+    if (!support_count(0, 1)) cr_skip_test("its bake takes half a minute with others beside it: make soak");
+    check("build/maps/office.plan", "office", OFFICE);
+}
+
+static void check_home(const char *file, const char *name, const LitView *views) {
+    if (!support_count(0, 1)) cr_skip_test("three homes take half a minute to bake: make soak");
+    char path[1024];
+    snprintf(path, sizeof path, "%s", support_shared(file));
+    check(path, name, views);
+}
+Test(lit_frames, basement, .timeout = 600) {
+    check_home("sh3d/2BedroomHouseWithBasement.Home.xml", "basement", BASEMENT);
+}
+Test(lit_frames, apartment, .timeout = 600) {
+    check_home("sh3d/3BedroomApartment.Home.xml", "apartment", APARTMENT);
+}
+Test(lit_frames, four_bedrooms, .timeout = 600) {
+    check_home("sh3d/4-BedroomHouse.sh3d", "four-bedrooms", FOUR_BEDROOMS);
+}

@@ -7,8 +7,8 @@
 
 // Nodes that look away by more than this cosine tell nothing, where there are others.
 static const double TURNED = 0.3;
-// Nodes nearer than this are equally near, metres: that far the model and its stand-in may be apart.
-static const double NEAR = PROXY_TOLERANCE;
+// Nodes nearer than this are equally near, metres: the model and its stand-in may be half as far apart, and one node alone is noise.
+static const double NEAR = 2 * PROXY_TOLERANCE;
 
 // ---- sources
 

@@ -6,7 +6,7 @@
 #include "radiosity/shoot.h"
 
 // Where a fine element has its light from: nodes of the stand-in near it that look the same way.
-enum { FINE_SOURCES = 4 };
+enum { FINE_SOURCES = 6 };
 typedef struct FineSource {
     int node[FINE_SOURCES];
     float share[FINE_SOURCES];  // sum 1, or all 0: nothing is known

@@ -14,7 +14,7 @@ static const double MOST_ELEMENTS = 2e7;
 static const double IN_FRONT = 1e-6;
 
 MeshOptions mesh_default_options(void) {
-    return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05};
+    return (MeshOptions){.element = 0.33, .per_patch = 2, .close = 0.05, .proxy = PROXY_TOLERANCE};
 }
 
 double mesh_fitting_element(const CellGraph *graph) {
@@ -57,9 +57,10 @@ typedef struct FaceList {
     Vec3 *local;      // and these from the first
 } FaceList;
 
-static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Vec3 *vertices) {
+// `polygon` -1: a stand-in.
+static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Polygon *p,
+                     const Vec3 *vertices) {
     Mesh *mesh = builder->mesh;
-    const Polygon *p = &mesh->graph->polygons[polygon];
     int *corner = list->now;
     int count = weld_corners(builder, vertices + p->first_vertex, p->vertex_count, corner);
     double area = 0;
@@ -69,7 +70,7 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
         mesh->dropped_faces++;
         return;
     }
-    mesh->face_of[polygon] = mesh->face_count;
+    if (polygon >= 0) mesh->face_of[polygon] = mesh->face_count;
     Face *face = ARENA_PUSH(builder->arena, mesh->faces, mesh->face_count, list->face_capacity);
     *face = (Face){.polygon = polygon,
                    .object = object,
@@ -83,11 +84,25 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
         *ARENA_PUSH(&builder->scratch, list->corner, list->corner_count, list->corner_capacity) = corner[i];
 }
 
+// Is a polygon there as it is?
+static bool is_taken(const Mesh *mesh, int polygon) {
+    const Proxies *proxies = mesh->options.proxies;
+    return !vis_is_glass(mesh->graph, polygon) &&
+           (proxies ? proxies->replaced[polygon] : false) == mesh->options.replaced;
+}
+
+static void add_stand_ins(MeshBuilder *builder, FaceList *list, int object) {
+    const Proxies *proxies = builder->mesh->options.proxies;
+    if (!proxies || builder->mesh->options.replaced) return;
+    for (int p = proxies->first[object]; p < proxies->first[object + 1]; p++)
+        add_face(builder, list, object, -1, &proxies->polygons[p], proxies->vertices);
+}
+
 static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices, const float *door_open) {
     Mesh *mesh = builder->mesh;
     const CellGraph *graph = mesh->graph;
     mesh->face_of = ARENA_ARRAY(builder->arena, int, graph->polygon_count);
-    int most = 0;
+    int most = PROXY_CORNERS;
     for (int i = 0; i < graph->polygon_count; i++) {
         mesh->face_of[i] = -1;
         if (graph->polygons[i].vertex_count > most) most = graph->polygons[i].vertex_count;
@@ -98,7 +113,8 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
         const Object *object = &graph->objects[o];
         if (!vis_shown(object, door_open)) continue;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
-            if (!vis_is_glass(graph, p)) add_face(builder, list, o, p, vertices);
+            if (is_taken(mesh, p)) add_face(builder, list, o, p, &graph->polygons[p], vertices);
+        add_stand_ins(builder, list, o);
     }
 }
 
@@ -201,7 +217,8 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     CORE_ASSERT(options->element >= 0.01 && options->element <= 100);
     CORE_ASSERT(options->per_patch >= 1 && options->per_patch <= 16);
-    *out = (Mesh){.graph = graph, .options = *options};
+    bool stand_ins = options->proxies && !options->replaced;
+    *out = (Mesh){.graph = stand_ins ? &options->proxies->graph : graph, .options = *options};
     const char *source = graph->building->source;
     MeshBuilder builder = {.mesh = out, .arena = arena};
     FaceList list = {0};

@@ -5,7 +5,7 @@
 #ifndef RADIOSITY_MESH_H
 #define RADIOSITY_MESH_H
 
-#include "visibility/vis.h"
+#include "radiosity/proxy.h"
 
 // Where a mesh is finer than elsewhere: of each root of each face, in their order, a quadtree, depth first. A bit a node: split into
 // four, or not. Above patches that says which squares shoot together; where one is not split it is a patch, and a tree of its
@@ -28,15 +28,19 @@ typedef struct MeshOptions {
     int per_patch;             // elements along the side of a patch, 1 .. 16
     double close;              // elements are cut along what is so near to a face, metres, 0: none is, .. 1
     const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
+    double proxy;              // their tolerance, metres, 0: none, .. 1
+    const Proxies *proxies;    // polygons that stand in for others, found with that; NULL: there are none
+    bool replaced;             // those others alone, and no stand-ins
 } MeshOptions;
-MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m
+MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE but no proxies yet
 
 // A polygon as light sees it. It has a grid of nx x ny squares (parallelograms where it is clipped to fit): the point
 // p of its plane lies at x = dot(gx, p - origin), y = dot(gy, p - origin), in square (floor x, floor y).
 typedef struct Face {
-    int polygon, object;  // in CellGraph
-    int material;         // in Building
-    Plane plane;          // pointing to the front
+    int polygon;   // in CellGraph; -1: a stand-in
+    int object;    // in CellGraph
+    int material;  // in Building
+    Plane plane;   // pointing to the front
     int first_vertex,
         vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
                           // face that lies on an edge among them, so that neighbours share whole edges
@@ -78,7 +82,7 @@ typedef struct Mesh {
     int *corners;    // of elements, indices of vertices
     int *squares, *shared;
     int *
-        face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area
+        face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
     int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,
         shared_count;
     // What was not taken as it is, for reports.

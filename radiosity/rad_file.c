@@ -15,7 +15,8 @@ enum { VERSION = 2 };
 typedef struct Header {
     DerivedHead head;
     uint64_t rest;  // checksum of what comes after it in the header
-    int32_t element_count, patch_count, door_count, per_patch, node_count, unused;
+    int32_t element_count, patch_count, door_count, per_patch, node_count;
+    int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element, close;
     double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
@@ -39,6 +40,11 @@ static uint64_t mesh_hash(const Mesh *mesh) {
     for (int e = 0; e < mesh->element_count; e++)
         hash = file_hash(&mesh->elements[e].patch, sizeof mesh->elements[e].patch, hash);
     return hash;
+}
+
+// Where nothing stands in, it does not matter how far it might have been off.
+static int32_t proxy_of(const MeshOptions *options) {
+    return options->proxies ? (int32_t)lrint(options->proxies->tolerance / PROXY_STEP) : 0;
 }
 
 typedef struct Sizes {
@@ -96,6 +102,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .even = splits ? splits->even : -1,
                      .per_patch = mesh->options.per_patch,
                      .node_count = solution->node_count,
+                     .proxy = proxy_of(&mesh->options),
                      .element = mesh->options.element,
                      .close = mesh->options.close,
                      .shots = solution->shots};
@@ -157,6 +164,9 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
     if (h->close != o->close)
         return error_set(error, "%s: has elements cut along what is %g m from them (asked for: %g m)", path,
                          h->close, o->close);
+    if (h->proxy != proxy_of(o))
+        return error_set(error, "%s: has stand-ins for fine furniture within %g m (asked for: %g m; 0: none)",
+                         path, h->proxy * PROXY_STEP, proxy_of(o) * PROXY_STEP);
     if (!same_splits(o->splits, h, body))
         return error_set(error, "%s: its elements are not split as those asked for", path);
     for (int i = 0; i < h->door_count; i++) {
@@ -225,7 +235,7 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
 
 static bool check_options(const char *path, const Header *h, const unsigned char *body, Error *error) {
     bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16 &&
-                h->close >= 0 && h->close <= 1;
+                h->close >= 0 && h->close <= 1 && h->proxy >= 0 && h->proxy * PROXY_STEP <= 1;
     for (int i = 0; i < h->door_count; i++)
         good = good && stored_state(body, i) >= 0 && stored_state(body, i) <= 1;
     return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
@@ -251,6 +261,7 @@ bool rad_load_options(const char *path, const Building *building, Arena *arena, 
         *out = (MeshOptions){.element = h.element,
                              .per_patch = h.per_patch,
                              .close = h.close,
+                             .proxy = h.proxy * PROXY_STEP,
                              .splits = read_splits(&h, body, arena)};
         memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);
     }

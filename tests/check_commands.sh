@@ -53,7 +53,7 @@ expect 2 "$program" bake && says err 'one building file'
 expect 2 "$program" bake --method nonsense $maps/two-rooms.plan && says err '`nonsense`'
 expect 2 "$program" bake --resolution 7 $maps/two-rooms.plan && says err 'allowed 8 to 2000'
 expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0.01 to 100'
-for wrong in --refine=-1 --refine=101 --refine=nan --smallest=0 --smallest=101 --reach=-1 --reach=x --reach=101 --close=-1 --close=2; do
+for wrong in --refine=-1 --refine=101 --refine=nan --smallest=0 --smallest=101 --reach=-1 --reach=x --reach=101 --close=-1 --close=2 --proxies=0 --proxies=1 --proxies=on; do
     expect 2 "$program" bake $wrong $maps/two-rooms.plan && says err "bake: ${wrong%=*} is"
 done
 expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 1e-09 to 1'

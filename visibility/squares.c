@@ -307,3 +307,49 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
     }
     return -1;
 }
+
+// ---- more of what objects are
+
+// Registrations that are there already, by object: those of object o are square[first[o]] .. square[first[o + 1] - 1].
+typedef struct Registered {
+    int *first, *square;
+} Registered;
+
+static Registered by_object(const CellGraph *graph, Arena *scratch) {
+    Registered r = {ARENA_ARRAY(scratch, int, graph->object_count + 2),
+                    ARENA_ARRAY(scratch, int, graph->square_object_count)};
+    for (int pass = 0; pass < 2; pass++) {
+        for (int s = 0; s < graph->square_count; s++) {
+            for (int k = graph->square_first[s]; k < graph->square_first[s + 1]; k++) {
+                int object = graph->square_objects[k];
+                if (pass == 0)
+                    r.first[object + 2]++;
+                else
+                    r.square[r.first[object + 1]++] = s;
+            }
+        }
+        for (int o = 0; pass == 0 && o < graph->object_count; o++) r.first[o + 2] += r.first[o + 1];
+    }
+    return r;
+}
+
+void vis_register(const CellGraph *graph, const Polygon *polygons, const Vec3 *vertices, const int *first,
+                  Arena *arena, CellGraph *out) {
+    Arena scratch = {0};
+    CellBuilder builder = {.arena = arena, .scratch = &scratch, .graph = out};
+    *out = *graph;
+    out->object_boxes = ARENA_ARRAY(arena, Box, graph->object_count);
+    memcpy(out->object_boxes, graph->object_boxes, (size_t)graph->object_count * sizeof *out->object_boxes);
+    Registered there = by_object(graph, &scratch);
+    Registrar r = new_registrar(&builder);
+    for (int o = 0; o < graph->object_count; o++) {
+        for (int k = there.first[o]; k < there.first[o + 1]; k++) add_registration(&r, there.square[k], o);
+        for (int p = first[o]; p < first[o + 1]; p++) {
+            const Vec3 *v = vertices + polygons[p].first_vertex;
+            CORE_ASSERT(polygons[p].vertex_count <= BUILD_MAX_VERTICES);
+            register_shape(&r, o, v, polygons[p].vertex_count, bounds(v, polygons[p].vertex_count), false);
+        }
+    }
+    store(&r);
+    arena_free(&scratch);
+}

@@ -86,6 +86,11 @@ typedef struct CellGraph {
 // Surfaces and horizontal portals of less area than this are left out, m^2: a hundredth of a square of the grid.
 #define VIS_SLIVER 1e-8
 
+// The same graph, where objects touch the squares of other polygons as well: of object o those from first[o] to first[o + 1] - 1,
+// with up to 128 vertices. Shares all else with `graph`.
+void vis_register(const CellGraph *graph, const Polygon *polygons, const Vec3 *vertices, const int *first,
+                  Arena *arena, CellGraph *out);
+
 // How cells are meshed and trees bounded.
 typedef struct VisOptions {
     double square;  // side of the mesh squares, metres, 0.25 .. 100

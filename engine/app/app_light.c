@@ -6,6 +6,7 @@
 #include "engine/app/bake.h"
 #include "engine/core/file.h"
 #include "maps/maps.h"
+#include "radiosity/fine_mesh.h"
 
 bool app_light_place(const Building *building, Arena *arena, const char **out, Error *error) {
     char *folder;
@@ -32,6 +33,14 @@ int app_find_lights(const char *file, const char *map, const char *given, Arena 
     return count;
 }
 
+// The building as it is, lit.
+static WalkLight shown_of(const FineMesh *fine, const RadSolution *solution, const float *doors,
+                          Arena *arena) {
+    RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
+    *shown = fine_light(fine, solution, arena);
+    return (WalkLight){&fine->mesh, shown, doors, fine};
+}
+
 bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkLight *out, Error *error) {
     const CellGraph *graph = &scene->graph;
     MeshOptions options;
@@ -44,11 +53,12 @@ bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkL
     if (good) {
         memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
         vis_pose(graph, doors, vertices);
+        options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error);
     }
     arena_free(&scratch);
-    *out = (WalkLight){mesh, solution, doors};
+    if (good) *out = shown_of(fine_mesh_new(mesh, arena), solution, doors, arena);
     return good;
 }
 
@@ -70,12 +80,15 @@ AppBake *app_bake_new(const char *file, const AppScene *scene, Arena *arena) {
 
 typedef struct Shower {
     const LightHooks *hooks;
-    const Mesh *mesh;
+    const FineMesh *fine;
 } Shower;
 
 static void show(void *context, const RadSolution *so_far) {
     const Shower *shower = context;
-    shower->hooks->show(shower->hooks->context, shower->mesh, so_far);
+    Arena scratch = {0};
+    WalkLight shown = shown_of(shower->fine, so_far, NULL, &scratch);
+    shower->hooks->show(shower->hooks->context, shown.mesh, shown.solution);
+    arena_free(&scratch);
 }
 
 bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
@@ -83,13 +96,13 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     BakeArguments a = bake_default_arguments();
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
-    Shower shower = {hooks, mesh};
+    Shower shower = {hooks, NULL};
     float *doors;
     a.file = bake->file;
     if (!bake_mesh(&a, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
         return false;
-    *out = (WalkLight){mesh, solution, doors};
+    shower.fine = fine_mesh_new(mesh, arena);
     rad_fit(mesh, &a.rad);
     a.rad.threads = hooks->threads;
     if (hooks->show) {
@@ -102,5 +115,6 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     if (report.stopped) return error_set(error, "stopped");
     *error = (Error){""};
     rad_save(bake->out, mesh, doors, solution, error);
+    *out = shown_of(shower.fine, solution, doors, arena);
     return true;
 }

@@ -10,6 +10,7 @@
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "radiosity/final_gather.h"
+#include "radiosity/fine_mesh.h"
 #include "radiosity/sky.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
@@ -26,8 +27,10 @@ typedef struct Bake {
     AppScene scene;
     float *doors;  // [opening_count]
     Mesh mesh;
+    FineMesh *fine;  // with what stand-ins of `mesh` are for; NULL: not asked for yet
     RadSolution solution;
-    RadOptions rad;  // as asked for, or as fits the mesh
+    RadSolution shown;  // on it
+    RadOptions rad;     // as asked for, or as fits the mesh
     RadReport report;
     const char *out;  // the .rad file, NULL: none
     double mesh_seconds, sky_seconds, gather_seconds, seconds;
@@ -104,6 +107,7 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resume
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, a->doors, arena);
     AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
+    options.proxies = proxies_find(graph, lit.vertices, options.proxy, arena);
     bool good = find_mesh(a, &lit, &options, resumed, progress, arena, out, error);
     arena_free(&scratch);
     return good;
@@ -205,10 +209,17 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     arena_free(&scratch);
 }
 
+// The building as it is, lit.
+static void light_fine(Bake *bake, Arena *arena) {
+    if (!bake->a->model && bake->a->probes.count == 0) return;
+    bake->fine = fine_mesh_new(&bake->mesh, arena);
+    bake->shown = fine_light(bake->fine, &bake->solution, arena);
+}
+
 static bool store(const Bake *bake, Error *error) {
     const char *model = bake->a->model;
     return (!bake->out || rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error)) &&
-           (!model || export_glb(model, &bake->mesh, &bake->solution, bake->doors, error));
+           (!model || export_glb(model, &bake->fine->mesh, &bake->shown, bake->doors, error));
 }
 
 static bool compute(Bake *bake, Arena *arena, Error *error) {
@@ -222,6 +233,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &progress, &bake->solution);
     app_progress_end();
     gather_nodes(bake, arena);
+    light_fine(bake, arena);
     return store(bake, error);
 }
 
@@ -239,6 +251,12 @@ static double lamp_power(const Mesh *mesh) {
         power += ((double)e.r + (double)e.g + (double)e.b) * mesh->patches[p].area;
     }
     return power;
+}
+
+static void add_proxies(json_t *facts, const Proxies *proxies) {
+    json_object_set_new(facts, "proxy_objects", json_integer(proxies ? proxies->object_count : 0));
+    json_object_set_new(facts, "proxy_polygons_before", json_integer(proxies ? proxies->replaced_count : 0));
+    json_object_set_new(facts, "proxy_polygons", json_integer(proxies ? proxies->polygon_count : 0));
 }
 
 static json_t *facts_of(const Bake *bake) {
@@ -262,6 +280,7 @@ static json_t *facts_of(const Bake *bake) {
                   sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
                   bake->sky_seconds);
     CORE_ASSERT(facts);
+    add_proxies(facts, bake->mesh.options.proxies);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
     if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
     json_object_set_new(facts, "stopped", json_boolean(r->stopped));
@@ -311,7 +330,7 @@ static void print_warnings(const Bake *bake) {
 // Of constant elements: slopes would make more of what is wrong with elements in corners, where shooters are near.
 static void gather_probes(const Bake *bake, Probes *probes) {
     if (probes->count == 0) return;
-    GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, NULL};
+    GatherScene scene = {&bake->fine->mesh, &bake->scene.forest, bake->doors, &bake->shown, NULL};
     bake_probes_gather(&scene, probes);
 }
 

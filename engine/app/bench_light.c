@@ -11,6 +11,7 @@
 #include "engine/app/light_errors.h"
 #include "engine/app/light_points.h"
 #include "engine/core/clock.h"
+#include "radiosity/fine_mesh.h"
 #include "radiosity/sky.h"
 
 static const char HEAD[] =
@@ -31,6 +32,7 @@ typedef struct Way {
     bool unculled, keeps_no_rows;
     double residual;
     int resolution;
+    double proxy;         // metres; below 0: no stand-ins
     double share;         // of elements that a mesh without splits has; below 0: no splits
     double reach, close;  // below 0: none
 } Way;
@@ -45,6 +47,11 @@ static const Way WAYS[] = {
     {.name = "split-0.7", .share = 0.7},
     {.name = "split-1", .share = 1},
     {.name = "split-2", .share = 2},
+    {.name = "no-proxies", .proxy = -1},
+    {.name = "proxies-0.005", .proxy = 0.005},
+    {.name = "proxies-0.01", .proxy = 0.01},
+    {.name = "proxies-0.02", .proxy = 0.02},
+    {.name = "proxies-0.04", .proxy = 0.04},
     {.name = "reach-0", .reach = -1},
     {.name = "reach-1", .reach = 1},
     {.name = "reach-3", .reach = 3},
@@ -86,6 +93,7 @@ static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions 
     if (way->share != 0) adapt->share = fmax(way->share, 0);
     if (way->reach != 0) rad->reach = fmax(way->reach, 0);
     if (way->close != 0) mesh->close = fmax(way->close, 0);
+    if (way->proxy != 0) mesh->proxy = fmax(way->proxy, 0);
     if (way->element > 0) mesh->element = way->element;
     if (way->per_patch > 0) mesh->per_patch = way->per_patch;
     if (way->unculled) rad->culling = CULL_NOTHING;
@@ -294,6 +302,7 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
     memcpy(adapt.sky, b->arguments->sky, sizeof adapt.sky);
     AdaptScene scene = {&b->scene.graph, b->vertices, &b->scene.forest, b->doors};
     double begin = clock_seconds();
+    baked.mesh.proxies = proxies_find(scene.graph, scene.vertices, baked.mesh.proxy, &arena);
     bool good =
         (adapt.share > 0
              ? adapt_mesh(&scene, &baked.mesh, &adapt, &baked.rad, NULL, &arena, &mesh, error)
@@ -307,7 +316,9 @@ static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
         baked.seconds = clock_seconds() - begin;
         baked.elements = mesh.element_count;
         baked.patches = mesh.patch_count;
-        baked.probe_seconds = find_errors(b, &mesh, &solution);
+        const FineMesh *fine = fine_mesh_new(&mesh, &arena);
+        RadSolution shown = fine_light(fine, &solution, &arena);
+        baked.probe_seconds = find_errors(b, &fine->mesh, &shown);
         add_row(b, way, &baked, csv);
         if (b->arguments->pictures) good = draw_errors(b, way, &mesh, &solution, error);
     }

@@ -40,6 +40,9 @@ static const char HELP[] =
     "  --reach R         elements within so many radii of a patch have light of all of it, not of its "
     "centre,\n"
     "                    0 to 100 (default 2)\n"
+    "  --proxies M       fine furniture is lit by coarse stand-ins whose outlines are within M metres of it, "
+    "0.001 to\n"
+    "                    0.1, or off (default 0.0125)\n"
     "  --residual E      stop when this share of the light is left to shoot, 1e-9 to 1 (default 0.001; with "
     "fewer\n"
     "                    than 10000 patches 0.0003, with fewer than 4000 0.0001)\n"
@@ -92,6 +95,7 @@ enum {
     PROBE,
     PROBES,
     SKY,
+    PROXIES,
 };
 
 static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
@@ -114,6 +118,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"refine", required_argument, NULL, REFINE},
                                         {"smallest", required_argument, NULL, SMALLEST},
                                         {"close", required_argument, NULL, CLOSE},
+                                        {"proxies", required_argument, NULL, PROXIES},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
@@ -166,6 +171,12 @@ static int parse_hidden(RadOptions *rad) {
     return app_misuse("bake", "bake: --hidden is `%s` (see --help for those allowed)", optarg);
 }
 
+static int parse_proxies(double *out) {
+    *out = 0;
+    if (strcmp(optarg, "off") == 0 || app_parse_number(optarg, 0.001, 0.1, out)) return APP_GOOD;
+    return app_misuse("bake", "bake: --proxies is `%s` (allowed 0.001 to 0.1, or off)", optarg);
+}
+
 // What says how light is found.
 static int parse_light(int c, char **argv, Arguments *a) {
     BakeArguments *b = &a->bake;
@@ -191,6 +202,8 @@ static int parse_light(int c, char **argv, Arguments *a) {
         return parse_number("--smallest", 0.01, 100, &a->bake.adapt.smallest);
     case CLOSE:
         return parse_number("--close", 0, 1, &a->bake.mesh.close);
+    case PROXIES:
+        return parse_proxies(&b->mesh.proxy);
     case REACH:
         return parse_number("--reach", 0, 100, &rad->reach);
     case RESIDUAL:

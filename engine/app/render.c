@@ -110,30 +110,35 @@ static const char *lamps_place(const Render *r, Arena *arena) {
     return arena_format(arena, "%s/%016llx-lamps.rad", folder, (unsigned long long)r->scene.building.hash);
 }
 
-// Made as the bake does it, on the same mesh. It is kept in the cache; one that was made on another mesh is made anew.
-static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
-    const Mesh *mesh = r->light.mesh;
-    double start = clock_seconds();
+// Found in the cache, or made as the bake does it and kept there. One that was made on another mesh is made anew.
+static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
+                       Error *error) {
     Error reason;
     const char *place = lamps_place(r, arena);
-    if (place && access(place, R_OK) == 0 &&
-        rad_load(place, mesh, r->light.door_open, arena, &r->lamps_only, &reason)) {
-        r->seconds_lamps = clock_seconds() - start;
+    if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light.door_open, arena, out, &reason))
         return true;
-    }
-    if (!rad_start_dark(mesh, arena, &r->lamps_only, error)) return false;
+    if (!rad_start_dark(mesh, arena, out, error)) return false;
     RadOptions options = rad_default_options();
     options.residual = options.form_factor.resolution = 0;
     rad_fit(mesh, &options);
     options.lamps_only = true;
     options.residual = 0;
     options.threads = r->a->still.threads;
-    RadReport report =
-        rad_shoot(mesh, &r->scene.forest, r->light.door_open, &options, progress, &r->lamps_only);
-    r->seconds_lamps = clock_seconds() - start;
+    RadReport report = rad_shoot(mesh, &r->scene.forest, r->light.door_open, &options, progress, out);
     if (report.stopped) return error_set(error, "stopped");
-    if (place && !rad_save(place, mesh, r->light.door_open, &r->lamps_only, &reason))
+    if (place && !rad_save(place, mesh, r->light.door_open, out, &reason))
         fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
+    return true;
+}
+
+// On the mesh that was baked, then shown as that light is.
+static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    const FineMesh *fine = r->light.fine;
+    RadSolution solution;
+    double start = clock_seconds();
+    if (!find_lamps(r, fine ? fine->light : r->light.mesh, progress, arena, &solution, error)) return false;
+    r->lamps_only = fine ? fine_light(fine, &solution, arena) : solution;
+    r->seconds_lamps = clock_seconds() - start;
     return true;
 }
 

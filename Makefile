@@ -9,7 +9,7 @@ bench ?= walk
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
 rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
 lit := build/maps/office-plain.plan build/maps/house.plan
-files ?= $(if $(filter rooms,$(bench)),$(rooms),$(if $(filter light,$(bench)),$(lit),\
+files ?= $(if $(filter rooms,$(bench)),$(rooms),$(if $(filter light meshes,$(bench)),$(lit),\
          $(filter %.plan,$(if $(filter radiosity,$(bench)),$(filter build/maps/office%,$(maps)),$(maps)))))
 peer ?=
 ifeq ($(origin CC),default)
@@ -212,7 +212,7 @@ charts:
 	[ ! -e build/bench/visibility.csv ] || \
 	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
 	    cp build/pictures/visibility.png tests/pictures; }
-	for chart in rooms radiosity breaks formfactors hidden light rays; do [ ! -e build/bench/$$chart.csv ] || \
+	for chart in rooms radiosity breaks formfactors hidden light meshes rays; do [ ! -e build/bench/$$chart.csv ] || \
 	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:

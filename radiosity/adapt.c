@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "radiosity/adapt_trees.h"
 #include "radiosity/sky.h"
 
 // Of the first solution.
@@ -16,28 +17,24 @@ static const double FIRST_RESIDUAL = 0.25;
 static const int FIRST_RESOLUTION = 40;
 // How often lamps shoot on ever finer meshes, and how many splits each time may add.
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
+// Elements are not more often split than so below their patch.
+enum { MOST_BELOW_PATCH = 2 };
 // Of what is only to tell where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
 static const double PATCH_EDGE = 1.5;
 // How often roots are split, twice as long as patches usually are, into patches.
 enum { MOST_PATCH_SPLITS = 2 };
-// Light below this share of the mean counts as so much: nobody looks for shadows in the dark.
+// Patches with less light than this share of the mean are no larger for it.
 static const double DARK = 0.1;
-// Where all is even, a change so small across a metre, of the light there, makes no difference.
-static const double EVEN = 0.02;
+// Reflectance below which surfaces count as if they had so much.
+static const double BLACK = 0.05;
+// Elements that lamps shine on to tell where shadows end, of those there may be in the end.
+static const double PILOT = 1;
 
 AdaptOptions adapt_default_options(void) {
     return (AdaptOptions){.share = 0.4, .few = 5000, .smallest = 0.06};
 }
-
-// What an element asks for.
-typedef struct Wish {
-    double edge;   // now, metres
-    double rate;   // how fast light changes, of all the light there, 1/m
-    double light;  // W/m^2
-    double finest, coarsest;
-} Wish;
 
 typedef struct Adapt {
     const AdaptScene *scene;
@@ -46,13 +43,12 @@ typedef struct Adapt {
     const Progress *progress;
     Arena scratch;
     Mesh rough;
-    double *reflected;  // [rough.element_count] of the first solution, without what lamps gave, W/m^2
-    double *rate;       // [rough.element_count] of that light, of all there is, 1/m
-    double mean, dark;  // W/m^2
+    double *indirect;  // [rough.element_count] of the first solution, without what lamps gave, W/m^2
+    AdaptField indirect_field;
+    double mean;        // reflected radiosity, W/m^2
     double most;        // elements there may be
     double patch_edge;  // of that of a mesh without splits
-    double
-        *lamps;  // [element_count] what the light of lamps makes elements of the mesh at hand reflect, W/m^2
+    double *lamps;      // [element_count] of the light of lamps alone, on the mesh at hand, W/m^2
 } Adapt;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -62,8 +58,23 @@ static double emission_of(const Mesh *mesh, int element) {
     return (double)(e.r + e.g + e.b);
 }
 
-// What elements reflect, W/m^2, all channels: of the whole solution, or of the light of lamps alone.
-static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected, Error *error) {
+static double reflectance_of(const Mesh *mesh, int element) {
+    Rgb rho = mesh_material(mesh, mesh->elements[element].face)->reflectance;
+    return (double)(rho.r + rho.g + rho.b) / 3;
+}
+
+// Of all channels, from what is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
+static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
+    const Material *m = mesh_material(mesh, mesh->elements[element].face);
+    const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+    const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
+    double sum = 0;
+    for (int c = 0; c < 3; c++) sum += fmax(0, b[c] - (double)e[c]) / fmax((double)rho[c], BLACK);
+    return sum;
+}
+
+// Irradiances of elements, W/m^2: of the whole solution, or of the light of lamps alone.
+static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradiance, Error *error) {
     Arena arena = {0};
     RadSolution solution;
     RadOptions options = *a->rad;
@@ -87,47 +98,10 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *reflected
             rad_shoot(mesh, a->scene->forest, a->scene->door_open, &options, a->progress, &solution);
         if (report.stopped) good = error_set(error, "stopped");
         for (int e = 0; e < mesh->element_count; e++)
-            reflected[e] = fmax(0, sum3(solution.radiosity[e]) - emission_of(mesh, e));
+            irradiance[e] = irradiance_of(mesh, e, solution.radiosity[e]);
     }
     arena_free(&arena);
     return good;
-}
-
-// ---- steps
-
-// For each element the fastest change of `light` to a neighbour on its face, W/m^2 a metre.
-static double *find_slopes(const Mesh *mesh, const double *light, Arena *arena) {
-    double *slope = ARENA_ARRAY(arena, double, mesh->element_count);
-    for (int f = 0; f < mesh->face_count; f++) {
-        const Face *face = &mesh->faces[f];
-        const int *squares = mesh->squares + face->first_square;
-        double side[2] = {1 / vec3_length(face->gx), 1 / vec3_length(face->gy)};
-        for (int j = 0; j < face->ny; j++) {
-            for (int i = 0; i < face->nx; i++) {
-                int here = squares[j * face->nx + i];
-                for (int k = 0; k < 2 && here >= 0; k++) {
-                    bool last = k == 0 ? i + 1 == face->nx : j + 1 == face->ny;
-                    int there = last ? -1 : squares[(j + k) * face->nx + i + 1 - k];
-                    if (there < 0 || there == here) continue;
-                    const Element *p = &mesh->elements[here], *q = &mesh->elements[there];
-                    double across = side[k] / sqrt(side[0] * side[1]);
-                    double apart = 0.5 * across * (sqrt(p->area) + sqrt(q->area));
-                    double change = fabs(light[here] - light[there]) / apart;
-                    slope[here] = fmax(slope[here], change);
-                    slope[there] = fmax(slope[there], change);
-                }
-            }
-        }
-    }
-    return slope;
-}
-
-static int rough_element(const Adapt *a, const Mesh *mesh, int element) {
-    const Element *e = &mesh->elements[element];
-    Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < e->corner_count; i++)
-        sum = vec3_add(sum, mesh->vertices[mesh->corners[e->first_corner + i]]);
-    return mesh_element_at(&a->rough, e->face, vec3_scale(sum, 1.0 / e->corner_count));
 }
 
 // ---- rounds
@@ -146,73 +120,47 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     int count = a->rough.element_count;
     double power = 0, area = 0;
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
-    a->reflected = ARENA_ARRAY(&a->scratch, double, count);
-    a->rate = ARENA_ARRAY(&a->scratch, double, count);
-    if (!solve(a, &a->rough, false, a->reflected, error) || !solve(a, &a->rough, true, a->lamps, error))
+    a->indirect = ARENA_ARRAY(&a->scratch, double, count);
+    if (!solve(a, &a->rough, false, a->indirect, error) || !solve(a, &a->rough, true, a->lamps, error))
         return false;
     for (int e = 0; e < count; e++) {
-        power += a->rough.elements[e].area * a->reflected[e];
+        power += a->rough.elements[e].area * a->indirect[e] * reflectance_of(&a->rough, e);
         area += a->rough.elements[e].area;
+        a->indirect[e] = fmax(0, a->indirect[e] - a->lamps[e]);
     }
     a->mean = power / area;
-    a->dark = DARK * a->mean;
-    double *indirect = ARENA_ARRAY(&a->scratch, double, count);
-    for (int e = 0; e < count; e++) indirect[e] = fmax(0, a->reflected[e] - a->lamps[e]);
-    const double *slope = find_slopes(&a->rough, indirect, &a->scratch);
-    for (int e = 0; e < count; e++) {
-        a->rate[e] = slope[e] / fmax(a->reflected[e], fmax(a->dark, 1e-30));
-        a->reflected[e] = indirect[e];
-    }
+    a->indirect_field = adapt_field(&a->rough, a->indirect, &a->scratch);
     return true;
 }
 
 // Of the square that an element is, or is cut from, metres.
-static double edge_of(const Mesh *mesh, int element) {
+static double root_edge(const Mesh *mesh, int element) {
     const Face *face = &mesh->faces[mesh->elements[element].face];
-    double square = 1 / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
-    return ldexp(square * face->root, -mesh->elements[element].depth);
+    return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
 }
 
-static Wish *find_wishes(Adapt *a, const Mesh *mesh, const double *lamps) {
-    Wish *wishes = ARENA_ARRAY(&a->scratch, Wish, mesh->element_count);
-    const double *slope = find_slopes(mesh, lamps, &a->scratch);
+static Vec3 middle_of(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < e->corner_count; i++)
+        sum = vec3_add(sum, mesh->vertices[mesh->corners[e->first_corner + i]]);
+    return vec3_scale(sum, 1.0 / e->corner_count);
+}
+
+// All light on the elements of a mesh: of lamps as they shone on it, the rest from the rough mesh, as it slopes there.
+static AdaptField find_light(Adapt *a, const Mesh *mesh) {
+    double *light = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++) {
-        int rough = rough_element(a, mesh, e);
-        double light = lamps[e] + a->reflected[rough], rate = slope[e] / fmax(light, fmax(a->dark, 1e-30));
-        double now = edge_of(mesh, e);
-        wishes[e] = (Wish){.edge = now,
-                           .rate = fmax(EVEN, fmax(rate, a->rate[rough])),
-                           .light = light + emission_of(mesh, e),
-                           .finest = fmin(now, fmax(a->options->smallest, ldexp(now, -SPLITS_A_ROUND))),
-                           .coarsest = ldexp(now, MESH_DEEPEST)};
+        Vec3 here = middle_of(mesh, e);
+        int face = mesh->elements[e].face, rough = mesh_element_at(&a->rough, face, here);
+        Vec3 off = vec3_sub(here, middle_of(&a->rough, rough));
+        const Face *grid = &a->rough.faces[face];
+        const double *slope = a->indirect_field.slope[rough];
+        light[e] =
+            a->lamps[e] + fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
+                                      slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
     }
-    return wishes;
-}
-
-// Elements of edge h, of light that changes at a rate g, err by g h: the sum of squares over all area is least for a given number
-// of elements where h is as 1 / sqrt(g).
-static double wished_edge(const Wish *w, double scale) {
-    return fmin(fmax(scale / sqrt(w->rate), w->finest), w->coarsest);
-}
-
-static int splits_to(double edge, double wanted) { return (int)lround(log2(edge / wanted)); }
-
-static double count_of(const Wish *wishes, const Element *elements, int count, double scale) {
-    double sum = 0;
-    for (int e = 0; e < count; e++) {
-        int splits = splits_to(wishes[e].edge, wished_edge(&wishes[e], scale));
-        sum += ldexp(1, 2 * (splits < -elements[e].depth ? -elements[e].depth : splits));
-    }
-    return sum;
-}
-
-static double find_scale(const Adapt *a, const Wish *wishes, const Mesh *mesh) {
-    double low = 1e-3, high = 1e3;
-    for (int i = 0; i < 30; i++) {
-        double middle = sqrt(low * high);
-        *(count_of(wishes, mesh->elements, mesh->element_count, middle) > a->most ? &low : &high) = middle;
-    }
-    return high;
+    return adapt_field(mesh, light, &a->scratch);
 }
 
 static unsigned char limit(int depth) {
@@ -221,26 +169,29 @@ static unsigned char limit(int depth) {
 
 // Shooters err by about their power times their size: the sum is least for a number of them where their edges are as the fourth
 // root of 1 / light. Lamps count as bright as they are.
-static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double light, double root) {
+static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double light) {
     if (!(a->mean > 0)) return 0;  // in the dark, or all is black
-    double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch;
-    double edge = usual * pow(fmax(light, a->dark) / a->mean, -0.25);
+    double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch,
+           root = root_edge(mesh, element);
+    double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
     // Of lamps, of which each shoots with more detail, a quarter of the root at least.
     if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
-    int depth = splits_to(root, edge);
+    int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }
 
-static MeshSplits *split(Adapt *a, const Mesh *mesh, const double *lamps, Arena *arena) {
-    const Wish *wishes = find_wishes(a, mesh, lamps);
-    int count = mesh->element_count;
-    unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, count),
-                  *element = ARENA_ARRAY(&a->scratch, unsigned char, count);
-    double scale = find_scale(a, wishes, mesh);
-    for (int e = 0; e < count; e++) {
-        int depth = mesh->elements[e].depth;
-        element[e] = limit(depth + splits_to(wishes[e].edge, wished_edge(&wishes[e], scale)));
-        patch[e] = limit(patch_depth(a, mesh, e, wishes[e].light, ldexp(wishes[e].edge, depth)));
+static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
+    AdaptField field = find_light(a, mesh);
+    AdaptLimits limits = {.most = last ? a->most : PILOT * a->most,
+                          .smallest = a->options->smallest,
+                          .deeper = SPLITS_A_ROUND,
+                          .halves = last};
+    MeshDepth *element = adapt_depths(&field, &limits, &a->scratch);
+    unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double light = field.light[e] * reflectance_of(mesh, e) + emission_of(mesh, e);
+        int deepest = element[e].x > element[e].y ? element[e].x : element[e].y;
+        patch[e] = limit((int)fmax(patch_depth(a, mesh, e, light), deepest - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }
@@ -255,8 +206,8 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
     for (int round = 0;; round++) {
         bool last = round == LAMP_ROUNDS;
         Mesh *next = last ? out : ARENA_ARRAY(&a->scratch, Mesh, 1);
-        finer.splits = split(a, mesh, a->lamps, arena);
         finer.close = last ? options->close : 0;
+        finer.splits = split(a, mesh, last, arena);
         if (!build(a, &finer, last ? arena : &a->scratch, next, error)) return false;
         if (last) return true;
         mesh = next;

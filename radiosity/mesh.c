@@ -224,10 +224,12 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     FaceList list = {0};
     places_start(&builder.places, arena);
     add_faces(&builder, &list, vertices ? vertices : graph->vertices, door_open);
-    bool fits = list.elements <= MOST_ELEMENTS;
+    bool fits = list.elements <= MOST_ELEMENTS, few_contacts = true;
     if (fits && out->face_count > 0) {
         anchor_outlines(&builder, &list);
-        mesh_find_cuts(&builder);
+        few_contacts = mesh_find_cuts(&builder);
+    }
+    if (fits && few_contacts && out->face_count > 0) {
         for (int f = 0; f < out->face_count; f++) mesh_cut_face(&builder, f);
         anchor_elements(&builder);
         out->vertices = builder.places.points;
@@ -239,6 +241,10 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     if (!fits)
         return error_set(error, "%s: elements of %g m would be %.0f (limit %.0f): take larger ones", source,
                          options->element, list.elements, MOST_ELEMENTS);
+    if (!few_contacts)
+        return error_set(
+            error, "%s: too many wide polygons to cut elements along what stands on them: --close 0 does not",
+            source);
     if (out->patch_count == 0)
         return error_set(error, "%s: no polygon with a front to receive light", source);
     return true;
@@ -247,16 +253,13 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
 // How far inside an element a point of its plane is, metres; below 0: outside.
 static double depth_in(const Mesh *mesh, int index, Vec3 point) {
     const Element *element = &mesh->elements[index];
-    const int *corner = mesh->corners + element->first_corner;
-    Vec3 n = mesh->faces[element->face].plane.n;
-    double least = INFINITY;
-    for (int i = 0; i < element->corner_count; i++) {
-        Vec3 edge[2] = {mesh->vertices[corner[i]],
-                        mesh->vertices[corner[i + 1 < element->corner_count ? i + 1 : 0]]};
-        Vec3 inwards = vec3_normalize(vec3_cross(n, vec3_sub(edge[1], edge[0])));
-        least = fmin(least, vec3_dot(inwards, vec3_sub(point, edge[0])));
-    }
-    return least;
+    Arena scratch = {0};
+    Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
+    for (int i = 0; i < element->corner_count; i++)
+        v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
+    double depth = mesh_inside(v, element->corner_count, mesh->faces[element->face].plane.n, point);
+    arena_free(&scratch);
+    return depth;
 }
 
 static bool is_in(const Mesh *mesh, int index, Vec3 point) {

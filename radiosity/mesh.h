@@ -7,9 +7,9 @@
 
 #include "radiosity/proxy.h"
 
-// Where a mesh is finer than elsewhere: of each root of each face, in their order, a quadtree, depth first. A bit a node: split into
-// four, or not. Above patches that says which squares shoot together; where one is not split it is a patch, and a tree of its
-// elements follows.
+// Where a mesh is finer than elsewhere: of each root of each face, in their order, a tree, depth first. Above patches a bit a
+// square: split into four, or not; one that is not is a patch, and the tree of its elements follows: squares halved into rectangles,
+// these into squares again. A bit a node: halved, or not; and of squares that are another, along which axis: 0, x.
 typedef struct MeshSplits {
     int bit_count;
     unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is a patch
@@ -53,13 +53,18 @@ typedef struct Face {
     int first_patch, patch_count;
 } Face;
 
+// How often a root was halved along each axis of the face's grid.
+typedef struct MeshDepth {
+    unsigned char x, y;
+} MeshDepth;
+
 // A convex piece of a face.
 typedef struct Element {
     int face, patch;
     int first_corner,
         corner_count;  // in Mesh.corners, counter-clockwise, vertices of neighbours on its edges included
-    int depth;         // how often its root was split
-    double area;       // m^2
+    MeshDepth depth;
+    double area;  // m^2
 } Element;
 
 // Elements first_element .. + element_count - 1.
@@ -99,9 +104,8 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
 
 // Splits for a mesh as deep as `patch` and `element` [element_count] say where these elements are, 0 (all of a root) .. MESH_DEEPEST.
-// `mesh` has splits; an element is never larger than its patch.
-MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const unsigned char *element,
-                        Arena *arena);
+// `mesh` has splits; an element is never larger than its patch, nor more than twice as long as wide but by its root.
+MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const MeshDepth *element, Arena *arena);
 
 // About how many elements the same polygons have without splits.
 double mesh_count_even(const Mesh *mesh);

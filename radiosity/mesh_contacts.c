@@ -15,6 +15,9 @@ static const double ALONG = 0.9;
 // Side of the squares that faces are sorted into, metres.
 static const double SIDE = 1;
 
+// Faces in such squares, all told: a quarter of a gigabyte of them.
+static const double MOST_ENTRIES = 1 << 26;
+
 typedef struct Contacts {
     MeshBuilder *builder;
     double close;
@@ -48,7 +51,8 @@ static Range range_of(const Contacts *c, const Box *box) {
                    square_of(box->min.y, c->y0, c->ny), square_of(box->max.y, c->y0, c->ny)};
 }
 
-static void sort_faces(Contacts *c, Arena *scratch) {
+// False where there would be more entries than can be counted: that many faces across that large a plan.
+static bool sort_faces(Contacts *c, Arena *scratch) {
     const Mesh *mesh = c->builder->mesh;
     Box all = box_empty();
     for (int f = 0; f < mesh->face_count; f++) {
@@ -60,6 +64,12 @@ static void sort_faces(Contacts *c, Arena *scratch) {
     const double most = 1000;
     c->nx = (int)fmin(most, (all.max.x - all.min.x) / SIDE + 1);
     c->ny = (int)fmin(most, (all.max.y - all.min.y) / SIDE + 1);
+    double entries = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        Range r = range_of(c, &c->boxes[f]);
+        entries += (double)(r.i1 - r.i0 + 1) * (r.j1 - r.j0 + 1);
+    }
+    if (entries > MOST_ENTRIES) return false;
     c->first = ARENA_ARRAY(scratch, int, c->nx * c->ny + 2);
     for (int pass = 0; pass < 2; pass++) {
         for (int f = 0; f < mesh->face_count; f++) {
@@ -78,6 +88,7 @@ static void sort_faces(Contacts *c, Arena *scratch) {
         for (int at = 0; at < c->nx * c->ny; at++) c->first[at + 2] += c->first[at + 1];
         c->list = ARENA_ARRAY(scratch, int, c->first[c->nx * c->ny + 1] + 1);
     }
+    return true;
 }
 
 // ---- lines on a face
@@ -148,20 +159,21 @@ static void find_cuts(Contacts *c, int index) {
     }
 }
 
-void mesh_find_cuts(MeshBuilder *builder) {
+bool mesh_find_cuts(MeshBuilder *builder) {
     const Mesh *mesh = builder->mesh;
     builder->first_cut = ARENA_ARRAY(&builder->cut_arena, int, mesh->face_count + 1);
-    if (mesh->options.close <= 0) return;
+    if (mesh->options.close <= 0) return true;
     Arena scratch = {0};
     Contacts c = {.builder = builder,
                   .close = mesh->options.close,
                   .boxes = ARENA_ARRAY(&scratch, Box, mesh->face_count),
                   .stamp = ARENA_ARRAY(&scratch, int, mesh->face_count)};
-    sort_faces(&c, &scratch);
-    for (int f = 0; f < mesh->face_count; f++) {
+    bool good = sort_faces(&c, &scratch);
+    for (int f = 0; f < mesh->face_count && good; f++) {
         builder->first_cut[f] = builder->cut_count;
         find_cuts(&c, f);
     }
     builder->first_cut[mesh->face_count] = builder->cut_count;
     arena_free(&scratch);
+    return good;
 }

@@ -30,7 +30,7 @@ typedef struct MeshBlock {
 // An element to be, before it is cut: what a block of squares holds of the face.
 typedef struct MeshLeaf {
     MeshBlock block;
-    int depth;    // how often its root was split
+    MeshDepth depth;
     int patch;    // leaves of one have one number, each its own where they begin
     double area;  // m^2; 0: none, or joined to another
 } MeshLeaf;
@@ -40,10 +40,12 @@ int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out);
 // How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
 int mesh_deepest(MeshBuilder *builder, double roots);
 
-// mesh_squares.c: the grid of a face with these corners, places of the builder.
+// mesh_grid.c: the grid of a face with these corners, places of the builder; and a finer one where cuts cross it, so that only what
+// lies in few small squares takes a search.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
-// mesh_contacts.c: the cuts of all faces, whose outlines are places by then.
-void mesh_find_cuts(MeshBuilder *builder);
+void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face);
+// mesh_contacts.c: the cuts of all faces, whose outlines are places by then. False where there are too many to look for.
+bool mesh_find_cuts(MeshBuilder *builder);
 
 // A convex part of an element to be, from the face's origin.
 typedef struct MeshPiece {
@@ -60,7 +62,7 @@ bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point);
 // How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
 
-// Its elements and patches; all faces' outlines are places by then.
+// mesh_squares.c: its elements and patches; all faces' outlines are places by then.
 void mesh_cut_face(MeshBuilder *builder, int face);
 
 #endif

@@ -10,7 +10,7 @@
 #include "radiosity/nodes.h"
 #include "radiosity/shoot.h"
 
-enum { VERSION = 2 };
+enum { VERSION = 3 };
 
 typedef struct Header {
     DerivedHead head;

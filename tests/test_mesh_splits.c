@@ -1,4 +1,4 @@
-// test_mesh_splits.c - quadtrees over the faces of a mesh: what is asked for is what comes out, nothing of a face is lost, and bits
+// test_mesh_splits.c - trees over the faces of a mesh: what is asked for is what comes out, nothing of a face is lost, and bits
 // that end early or were forged make a mesh all the same.
 #include <criterion/criterion.h>
 
@@ -83,45 +83,62 @@ static void check(const Mesh *mesh, Random *random) {
     for (int p = 0; p < mesh->patch_count; p++) cr_assert_leq(mesh->patches[p].element_count, 256);
 }
 
-// Proves that what is written is what is read: depths asked for, a depth of each root, are the depths of its elements, and patches
-// are as large as asked.
+// A depth no more than twice as long as wide, that trees lead to.
+static MeshDepth some_depth(Random *random, int least, int most) {
+    int x = least + random_index(random, most - least + 1), y = x + random_index(random, 3) - 1;
+    y = y < least ? least : y > most ? most : y;
+    return (MeshDepth){(unsigned char)x, (unsigned char)y};
+}
+
+// Proves that what is written is what is read: depths asked for, a depth of each root, are the depths of its elements along either
+// axis, and patches are as large as asked.
 Test(mesh_splits, come_out_as_asked) {
     Lit *lit = room(true);
     Random random = {7};
     int count = lit->mesh.element_count;
-    unsigned char *patch = ARENA_ARRAY(&lit->arena, unsigned char, count),
-                  *element = ARENA_ARRAY(&lit->arena, unsigned char, count);
+    unsigned char *patch = ARENA_ARRAY(&lit->arena, unsigned char, count);
+    MeshDepth *element = ARENA_ARRAY(&lit->arena, MeshDepth, count);
     for (int e = 0; e < count; e++) {
         patch[e] = (unsigned char)random_index(&random, 3);
-        element[e] = (unsigned char)(patch[e] + random_index(&random, MESH_IN_PATCH + 1));
+        element[e] = some_depth(&random, patch[e], patch[e] + MESH_IN_PATCH);
     }
     Mesh mesh = meshed(lit, mesh_splits(&lit->mesh, patch, element, &lit->arena));
     for (int e = 0; e < mesh.element_count; e++) {
         int root = mesh_element_at(&lit->mesh, mesh.elements[e].face, middle_of(&mesh, e));
         // Hexagon: slivers go to neighbours, beyond their root's border.
         if (mesh.faces[mesh.elements[e].face].vertex_count == 6) continue;
-        cr_assert_eq(mesh.elements[e].depth, element[root], "element %d is %d deep, asked for: %d", e,
-                     mesh.elements[e].depth, element[root]);
+        MeshDepth is = mesh.elements[e].depth, asked = element[root];
+        cr_assert(is.x == asked.x && is.y == asked.y, "element %d is %d, %d deep, asked for: %d, %d", e, is.x,
+                  is.y, asked.x, asked.y);
         double share = lit->mesh.elements[root].area / mesh.patches[mesh.elements[e].patch].area;
         cr_assert_float_eq(share, ldexp(1, 2 * patch[root]), 1e-6, "a root has %g patches", share);
+        double part = lit->mesh.elements[root].area / mesh.elements[e].area;
+        cr_assert_float_eq(part, ldexp(1, asked.x + asked.y), 1e-6 * part, "a root has %g elements", part);
     }
     check(&mesh, &random);
     lit_free(lit);
 }
 
-// Proves that a mesh read again from its own depths has the same splits, bit by bit: what the file stores says all.
+// Proves that a mesh read again from its own depths has the same splits, bit by bit, also where halves of one square differ: what the
+// file stores says all.
 Test(mesh_splits, written_again_are_the_same) {
     Lit *lit = room(false);
     for (uint64_t seed = 1; seed <= 10; seed++) {
         Random random = {seed};
-        int count = lit->mesh.element_count;
-        unsigned char *depth = ARENA_ARRAY(&lit->arena, unsigned char, count);
-        for (int e = 0; e < count; e++) depth[e] = (unsigned char)random_index(&random, 4);
-        MeshSplits *splits = mesh_splits(&lit->mesh, depth, depth, &lit->arena);
-        Mesh mesh = meshed(lit, splits);
-        unsigned char *again = ARENA_ARRAY(&lit->arena, unsigned char, mesh.element_count);
-        for (int e = 0; e < mesh.element_count; e++) again[e] = (unsigned char)mesh.elements[e].depth;
-        MeshSplits *back = mesh_splits(&mesh, again, again, &lit->arena);
+        const MeshSplits *splits = &ROOTS;
+        Mesh mesh = lit->mesh;
+        // Deeper each time, where elements ask for it.
+        for (int depth = 1; depth <= 3; depth++) {
+            MeshDepth *element = ARENA_ARRAY(&lit->arena, MeshDepth, mesh.element_count);
+            unsigned char *patch = ARENA_ARRAY(&lit->arena, unsigned char, mesh.element_count);
+            for (int e = 0; e < mesh.element_count; e++) element[e] = some_depth(&random, depth - 1, depth);
+            splits = mesh_splits(&mesh, patch, element, &lit->arena);
+            mesh = meshed(lit, splits);
+        }
+        MeshDepth *again = ARENA_ARRAY(&lit->arena, MeshDepth, mesh.element_count);
+        unsigned char *roots = ARENA_ARRAY(&lit->arena, unsigned char, mesh.element_count);
+        for (int e = 0; e < mesh.element_count; e++) again[e] = mesh.elements[e].depth;
+        MeshSplits *back = mesh_splits(&mesh, roots, again, &lit->arena);
         cr_assert_eq(back->bit_count, splits->bit_count);
         cr_assert_arr_eq(back->bits, splits->bits, (size_t)(splits->bit_count + 7) / 8);
     }
@@ -142,7 +159,7 @@ Test(mesh_splits, random_and_forged_bits) {
         Mesh mesh = meshed(lit, &splits);
         check(&mesh, &random);
         for (int e = 0; e < mesh.element_count; e++)
-            deepest = mesh.elements[e].depth > deepest ? mesh.elements[e].depth : deepest;
+            deepest = mesh.elements[e].depth.x > deepest ? mesh.elements[e].depth.x : deepest;
     }
     cr_expect_eq(deepest, MESH_DEEPEST);
     lit_free(lit);

@@ -24,8 +24,8 @@ typedef struct BenchArguments {
     int resolutions[16], resolution_count;
     int shooters;
     int rays;              // of the reference, a shooter
-    int points;            // at which light is compared
-    double error;          // standard error of the truth there, relative
+    int points;            // at which light is compared; 0: what the benchmark likes
+    double error;          // standard error of the truth there, relative; 0: what the benchmark likes
     double sky[3];         // radiance, W/m^2/sr a channel
     bool verbose;          // the worst points on standard error
     const char *pictures;  // a folder for those that go with a table, or NULL
@@ -39,6 +39,7 @@ bool bench_formfactors_knows(const char *method);  // of --methods
 bool bench_radiosity(const BenchArguments *arguments, Error *error);
 bool bench_light(const BenchArguments *arguments, Error *error);
 bool bench_light_knows(const char *way);  // of --methods
+bool bench_meshes(const BenchArguments *arguments, Error *error);
 bool bench_rooms(const BenchArguments *arguments, Error *error);
 bool bench_hidden(const BenchArguments *arguments, Error *error);
 bool bench_hidden_knows(const char *method);                       // of --methods

@@ -1,23 +1,17 @@
 // bench_light.c - how right the light of a bake is, and what that costs: at random points, against path tracing, by ways to bake.
 //
-// Two things are compared with the truth: the irradiance that a point gathers from what it sees, as `bake --probe` does; and
-// that of the solution itself where the point lies, (B - E) / rho, of the element and between its corners, which is what a walk
-// shows. Errors are relative to the irradiance, or to a hundredth of the mean of all points where that is more.
+// Errors are relative to the irradiance, or to a hundredth of the mean of all points where that is more; the last of each three also
+// to the mean.
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "engine/app/bake.h"
-#include "engine/app/bench.h"
-#include "engine/app/light_errors.h"
-#include "engine/app/light_points.h"
+#include "engine/app/error_picture.h"
+#include "engine/app/light_scene.h"
 #include "engine/core/clock.h"
-#include "radiosity/fine_mesh.h"
-#include "radiosity/sky.h"
 
 static const char HEAD[] =
     "building,configuration,element_m,per_patch,culling,row_mb,residual,resolution,elements,patches,shots,"
-    "rows_"
-    "made,bake_seconds,probe_seconds,"
+    "rows_made,bake_seconds,probe_seconds,"
     "gather_median,gather_rms,gather_p90,gather_max,gather_lit_median,gather_lit_rms,gather_mean_rms,"
     "element_median,element_rms,element_p90,element_max,element_lit_median,element_lit_rms,element_mean_rms,"
     "vertex_median,vertex_rms,vertex_p90,vertex_max,vertex_lit_median,vertex_lit_rms,vertex_mean_rms,"
@@ -35,6 +29,7 @@ typedef struct Way {
     double proxy;         // metres; below 0: no stand-ins
     double share;         // of elements that a mesh without splits has; below 0: no splits
     double reach, close;  // below 0: none
+    int gather;           // resolution of a final gather at all vertices; 0: none
 } Way;
 
 static const Way WAYS[] = {
@@ -66,12 +61,21 @@ static const Way WAYS[] = {
     {.name = "per-patch-4", .per_patch = 4},
     {.name = "not-culled", .unculled = true},
     {.name = "no-rows-kept", .keeps_no_rows = true},
+    {.name = "not-culled-0.1", .unculled = true, .residual = 0.1},
+    {.name = "not-culled-0.01", .unculled = true, .residual = 0.01},
+    {.name = "not-culled-0.001", .unculled = true, .residual = 0.001},
+    {.name = "no-rows-kept-0.1", .keeps_no_rows = true, .residual = 0.1},
+    {.name = "no-rows-kept-0.01", .keeps_no_rows = true, .residual = 0.01},
+    {.name = "no-rows-kept-0.001", .keeps_no_rows = true, .residual = 0.001},
     {.name = "residual-0.1", .residual = 0.1},
     {.name = "residual-0.01", .residual = 0.01},
     {.name = "residual-0.001", .residual = 0.001},
     {.name = "residual-0.0001", .residual = 1e-4},
     {.name = "resolution-50", .resolution = 50},
     {.name = "resolution-200", .resolution = 200},
+    {.name = "final-gather-25", .gather = 25},
+    {.name = "final-gather-50", .gather = 50},
+    {.name = "final-gather-100", .gather = 100},
     {.name = "finest", .element = 0.17, .per_patch = 1, .residual = 1e-4, .resolution = 200},
 };
 
@@ -83,14 +87,10 @@ bool bench_light_knows(const char *name) {
     return false;
 }
 
-static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions *rad, AdaptOptions *adapt) {
-    *mesh = mesh_default_options();
-    mesh->element = fitting;
-    *rad = rad_default_options();
-    rad->residual = 0;
-    rad->form_factor.resolution = 0;
-    *adapt = adapt_default_options();
-    if (way->share != 0) adapt->share = fmax(way->share, 0);
+static void apply(const Way *way, LightBake *bake) {
+    MeshOptions *mesh = &bake->options;
+    RadOptions *rad = &bake->rad;
+    if (way->share != 0) bake->adapt.share = fmax(way->share, 0);
     if (way->reach != 0) rad->reach = fmax(way->reach, 0);
     if (way->close != 0) mesh->close = fmax(way->close, 0);
     if (way->proxy != 0) mesh->proxy = fmax(way->proxy, 0);
@@ -100,67 +100,10 @@ static void apply(const Way *way, double fitting, MeshOptions *mesh, RadOptions 
     if (way->keeps_no_rows) rad->row_bytes = 0;
     if (way->residual > 0) rad->residual = way->residual;
     if (way->resolution > 0) rad->form_factor.resolution = way->resolution;
+    bake->gather = way->gather;
 }
 
 // ---- errors
-
-enum { GATHERED, OF_ELEMENT, BETWEEN_CORNERS, COMPARED };
-static const char *const COMPARED_NAMES[COMPARED] = {"gather", "element", "vertex"};
-
-typedef struct LightBench {
-    const char *file;
-    const BenchArguments *arguments;
-    AppScene scene;
-    float *doors;    // [opening_count] as drawn
-    Vec3 *vertices;  // the graph's, with the doors there
-    LightPoints points;
-    double *error[COMPARED];  // [count] relative, signed; NAN where there is nothing to compare
-} LightBench;
-
-// Irradiance from what is reflected; channels that are not count as right.
-static double irradiance_of(const LightPoint *p, const Material *m, const double b[3]) {
-    const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
-    const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
-    double sum = 0;
-    for (int c = 0; c < 3; c++) sum += rho[c] > 0 ? (b[c] - (double)e[c]) / (double)rho[c] : p->truth[c];
-    return sum;
-}
-
-static bool reflects(const Material *m) {
-    return m->reflectance.r > 0 || m->reflectance.g > 0 || m->reflectance.b > 0;
-}
-
-static double relative(const LightPoint *p, double irradiance) {
-    return (irradiance - light_point_irradiance(p)) / p->scale;
-}
-
-// Returns the seconds that gathering took.
-static double find_errors(LightBench *b, const Mesh *mesh, const RadSolution *solution) {
-    Arena scratch = {0};
-    int count = b->points.count;
-    Probes probes = {ARENA_ARRAY(&scratch, Probe, count), count, count};
-    for (int i = 0; i < count; i++)
-        probes.probes[i] = (Probe){.place = b->points.points[i].place, .normal = b->points.points[i].normal};
-    double begin = clock_seconds();
-    VertexLight field = reconstruct_light(mesh, solution, &scratch);
-    GatherScene scene = {mesh, &b->scene.forest, b->doors, solution, NULL};
-    bake_probes_gather(&scene, &probes);
-    double seconds = clock_seconds() - begin;
-    for (int i = 0; i < count; i++) {
-        const LightPoint *p = &b->points.points[i];
-        int face = mesh->face_of[p->polygon];
-        const Material *m = mesh_material(mesh, face);
-        const double *h = probes.probes[i].irradiance;
-        double light[3];
-        b->error[GATHERED][i] = relative(p, h[0] + h[1] + h[2]);
-        const double *own = solution->radiosity[mesh_element_at(mesh, face, p->place)];
-        b->error[OF_ELEMENT][i] = reflects(m) ? relative(p, irradiance_of(p, m, own)) : NAN;
-        reconstruct_at(mesh, &field, face, p->place, light);
-        b->error[BETWEEN_CORNERS][i] = reflects(m) ? relative(p, irradiance_of(p, m, light)) : NAN;
-    }
-    arena_free(&scratch);
-    return seconds;
-}
 
 typedef struct Spread {
     double median, rms, p90, most;  // percent
@@ -175,13 +118,15 @@ static int by_size(const void *a, const void *b) {
 }
 
 // Of all points, or of those that are lit.
-static Spread spread_of(const LightPoints *points, const double *error, bool lit) {
+static Spread spread_of(const LightPoints *points, const double *off, bool lit) {
     int count = points->count;
     Arena scratch = {0};
     double *size = ARENA_ARRAY(&scratch, double, count + 1), squares = 0;
     Spread s = {0};
-    for (int i = 0; i < count; i++)
-        if (!isnan(error[i]) && (!lit || is_lit(&points->points[i]))) size[s.count++] = fabs(error[i]);
+    for (int i = 0; i < count; i++) {
+        const LightPoint *p = &points->points[i];
+        if (!isnan(off[i]) && (!lit || is_lit(p))) size[s.count++] = fabs(off[i] / p->scale);
+    }
     qsort(size, (size_t)s.count, sizeof *size, by_size);
     for (int i = 0; i < s.count; i++) squares += size[i] * size[i];
     if (s.count > 0) {
@@ -192,46 +137,6 @@ static Spread spread_of(const LightPoints *points, const double *error, bool lit
     }
     arena_free(&scratch);
     return s;
-}
-
-// Root of the mean square of what irradiances are off, of their mean, percent.
-static double mean_rms(const LightPoints *points, const double *error) {
-    double squares = 0;
-    int count = 0;
-    for (int i = 0; i < points->count; i++) {
-        if (isnan(error[i])) continue;
-        double off = error[i] * points->points[i].scale;
-        squares += off * off;
-        count++;
-    }
-    return count > 0 && points->mean > 0 ? 100 * sqrt(squares / count) / points->mean : 0;
-}
-
-// ---- what is written
-
-static void print_worst(const LightBench *b, const Way *way, int what) {
-    enum { WORST = 3 };
-    const CellGraph *graph = &b->scene.graph;
-    int worst[WORST] = {-1, -1, -1};
-    for (int k = 0; k < WORST; k++) {
-        for (int i = 0; i < b->points.count; i++) {
-            double e = b->error[what][i];
-            bool known = isnan(e) || i == worst[0] || i == worst[1];
-            if (!known && (worst[k] < 0 || fabs(e) > fabs(b->error[what][worst[k]]))) worst[k] = i;
-        }
-        if (worst[k] < 0) return;
-        const LightPoint *p = &b->points.points[worst[k]];
-        int object = 0;
-        while (object + 1 < graph->object_count && graph->objects[object + 1].first_polygon <= p->polygon)
-            object++;
-        fprintf(stderr,
-                "%s, %s, %s: point %d, polygon %d of %s, %.3f,%.3f,%.3f facing %.2f,%.2f,%.2f: %+.2f %% of "
-                "%.4g W/m^2\n",
-                bench_name(b->file), way->name, COMPARED_NAMES[what], worst[k], p->polygon,
-                graph->objects[object].name ? graph->objects[object].name : "", p->place.x, p->place.y,
-                p->place.z, p->normal.x, p->normal.y, p->normal.z, 100 * b->error[what][worst[k]],
-                light_point_irradiance(p));
-    }
 }
 
 static double truth_error(const LightPoints *points, int *dark) {
@@ -245,102 +150,87 @@ static double truth_error(const LightPoints *points, int *dark) {
     return 100 * sqrt(sum / points->count);
 }
 
-typedef struct Baked {
-    MeshOptions mesh;
-    RadOptions rad;
-    RadReport report;
-    int elements, patches;
-    double seconds, probe_seconds;
-} Baked;
+// ---- what is written
 
-static void add_row(const LightBench *b, const Way *way, const Baked *baked, Text *csv) {
-    size_t before = csv->size;
-    text_append(csv, "%s,%s,%g,%d,%s,%zu,%g,%d,%d,%d,%lld,%lld,%.4f,%.4f", bench_name(b->file), way->name,
-                baked->mesh.element, baked->mesh.per_patch, VIEW_CULLING_NAMES[baked->rad.culling],
-                baked->rad.row_bytes >> 20, baked->rad.residual, baked->rad.form_factor.resolution,
-                baked->elements, baked->patches, baked->report.shots, baked->report.rows_made, baked->seconds,
-                baked->probe_seconds);
-    int reflecting = 0, dark;
-    for (int what = 0; what < COMPARED; what++) {
-        Spread s = spread_of(&b->points, b->error[what], false);
-        Spread lit = spread_of(&b->points, b->error[what], true);
-        text_append(csv, ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f", s.median, s.rms, s.p90, s.most, lit.median,
-                    lit.rms, mean_rms(&b->points, b->error[what]));
-        reflecting = s.count;
-        if (b->arguments->verbose) print_worst(b, way, what);
+static void print_worst(const LightScene *s, const Way *way, int what, const double *off) {
+    enum { WORST = 3 };
+    const CellGraph *graph = &s->scene.graph;
+    const LightPoint *points = s->points.points;
+    int worst[WORST] = {-1, -1, -1};
+    for (int k = 0; k < WORST; k++) {
+        double most = -1;
+        for (int i = 0; i < s->points.count; i++) {
+            double e = fabs(off[i] / points[i].scale);
+            if (isnan(e) || i == worst[0] || i == worst[1] || e <= most) continue;
+            worst[k] = i;
+            most = e;
+        }
+        if (worst[k] < 0) return;
+        const LightPoint *p = &points[worst[k]];
+        int object = 0;
+        while (object + 1 < graph->object_count && graph->objects[object + 1].first_polygon <= p->polygon)
+            object++;
+        fprintf(stderr,
+                "%s, %s, %s: point %d, polygon %d of %s, %.3f,%.3f,%.3f facing %.2f,%.2f,%.2f: %+.2f %% of "
+                "%.4g W/m^2\n",
+                bench_name(s->file), way->name, LIGHT_COMPARED_NAMES[what], worst[k], p->polygon,
+                graph->objects[object].name ? graph->objects[object].name : "", p->place.x, p->place.y,
+                p->place.z, p->normal.x, p->normal.y, p->normal.z, 100 * off[worst[k]] / p->scale,
+                light_point_irradiance(p));
     }
-    double uncertain = truth_error(&b->points, &dark);
-    text_append(csv, ",%d,%d,%d,%.4f\n", b->points.count, reflecting, dark, uncertain);
+}
+
+static void add_row(const LightScene *s, const Way *way, const LightBake *bake, const LightErrors *errors,
+                    Text *csv) {
+    size_t before = csv->size;
+    text_append(csv, "%s,%s,%g,%d,%s,%zu,%g,%d,%d,%d,%lld,%lld,%.4f,%.4f", bench_name(s->file), way->name,
+                bake->options.element, bake->options.per_patch, VIEW_CULLING_NAMES[bake->rad.culling],
+                bake->rad.row_bytes >> 20, bake->rad.residual, bake->rad.form_factor.resolution,
+                bake->mesh.element_count, bake->mesh.patch_count, bake->report.shots, bake->report.rows_made,
+                bake->seconds, errors->gather_seconds);
+    int reflecting = 0, dark;
+    for (int what = 0; what < LIGHT_COMPARED; what++) {
+        const double *off = errors->off[what];
+        Spread all = spread_of(&s->points, off, false), lit = spread_of(&s->points, off, true);
+        text_append(csv, ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f", all.median, all.rms, all.p90, all.most,
+                    lit.median, lit.rms, light_errors_rms(s, off));
+        reflecting = all.count;
+        if (s->arguments->verbose) print_worst(s, way, what, off);
+    }
+    double uncertain = truth_error(&s->points, &dark);
+    text_append(csv, ",%d,%d,%d,%.4f\n", s->points.count, reflecting, dark, uncertain);
     fputs(csv->data + before, stdout);
     fflush(stdout);
 }
 
 // From the first stored viewpoint, or where one begins.
-static bool draw_errors(const LightBench *b, const Way *way, const Mesh *mesh, const RadSolution *solution,
-                        Error *error) {
-    const BenchArguments *a = b->arguments;
-    const Building *building = &b->scene.building;
+static bool draw_errors(const LightScene *s, const Way *way, const LightBake *bake, Error *error) {
+    const BenchArguments *a = s->arguments;
+    const Building *building = &s->scene.building;
     Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
     if (building->viewpoint_count > 0) v = building->viewpoints[0];
     Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
-    LightErrors errors = {mesh, solution, a->seed};
-    LightErrorsFound found;
+    ErrorPicture picture = {&bake->fine->mesh, &bake->shown, a->seed};
+    ErrorPictureFound found;
     double begin = clock_seconds();
-    if (!light_errors_picture(&errors, &camera, a->pictures, way->name, &found, error)) return false;
-    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%, noise %.2f %%\n", bench_name(b->file),
+    if (!error_picture(&picture, &camera, a->pictures, way->name, &found, error)) return false;
+    fprintf(stderr, "%s, %s: %s/%s-error.png in %.1f s, RMS %.2f %%, noise %.2f %%\n", bench_name(s->file),
             way->name, a->pictures, way->name, clock_seconds() - begin, found.rms, found.noise);
     return true;
 }
 
-static bool bench_way(LightBench *b, const Way *way, Text *csv, Error *error) {
+static bool bench_way(const LightScene *s, const Way *way, Text *csv, Error *error) {
     Arena arena = {0};
-    Mesh mesh;
-    RadSolution solution;
-    Baked baked = {0};
-    AdaptOptions adapt;
-    apply(way, mesh_fitting_element(&b->scene.graph), &baked.mesh, &baked.rad, &adapt);
-    memcpy(adapt.sky, b->arguments->sky, sizeof adapt.sky);
-    AdaptScene scene = {&b->scene.graph, b->vertices, &b->scene.forest, b->doors};
-    double begin = clock_seconds();
-    baked.mesh.proxies = proxies_find(scene.graph, scene.vertices, baked.mesh.proxy, &arena);
-    bool good =
-        (adapt.share > 0
-             ? adapt_mesh(&scene, &baked.mesh, &adapt, &baked.rad, NULL, &arena, &mesh, error)
-             : mesh_build(&b->scene.graph, b->vertices, b->doors, &baked.mesh, &arena, &mesh, error)) &&
-        rad_start_dark(&mesh, &arena, &solution, error);
+    LightBake bake;
+    light_bake_defaults(s, &bake);
+    apply(way, &bake);
+    bool good = light_bake(s, &arena, &bake, error);
     if (good) {
-        rad_fit(&mesh, &baked.rad);
-        if (b->arguments->sky[0] + b->arguments->sky[1] + b->arguments->sky[2] > 0)
-            rad_shine(&mesh, &b->scene.forest, b->doors, &baked.rad, b->arguments->sky, NULL, &solution);
-        baked.report = rad_shoot(&mesh, &b->scene.forest, b->doors, &baked.rad, NULL, &solution);
-        baked.seconds = clock_seconds() - begin;
-        baked.elements = mesh.element_count;
-        baked.patches = mesh.patch_count;
-        const FineMesh *fine = fine_mesh_new(&mesh, &arena);
-        RadSolution shown = fine_light(fine, &solution, &arena);
-        baked.probe_seconds = find_errors(b, &fine->mesh, &shown);
-        add_row(b, way, &baked, csv);
-        if (b->arguments->pictures) good = draw_errors(b, way, &mesh, &solution, error);
+        LightErrors errors = light_errors(s, &bake, s->points.count, &arena);
+        add_row(s, way, &bake, &errors, csv);
+        if (s->arguments->pictures) good = draw_errors(s, way, &bake, error);
     }
     arena_free(&arena);
-    return good;
-}
-
-// Chosen on a mesh of their own, so that they stay where they are whatever the default becomes.
-static bool make_points(LightBench *b, Arena *arena, Error *error) {
-    Arena scratch = {0};
-    MeshOptions options = mesh_default_options();
-    options.element = 1;
-    Mesh mesh;
-    const BenchArguments *a = b->arguments;
-    bool good = mesh_build(&b->scene.graph, b->vertices, b->doors, &options, &scratch, &mesh, error) &&
-                light_points_choose(&mesh, a->points, a->seed, arena, &b->points, error);
-    if (good) {
-        light_points_trace(&mesh, a->sky, a->error, a->seed, &b->points);
-        fprintf(stderr, "%s: %lld paths to %d points in %.1f s, mean irradiance %.4g W/m^2\n",
-                bench_name(b->file), b->points.paths, b->points.count, b->points.seconds, b->points.mean);
-    }
-    arena_free(&scratch);
     return good;
 }
 
@@ -354,24 +244,17 @@ static bool listed(const char *list, const char *word) {
 
 static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Arena arena = {0};
-    LightBench b = {.file = file, .arguments = a};
-    AppOptions options = app_default_options();
-    options.map = a->map;
-    options.lamps = true;
-    bool good = app_load(file, &options, &arena, &b.scene, error) && app_has_walls(&b.scene, error);
-    if (good) {
-        b.doors = bake_doors(&b.scene.building, BAKE_DOORS_DRAWN, &arena);
-        b.vertices = bake_vertices(&b.scene.graph, b.doors, &arena);
-        good = make_points(&b, &arena, error);
-    }
-    for (int what = 0; what < COMPARED && good; what++)
-        b.error[what] = ARENA_ARRAY(&arena, double, b.points.count);
+    LightScene s;
+    bool good = light_scene_open(file, a, LIGHT_TRUTH_EACH, &arena, &s, error);
     for (int i = 0; i < WAY_COUNT && good; i++)
-        if (listed(a->methods, WAYS[i].name)) good = bench_way(&b, &WAYS[i], csv, error);
+        if (listed(a->methods, WAYS[i].name)) good = bench_way(&s, &WAYS[i], csv, error);
     arena_free(&arena);
     return good;
 }
 
 bool bench_light(const BenchArguments *a, Error *error) {
-    return bench_table(a, HEAD, NULL, bench_file, error);
+    BenchArguments own = *a;
+    if (own.points == 0) own.points = 100;
+    if (own.error == 0) own.error = 0.003;
+    return bench_table(&own, HEAD, NULL, bench_file, error);
 }

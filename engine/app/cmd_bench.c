@@ -26,13 +26,14 @@ static const struct {
                {"formfactors", bench_formfactors, bench_formfactors_knows, "bake"},
                {"radiosity", bench_radiosity, NULL, NULL},
                {"light", bench_light, bench_light_knows, "bench"},
+               {"meshes", bench_meshes, NULL, NULL},
                {"rooms", bench_rooms, NULL, NULL},
                {"hidden", bench_hidden, bench_hidden_knows, "bake"},
                {"breaks", bench_breaks, NULL, NULL},
                {"rays", bench_rays, NULL, NULL}};
 
 static const char ALLOWED[] =
-    "walk, collision, visibility, formfactors, radiosity, light, rooms, hidden, breaks, rays";
+    "walk, collision, visibility, formfactors, radiosity, light, meshes, rooms, hidden, breaks, rays";
 
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
@@ -235,9 +236,7 @@ int cmd_bench(int argc, char **argv) {
                         .resolutions = {50, 71, 100, 141, 200},
                         .resolution_count = 5,
                         .shooters = 60,
-                        .rays = 4000000,
-                        .points = 100,
-                        .error = 0.003};
+                        .rays = 4000000};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
         if (c == 'h') return bench_print_help() ? APP_GOOD : APP_BAD_INPUT;
@@ -248,7 +247,7 @@ int cmd_bench(int argc, char **argv) {
     bool given = optind + 1 < argc;
     a.files = given ? argv + optind + 1 : usual;
     a.file_count = given ? argc - optind - 1 : 1;
-    if (!given && strcmp(argv[optind], "light") == 0) {
+    if (!given && (strcmp(argv[optind], "light") == 0 || strcmp(argv[optind], "meshes") == 0)) {
         a.files = usual_light;
         a.file_count = 2;
     }

@@ -81,6 +81,7 @@ bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *aren
 
 static void take_results(LightPoints *points, const PathResult *results) {
     double sum = 0;
+    points->paths = 0;
     for (int i = 0; i < points->count; i++) {
         LightPoint *p = &points->points[i];
         const double *e = results[i].standard_error;
@@ -95,7 +96,7 @@ static void take_results(LightPoints *points, const PathResult *results) {
         points->points[i].scale = fmax(light_point_irradiance(&points->points[i]), DARK * points->mean);
 }
 
-void light_points_trace(const Mesh *mesh, const double sky[3], double error, uint64_t seed,
+void light_points_trace(const Mesh *mesh, const double sky[3], LightTruth kind, double error, uint64_t seed,
                         LightPoints *points) {
     Arena scratch = {0};
     double begin = clock_seconds();
@@ -107,11 +108,19 @@ void light_points_trace(const Mesh *mesh, const double sky[3], double error, uin
             .point = points->points[i].place, .normal = points->points[i].normal, .seed = seed + (uint64_t)i};
     path_tracer_irradiance(tracer, queries, points->count, 0, results);
     take_results(points, results);
+    int asked = 0, *which = ARENA_ARRAY(&scratch, int, points->count);
+    PathResult *again = ARENA_ARRAY(&scratch, PathResult, points->count);
     for (int i = 0; i < points->count; i++) {
-        queries[i].absolute_error = error * points->points[i].scale;
-        queries[i].most_paths = MOST_PATHS;
+        const LightPoint *p = &points->points[i];
+        double most = error * (kind == LIGHT_TRUTH_MEAN ? points->mean : p->scale);
+        if (kind == LIGHT_TRUTH_MEAN && p->standard_error <= most) continue;
+        which[asked] = i;
+        queries[asked] = queries[i];
+        queries[asked].absolute_error = most;
+        queries[asked++].most_paths = MOST_PATHS;
     }
-    path_tracer_irradiance(tracer, queries, points->count, 0, results);
+    path_tracer_irradiance(tracer, queries, asked, 0, again);
+    for (int i = 0; i < asked; i++) results[which[i]] = again[i];
     take_results(points, results);
     path_tracer_end(tracer);
     points->seconds = clock_seconds() - begin;

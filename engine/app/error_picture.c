@@ -1,5 +1,5 @@
-// light_errors.c - a ray through each pixel, the irradiance shown where it meets a surface, and the one that random walks find there.
-#include "engine/app/light_errors.h"
+// error_picture.c - a ray through each pixel, the irradiance shown where it meets a surface, and the one that random walks find there.
+#include "engine/app/error_picture.h"
 
 #include <stdio.h>
 
@@ -33,13 +33,13 @@ typedef struct Tracing {
     uint64_t seed;
 } Tracing;
 
-static double shown_at(const LightErrors *e, const VertexLight *field, int face, Vec3 point) {
+static double shown_at(const ErrorPicture *e, const VertexLight *field, int face, Vec3 point) {
     double b[3];
     reconstruct_at(e->mesh, field, face, point, b);
     return false_colour_value(FALSE_COLOUR_IRRADIANCE, b, mesh_material(e->mesh, face));
 }
 
-static void look(const LightErrors *e, const Camera *camera, const PathScene *scene, Pixels *p) {
+static void look(const ErrorPicture *e, const Camera *camera, const PathScene *scene, Pixels *p) {
     Arena scratch = {0};
     VertexLight field = reconstruct_light(e->mesh, e->solution, &scratch);
     p->count = camera->width * camera->height;
@@ -82,7 +82,7 @@ static void trace_pixel(void *context, int index, int thread) {
     t->pixels->scatter[index] = sqrt(variance / (BLOCKS - 1));
 }
 
-static void look_and_trace(const LightErrors *e, const Camera *camera, Pixels *p) {
+static void look_and_trace(const ErrorPicture *e, const Camera *camera, Pixels *p) {
     Arena scratch = {0};
     PathWorld world = path_world(e->mesh, e->solution->sky, &scratch);
     Tracing tracing = {&world, p, e->seed};
@@ -98,7 +98,7 @@ static void put(uint8_t out[3], Rgb c) {
     out[2] = (uint8_t)lrintf(255 * c.b);
 }
 
-static void colour(const Pixels *p, uint8_t *rgb, LightErrorsFound *found) {
+static void colour(const Pixels *p, uint8_t *rgb, ErrorPictureFound *found) {
     double mean = 0, squares = 0, scatter = 0;
     for (int i = 0; i < p->seen; i++) mean += p->truth[i] / p->seen;
     memset(rgb, NOTHING, (size_t)p->count * 3);
@@ -109,7 +109,7 @@ static void colour(const Pixels *p, uint8_t *rgb, LightErrorsFound *found) {
         scatter += p->scatter[i] / scale * p->scatter[i] / scale;
     }
     int seen = p->seen > 0 ? p->seen : 1;
-    *found = (LightErrorsFound){100 * sqrt(squares / seen), 100 * sqrt(scatter / seen)};
+    *found = (ErrorPictureFound){100 * sqrt(squares / seen), 100 * sqrt(scatter / seen)};
 }
 
 // ---- the legend
@@ -144,8 +144,8 @@ static bool write_legend(const char *folder, Error *error) {
     return good;
 }
 
-bool light_errors_picture(const LightErrors *e, const Camera *camera, const char *folder, const char *name,
-                          LightErrorsFound *found, Error *error) {
+bool error_picture(const ErrorPicture *e, const Camera *camera, const char *folder, const char *name,
+                          ErrorPictureFound *found, Error *error) {
     Pixels p = {.arena = {0}};
     look_and_trace(e, camera, &p);
     uint8_t *rgb = ARENA_ARRAY(&p.arena, uint8_t, 3 * p.count);

@@ -1,0 +1,104 @@
+// bench_meshes.c - what adaptive meshes save: elements against error, of meshes that are as fine as their light asks and of even
+// ones, from coarse to fine; and how many elements an even mesh would need for the same error.
+//
+// The error is that of the field: the root of the mean square, over all surfaces, of what the irradiance is off, of its mean
+// (against path tracing at random points, evenly by area). Of what elements hold, of what is shown between their corners, and of
+// what the first points gather.
+#include <stdio.h>
+
+#include "engine/app/light_scene.h"
+
+static const char HEAD[] =
+    "building,mesh,element_m,elements,patches,mesh_seconds,bake_seconds,element_rms,vertex_rms,gather_rms,"
+    "of_even_element,of_even_vertex,of_even_gather,points,points_gathering,truth_error\n";
+
+// Edges of elements, of what fits the building.
+static const double SCALES[] = {4, 2.8, 2, 1.4, 1};
+enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES, MOST_GATHERING = 100 };
+
+typedef struct Size {
+    double elements, rms[LIGHT_COMPARED];
+} Size;
+
+typedef struct Curve {
+    Size sizes[SCALE_COUNT];  // ever more elements
+    int count;
+} Curve;
+
+// How many elements the curve takes for that error, between its sizes as powers of each other; 0: outside of them.
+static double elements_at(const Curve *curve, int what, double rms) {
+    for (int i = curve->count - 1; i > 0; i--) {
+        const Size *coarse = &curve->sizes[i - 1], *fine = &curve->sizes[i];
+        double high = coarse->rms[what], low = fine->rms[what];
+        if (!(rms >= low && rms <= high && high > low)) continue;
+        double along = log(rms / high) / log(low / high);
+        return coarse->elements * pow(fine->elements / coarse->elements, along);
+    }
+    return 0;
+}
+
+static void add_row(const LightScene *s, const LightBake *bake, const Size *size, const Curve *even,
+                    Text *csv) {
+    size_t before = csv->size;
+    text_append(csv, "%s,%s,%g,%d,%d,%.4f,%.4f", bench_name(s->file), even ? "adaptive" : "even",
+                bake->options.element, bake->mesh.element_count, bake->mesh.patch_count, bake->mesh_seconds,
+                bake->seconds);
+    static const int ORDER[] = {LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_GATHERED};
+    for (int k = 0; k < LIGHT_COMPARED; k++) text_append(csv, ",%.4f", size->rms[ORDER[k]]);
+    for (int k = 0; k < LIGHT_COMPARED; k++) {
+        double like = even ? elements_at(even, ORDER[k], size->rms[ORDER[k]]) : 0;
+        if (like > 0)
+            text_append(csv, ",%.3f", size->elements / like);
+        else
+            text_append(csv, ",");
+    }
+    const LightPoints *points = &s->points;
+    double squares = 0;
+    for (int i = 0; i < points->count; i++)
+        squares += points->points[i].standard_error * points->points[i].standard_error;
+    text_append(csv, ",%d,%d,%.4f\n", points->count,
+                points->count < MOST_GATHERING ? points->count : MOST_GATHERING,
+                100 * sqrt(squares / points->count) / points->mean);
+    fputs(csv->data + before, stdout);
+    fflush(stdout);
+}
+
+static bool bench_size(const LightScene *s, double scale, const Curve *even, Curve *curve, Text *csv,
+                       Error *error) {
+    Arena arena = {0};
+    LightBake bake;
+    light_bake_defaults(s, &bake);
+    bake.options.element *= scale;
+    bake.adapt.few = 0;
+    if (!even) bake.adapt.share = 0;
+    bool good = light_bake(s, &arena, &bake, error);
+    if (good) {
+        LightErrors errors = light_errors(s, &bake, MOST_GATHERING, &arena);
+        Size *size = &curve->sizes[curve->count++];
+        size->elements = bake.mesh.element_count;
+        for (int what = 0; what < LIGHT_COMPARED; what++)
+            size->rms[what] = light_errors_rms(s, errors.off[what]);
+        add_row(s, &bake, size, even, csv);
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+    Arena arena = {0};
+    LightScene s;
+    Curve even = {0}, adaptive = {0};
+    bool good = light_scene_open(file, a, LIGHT_TRUTH_MEAN, &arena, &s, error);
+    for (int i = 0; i < SCALE_COUNT && good; i++) good = bench_size(&s, SCALES[i], NULL, &even, csv, error);
+    for (int i = 0; i < SCALE_COUNT && good; i++)
+        good = bench_size(&s, SCALES[i], &even, &adaptive, csv, error);
+    arena_free(&arena);
+    return good;
+}
+
+bool bench_meshes(const BenchArguments *a, Error *error) {
+    BenchArguments own = *a;
+    if (own.points == 0) own.points = 500;
+    if (own.error == 0) own.error = 0.03;
+    return bench_table(&own, HEAD, NULL, bench_file, error);
+}

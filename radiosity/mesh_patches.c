@@ -1,0 +1,226 @@
+// mesh_patches.c - the elements of a face and its patches, as its leaves are: whole, or in pieces where something stands on them.
+#include "engine/core/polygon.h"
+#include "radiosity/mesh_cutting.h"
+
+// Twice the area times the centroid, and twice the area, of a fan about its first corner.
+static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double *area) {
+    for (int i = 1; i + 1 < count; i++) {
+        double twice = vec3_dot(n, vec3_cross(vec3_sub(v[i], v[0]), vec3_sub(v[i + 1], v[0])));
+        Vec3 sum = vec3_add(v[0], vec3_add(v[i], v[i + 1]));
+        *moment = vec3_add(*moment, vec3_scale(sum, twice / 3));
+        *area += twice;
+    }
+}
+
+// Returns false where nothing is left once its corners are places.
+static bool add_element(MeshCutting *c, const Vec3 *v, int count, MeshDepth depth, Patch *patch, Vec3 *moment,
+                        double *weight) {
+    MeshBuilder *builder = c->builder;
+    Mesh *mesh = builder->mesh;
+    int first = mesh->corner_count;
+    for (int i = 0; i < count; i++) {
+        int place = places_add(&builder->places, vec3_add(c->face->origin, v[i]));
+        if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
+        *ARENA_PUSH(builder->arena, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
+    }
+    while (mesh->corner_count > first + 1 && mesh->corners[mesh->corner_count - 1] == mesh->corners[first])
+        mesh->corner_count--;
+    if (mesh->corner_count < first + 3) {
+        mesh->corner_count = first;
+        return false;
+    }
+    double area = polygon_area(v, count);
+    *ARENA_PUSH(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
+        (Element){patch->face, mesh->patch_count, first, mesh->corner_count - first, depth, area};
+    add_centroid(v, count, c->face->plane.n, moment, weight);
+    patch->area += area;
+    patch->element_count++;
+    return true;
+}
+
+// `centre` from the face's origin.
+static void finish_patch(MeshCutting *c, Patch *patch, Vec3 centre) {
+    Mesh *mesh = c->builder->mesh;
+    // On the plane even where the polygon bends: an eye there must not see its own face.
+    Vec3 n = c->face->plane.n;
+    centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
+    patch->centre = vec3_add(c->face->origin, centre);
+    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) = *patch;
+}
+
+// The patch of leaves first .. end - 1.
+static void add_whole_patch(MeshCutting *c, int face, int first, int end) {
+    Mesh *mesh = c->builder->mesh;
+    Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
+    Vec3 moment = {0};
+    double weight = 0;
+    for (int k = first; k < end; k++) {
+        const MeshLeaf *leaf = &c->leaves[k];
+        c->element[k] = -1;
+        if (leaf->area == 0) continue;
+        int count = mesh_part_in(c, leaf->block);
+        if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight))
+            c->element[k] = mesh->element_count - 1;
+    }
+    if (patch.element_count > 0) finish_patch(c, &patch, vec3_scale(moment, 1 / weight));
+}
+
+// ---- leaves in pieces
+
+// Those of a patch's leaves first .. end - 1.
+typedef struct Pieces {
+    MeshPiece *pieces;  // [first_of[end - first]]
+    int *first_of;
+} Pieces;
+
+static Pieces find_pieces(MeshCutting *c, int face, int first, int end) {
+    Arena *arena = &c->builder->scratch;
+    Pieces p = {.first_of = ARENA_ARRAY(arena, int, end - first + 1)};
+    int count = 0, capacity = 0;
+    for (int k = first; k < end; k++) {
+        MeshPiece own[MESH_MOST_PIECES];
+        int corners = c->leaves[k].area > 0 ? mesh_part_in(c, c->leaves[k].block) : 0;
+        int pieces = corners >= 3 ? mesh_cut_pieces(c->builder, face, c->part, corners, arena, own) : 0;
+        p.first_of[k - first] = count;
+        for (int i = 0; i < pieces; i++) *ARENA_PUSH(arena, p.pieces, count, capacity) = own[i];
+    }
+    p.first_of[end - first] = count;
+    return p;
+}
+
+static Vec3 middle_of(const MeshPiece *piece) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
+    return vec3_scale(sum, 1.0 / piece->count);
+}
+
+// The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
+static void finish_cut_patch(MeshCutting *c, Patch *patch, Vec3 moment, double weight) {
+    const Mesh *mesh = c->builder->mesh;
+    Vec3 centre = vec3_scale(moment, 1 / weight), best = centre;
+    double nearest = INFINITY;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        MeshPiece piece = {.v = ARENA_ARRAY(&c->builder->scratch, Vec3, element->corner_count),
+                           .count = element->corner_count};
+        for (int i = 0; i < piece.count; i++)
+            piece.v[i] = vec3_sub(c->builder->places.points[mesh->corners[element->first_corner + i]],
+                                  c->face->origin);
+        Vec3 middle = middle_of(&piece);
+        double away = vec3_length(vec3_sub(middle, centre));
+        if (mesh_inside(piece.v, piece.count, c->face->plane.n, centre) > -MESH_WELD) away = -1;
+        if (away >= nearest) continue;
+        nearest = away;
+        best = away < 0 ? centre : middle;
+    }
+    if (patch->element_count > 0) finish_patch(c, patch, best);
+}
+
+// What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
+static void add_patch_of(MeshCutting *c, int face, const Pieces *p, int first, int end, bool covered) {
+    Mesh *mesh = c->builder->mesh;
+    Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
+    Vec3 moment = {0};
+    double weight = 0;
+    for (int k = first; k < end; k++) {
+        for (int i = p->first_of[k - first]; i < p->first_of[k - first + 1]; i++) {
+            MeshPiece *piece = &p->pieces[i];
+            if (piece->count < 3 || mesh_is_covered(c->builder, face, middle_of(piece)) != covered) continue;
+            if (add_element(c, piece->v, piece->count, c->leaves[k].depth, &patch, &moment, &weight))
+                piece->element = mesh->element_count - 1;
+            if (patch.element_count < MESH_MOST_IN_PATCH) continue;
+            finish_cut_patch(c, &patch, moment, weight);
+            patch = (Patch){.face = face, .first_element = mesh->element_count, .cell = -1};
+            moment = (Vec3){0};
+            weight = 0;
+        }
+    }
+    finish_cut_patch(c, &patch, moment, weight);
+}
+
+static void push_shared(MeshCutting *c, int number) {
+    Mesh *mesh = c->builder->mesh;
+    *ARENA_PUSH(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
+}
+
+// Notes which elements the pieces of a leaf became, the largest first; returns the code of its squares.
+static int share_leaf(MeshCutting *c, const MeshPiece *pieces, int piece_count) {
+    Mesh *mesh = c->builder->mesh;
+    int count = 0, at = mesh->shared_count;
+    push_shared(c, 0);
+    for (int i = 0; i < piece_count; i++) {
+        int element = pieces[i].element;
+        if (element < 0) continue;
+        push_shared(c, element);
+        int k = at + ++count;
+        for (; k > at + 1 && mesh->elements[mesh->shared[k - 1]].area < mesh->elements[element].area; k--)
+            mesh->shared[k] = mesh->shared[k - 1];
+        mesh->shared[k] = element;
+    }
+    mesh->shared[at] = count;
+    if (count > 1) return ~at - 1;
+    mesh->shared_count = at;
+    return count == 1 ? mesh->shared[at + 1] : -1;
+}
+
+// The element that a whole square is in, else `code`.
+static int element_about(const MeshCutting *c, Vec3 middle, double reach, const MeshPiece *pieces, int count,
+                         int code) {
+    for (int i = 0; i < count; i++) {
+        const MeshPiece *piece = &pieces[i];
+        if (piece->element >= 0 && mesh_inside(piece->v, piece->count, c->face->plane.n, middle) > reach)
+            return piece->element;
+    }
+    return code;
+}
+
+static void give_squares(MeshCutting *c, MeshBlock b, const MeshPiece *pieces, int count, int *squares) {
+    const Face *face = c->face;
+    int code = share_leaf(c, pieces, count);
+    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
+         y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    double reach = 0.5 * vec3_length(vec3_add(x, y));
+    for (int j = b.j0; j <= b.j1; j++) {
+        for (int i = b.i0; i <= b.i1; i++) {
+            Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
+            squares[j * face->nx + i] =
+                code < -1 ? element_about(c, middle, reach, pieces, count, code) : code;
+        }
+    }
+}
+
+static void add_cut_patches(MeshCutting *c, int face, int first, int end, int *squares) {
+    Pieces p = find_pieces(c, face, first, end);
+    add_patch_of(c, face, &p, first, end, false);
+    add_patch_of(c, face, &p, first, end, true);
+    for (int k = first; k < end; k++) {
+        int at = p.first_of[k - first];
+        c->element[k] = MESH_SEVERAL;
+        if (c->leaves[k].area > 0)
+            give_squares(c, c->leaves[k].block, p.pieces + at, p.first_of[k - first + 1] - at, squares);
+    }
+}
+
+void mesh_add_patches(MeshCutting *c, Face *face, int index) {
+    Mesh *mesh = c->builder->mesh;
+    c->element = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count);
+    int squares = face->nx * face->ny;
+    bool is_cut = c->builder->first_cut[index + 1] > c->builder->first_cut[index];
+    face->first_square = mesh->square_count;
+    face->first_element = mesh->element_count;
+    face->first_patch = mesh->patch_count;
+    for (int i = 0; i < squares; i++)
+        *ARENA_PUSH(c->builder->arena, mesh->squares, mesh->square_count, c->builder->square_capacity) = -1;
+    int *square = mesh->squares + face->first_square;
+    for (int first = 0, end; first < c->leaf_count; first = end) {
+        for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
+        if (is_cut)
+            add_cut_patches(c, index, first, end, square);
+        else
+            add_whole_patch(c, index, first, end);
+    }
+    for (int i = 0; i < squares; i++)
+        if (c->element[c->owner[i]] != MESH_SEVERAL) square[i] = c->element[c->owner[i]];
+    face->element_count = mesh->element_count - face->first_element;
+    face->patch_count = mesh->patch_count - face->first_patch;
+}

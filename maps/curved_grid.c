@@ -34,17 +34,16 @@ double curved_patch_steps(const CurvedControl *control, double tolerance, int *u
     PatchBends bends = curved_patch_bends(control);
     const int last = STEP_COUNT - 1;
     int i = 0, j = 0;
-    double off;
-    while ((off = curved_patch_off(&bends, STEPS[i], STEPS[j])) > tolerance && (i < last || j < last)) {
+    for (;;) {
+        double off = curved_patch_off(&bends, STEPS[i], STEPS[j]);
+        *u = STEPS[i];
+        *v = STEPS[j];
+        if (off <= tolerance || (i == last && j == last)) return off;
         // The way that gains more.
-        double along = curved_patch_off(&bends, STEPS[i < last ? i + 1 : last], STEPS[j]),
-               across = curved_patch_off(&bends, STEPS[i], STEPS[j < last ? j + 1 : last]);
-        bool first = i < last && (j == last || along < across || (along == across && i <= j));
-        *(first ? &i : &j) += 1;
+        double along = i < last ? curved_patch_off(&bends, STEPS[i + 1], STEPS[j]) : INFINITY,
+               across = j < last ? curved_patch_off(&bends, STEPS[i], STEPS[j + 1]) : INFINITY;
+        *(along < across || (along == across && i <= j) ? &i : &j) += 1;
     }
-    *u = STEPS[i];
-    *v = STEPS[j];
-    return off;
 }
 
 int curved_border_steps(const CurvedControl border[4], double tolerance) {

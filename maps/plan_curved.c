@@ -76,7 +76,7 @@ bool plan_read_sphere(PlanLine *line, PlanModels *models) {
 
 bool plan_read_ellipsoid(PlanLine *line, PlanModels *models) {
     int material;
-    Vec3 centre, radii;
+    Vec3 centre, radii = {0};
     double angle = 0, tolerance = PLAN_TOLERANCE;
     PlanOption options[] = {{.word = "radii",
                              .kind = PLAN_TRIPLE,

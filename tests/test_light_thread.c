@@ -33,7 +33,7 @@ static bool pull(void *context, const LightHooks *hooks, Arena *arena, WalkLight
         if (!progress_report(&hooks->progress, "", (i + 1.0) / p->states)) return error_set(error, "stopped");
     }
     while (p->endless && progress_report(&hooks->progress, "", 0.5)) nap();
-    *out = (WalkLight){mesh, solution, NULL};
+    *out = (WalkLight){.mesh = mesh, .solution = solution};
     *error = (Error){""};
     return !p->fails || error_set(error, "no light today");
 }

@@ -115,7 +115,7 @@ static void check(const char *file, const char *building, const LitView *views) 
     cr_assert(context, "%s", error.text);
     WalkRenderer *renderer = walk_renderer_new(&b->scene.graph, &b->arena, &error);
     cr_assert(renderer, "%s", error.text);
-    WalkLight light = {&b->mesh, &b->solution};
+    WalkLight light = {.mesh = &b->mesh, .solution = &b->solution};
     cr_assert(walk_renderer_light(renderer, &light, &b->arena, &error), "%s", error.text);
     for (; views->name; views++) {
         Arena scratch = {0};

@@ -148,7 +148,7 @@ static void room_finish(Room *room) {
         for (int e = 0; e < lit->mesh.element_count; e++)
             for (int c = 0; c < 3; c++) solutions[i]->radiosity[e][c] = furnace_of(lit, e, i);
     }
-    room->light = (WalkLight){&lit->mesh, &room->solution, NULL};
+    room->light = (WalkLight){.mesh = &lit->mesh, .solution = &room->solution};
 }
 
 typedef struct Shot {

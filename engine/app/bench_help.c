@@ -91,7 +91,9 @@ static const char OF_LIGHT[] =
     "    --seed N, --sky L, --csv OUT  as above\n\n"
     "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
     "    --seed N            of the patches that shoot\n"
-    "    --csv OUT           as above\n\n"
+    "    --csv OUT           as above\n\n";
+
+static const char OF_METHODS[] =
     "  hidden         each hidden-surface method: time, memory and operations by polygons, depth complexity "
     "and\n"
     "                 resolution, in scenes of its own; in FILE along the auto tour, culled and not\n"
@@ -104,7 +106,9 @@ static const char OF_LIGHT[] =
     "distance\n"
     "                 of a wall, the threshold of polylines, the distance from the origin; in scenes of its "
     "own\n"
-    "    --seed N            of their turns\n\n"
+    "    --seed N            of their turns\n\n";
+
+static const char OF_RAYS[] =
     "  rays           what a ray costs that hits or misses a curved shape; of Bezier patches by each method, "
     "and what "
     "each\n"
@@ -115,4 +119,7 @@ static const char OF_LIGHT[] =
     "    --seed N            of the rays\n"
     "    --csv OUT           as above\n";
 
-bool bench_print_help(void) { return fputs(OF_WALKS, stdout) >= 0 && fputs(OF_LIGHT, stdout) >= 0; }
+bool bench_print_help(void) {
+    return fputs(OF_WALKS, stdout) >= 0 && fputs(OF_LIGHT, stdout) >= 0 && fputs(OF_METHODS, stdout) >= 0 &&
+           fputs(OF_RAYS, stdout) >= 0;
+}

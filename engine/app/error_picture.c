@@ -145,7 +145,7 @@ static bool write_legend(const char *folder, Error *error) {
 }
 
 bool error_picture(const ErrorPicture *e, const Camera *camera, const char *folder, const char *name,
-                          ErrorPictureFound *found, Error *error) {
+                   ErrorPictureFound *found, Error *error) {
     Pixels p = {.arena = {0}};
     look_and_trace(e, camera, &p);
     uint8_t *rgb = ARENA_ARRAY(&p.arena, uint8_t, 3 * p.count);

@@ -17,7 +17,7 @@ typedef struct ErrorPictureFound {
 } ErrorPictureFound;
 
 // Writes DIR/NAME-error.png, and DIR/light-error-scale.svg, its legend. Pixels that show lamps, backs or nothing are grey.
-bool error_picture(const ErrorPicture *errors, const Camera *camera, const char *folder,
-                          const char *name, ErrorPictureFound *found, Error *error);
+bool error_picture(const ErrorPicture *errors, const Camera *camera, const char *folder, const char *name,
+                   ErrorPictureFound *found, Error *error);
 
 #endif

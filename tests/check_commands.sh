@@ -68,6 +68,7 @@ expect 2 "$program" bake --probe nan,2,3,0,0,1 $maps/two-rooms.plan && says err 
 expect 2 "$program" bake --method hemicube --hidden nonsense $maps/two-rooms.plan && says err '--hidden is `nonsense`'
 expect 2 "$program" bake --hidden raycast $maps/two-rooms.plan && says err 'give --method hemicube'
 expect 2 "$program" bench formfactors --methods hemicube-nonsense && says err '`hemicube-nonsense`'
+expect 2 "$program" bench meshes --points 0 && says err 'allowed 1 to 1000000'
 expect 2 "$program" bench hidden --methods zbuffer,nonsense && says err '`zbuffer,nonsense`'
 # Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'

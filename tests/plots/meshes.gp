@@ -16,7 +16,7 @@ do for [format in "svg png"] {
     if (format eq "png") { set terminal pngcairo size 1100,800 font 'DejaVu Sans,10' background '#ffffff' }
     set output sprintf('%s.%s', out, format)
     set multiplot layout 2,2
-    set key top right samplen 2
+    set key outside bottom center horizontal maxcols 2 samplen 2
     set xlabel 'elements'
     set ylabel 'RMS, percent of the mean irradiance'
     do for [b=1:words(names)] {

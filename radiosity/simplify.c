@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-#include "engine/core/error.h"
+#include "radiosity/simplify_queue.h"
 
 // How far a collapse may turn a triangle, as a cosine: a round leg may become square, but nothing folds.
 static const double LEAST_TURNED = 0.35;
@@ -29,13 +29,6 @@ typedef struct List {
     int count, capacity;
 } List;
 
-// What a corner may do: move to `to`.
-typedef struct Candidate {
-    double harm;
-    int from, to;
-    unsigned stamp;
-} Candidate;
-
 typedef struct Work {
     SimplifySurface *s;
     double tolerance;
@@ -46,39 +39,11 @@ typedef struct Work {
     int plane_count, plane_capacity;
     unsigned *stamp;  // [point_count] candidates of other stamps are of the past
     int *mark, now;   // [point_count]
-    Candidate *heap;
-    int heap_count, heap_capacity;
+    SimplifyQueue queue;
 } Work;
 
 static void push(Arena *arena, List *list, int item) {
     *ARENA_PUSH(arena, list->item, list->count, list->capacity) = item;
-}
-
-// ---- the heap
-
-static bool before(const Candidate *a, const Candidate *b) {
-    if (a->harm != b->harm) return a->harm < b->harm;
-    return a->from != b->from ? a->from < b->from : a->to < b->to;
-}
-
-static void heap_push(Work *w, Candidate c) {
-    (void)ARENA_PUSH(&w->arena, w->heap, w->heap_count, w->heap_capacity);
-    int at = w->heap_count - 1;
-    for (; at > 0 && before(&c, &w->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        w->heap[at] = w->heap[(at - 1) / 2];
-    w->heap[at] = c;
-}
-
-static Candidate heap_pop(Work *w) {
-    Candidate top = w->heap[0], last = w->heap[--w->heap_count];
-    int at = 0;
-    for (int child; (child = 2 * at + 1) < w->heap_count; at = child) {
-        if (child + 1 < w->heap_count && before(&w->heap[child + 1], &w->heap[child])) child++;
-        if (!before(&w->heap[child], &last)) break;
-        w->heap[at] = w->heap[child];
-    }
-    w->heap[at] = last;
-    return top;
 }
 
 // ---- triangles
@@ -200,7 +165,7 @@ static double harm_of(const Work *w, int u, Vec3 at) {
 // The best that u can do, onto the heap.
 static void consider(Work *w, int u) {
     int around[MOST_NEIGHBOURS], count;
-    Candidate ways[MOST_NEIGHBOURS];
+    SimplifyMove ways[MOST_NEIGHBOURS];
     int way_count = 0;
     w->stamp[u]++;
     if (w->s->locked[u] || (count = neighbours_of(w, u, around)) > MOST_NEIGHBOURS) return;
@@ -209,14 +174,14 @@ static void consider(Work *w, int u) {
         double harm = harm_of(w, u, at);
         if (harm > w->tolerance) continue;
         harm += LENGTH_WEIGHT * vec3_length(vec3_sub(at, w->s->points[u]));
-        Candidate c = {harm, u, around[i], w->stamp[u]};
+        SimplifyMove c = {harm, u, around[i], w->stamp[u]};
         int k = way_count++;
-        for (; k > 0 && before(&c, &ways[k - 1]); k--) ways[k] = ways[k - 1];
+        for (; k > 0 && simplify_before(&c, &ways[k - 1]); k--) ways[k] = ways[k - 1];
         ways[k] = c;
     }
     for (int i = 0; i < way_count; i++) {
         if (!is_allowed(w, u, ways[i].to)) continue;
-        heap_push(w, ways[i]);
+        simplify_queue_push(&w->queue, &w->arena, ways[i]);
         return;
     }
 }
@@ -325,8 +290,8 @@ static void start(Work *w) {
 int simplify(SimplifySurface *surface, double tolerance) {
     Work w = {.s = surface, .tolerance = tolerance};
     start(&w);
-    while (w.heap_count > 0) {
-        Candidate c = heap_pop(&w);
+    while (w.queue.count > 0) {
+        SimplifyMove c = simplify_queue_pop(&w.queue);
         if (c.stamp != w.stamp[c.from]) continue;
         if (!is_allowed(&w, c.from, c.to)) {
             consider(&w, c.from);

@@ -21,6 +21,8 @@ static const double MOST_NOISE = 8;
 static const double NEAREST = 1e-18;
 // Elements smaller than this share of the mean of those around them are slivers: elements of neighbouring sizes are not, of 1 to 4.
 static const double SLIVER = 0.25;
+// What is laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
+static const double MOST_REST = 0.2;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
 static const double NO_SPREAD = 1e-6;
 
@@ -248,11 +250,16 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
     fit.light = arena_alloc(&fit.scratch, (size_t)mesh->element_count, sizeof *fit.light);
     find_light(&fit);
     memset(out, 0, (size_t)nodes->count * sizeof *out);
+    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count, sizeof *rest);
     add_fits(&fit, out);
     leave_the_rest(&fit, out);
-    add_fits(&fit, out);
-    for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c], 0);
+    add_fits(&fit, rest);
+    for (int n = 0; n < nodes->count; n++) {
+        for (int c = 0; c < 3; c++) {
+            double first = fmax(out[n][c], 0), most = MOST_REST * first;
+            out[n][c] = first + fmin(fmax(rest[n][c], -most), most);
+        }
+    }
     arena_free(&fit.scratch);
 }
 

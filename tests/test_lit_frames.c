@@ -51,12 +51,10 @@ static const LitView BASEMENT[] = {{"bathroom", {6.2, -0.97, 2.72}, 71.9, -30, 8
                                    {0}};
 static const LitView APARTMENT[] = {
     {"boxes", {5.12, -6.41, 1.47}, 112.4, -30, 80, 0}, {"corner", {7.12, -6.18, 1.6}, -37.6, 5, 80, 0}, {0}};
-static const LitView FOUR_BEDROOMS[] = {
-    {"table", {8.37, -4.92, 1.64}, -48.6, -30, 80, 0}, {"window", {11.76, -6.46, 1.62}, 24.4, 5, 80, 0}, {0}};
 
-// In steps that no eye sees: the file is a third as large.
+// In steps far below what may differ: the file is a quarter as large.
 static void keep(const char *path, const uint8_t *rgb, Arena *arena) {
-    enum { STEP = 4 };
+    enum { STEP = 8 };
     Error error;
     uint8_t *rough = ARENA_ARRAY(arena, uint8_t, CHANNELS);
     for (int i = 0; i < CHANNELS; i++) {
@@ -145,7 +143,7 @@ Test(lit_frames, office, .timeout = 600) {
 }
 
 static void check_home(const char *file, const char *name, const LitView *views) {
-    if (!support_count(0, 1)) cr_skip_test("three homes take half a minute to bake: make soak");
+    if (!support_count(0, 1)) cr_skip_test("homes take half a minute to bake: make soak");
     char path[1024];
     snprintf(path, sizeof path, "%s", support_shared(file));
     check(path, name, views);
@@ -155,7 +153,4 @@ Test(lit_frames, basement, .timeout = 600) {
 }
 Test(lit_frames, apartment, .timeout = 600) {
     check_home("sh3d/3BedroomApartment.Home.xml", "apartment", APARTMENT);
-}
-Test(lit_frames, four_bedrooms, .timeout = 600) {
-    check_home("sh3d/4-BedroomHouse.sh3d", "four-bedrooms", FOUR_BEDROOMS);
 }

@@ -168,6 +168,8 @@ Test(bezier_clip, rays_that_touch, .timeout = 60) {
                       "%s, seed %llu: u %.6f v %.6f, %d hits, the nearest %g away, not %g",
                       RAY_PATCH_NAMES[patch], seed, u, v, count, nearest, reach);
         }
+        cr_assert(100 * work.undecided <= work.rays, "%s: %lld of %lld undecided", RAY_PATCH_NAMES[patch],
+                  work.undecided, work.rays);
         cr_assert(200LL * missed <= work.rays, "%s: %d of %lld missed", RAY_PATCH_NAMES[patch], missed,
                   work.rays);
         cr_log_info("%s: %.1f clips, %.1f halvings, %.1f steps a ray, %lld undecided, %d missed",

@@ -196,9 +196,9 @@ static void bench_patch(int index, const BenchArguments *a, Text *csv) {
     shape.trim_count = 0;
     untrimmed.shapes = &shape;
     const BezierPatch *whole = bezier_patch_new(&untrimmed, &shape, true, &arena);
-    make_rays(shooters[0].patch->box, a->seed + 1, rays, TRUTH_RAYS);
+    make_rays(whole->box, a->seed + 1, rays, TRUTH_RAYS);
     for (int i = 0; i < TRUTH_RAYS; i++) compare(shooters, count, whole, &rays[i]);
-    measure_all(shooters, count, shooters[0].patch->box, a->seed, csv);
+    measure_all(shooters, count, whole->box, a->seed, csv);
     arena_free(&arena);
 }
 

@@ -65,7 +65,7 @@ bool bernstein_clip(const double *c, int degree, double slack, double *low, doub
         most = c[i] > most ? c[i] : most;
     }
     if (!(least <= slack && most >= -slack)) return false;
-    double b[BERNSTEIN_DEGREE + 1];
+    double b[BERNSTEIN_DEGREE + 1] = {0};
     for (int end = 0; end < 2; end++) {
         double first = c[end ? degree : 0], sign = first > 0 ? 1 : -1;
         for (int i = 0; i <= degree; i++) b[i] = sign * c[i] - slack;

@@ -82,7 +82,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     options.shots = 0;
     options.seconds = 0;
     options.lamps_only = lamps_only;
-    options.reach = 0;
+    if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
     int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;

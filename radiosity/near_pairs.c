@@ -8,8 +8,8 @@
 #include <math.h>
 
 #include "engine/core/error.h"
-#include "engine/core/polygon.h"
 #include "engine/core/lane.h"
+#include "engine/core/polygon.h"
 
 // Of a polygon that has so many corners, those of neighbours on its edges included.
 enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };
@@ -94,12 +94,13 @@ static void add_point(PointList *list, double x, double y, double weight) {
     list->weight[list->count++] = (float)weight;
 }
 
-// Gauss-Legendre, two by two, over a quadrilateral; a triangle is one with two corners in one place.
-static void add_quad(PointList *list, const Vec3 q[4]) {
+// Gauss-Legendre, two by two, over each of `parts` by `parts` parts of a quadrilateral; a triangle is one with two corners in one
+// place.
+static void add_quad(PointList *list, const Vec3 q[4], int parts) {
     static const double at[2] = {0.21132486540518713, 0.78867513459481287};
-    for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++) {
-            double u = at[i], v = at[j];
+    for (int i = 0; i < 2 * parts; i++) {
+        for (int j = 0; j < 2 * parts; j++) {
+            double u = (i / 2 + at[i % 2]) / parts, v = (j / 2 + at[j % 2]) / parts;
             Vec3 low = vec3_lerp(q[0], q[1], u), high = vec3_lerp(q[3], q[2], u);
             Vec3 along = vec3_lerp(vec3_sub(q[1], q[0]), vec3_sub(q[2], q[3]), v), up = vec3_sub(high, low);
             Vec3 p = vec3_lerp(low, high, v);
@@ -130,11 +131,11 @@ static int corners_of(const Mesh *mesh, const Axes *axes, const Element *element
     return true_corners(v, count);
 }
 
-static void add_element(PointList *list, const Vec3 *v, int count) {
+static void add_element(PointList *list, const Vec3 *v, int count, int parts) {
     for (int i = 1; i + 1 < count; i += 2) {
         Vec3 last = v[i + 2 < count ? i + 2 : i + 1];
         Vec3 quad[4] = {v[0], v[i], v[i + 1], last};
-        add_quad(list, quad);
+        add_quad(list, quad, parts);
     }
 }
 
@@ -145,6 +146,10 @@ static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
     if (count > 0) add_point(list, sum.x / count, sum.y / count, area);
 }
 
+// A patch of one element is looked at from so many points at least, one that emits from more: lamps are few, and what is close to one
+// is brighter than all else.
+enum { LEAST_POINTS = 16, LEAST_LAMP_POINTS = 144 };
+
 static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, Points *out) {
     PointList list = {.count = 0};
     int points = 1;
@@ -152,12 +157,16 @@ static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, P
     add_point(&list, 0, 0, 0);
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
         points += 4 * ((corners_of(mesh, axes, &mesh->elements[e], v) - 1) / 2);
+    int least = mesh_emits(mesh, patch->face) ? LEAST_LAMP_POINTS : LEAST_POINTS, parts = 1;
+    while (points > 1 && (points - 1) * parts * parts < least &&
+           (points - 1) * (parts + 1) * (parts + 1) < MOST_POINTS)
+        parts++;
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
         int count = corners_of(mesh, axes, &mesh->elements[e], v);
         if (points > MOST_POINTS)
             add_middle(&list, v, count, mesh->elements[e].area);
         else
-            add_element(&list, v, count);
+            add_element(&list, v, count, parts);
     }
     float sum = 0;
     for (int i = 0; i < list.count; i++) sum += list.weight[i];

@@ -118,8 +118,8 @@ Test(light_stability, lamp_a_centimetre_from_a_wall, .timeout = 120) {
     e = baked_errors(lit, &s, room, POINTS / 2);
     baked_print("1 cm: the room", &e);
     // What comes out of the slit was reflected in its outermost centimetres: single points see elements of 6 cm there.
-    cr_expect_lt(fabs(e.sum - 1), 0.07);
-    cr_expect_lt(e.gathered_rms, 0.4);
+    cr_expect_lt(fabs(e.sum - 1), 0.15);
+    cr_expect_lt(e.gathered_rms, 0.45);
     lit_free(lit);
 }
 

@@ -9,6 +9,7 @@
 #include "engine/walk/session_state.h"
 #include "tests/lit_fixture.h"
 #include "tests/support.h"
+#include "tests/walk_loader.h"
 
 static void nap(void) { usleep(500); }
 
@@ -148,18 +149,6 @@ typedef struct Walked {
     double now;
 } Walked;
 
-static bool load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
-    (void)context;
-    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    AppOptions options = app_default_options();
-    options.lamps = true;
-    if (!app_load(path, &options, arena, scene, error)) return false;
-    AppBake *bake = app_bake_new(path, scene, arena);
-    *out = (WalkScene){
-        .graph = &scene->graph, .forest = &scene->forest, .baker = {bake ? app_bake : NULL, bake}};
-    return true;
-}
-
 static void walk_in(Walked *w, const char *building, WalkLook look) {
     Error error;
     *w = (Walked){.arena = {0}};
@@ -175,7 +164,7 @@ static void walk_in(Walked *w, const char *building, WalkLook look) {
     options.file = w->file;
     options.pictures = w->folder;
     options.look = look;
-    SessionLoader loader = {load, NULL};
+    SessionLoader loader = {walk_loader_lit, NULL};
     w->session = session_new(&options, &loader, &w->arena, &error);
     cr_assert(w->session, "%s", error.text);
 }

@@ -346,7 +346,8 @@ Test(proxy, none_where_nothing_is_fine) {
     Lit *lit = lit_new();
     Error error = {""};
     *lit->building = (Building){0};
-    cr_assert(maps_read("build/maps/office-plain.plan", &lit->arena, lit->building, &error), "%s", error.text);
+    cr_assert(maps_read("build/maps/office-plain.plan", &lit->arena, lit->building, &error), "%s",
+              error.text);
     lit_finish(lit, 1, 2);
     cr_expect_null(proxies_of(lit, PROXY_TOLERANCE));
     const FineMesh *same = fine_mesh_new(&lit->mesh, &lit->arena);

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "engine/app/app_light.h"
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
 #include "engine/walk/session.h"
 #include "engine/walk/session_state.h"
 #include "tests/support.h"
+#include "tests/walk_loader.h"
 
 typedef struct Soak {
     Arena arena;
@@ -21,18 +21,6 @@ typedef struct Soak {
     double now;
     long frames, events, doors, changes, faults;
 } Soak;
-
-static bool load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
-    (void)context;
-    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    AppOptions options = app_default_options();
-    options.lamps = true;
-    if (!app_load(path, &options, arena, scene, error)) return false;
-    AppBake *bake = app_bake_new(path, scene, arena);
-    *out = (WalkScene){
-        .graph = &scene->graph, .forest = &scene->forest, .baker = {bake ? app_bake : NULL, bake}};
-    return true;
-}
 
 static int below(Soak *s, int count) { return random_index(&s->random, count); }
 
@@ -104,7 +92,7 @@ static void begin(Soak *s, const char *building, uint64_t seed) {
     SessionOptions options = session_default_options();
     options.file = s->file;
     options.pictures = folder;
-    SessionLoader loader = {load, NULL};
+    SessionLoader loader = {walk_loader_lit, NULL};
     s->session = session_new(&options, &loader, &s->arena, &error);
     cr_assert(s->session, "%s", error.text);
 }

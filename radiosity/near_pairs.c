@@ -148,7 +148,7 @@ static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
 
 // A patch of one element is looked at from so many points at least, one that emits from more: lamps are few, and what is close to one
 // is brighter than all else.
-enum { LEAST_POINTS = 16, LEAST_LAMP_POINTS = 144 };
+enum { LEAST_POINTS = 8, LEAST_LAMP_POINTS = 144 };
 
 static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, Points *out) {
     PointList list = {.count = 0};

@@ -274,8 +274,8 @@ static void fill_face(const Mesh *mesh, int f, const RadSolution *solution, doub
 }
 
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
-    VertexLight out = {arena_alloc(arena, (size_t)mesh->corner_count, sizeof *out.corner),
-                       arena_alloc(arena, (size_t)mesh->face_count, sizeof *out.face)};
+    VertexLight out = {.corner = arena_alloc(arena, (size_t)mesh->corner_count, sizeof *out.corner),
+                       .face = arena_alloc(arena, (size_t)mesh->face_count, sizeof *out.face)};
     Arena scratch = {0};
     Nodes nodes = nodes_of(mesh, &scratch);
     double(*value)[3] = solution->node;

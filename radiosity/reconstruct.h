@@ -9,6 +9,8 @@
 typedef struct VertexLight {
     double (*corner)[3];  // [mesh->corner_count] as Mesh.corners; equal for all corners of a node
     double (*face)[3];    // [mesh->face_count] mean by area
+    int *
+        triangle;  // [3 * mesh->corner_count] of an element from 3 * first_corner on; NULL: cut anew whenever asked
 } VertexLight;
 
 // A solution that was gathered at nodes is taken as it is there.
@@ -16,6 +18,9 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
 
 // [nodes->count]
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
+
+// The triangles that elements are drawn as, for a VertexLight that is asked often.
+int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
 
 // At a point of a face: linear over the triangles that elements are drawn as (polygon_triangulate). A point that is a rounding
 // outside counts as the nearest of its element.

@@ -87,6 +87,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
         shown.node_count = 0;
     }
     light.baked = reconstruct_light(mesh, &shown, arena);
+    light.baked.triangle = reconstruct_triangles(mesh, arena);
     find_mean(mesh, solution, light.mean);
     arena_free(&scratch);
     return light;

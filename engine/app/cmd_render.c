@@ -22,7 +22,9 @@ static const char HELP[] =
     "  --size WxH        pixels, 16 to 8192 each (default 1280x720)\n"
     "  --samples N       of a pixel, 1 to 4096 (default 16)\n"
     "  --depth N         rays on top of one another in mirrors and glass, 1 to 64 (default 12)\n"
-    "  --direct NAME     light straight from lamps: rays (default), with sharp shadows, or baked\n"
+    "  --direct NAME     light straight from lamps: rays, with sharp shadows, or baked (default: rays, "
+    "unless more\n"
+    "                    than a quarter of all surfaces emit)\n"
     "  --tree NAME       what finds where rays hit: own (default), a hierarchy of boxes, or grid\n"
     "  --exposure S      brighter by so many stops, -8 to 8 (default 0)\n"
     "  --light FILE.rad  the light that `enfilade bake` stored (default: FILE with the suffix .rad, or what "
@@ -102,7 +104,8 @@ static int parse_camera(int c, RenderArguments *r) {
     }
 }
 
-static int parse_still(int c, StillOptions *s) {
+static int parse_still(int c, RenderArguments *r) {
+    StillOptions *s = &r->still;
     int name = 0, code;
     switch (c) {
     case SAMPLES:
@@ -114,6 +117,7 @@ static int parse_still(int c, StillOptions *s) {
     case DIRECT:
         code = parse_name("--direct", STILL_DIRECT_NAMES, STILL_DIRECTS, &name);
         s->direct = (StillDirect)name;
+        r->direct_given = true;
         return code;
     case TREE:
         code = parse_name("--tree", STILL_TREE_NAMES, STILL_TREES, &name);
@@ -146,7 +150,7 @@ static int take(int c, char **argv, Arguments *a) {
     case '?':
         return app_misuse_option("render", c, argv);
     default:
-        return c >= VIEW && c <= SIZE ? parse_camera(c, &a->render) : parse_still(c, &a->render.still);
+        return c >= VIEW && c <= SIZE ? parse_camera(c, &a->render) : parse_still(c, &a->render);
     }
 }
 

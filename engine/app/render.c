@@ -16,6 +16,7 @@ static const double NEAREST_LOOK = 1e-6;
 
 typedef struct Render {
     const RenderArguments *a;
+    StillOptions still;  // as asked for, and as fits
     AppScene scene;
     WalkLight light;
     RadSolution lamps_only;
@@ -144,11 +145,23 @@ static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *
 
 // ---- the picture
 
+// Where so much of all surfaces emits shadows have no edges: rays would bring noise alone.
+static const double MOST_EMITTING = 0.25;
+
+static StillDirect fitting_direct(const Mesh *mesh) {
+    double emitting = 0, all = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        all += mesh->elements[e].area;
+        if (mesh_emits(mesh, mesh->elements[e].face)) emitting += mesh->elements[e].area;
+    }
+    return emitting > MOST_EMITTING * all ? STILL_BAKED : STILL_RAYS;
+}
+
 static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
     const RenderArguments *a = r->a;
     uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->width * (size_t)a->height * 3);
     StillSource source = {&r->scene.forest, &r->light, &r->lamps_only};
-    if (!still_draw(&source, &r->camera, &a->still, progress, rgb, &r->report))
+    if (!still_draw(&source, &r->camera, &r->still, progress, rgb, &r->report))
         return error_set(error, "stopped");
     return image_write_png(a->out, rgb, a->width, a->height, error);
 }
@@ -175,7 +188,7 @@ static void print_result(const Render *r) {
     app_print_json(json_pack(
         "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f s:f}", "file", a->out,
         "width", a->width, "height", a->height, "samples", a->still.samples, "depth", a->still.depth,
-        "direct", STILL_DIRECT_NAMES[a->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
+        "direct", STILL_DIRECT_NAMES[r->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
         s->exposure, "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt",
         (json_int_t)s->work.matt, "ended_escaped", (json_int_t)s->work.escaped, "ended_faint",
         (json_int_t)s->work.faint, "ended_deep", (json_int_t)s->work.deep, "baked", r->baked, "seconds_light",
@@ -184,13 +197,14 @@ static void print_result(const Render *r) {
 }
 
 int render(const RenderArguments *arguments) {
-    Render r = {.a = arguments};
+    Render r = {.a = arguments, .still = arguments->still};
     Arena arena = {0};
     Error error = {""};
     Progress progress = app_progress_stoppable(0);
     bool good =
         load(&r, &arena, &error) && find_camera(&r, &error) && get_light(&r, &progress, &arena, &error);
-    if (good && arguments->still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
+    if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light.mesh);
+    if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
     good = good && draw(&r, &progress, &arena, &error);
     app_progress_end();
     if (good) print_result(&r);

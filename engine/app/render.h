@@ -13,6 +13,7 @@ typedef struct RenderArguments {
     double fov;  // radians, horizontal
     int width, height;
     StillOptions still;
+    bool direct_given;  // else `still.direct` is what fits the building
     bool json;
 } RenderArguments;
 

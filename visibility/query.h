@@ -2,8 +2,8 @@
 #ifndef VISIBILITY_QUERY_H
 #define VISIBILITY_QUERY_H
 
+#include "engine/core/four.h"
 #include "visibility/build.h"
-#include "visibility/query_four.h"
 
 enum { CACHE_LINE = 64 };  // bytes, for what is fetched ahead
 enum { MAX_PLANES = 24, MAX_CORNERS = 2 * MAX_PLANES + 8 };
@@ -32,7 +32,8 @@ typedef struct Cone {
 } Cone;
 
 // Portals as a cell has them, four at a time, in the order of CellGraph.contacts: what most tests need, in four lines of
-// the cache. Gate 4 * k + i is lane i of block k. The lanes that a cell leaves over are nowhere: d is infinite.
+// the cache. Four doubles, not eight floats: a cell has four or five portals in the mean, so that more lanes would stay
+// empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a cell leaves over are nowhere: d is infinite.
 typedef struct GateBlock {
     // Of the portal's plane, pointing into the cell.
     Four nx, ny, d;

@@ -10,7 +10,7 @@
 // The least slope of a ray against a patch that counts there.
 #define LEAST_SLOPE 1e-9
 
-void bezier_beam_project(const BezierBeam *beam, const PatchNet *net, int plane, Lane4 out[4]) {
+void bezier_beam_project(const BezierBeam *beam, const PatchNet *net, int plane, Four out[4]) {
     Vec3 n = beam->n[plane];
     for (int k = 0; k < 4; k++)
         out[k] = (n.x * net->x[k] + n.y * net->y[k]) + (n.z * net->z[k] - beam->e[plane] * net->w[k]);
@@ -75,15 +75,15 @@ typedef struct Entry {
 // The children that the beam meets, the nearest last. Returns how many.
 static int children_met(const BezierBeam *beam, const Vec3 *inverse_d, const PatchNode *node, Entry out[4]) {
     const double o[3] = {beam->o.x, beam->o.y, beam->o.z}, d[3] = {inverse_d->x, inverse_d->y, inverse_d->z};
-    Lane4 in = lane4_of(beam->list->near - beam->start), leave = lane4_of(beam->list->far - beam->start);
+    Four in = four_of(beam->list->near - beam->start), leave = four_of(beam->list->far - beam->start);
     for (int k = 0; k < 3; k++) {
-        Lane4 a = (node->low[k] - lane4_of(o[k])) * lane4_of(d[k]);
-        Lane4 b = (node->high[k] - lane4_of(o[k])) * lane4_of(d[k]);
-        in = lane4_most(lane4_least(a, b), in);
-        leave = lane4_least(lane4_most(a, b), leave);
+        Four a = (node->low[k] - four_of(o[k])) * four_of(d[k]);
+        Four b = (node->high[k] - four_of(o[k])) * four_of(d[k]);
+        in = four_most(four_least(a, b), in);
+        leave = four_least(four_most(a, b), leave);
     }
     int count = 0;
-    for (unsigned met = lane4_mask(in <= leave) & ((1u << node->count) - 1); met; met &= met - 1) {
+    for (unsigned met = four_lanes(in <= leave) & ((1u << node->count) - 1); met; met &= met - 1) {
         int i = __builtin_ctz(met), k = count++;
         for (; k > 0 && out[k - 1].t < in[i]; k--) out[k] = out[k - 1];
         out[k] = (Entry){node->child[i], in[i]};

@@ -19,7 +19,7 @@ typedef struct BezierBeam {
 // False: the ray passes beside all of the patch.
 bool bezier_beam(const BezierPatch *patch, const Ray *ray, HitList *list, CurvedWork *work, BezierBeam *out);
 // Distances of a net's points to one of the planes, multiplied by their weights; rows of v.
-void bezier_beam_project(const BezierBeam *beam, const PatchNet *net, int plane, Lane4 out[4]);
+void bezier_beam_project(const BezierBeam *beam, const PatchNet *net, int plane, Four out[4]);
 // Calls for the pieces whose boxes the ray meets before the hits found so far, the nearest first.
 void bezier_beam_pieces(const BezierBeam *beam,
                         void (*each)(const BezierBeam *beam, const PatchPiece *piece));

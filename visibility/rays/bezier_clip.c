@@ -175,12 +175,12 @@ static bool settle(const BezierBeam *beam, const PatchPiece *piece, BezierPart *
     }
 }
 
-static bool misses(const Lane4 row[4], double slack) {
-    return lane4_least_of(lane4_least_row(row)) > slack || lane4_most_of(lane4_most_row(row)) < -slack;
+static bool misses(const Four row[4], double slack) {
+    return four_least_of(four_least_row(row)) > slack || four_most_of(four_most_row(row)) < -slack;
 }
 
 static void piece_hits(const BezierBeam *beam, const PatchPiece *piece) {
-    Lane4 f[4], g[4];
+    Four f[4], g[4];
     bezier_beam_project(beam, &piece->net, 0, f);
     if (misses(f, beam->slack)) return;
     bezier_beam_project(beam, &piece->net, 1, g);

@@ -15,12 +15,12 @@ enum { WAITING = 200, MOST_PARTS = 100000, STARTS = 4, MOST_STEPS = 20 };
 // ---- halving
 
 typedef struct Half {
-    Lane4 f[4], g[4];
+    Four f[4], g[4];
     double u, v, width_u, width_v;
 } Half;
 
-static bool misses(const Lane4 row[4], double slack) {
-    return lane4_least_of(lane4_least_row(row)) > slack || lane4_most_of(lane4_most_row(row)) < -slack;
+static bool misses(const Four row[4], double slack) {
+    return four_least_of(four_least_row(row)) > slack || four_most_of(four_most_row(row)) < -slack;
 }
 
 static void halve(Half *first, Half *second) {
@@ -29,7 +29,7 @@ static void halve(Half *first, Half *second) {
     for (int k = 0; k < 2; k++) {
         Half *half = k ? second : first;
         BezierCut cut = bezier_cut(0.5 * k, 0.5 + 0.5 * k);
-        void (*by)(Lane4 row[4], const BezierCut *cut) = along_v ? bezier_cut_rows : bezier_cut_lanes;
+        void (*by)(Four row[4], const BezierCut *cut) = along_v ? bezier_cut_rows : bezier_cut_lanes;
         by(half->f, &cut);
         by(half->g, &cut);
         double *at = along_v ? &half->v : &half->u, *width = along_v ? &half->width_v : &half->width_u;

@@ -10,7 +10,7 @@
 // ---- lines
 
 // The mean tangents of a net in the plane, from its corners; both rows of v, lanes along u.
-static void mean_tangents(const Lane4 f[4], const Lane4 g[4], Vec2 *along_u, Vec2 *along_v) {
+static void mean_tangents(const Four f[4], const Four g[4], Vec2 *along_u, Vec2 *along_v) {
     *along_u = vec2(f[0][3] - f[0][0] + f[3][3] - f[3][0], g[0][3] - g[0][0] + g[3][3] - g[3][0]);
     *along_v = vec2(f[3][0] - f[0][0] + f[3][3] - f[0][3], g[3][0] - g[0][0] + g[3][3] - g[0][3]);
 }
@@ -22,7 +22,7 @@ static Vec2 unit(Vec2 a, Vec2 instead) {
 
 // Lines along the mean tangents; where these are nearly one, the second line is across the first: only so is a part
 // clipped along both.
-static void choose_lines(const Lane4 f[4], const Lane4 g[4], bool for_clips, Vec2 *along_u, Vec2 *along_v) {
+static void choose_lines(const Four f[4], const Four g[4], bool for_clips, Vec2 *along_u, Vec2 *along_v) {
     Vec2 u, v;
     mean_tangents(f, g, &u, &v);
     double long_u = vec2_length(u), long_v = vec2_length(v);
@@ -40,7 +40,7 @@ static void choose_lines(const Lane4 f[4], const Lane4 g[4], bool for_clips, Vec
     *along_v = vec2_scale(v, sign);
 }
 
-void bezier_part_measure(BezierPart *part, const Lane4 f[4], const Lane4 g[4], bool for_clips) {
+void bezier_part_measure(BezierPart *part, const Four f[4], const Four g[4], bool for_clips) {
     Vec2 u, v;
     choose_lines(f, g, for_clips, &u, &v);
     part->along_u = u;
@@ -49,16 +49,16 @@ void bezier_part_measure(BezierPart *part, const Lane4 f[4], const Lane4 g[4], b
         part->a[k] = f[k] * v.y - g[k] * v.x;
         part->b[k] = u.x * g[k] - u.y * f[k];
     }
-    lane4_transpose(part->b);
+    four_transpose(part->b);
 }
 
 // The coordinates again.
-static void coordinates(const BezierPart *part, Lane4 f[4], Lane4 g[4]) {
+static void coordinates(const BezierPart *part, Four f[4], Four g[4]) {
     Vec2 u = part->along_u, v = part->along_v;
     double scale = 1 / vec2_cross(u, v);
-    Lane4 b[4];
+    Four b[4];
     memcpy(b, part->b, sizeof b);
-    lane4_transpose(b);
+    four_transpose(b);
     for (int k = 0; k < 4; k++) {
         f[k] = (part->a[k] * u.x + b[k] * v.x) * scale;
         g[k] = (part->a[k] * u.y + b[k] * v.y) * scale;
@@ -82,18 +82,18 @@ static double comes_down(const double low[4]) {
 }
 
 // The lanes, as 0 .. 1, outside which no distance is within slack of 0. False: none is.
-static bool clip(const Lane4 row[4], double slack, double *from, double *to) {
-    Lane4 low = lane4_least_row(row) - lane4_of(slack), high = -lane4_most_row(row) - lane4_of(slack);
-    unsigned above = lane4_mask(low > lane4_of(0)), below = lane4_mask(high > lane4_of(0));
+static bool clip(const Four row[4], double slack, double *from, double *to) {
+    Four low = four_least_row(row) - four_of(slack), high = -four_most_row(row) - four_of(slack);
+    unsigned above = four_lanes(low > four_of(0)), below = four_lanes(high > four_of(0));
     if (above == 15 || below == 15) return false;
     *from = 0;
     *to = 1;
     if ((above | below) & 1) {
-        Lane4 a = above & 1 ? low : high;
+        Four a = above & 1 ? low : high;
         *from = comes_down((double[]){a[0], a[1], a[2], a[3]}) / 3;
     }
     if ((above | below) & 8) {
-        Lane4 a = above & 8 ? low : high;
+        Four a = above & 8 ? low : high;
         *to = 1 - comes_down((double[]){a[3], a[2], a[1], a[0]}) / 3;
     }
     return true;
@@ -125,7 +125,7 @@ void bezier_part_cut(BezierPart *part, const double from[2], const double to[2])
 }
 
 void bezier_part_halve(BezierPart *first, BezierPart *second) {
-    Lane4 f[4], g[4];
+    Four f[4], g[4];
     Vec2 u, v;
     coordinates(first, f, g);
     mean_tangents(f, g, &u, &v);
@@ -141,22 +141,22 @@ void bezier_part_halve(BezierPart *first, BezierPart *second) {
 }
 
 bool bezier_part_is_zero(const BezierPart *part, double slack) {
-    return !(
-        lane4_most_of(lane4_most_row(part->a)) > slack || lane4_least_of(lane4_least_row(part->a)) < -slack ||
-        lane4_most_of(lane4_most_row(part->b)) > slack || lane4_least_of(lane4_least_row(part->b)) < -slack);
+    return !(four_most_of(four_most_row(part->a)) > slack ||
+             four_least_of(four_least_row(part->a)) < -slack ||
+             four_most_of(four_most_row(part->b)) > slack || four_least_of(four_least_row(part->b)) < -slack);
 }
 
 // ---- one root or none
 
 // The least difference of neighbouring lanes, which is along the distance's own parameter; the largest of rows.
-static void slopes(const Lane4 row[4], double *least, double *most_across) {
-    Lane4 along[4], across = lane4_of(0);
+static void slopes(const Four row[4], double *least, double *most_across) {
+    Four along[4], across = four_of(0);
     for (int k = 0; k < 4; k++)
         along[k] = __builtin_shufflevector(row[k], row[k], 1, 2, 3, 3) -
                    __builtin_shufflevector(row[k], row[k], 0, 1, 2, 2);
-    for (int k = 0; k < 3; k++) across = lane4_most(across, lane4_abs(row[k + 1] - row[k]));
-    *least = lane4_least_of(lane4_least_row(along));
-    *most_across = lane4_most_of(across);
+    for (int k = 0; k < 3; k++) across = four_most(across, four_abs(row[k + 1] - row[k]));
+    *least = four_least_of(four_least_row(along));
+    *most_across = four_most_of(across);
 }
 
 static bool cones_are_apart(const BezierPart *part) {
@@ -169,7 +169,7 @@ static bool cones_are_apart(const BezierPart *part) {
 bool bezier_part_has_one_root_at_most(const BezierPart *part) {
     if (cones_are_apart(part)) return true;
     BezierPart again;
-    Lane4 f[4], g[4];
+    Four f[4], g[4];
     coordinates(part, f, g);
     bezier_part_measure(&again, f, g, false);
     return cones_are_apart(&again);
@@ -178,21 +178,21 @@ bool bezier_part_has_one_root_at_most(const BezierPart *part) {
 // ---- places
 
 BezierPlace bezier_part_place(const BezierPart *part, double u, double v) {
-    Lane4 bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
-    Lane4 a = bezier_over_rows(part->a, bv), b = bezier_over_rows(part->b, bu);
-    return (BezierPlace){lane4_sum(a * bu),
-                         lane4_sum(a * su),
-                         lane4_sum(bezier_over_rows(part->a, sv) * bu),
-                         lane4_sum(b * bv),
-                         lane4_sum(bezier_over_rows(part->b, su) * bv),
-                         lane4_sum(b * sv)};
+    Four bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
+    Four a = bezier_over_rows(part->a, bv), b = bezier_over_rows(part->b, bu);
+    return (BezierPlace){four_sum(a * bu),
+                         four_sum(a * su),
+                         four_sum(bezier_over_rows(part->a, sv) * bu),
+                         four_sum(b * bv),
+                         four_sum(bezier_over_rows(part->b, su) * bv),
+                         four_sum(b * sv)};
 }
 
 BezierBends bezier_part_bends(const BezierPart *part, double u, double v) {
-    Lane4 bu = bezier_basis(u), su = bezier_slopes(u), cu = bezier_bends(u);
-    Lane4 bv = bezier_basis(v), sv = bezier_slopes(v), cv = bezier_bends(v);
+    Four bu = bezier_basis(u), su = bezier_slopes(u), cu = bezier_bends(u);
+    Four bv = bezier_basis(v), sv = bezier_slopes(v), cv = bezier_bends(v);
     return (BezierBends){
-        lane4_sum(bezier_over_rows(part->a, bv) * cu), lane4_sum(bezier_over_rows(part->a, sv) * su),
-        lane4_sum(bezier_over_rows(part->a, cv) * bu), lane4_sum(bezier_over_rows(part->b, cu) * bv),
-        lane4_sum(bezier_over_rows(part->b, su) * sv), lane4_sum(bezier_over_rows(part->b, bu) * cv)};
+        four_sum(bezier_over_rows(part->a, bv) * cu), four_sum(bezier_over_rows(part->a, sv) * su),
+        four_sum(bezier_over_rows(part->a, cv) * bu), four_sum(bezier_over_rows(part->b, cu) * bv),
+        four_sum(bezier_over_rows(part->b, su) * sv), four_sum(bezier_over_rows(part->b, bu) * cv)};
 }

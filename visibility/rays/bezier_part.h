@@ -7,14 +7,14 @@
 
 typedef struct BezierPart {
     Vec2 along_u, along_v;          // the lines, unit vectors in the plane across the ray
-    Lane4 a[4];                     // distances to the line along v; rows of v, lanes along u
-    Lane4 b[4];                     // to the line along u; rows of u, lanes along v
+    Four a[4];                      // distances to the line along v; rows of v, lanes along u
+    Four b[4];                      // to the line along u; rows of u, lanes along v
     double u, v, width_u, width_v;  // where it is in its piece
 } BezierPart;
 
 // From coordinates f and g in the plane, rows of v. Lines are along the mean tangents; `for_clips` the second is across the
 // first where these are nearly one: only so is a part clipped along both.
-void bezier_part_measure(BezierPart *part, const Lane4 f[4], const Lane4 g[4], bool for_clips);
+void bezier_part_measure(BezierPart *part, const Four f[4], const Four g[4], bool for_clips);
 // False: no root of the part is where all distances are more than slack. Else from .. to, in u and v, hold all roots.
 bool bezier_part_clip(const BezierPart *part, double slack, double from[2], double to[2]);
 void bezier_part_cut(BezierPart *part, const double from[2], const double to[2]);

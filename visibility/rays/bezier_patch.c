@@ -22,8 +22,8 @@ BezierCut bezier_cut(double a, double b) {
     }};
 }
 
-void bezier_cut_rows(Lane4 row[4], const BezierCut *cut) {
-    Lane4 out[4];
+void bezier_cut_rows(Four row[4], const BezierCut *cut) {
+    Four out[4];
     for (int i = 0; i < 4; i++) {
         const double *m = cut->of[i];
         out[i] = (m[0] * row[0] + m[1] * row[1]) + (m[2] * row[2] + m[3] * row[3]);
@@ -31,12 +31,12 @@ void bezier_cut_rows(Lane4 row[4], const BezierCut *cut) {
     memcpy(row, out, sizeof out);
 }
 
-void bezier_cut_lanes(Lane4 row[4], const BezierCut *cut) {
-    Lane4 column[4];
+void bezier_cut_lanes(Four row[4], const BezierCut *cut) {
+    Four column[4];
     for (int k = 0; k < 4; k++)
-        column[k] = (Lane4){cut->of[0][k], cut->of[1][k], cut->of[2][k], cut->of[3][k]};
+        column[k] = (Four){cut->of[0][k], cut->of[1][k], cut->of[2][k], cut->of[3][k]};
     for (int i = 0; i < 4; i++) {
-        Lane4 r = row[i];
+        Four r = row[i];
         row[i] = (__builtin_shufflevector(r, r, 0, 0, 0, 0) * column[0] +
                   __builtin_shufflevector(r, r, 1, 1, 1, 1) * column[1]) +
                  (__builtin_shufflevector(r, r, 2, 2, 2, 2) * column[2] +
@@ -46,18 +46,18 @@ void bezier_cut_lanes(Lane4 row[4], const BezierCut *cut) {
 
 void bezier_cut_net(PatchNet *net, bool along_v, double low, double high) {
     BezierCut by = bezier_cut(low, high);
-    void (*cut)(Lane4 row[4], const BezierCut *by) = along_v ? bezier_cut_rows : bezier_cut_lanes;
+    void (*cut)(Four row[4], const BezierCut *by) = along_v ? bezier_cut_rows : bezier_cut_lanes;
     cut(net->x, &by), cut(net->y, &by), cut(net->z, &by), cut(net->w, &by);
 }
 
 // Of sum(P B) / sum(w B): a value from those of its numerator and denominator, and derivatives.
 PatchPoint bezier_patch_point(const PatchNet *net, double u, double v) {
-    Lane4 bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
-    const Lane4 *of[4] = {net->x, net->y, net->z, net->w};
+    Four bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
+    const Four *of[4] = {net->x, net->y, net->z, net->w};
     double value[4], du[4], dv[4];
     for (int k = 0; k < 4; k++) {
-        Lane4 row = bezier_over_rows(of[k], bv), slope = bezier_over_rows(of[k], sv);
-        value[k] = lane4_sum(row * bu), du[k] = lane4_sum(row * su), dv[k] = lane4_sum(slope * bu);
+        Four row = bezier_over_rows(of[k], bv), slope = bezier_over_rows(of[k], sv);
+        value[k] = four_sum(row * bu), du[k] = four_sum(row * su), dv[k] = four_sum(slope * bu);
     }
     double w = 1 / value[3];
     PatchPoint at = {.p = vec3_scale(vec3(value[0], value[1], value[2]), w)};

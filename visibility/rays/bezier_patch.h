@@ -2,13 +2,13 @@
 #ifndef RAYS_BEZIER_PATCH_H
 #define RAYS_BEZIER_PATCH_H
 
+#include "engine/core/four.h"
 #include "maps/building.h"
 #include "visibility/rays/bezier_trim.h"
-#include "visibility/rays/lane4.h"
 
 // Four rows of v, lanes along u; points about the patch's centre, multiplied by their weights.
 typedef struct PatchNet {
-    Lane4 x[4], y[4], z[4], w[4];
+    Four x[4], y[4], z[4], w[4];
 } PatchNet;
 
 typedef struct PatchPiece {
@@ -19,7 +19,7 @@ typedef struct PatchPiece {
 
 // Up to four parts of a patch, each a node or, as ~ of its index, a piece.
 typedef struct PatchNode {
-    Lane4 low[3], high[3];  // x, y, z of their boxes, about the patch's centre
+    Four low[3], high[3];  // x, y, z of their boxes, about the patch's centre
     int child[4];
     int count;
 } PatchNode;
@@ -40,20 +40,20 @@ typedef struct BezierPatch {
 BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape, bool whole, Arena *arena);
 
 // The four Bernstein polynomials of degree 3, and their derivatives.
-static inline Lane4 bezier_basis(double s) {
+static inline Four bezier_basis(double s) {
     double r = 1 - s;
-    return (Lane4){r * r * r, 3 * r * r * s, 3 * r * s * s, s * s * s};
+    return (Four){r * r * r, 3 * r * r * s, 3 * r * s * s, s * s * s};
 }
-static inline Lane4 bezier_slopes(double s) {
+static inline Four bezier_slopes(double s) {
     double r = 1 - s;
-    return (Lane4){-3 * r * r, 3 * r * (r - 2 * s), 3 * s * (2 * r - s), 3 * s * s};
+    return (Four){-3 * r * r, 3 * r * (r - 2 * s), 3 * s * (2 * r - s), 3 * s * s};
 }
-static inline Lane4 bezier_bends(double s) {
+static inline Four bezier_bends(double s) {
     double r = 1 - s;
-    return (Lane4){6 * r, 6 * (s - 2 * r), 6 * (r - 2 * s), 6 * s};
+    return (Four){6 * r, 6 * (s - 2 * r), 6 * (r - 2 * s), 6 * s};
 }
 
-static inline Lane4 bezier_over_rows(const Lane4 row[4], Lane4 basis) {
+static inline Four bezier_over_rows(const Four row[4], Four basis) {
     return (basis[0] * row[0] + basis[1] * row[1]) + (basis[2] * row[2] + basis[3] * row[3]);
 }
 
@@ -63,8 +63,8 @@ typedef struct BezierCut {
 } BezierCut;
 BezierCut bezier_cut(double low, double high);
 // New rows from old ones; new lanes from old ones.
-void bezier_cut_rows(Lane4 row[4], const BezierCut *cut);
-void bezier_cut_lanes(Lane4 row[4], const BezierCut *cut);
+void bezier_cut_rows(Four row[4], const BezierCut *cut);
+void bezier_cut_lanes(Four row[4], const BezierCut *cut);
 void bezier_cut_net(PatchNet *net, bool along_v, double low, double high);
 
 // The point of a net, about the patch's centre, and its derivatives.

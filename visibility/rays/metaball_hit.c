@@ -7,8 +7,8 @@
 // Casteljau, this takes the quadratic's blossom there and multiplies: fewer operations, and exactly 0 where a chord ends.
 #include "visibility/rays/metaball_hit.h"
 
+#include "engine/core/four.h"
 #include "visibility/rays/bernstein.h"
-#include "visibility/rays/lane4.h"
 
 enum { FIELD = 6 };  // its degree
 
@@ -22,15 +22,15 @@ enum { MOST_CHORDS = 128, MOST_HALVINGS = 24 };
 #define SAME_ROOT 1e-12
 
 // Four balls, about the shape's centre. Places without a ball have a radius2 below 0: no ray meets them.
-typedef struct Four {
-    Lane4 x, y, z, radius2, inverse2, weight;  // inverse2: 1 / radius2
-} Four;
+typedef struct FourBalls {
+    Four x, y, z, radius2, inverse2, weight;  // inverse2: 1 / radius2
+} FourBalls;
 
 struct Metaballs {
     Vec3 centre;
     double size;  // of its box, from corner to corner
     double threshold;
-    Four *fours;
+    FourBalls *fours;
     int four_count;
     Box box;
 };
@@ -72,9 +72,9 @@ Metaballs *metaballs_new(const Building *building, const CurvedShape *shape, Are
     m->centre = vec3_lerp(m->box.min, m->box.max, 0.5);
     m->size = vec3_length(vec3_sub(m->box.max, m->box.min));
     m->four_count = (shape->ball_count + 3) / 4;
-    m->fours = ARENA_ARRAY(arena, Four, m->four_count);
+    m->fours = ARENA_ARRAY(arena, FourBalls, m->four_count);
     for (int i = 0; i < 4 * m->four_count; i++) {
-        Four *f = &m->fours[i / 4];
+        FourBalls *f = &m->fours[i / 4];
         int k = i % 4;
         f->radius2[k] = -1;
         if (i >= shape->ball_count) continue;
@@ -108,15 +108,15 @@ typedef struct Walk {
 // The chords that overlap low .. high; -1: more than MOST_CHORDS.
 static int find_chords(const Walk *walk, double low, double high, Chord *chords) {
     const Metaballs *m = walk->m;
-    Lane4 ox = lane4_of(walk->o.x), oy = lane4_of(walk->o.y), oz = lane4_of(walk->o.z);
-    Lane4 dx = lane4_of(walk->d.x), dy = lane4_of(walk->d.y), dz = lane4_of(walk->d.z);
+    Four ox = four_of(walk->o.x), oy = four_of(walk->o.y), oz = four_of(walk->o.z);
+    Four dx = four_of(walk->d.x), dy = four_of(walk->d.y), dz = four_of(walk->d.z);
     int count = 0;
     for (int i = 0; i < m->four_count; i++) {
-        const Four *f = &m->fours[i];
-        Lane4 x = f->x - ox, y = f->y - oy, z = f->z - oz, middle = x * dx + y * dy + z * dz;
+        const FourBalls *f = &m->fours[i];
+        Four x = f->x - ox, y = f->y - oy, z = f->z - oz, middle = x * dx + y * dy + z * dz;
         x -= middle * dx, y -= middle * dy, z -= middle * dz;
-        Lane4 half2 = f->radius2 - (x * x + y * y + z * z);
-        unsigned met = lane4_mask(half2 > lane4_of(0));
+        Four half2 = f->radius2 - (x * x + y * y + z * z);
+        unsigned met = four_lanes(half2 > four_of(0));
         for (; met; met &= met - 1) {
             int k = __builtin_ctz(met);
             double half = sqrt(half2[k]);
@@ -141,16 +141,16 @@ static void sort(double *a, int count) {
 
 // Out of the balls: where the field falls.
 static Vec3 normal_at(const Metaballs *m, Vec3 p) {
-    Lane4 x = {0}, y = {0}, z = {0};
+    Four x = {0}, y = {0}, z = {0};
     for (int i = 0; i < m->four_count; i++) {
-        const Four *f = &m->fours[i];
-        Lane4 ax = lane4_of(p.x) - f->x, ay = lane4_of(p.y) - f->y, az = lane4_of(p.z) - f->z;
-        Lane4 w = lane4_of(1) - (ax * ax + ay * ay + az * az) * f->inverse2;
-        w = lane4_choose(w > lane4_of(0), w, lane4_of(0));
-        Lane4 slope = f->weight * w * (5 + 6 * w) * f->inverse2;
+        const FourBalls *f = &m->fours[i];
+        Four ax = four_of(p.x) - f->x, ay = four_of(p.y) - f->y, az = four_of(p.z) - f->z;
+        Four w = four_of(1) - (ax * ax + ay * ay + az * az) * f->inverse2;
+        w = four_choose(w > four_of(0), w, four_of(0));
+        Four slope = f->weight * w * (5 + 6 * w) * f->inverse2;
         x += ax * slope, y += ay * slope, z += az * slope;
     }
-    return vec3_normalize(vec3(lane4_sum(x), lane4_sum(y), lane4_sum(z)));
+    return vec3_normalize(vec3(four_sum(x), four_sum(y), four_sum(z)));
 }
 
 static void add_root(Walk *walk, double s) {

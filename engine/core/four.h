@@ -1,8 +1,7 @@
-// query_four.h - four doubles at a time, by the vector extensions of GCC and clang; by name what those have no word for. A
-// comparison gives a mask: all bits or none. Doubles, not eight floats: a cell has four or five portals in the mean, so
-// that more lanes would stay empty, and the slacks of the query hold for buildings of any size.
-#ifndef VISIBILITY_QUERY_FOUR_H
-#define VISIBILITY_QUERY_FOUR_H
+// four.h - four doubles at a time, by the vector extensions of GCC and clang; by name what those have no word for. A
+// comparison gives a mask: all bits or none. Where eight floats (lane.h) are too rough, or too many.
+#ifndef CORE_FOUR_H
+#define CORE_FOUR_H
 
 #include <stdint.h>
 #ifdef __AVX2__
@@ -30,6 +29,7 @@ static inline Four four_choose(FourMask mask, Four yes, Four no) {
 #endif
 }
 
+// Of what is no number, b.
 static inline Four four_least(Four a, Four b) {
 #ifdef __AVX2__
     return (Four)_mm256_min_pd((__m256d)a, (__m256d)b);
@@ -69,6 +69,40 @@ static inline unsigned four_lanes(FourMask mask) {
 static inline FourMask four_mask(unsigned lanes) {
     FourMask bit = {1, 2, 4, 8}, all = {lanes, lanes, lanes, lanes};
     return (all & bit) != 0;
+}
+
+static inline double four_least_of(Four a) {
+    a = four_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
+    a = four_least(a, __builtin_shufflevector(a, a, 1, 0, 3, 2));
+    return a[0];
+}
+
+static inline double four_most_of(Four a) {
+    a = four_most(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
+    a = four_most(a, __builtin_shufflevector(a, a, 1, 0, 3, 2));
+    return a[0];
+}
+
+// Lane by lane, of four rows.
+static inline Four four_least_row(const Four row[4]) {
+    return four_least(four_least(row[0], row[1]), four_least(row[2], row[3]));
+}
+static inline Four four_most_row(const Four row[4]) {
+    return four_most(four_most(row[0], row[1]), four_most(row[2], row[3]));
+}
+
+static inline double four_sum(Four a) { return (a[0] + a[1]) + (a[2] + a[3]); }
+
+// Rows become columns.
+static inline void four_transpose(Four row[4]) {
+    Four a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
+    Four b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
+    Four c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
+    Four d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
+    row[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    row[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    row[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    row[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
 // Lanes whose bit is set in a set of bits: bit `at` is in word at / 64. One by one: processors gather slowly.

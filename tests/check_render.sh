@@ -41,7 +41,7 @@ expect 1 "$program" render "$work/dark.plan" -o "$out" && says err 'nothing emit
 
 # Quick bakes. One of another building, and one that is damaged, are refused; beside the building they are passed over.
 quick="--element 1 --close 0 --reach 0 --refine 0 --residual 0.05 --resolution 50"
-for map in two-rooms house office; do
+for map in two-rooms house office office-plain; do
     "$program" bake $maps/$map.plan $quick -o "$work/$map.rad" >/dev/null 2>&1 || fail "bake of $map"
 done
 expect 1 "$program" render $maps/two-rooms.plan -o "$out" --light "$work/office.rad"
@@ -71,10 +71,11 @@ camera() {
     case $1 in
     two-rooms) echo --view window ;;
     house) echo --view still ;;
+    office-plain) echo --eye 0.6,3,1.6 --look 4,0.5,1 ;;
     office) echo --eye 0.6,3,1.6 --look 4,0.5,1 ;;
     esac
 }
-for map in two-rooms house office; do
+for map in two-rooms house office office-plain; do
     picture="$maps/$map.plan --light $work/$map.rad --size 208x117 --samples 8 $(camera $map)"
     draw $picture -o "$work/$map.png"
     if [ "${1:-}" = --keep ]; then

@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "engine/core/parallel.h"
+
 // ---- slopes
 
 // What is known of an element's slope along one axis.
@@ -96,6 +98,9 @@ typedef struct Node {
     int first_child;  // of four, row by row; -1: an element, or nothing
     int element;      // -1: the face is not there, or has children
     Moments all;
+    double
+        half[2]
+            [2];  // of the children's, by the axis that is halved, and which half; below 0: nothing is there
     double slope_error[2];  // of an element, by the slope along either axis
     int most;               // how often it may be halved along each
     // What it is worth. Of an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
@@ -120,6 +125,10 @@ static Moments join(Moments a, const Moments *b) {
     double area = a.area + b->area, off = b->mean - a.mean;
     return (Moments){area, a.mean + off * b->area / area,
                      a.error + b->error + off * off * a.area * b->area / area};
+}
+
+static const Node *child_of(const Trees *t, const Node *n, int axis, int half, int k) {
+    return &t->nodes[n->first_child + (axis == 0 ? half + 2 * k : 2 * half + k)];
 }
 
 typedef struct Block {
@@ -169,6 +178,13 @@ static void fill_node(Trees *t, int at, const Face *face, Block b, int depth) {
         fill_node(t, first + k, face, (Block){b.i + k % 2 * half, b.j + k / 2 * half, half}, depth + 1);
         sum.all = join(sum.all, &t->nodes[first + k].all);
     }
+    for (int axis = 0; axis < 2; axis++) {
+        for (int side = 0; side < 2; side++) {
+            Moments whole =
+                join(child_of(t, &sum, axis, side, 0)->all, &child_of(t, &sum, axis, side, 1)->all);
+            sum.half[axis][side] = whole.area > 0 ? whole.error : -1;
+        }
+    }
     t->nodes[at] = sum;
 }
 
@@ -207,19 +223,16 @@ static double prune_element(const Trees *t, Node *n, double cost) {
     return best;
 }
 
-static const Node *child_of(const Trees *t, const Node *n, int axis, int half, int k) {
-    return &t->nodes[n->first_child + (axis == 0 ? half + 2 * k : 2 * half + k)];
-}
-
 // The half of a square: one, or its two squares.
 static double prune_half(const Trees *t, const Node *n, int axis, int half, const double *below, double cost,
                          bool *again, double *count) {
     const Node *child[2] = {child_of(t, n, axis, half, 0), child_of(t, n, axis, half, 1)};
     double split = below[child[0] - t->nodes] + below[child[1] - t->nodes];
-    Moments whole = join(child[0]->all, &child[1]->all);
-    *again = !t->limits->halves || split < whole.error + cost;
-    *count = *again ? child[0]->count + child[1]->count : whole.area > 0;
-    return *again ? split : whole.area > 0 ? whole.error + cost : 0;
+    bool there = n->half[axis][half] >= 0;
+    double whole = there ? n->half[axis][half] + cost : 0;
+    *again = !t->limits->halves || split < whole;
+    *count = *again ? child[0]->count + child[1]->count : there;
+    return *again ? split : whole;
 }
 
 // Returns the least sum of squares and costs of a node whose children are pruned.
@@ -244,8 +257,28 @@ static double prune_node(const Trees *t, Node *n, const double *below, double co
     return best;
 }
 
+// A round of pruning, in groups of roots that threads take.
+typedef struct Pruning {
+    const Trees *trees;
+    double *below;  // [node_count]
+    double cost;
+} Pruning;
+
+enum { ROOTS_A_GROUP = 256 };
+
+static void prune_group(void *context, int group, int thread) {
+    (void)thread;
+    const Pruning *p = context;
+    const Trees *t = p->trees;
+    int end = (group + 1) * ROOTS_A_GROUP, first = t->roots[group * ROOTS_A_GROUP];
+    for (int i = (end < t->root_count ? t->roots[end] : t->count) - 1; i >= first; i--)
+        p->below[i] = prune_node(t, &t->nodes[i], p->below, p->cost);
+}
+
 static double prune(const Trees *t, double *below, double cost) {
-    for (int i = t->count - 1; i >= 0; i--) below[i] = prune_node(t, &t->nodes[i], below, cost);
+    Pruning p = {t, below, cost};
+    int groups = (t->root_count + ROOTS_A_GROUP - 1) / ROOTS_A_GROUP;
+    parallel_for(parallel_threads(t->field->mesh->options.threads), groups, prune_group, &p);
     double count = 0;
     for (int r = 0; r < t->root_count; r++) count += t->nodes[t->roots[r]].count;
     return count;

@@ -9,12 +9,16 @@
 
 enum { FORM_FACTOR_FINEST = 2000 };
 
+typedef struct FaceLines FaceLines;  // lines.h
+
 // How finely a method looks.
 typedef struct FormFactorOptions {
     int resolution;  // pixels across the hemicube's top or the hemisphere's base, 8 .. FORM_FACTOR_FINEST; lines of scan-line
         // methods, rays across of `ray`
     double edge_threshold;  // of hemisphere-polyline: an edge is cut until its parts span less, radians
     const char *hidden;     // of hemicube: the hidden-surface method that fills its sides; NULL: its own
+    const FaceLines
+        *lines;  // lines_of_mesh of the mesh, for those who draw it many times; NULL: they are found
 } FormFactorOptions;
 // A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);

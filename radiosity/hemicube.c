@@ -22,7 +22,7 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *ar
         self->item = ARENA_ARRAY(arena, int32_t, hemicube_hidden_samples(self->hidden)->count);
     } else {
         int count = grids_of_hemicube(options->resolution, grids);
-        self->sampler = sampler_new(mesh, grids, count, 0, arena);
+        self->sampler = sampler_new(mesh, options->lines, grids, count, 0, arena);
     }
     return self;
 }

@@ -9,7 +9,7 @@
 static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(options->resolution, grids);
-    return sampler_new(mesh, grids, count, GRIDS_TURN, arena);
+    return sampler_new(mesh, options->lines, grids, count, GRIDS_TURN, arena);
 }
 
 static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }

@@ -118,77 +118,6 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
     }
 }
 
-// ---- vertices of neighbours on edges
-
-static double mean_edge(const Vec3 *points, const int *corner, const int *ring_end, int ring_count) {
-    double length = 0;
-    int first = 0, edges = 0;
-    for (int r = 0; r < ring_count; first = ring_end[r++]) {
-        for (int i = first; i < ring_end[r]; i++) {
-            int next = i + 1 == ring_end[r] ? first : i + 1;
-            length += vec3_length(vec3_sub(points[corner[next]], points[corner[i]]));
-            edges++;
-        }
-    }
-    return edges > 0 ? length / edges : 1;
-}
-
-// Rings of corners, and the same with every one of `point_count` places that lies on an edge put in. `ring_end` becomes
-// that of the new ones.
-static int *anchor(MeshBuilder *builder, const int *corner, int *ring_end, int ring_count, int point_count,
-                   int *out_count) {
-    const Vec3 *points = builder->places.points;
-    Arena scratch = {0};
-    PlaceGrid grid =
-        place_grid(points, point_count, mean_edge(points, corner, ring_end, ring_count), &scratch);
-    PlacesFound on_edge = {.arena = &scratch};
-    int *out = NULL, count = 0, capacity = 0, first = 0;
-    for (int r = 0; r < ring_count; r++) {
-        int end = ring_end[r];
-        for (int i = first; i < end; i++) {
-            *ARENA_PUSH(builder->arena, out, count, capacity) = corner[i];
-            int found = place_grid_on_edge(&grid, corner[i], corner[i + 1 == end ? first : i + 1], &on_edge);
-            for (int k = 0; k < found; k++)
-                *ARENA_PUSH(builder->arena, out, count, capacity) = on_edge.found[k].point;
-        }
-        first = end;
-        ring_end[r] = count;
-    }
-    arena_free(&scratch);
-    *out_count = count;
-    return out;
-}
-
-static void anchor_outlines(MeshBuilder *builder, const FaceList *list) {
-    Mesh *mesh = builder->mesh;
-    Arena scratch = {0};
-    int *ring_end = ARENA_ARRAY(&scratch, int, mesh->face_count);
-    for (int f = 0; f < mesh->face_count; f++)
-        ring_end[f] = mesh->faces[f].first_vertex + mesh->faces[f].vertex_count;
-    mesh->outline = anchor(builder, list->corner, ring_end, mesh->face_count, builder->places.count,
-                           &mesh->outline_count);
-    for (int f = 0, first = 0; f < mesh->face_count; first = ring_end[f++]) {
-        mesh->faces[f].first_vertex = first;
-        mesh->faces[f].vertex_count = ring_end[f] - first;
-    }
-    arena_free(&scratch);
-}
-
-static void anchor_elements(MeshBuilder *builder) {
-    Mesh *mesh = builder->mesh;
-    Arena scratch = {0};
-    int *ring_end = ARENA_ARRAY(&scratch, int, mesh->element_count);
-    for (int e = 0; e < mesh->element_count; e++)
-        ring_end[e] = mesh->elements[e].first_corner + mesh->elements[e].corner_count;
-    mesh->corners = anchor(builder, mesh->corners, ring_end, mesh->element_count, builder->places.count,
-                           &mesh->corner_count);
-    for (int e = 0, first = 0; e < mesh->element_count; first = ring_end[e++]) {
-        mesh->elements[e].first_corner = first;
-        mesh->elements[e].corner_count = ring_end[e] - first;
-    }
-    arena_free(&scratch);
-}
-
 // ---- cells of patches
 
 static void find_cells(Mesh *mesh) {
@@ -226,12 +155,12 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     add_faces(&builder, &list, vertices ? vertices : graph->vertices, door_open);
     bool fits = list.elements <= MOST_ELEMENTS, few_contacts = true;
     if (fits && out->face_count > 0) {
-        anchor_outlines(&builder, &list);
+        mesh_anchor_outlines(&builder, list.corner);
         few_contacts = mesh_find_cuts(&builder);
     }
     if (fits && few_contacts && out->face_count > 0) {
         for (int f = 0; f < out->face_count; f++) mesh_cut_face(&builder, f);
-        anchor_elements(&builder);
+        mesh_anchor_elements(&builder);
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
         find_cells(out);

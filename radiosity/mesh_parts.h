@@ -44,6 +44,9 @@ int mesh_deepest(MeshBuilder *builder, double roots);
 // lies in few small squares takes a search.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
 void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face);
+// mesh_anchor.c: outlines of faces from their corners, places of the builder; and of all elements, once they are cut.
+void mesh_anchor_outlines(MeshBuilder *builder, int *corner);
+void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: the cuts of all faces, whose outlines are places by then. False where there are too many to look for.
 bool mesh_find_cuts(MeshBuilder *builder);
 
@@ -52,6 +55,7 @@ typedef struct MeshPiece {
     Vec3 *v;  // [count]
     int count;
     int element;  // that it became; -1: none
+    bool covered;
 } MeshPiece;
 enum { MESH_MOST_PIECES = 32 };
 // mesh_pieces.c: cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
@@ -59,6 +63,8 @@ int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int cou
                     MeshPiece *out);
 // Does something stand on that point of a face, or close before it? As the nearest cut has it.
 bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point);
+// The inward sides of a convex polygon about the normal n, but those that are rounding; returns how many. `out` has room for `count`.
+int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out);
 // How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
 

@@ -73,6 +73,12 @@ typedef struct Pieces {
     int *first_of;
 } Pieces;
 
+static Vec3 middle_of(const MeshPiece *piece) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
+    return vec3_scale(sum, 1.0 / piece->count);
+}
+
 static Pieces find_pieces(MeshCutting *c, int face, int first, int end) {
     Arena *arena = &c->builder->scratch;
     Pieces p = {.first_of = ARENA_ARRAY(arena, int, end - first + 1)};
@@ -82,16 +88,13 @@ static Pieces find_pieces(MeshCutting *c, int face, int first, int end) {
         int corners = c->leaves[k].area > 0 ? mesh_part_in(c, c->leaves[k].block) : 0;
         int pieces = corners >= 3 ? mesh_cut_pieces(c->builder, face, c->part, corners, arena, own) : 0;
         p.first_of[k - first] = count;
-        for (int i = 0; i < pieces; i++) *ARENA_PUSH(arena, p.pieces, count, capacity) = own[i];
+        for (int i = 0; i < pieces; i++) {
+            own[i].covered = own[i].count >= 3 && mesh_is_covered(c->builder, face, middle_of(&own[i]));
+            *ARENA_PUSH(arena, p.pieces, count, capacity) = own[i];
+        }
     }
     p.first_of[end - first] = count;
     return p;
-}
-
-static Vec3 middle_of(const MeshPiece *piece) {
-    Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
-    return vec3_scale(sum, 1.0 / piece->count);
 }
 
 // The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
@@ -125,7 +128,7 @@ static void add_patch_of(MeshCutting *c, int face, const Pieces *p, int first, i
     for (int k = first; k < end; k++) {
         for (int i = p->first_of[k - first]; i < p->first_of[k - first + 1]; i++) {
             MeshPiece *piece = &p->pieces[i];
-            if (piece->count < 3 || mesh_is_covered(c->builder, face, middle_of(piece)) != covered) continue;
+            if (piece->count < 3 || piece->covered != covered) continue;
             if (add_element(c, piece->v, piece->count, c->leaves[k].depth, &patch, &moment, &weight))
                 piece->element = mesh->element_count - 1;
             if (patch.element_count < MESH_MOST_IN_PATCH) continue;
@@ -163,13 +166,30 @@ static int share_leaf(MeshCutting *c, const MeshPiece *pieces, int piece_count) 
     return count == 1 ? mesh->shared[at + 1] : -1;
 }
 
-// The element that a whole square is in, else `code`.
-static int element_about(const MeshCutting *c, Vec3 middle, double reach, const MeshPiece *pieces, int count,
-                         int code) {
+// The inward sides of a piece.
+typedef struct Sides {
+    Plane *plane;
+    int count, element;
+} Sides;
+
+static Sides *sides_of(const MeshPiece *pieces, int count, Vec3 n, Arena *arena) {
+    Sides *sides = ARENA_ARRAY(arena, Sides, count);
     for (int i = 0; i < count; i++) {
-        const MeshPiece *piece = &pieces[i];
-        if (piece->element >= 0 && mesh_inside(piece->v, piece->count, c->face->plane.n, middle) > reach)
-            return piece->element;
+        sides[i].element = pieces[i].element;
+        if (pieces[i].element < 0) continue;
+        sides[i].plane = ARENA_ARRAY(arena, Plane, pieces[i].count);
+        sides[i].count = mesh_sides(pieces[i].v, pieces[i].count, n, sides[i].plane);
+    }
+    return sides;
+}
+
+// The element that a whole square is in, else `code`.
+static int element_about(const Sides *sides, int count, Vec3 middle, double reach, int code) {
+    for (int i = 0; i < count; i++) {
+        if (sides[i].element < 0) continue;
+        int k = 0;
+        while (k < sides[i].count && plane_distance(sides[i].plane[k], middle) > reach) k++;
+        if (k == sides[i].count) return sides[i].element;
     }
     return code;
 }
@@ -177,14 +197,15 @@ static int element_about(const MeshCutting *c, Vec3 middle, double reach, const 
 static void give_squares(MeshCutting *c, MeshBlock b, const MeshPiece *pieces, int count, int *squares) {
     const Face *face = c->face;
     int code = share_leaf(c, pieces, count);
+    bool several = code < -1;
+    Sides *sides = several ? sides_of(pieces, count, face->plane.n, &c->builder->scratch) : NULL;
     Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
          y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
     double reach = 0.5 * vec3_length(vec3_add(x, y));
     for (int j = b.j0; j <= b.j1; j++) {
         for (int i = b.i0; i <= b.i1; i++) {
             Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
-            squares[j * face->nx + i] =
-                code < -1 ? element_about(c, middle, reach, pieces, count, code) : code;
+            squares[j * face->nx + i] = several ? element_about(sides, count, middle, reach, code) : code;
         }
     }
 }

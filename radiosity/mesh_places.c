@@ -8,6 +8,8 @@
 // shifted: coordinates are often whole millimetres.
 static const double WELD_CUBE = 1e-3;
 static const double WELD_SHIFT = 0.37e-3;
+// Those of the grid are shifted too, in sides: floors often lie at 0, and edges along a border meet twice the cubes.
+static const double GRID_SHIFT = 0.37;
 
 typedef struct Cube {
     int64_t x, y, z;
@@ -86,43 +88,59 @@ int places_add(Places *places, Vec3 point) {
 
 // ---- points on edges
 
+static Cube cube_in(const PlaceGrid *grid, Vec3 p) { return cube_at(p, grid->size, grid->shift); }
+
+static unsigned slot_of(const PlaceGrid *grid, Cube cube) { return cube_hash(cube) & (grid->slot_count - 1); }
+
 PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena) {
-    PlaceGrid grid = {.points = points, .size = size, .slot_count = 1024};
+    PlaceGrid grid = {.points = points, .size = size, .shift = GRID_SHIFT * size, .slot_count = 1024};
     while (grid.slot_count < (unsigned)count) grid.slot_count *= 2;
+    Arena scratch = {0};
+    unsigned *slot = ARENA_ARRAY(&scratch, unsigned, count);
     grid.first = ARENA_ARRAY(arena, int, grid.slot_count + 1);
-    grid.index = ARENA_ARRAY(arena, int, count);
-    for (int i = 0; i < count; i++)
-        grid.first[(cube_hash(cube_at(points[i], size, 0)) & (grid.slot_count - 1)) + 1]++;
+    grid.sorted = ARENA_ARRAY(arena, PlaceInGrid, count);
+    for (int i = 0; i < count; i++) {
+        slot[i] = slot_of(&grid, cube_in(&grid, points[i]));
+        grid.first[slot[i] + 1]++;
+    }
     for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s + 1] += grid.first[s];
     // Backwards, each run fills from its end: in order, and the beginnings are back in place when done.
-    for (int i = count - 1; i >= 0; i--)
-        grid.index[--grid.first[(cube_hash(cube_at(points[i], size, 0)) & (grid.slot_count - 1)) + 1]] = i;
+    for (int i = count - 1; i >= 0; i--) grid.sorted[--grid.first[slot[i] + 1]] = (PlaceInGrid){points[i], i};
     for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s] = grid.first[s + 1];
     grid.first[grid.slot_count] = count;
+    arena_free(&scratch);
     return grid;
 }
 
-typedef struct Edge {
-    Vec3 from, along;
-    double length;  // metres
+// A piece of an edge: t in [t0, t1), and a box about it.
+typedef struct EdgePiece {
+    Vec3 from, along;  // of the whole edge
+    double length;     // of it, metres
     int a, b;
-} Edge;
+    double t0, t1;
+    Box box;
+} EdgePiece;
 
 static bool same_cube(Cube a, Cube b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-// Points of a cube on the edge, with t in [t0, t1).
-static void find_on_edge(const PlaceGrid *grid, Cube cube, const Edge *edge, double t0, double t1,
-                         PlacesFound *out) {
-    unsigned slot = cube_hash(cube) & (grid->slot_count - 1);
+static bool is_in_box(const Box *box, Vec3 p) {
+    return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y && p.y <= box->max.y &&
+           p.z >= box->min.z && p.z <= box->max.z;
+}
+
+// Points of a cube that are on the piece.
+static void find_on_edge(const PlaceGrid *grid, Cube cube, const EdgePiece *edge, PlacesFound *out) {
+    unsigned slot = slot_of(grid, cube);
     for (int k = grid->first[slot]; k < grid->first[slot + 1]; k++) {
-        int point = grid->index[k];
-        Vec3 off = vec3_sub(grid->points[point], edge->from);
+        const PlaceInGrid *point = &grid->sorted[k];
+        if (!is_in_box(&edge->box, point->at) || point->place == edge->a || point->place == edge->b) continue;
+        Vec3 off = vec3_sub(point->at, edge->from);
         double t = vec3_dot(off, edge->along) / (edge->length * edge->length);
-        if (!(t >= t0 && t < t1) || point == edge->a || point == edge->b) continue;
+        if (!(t >= edge->t0 && t < edge->t1)) continue;
         Vec3 beside = vec3_sub(off, vec3_scale(edge->along, t));
         if (vec3_dot(beside, beside) > MESH_WELD * MESH_WELD) continue;
-        if (!same_cube(cube, cube_at(grid->points[point], grid->size, 0))) continue;  // of the same slot
-        *ARENA_PUSH(out->arena, out->found, out->count, out->capacity) = (PlaceOnEdge){t, point};
+        if (!same_cube(cube, cube_in(grid, point->at))) continue;  // of the same slot
+        *ARENA_PUSH(out->arena, out->found, out->count, out->capacity) = (PlaceOnEdge){t, point->place};
     }
 }
 
@@ -139,21 +157,21 @@ static void sort_by_t(PlaceOnEdge *found, int count) {
 
 int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *out) {
     out->count = 0;
-    Edge edge = {grid->points[a], vec3_sub(grid->points[b], grid->points[a]), 0, a, b};
+    EdgePiece edge = {grid->points[a], vec3_sub(grid->points[b], grid->points[a]), .a = a, .b = b};
     edge.length = vec3_length(edge.along);
     if (edge.length <= MESH_WELD) return 0;
     // In pieces no longer than a cube, which meet eight cubes at most and mostly one or two.
     int pieces = (int)ceil(edge.length / grid->size);
     for (int i = 0; i < pieces; i++) {
-        double t0 = (double)i / pieces, t1 = (double)(i + 1) / pieces;
-        Vec3 from = vec3_add(edge.from, vec3_scale(edge.along, t0)),
-             to = vec3_add(edge.from, vec3_scale(edge.along, t1));
-        Box box = box_grow(box_add(box_add(box_empty(), from), to), 2 * MESH_WELD);
-        Cube low = cube_at(box.min, grid->size, 0), high = cube_at(box.max, grid->size, 0);
+        edge.t0 = (double)i / pieces;
+        edge.t1 = (double)(i + 1) / pieces;
+        Vec3 from = vec3_add(edge.from, vec3_scale(edge.along, edge.t0)),
+             to = vec3_add(edge.from, vec3_scale(edge.along, edge.t1));
+        edge.box = box_grow(box_add(box_add(box_empty(), from), to), 2 * MESH_WELD);
+        Cube low = cube_in(grid, edge.box.min), high = cube_in(grid, edge.box.max);
         for (int64_t x = low.x; x <= high.x; x++)
             for (int64_t y = low.y; y <= high.y; y++)
-                for (int64_t z = low.z; z <= high.z; z++)
-                    find_on_edge(grid, (Cube){x, y, z}, &edge, t0, t1, out);
+                for (int64_t z = low.z; z <= high.z; z++) find_on_edge(grid, (Cube){x, y, z}, &edge, out);
     }
     sort_by_t(out->found, out->count);
     return out->count;

@@ -22,13 +22,18 @@ void places_start(Places *places, Arena *arena);
 // The place of a point: the first that came within MESH_WELD of it.
 int places_add(Places *places, Vec3 point);
 
+typedef struct PlaceInGrid {
+    Vec3 at;
+    int place;
+} PlaceInGrid;
+
 // Points sorted into cubes of side `size`.
 typedef struct PlaceGrid {
     const Vec3 *points;
-    double size;
+    double size, shift;
     unsigned slot_count;  // a power of two
-    int *first;           // [slot_count + 1] in `index`
-    int *index;           // [point_count]
+    int *first;           // [slot_count + 1] in `sorted`
+    PlaceInGrid *sorted;  // [point_count]
 } PlaceGrid;
 
 PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena);

@@ -151,12 +151,13 @@ static void take_view_memory(Sampler *s, Arena *arena) {
     s->crossed = ARENA_ARRAY(arena, unsigned, s->outlines.most_edges + 1);
 }
 
-Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena) {
+Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
+                     double turn, Arena *arena) {
     Sampler *s = ARENA_ARRAY(arena, Sampler, 1);
     s->mesh = mesh;
     s->cosine = cos(turn);
     s->sine = sin(turn);
-    s->outlines = lines_of_mesh(mesh, arena);
+    s->outlines = lines ? *lines : lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
     int blocks = s->group_count * GROUP_BLOCKS + 1, places = blocks * SAMPLER_BLOCK * LANES;  // one to try
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);

@@ -6,14 +6,16 @@
 #define RADIOSITY_SAMPLER_H
 
 #include "radiosity/form_factor.h"
+#include "radiosity/lines.h"
 #include "radiosity/sample_grids.h"
 
 enum { SAMPLER_BLOCK = 8 };  // samples along the side of a block
 
 typedef struct Sampler Sampler;
 
-// The samples of all grids, turned about z by `turn`, radians; weights are scaled to sum 1.
-Sampler *sampler_new(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn, Arena *arena);
+// The samples of all grids, turned about z by `turn`, radians; weights are scaled to sum 1. `lines` of the mesh, NULL: they are found.
+Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
+                     double turn, Arena *arena);
 const FormFactorSamples *sampler_samples(const Sampler *self);
 
 // Draws what is in view. Of lines that are longer than a face's edge the ends come from the mesh.

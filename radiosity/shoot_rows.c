@@ -8,6 +8,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
+#include "radiosity/lines.h"
 #include "radiosity/near_pairs.h"
 
 // Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
@@ -49,8 +50,12 @@ typedef struct Taker {
 
 struct ShootRows {
     const Mesh *mesh;
+    const StabForest *forest;
+    const float *door_open;
+    FaceLines lines;
     Taker *takers;  // [element_count]
     const RadOptions *options;
+    FormFactorOptions usual, of_lamps;
     int threads, slot_count, slots_used;
     Maker *makers;  // [threads]
     Slot *slots;    // [slot_count]
@@ -69,27 +74,37 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     return detail > 1 ? resolution * detail : resolution;
 }
 
+static void equip_maker(void *context, int index, int thread) {
+    (void)thread;
+    ShootRows *rows = context;
+    const RadOptions *options = rows->options;
+    Maker *maker = &rows->makers[index];
+    maker->viewer = viewer_new(rows->mesh, rows->forest, rows->door_open, &maker->arena);
+    maker->form_factor = form_factor_new(options->method, rows->mesh, &rows->usual, &maker->arena);
+    maker->of_lamps = maker->form_factor;
+    if (rows->of_lamps.resolution != rows->usual.resolution)
+        maker->of_lamps = form_factor_new(options->method, rows->mesh, &rows->of_lamps, &maker->arena);
+    if (options->reach > 0) maker->near = near_pairs_new(rows->mesh, options->reach, &maker->arena);
+}
+
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, Arena *arena) {
     ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
     rows->mesh = mesh;
+    rows->forest = forest;
+    rows->door_open = door_open;
     rows->options = options;
     rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++)
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
-    FormFactorOptions detail = options->form_factor;
-    detail.resolution = lamp_resolution(mesh, options);
+    rows->lines = lines_of_mesh(mesh, arena);
+    rows->usual = options->form_factor;
+    rows->usual.lines = &rows->lines;
+    rows->of_lamps = rows->usual;
+    rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
-    for (int t = 0; t < rows->threads; t++) {
-        Maker *maker = &rows->makers[t];
-        maker->viewer = viewer_new(mesh, forest, door_open, &maker->arena);
-        maker->form_factor = form_factor_new(options->method, mesh, &options->form_factor, &maker->arena);
-        maker->of_lamps = maker->form_factor;
-        if (detail.resolution != options->form_factor.resolution)
-            maker->of_lamps = form_factor_new(options->method, mesh, &detail, &maker->arena);
-        if (options->reach > 0) maker->near = near_pairs_new(mesh, options->reach, &maker->arena);
-    }
+    parallel_for(rows->threads, rows->threads, equip_maker, rows);
     rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);

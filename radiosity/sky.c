@@ -50,6 +50,7 @@ typedef struct Shine {
     const StabForest *forest;
     const RadOptions *options;
     SkyOpenings openings;
+    FaceLines lines;
     bool *looks;    // [element_count] for the sky itself
     double *share;  // [element_count] of its hemisphere that is sky
     int *mirror;    // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
@@ -84,10 +85,10 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(s->options->form_factor.resolution, grids);
     w->viewer = viewer_new(s->mesh, s->forest, door_open, &w->arena);
-    w->inside = sampler_new(s->mesh, grids, count, GRIDS_TURN, &w->arena);
-    w->outside = sampler_new(s->mesh, grids, count, -GRIDS_TURN, &w->arena);
+    w->inside = sampler_new(s->mesh, &s->lines, grids, count, GRIDS_TURN, &w->arena);
+    w->outside = sampler_new(s->mesh, &s->lines, grids, count, -GRIDS_TURN, &w->arena);
     count = grids_of_disc(RESOLUTION_OUTDOORS, grids);
-    w->around = sampler_new(s->mesh, grids, count, GRIDS_TURN, &w->arena);
+    w->around = sampler_new(s->mesh, &s->lines, grids, count, GRIDS_TURN, &w->arena);
     int most = sampler_samples(w->inside)->count + sampler_samples(w->outside)->count +
                sampler_samples(w->around)->count;
     w->item = ARENA_ARRAY(&w->arena, int32_t, most);
@@ -283,6 +284,7 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     s->forest = forest;
     s->options = options;
     s->openings = sky_openings(mesh->graph, &arena);
+    s->lines = lines_of_mesh(mesh, &arena);
     s->looks = ARENA_ARRAY(&arena, bool, mesh->element_count);
     s->share = ARENA_ARRAY(&arena, double, mesh->element_count);
     s->watchers = ARENA_ARRAY(&arena, Watcher, threads);

@@ -102,6 +102,7 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resume
     const CellGraph *graph = &scene->graph;
     MeshOptions options = a->mesh;
     if (!app_has_walls(scene, error)) return false;
+    options.threads = a->rad.threads;
     if (options.element == 0) options.element = mesh_fitting_element(graph);
     if (!check_size(a->file, options.element, graph, error)) return false;
     Arena scratch = {0};

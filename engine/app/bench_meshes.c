@@ -1,5 +1,6 @@
-// bench_meshes.c - what adaptive meshes save: elements against error, of meshes that are as fine as their light asks and of even
-// ones, from coarse to fine; and how many elements an even mesh would need for the same error.
+// bench_meshes.c - what adaptive meshes save: elements against error, from coarse to fine, of even meshes, of even ones that are cut
+// where things stand on their faces, and of those that are cut and as fine as their light asks; and how many elements an even
+// mesh would need for the same error.
 //
 // The error is that of the field: the root of the mean square, over all surfaces, of what the irradiance is off, of its mean
 // (against path tracing at random points, evenly by area). Of what elements hold, of what is shown between their corners, and of
@@ -12,9 +13,15 @@ static const char HEAD[] =
     "building,mesh,element_m,elements,patches,mesh_seconds,bake_seconds,element_rms,vertex_rms,gather_rms,"
     "of_even_element,of_even_vertex,of_even_gather,points,points_gathering,truth_error\n";
 
-// Edges of elements, of what fits the building.
-static const double SCALES[] = {4, 2.8, 2, 1.4, 1};
+// Edges of elements, of what fits the building. Even meshes go on to where the others' errors are.
+static const double SCALES[] = {4, 2.8, 2, 1.4, 1, 0.7};
 enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES, MOST_GATHERING = 100 };
+
+enum { EVEN, CUT, ADAPTIVE, KINDS };
+static const struct {
+    const char *name;
+    int scales;
+} KIND[KINDS] = {{"even", SCALE_COUNT}, {"cut", SCALE_COUNT - 1}, {"adaptive", SCALE_COUNT - 1}};
 
 typedef struct Size {
     double elements, rms[LIGHT_COMPARED];
@@ -37,16 +44,15 @@ static double elements_at(const Curve *curve, int what, double rms) {
     return 0;
 }
 
-static void add_row(const LightScene *s, const LightBake *bake, const Size *size, const Curve *even,
+static void add_row(const LightScene *s, const LightBake *bake, int kind, const Size *size, const Curve *even,
                     Text *csv) {
     size_t before = csv->size;
-    text_append(csv, "%s,%s,%g,%d,%d,%.4f,%.4f", bench_name(s->file), even ? "adaptive" : "even",
-                bake->options.element, bake->mesh.element_count, bake->mesh.patch_count, bake->mesh_seconds,
-                bake->seconds);
+    text_append(csv, "%s,%s,%g,%d,%d,%.4f,%.4f", bench_name(s->file), KIND[kind].name, bake->options.element,
+                bake->mesh.element_count, bake->mesh.patch_count, bake->mesh_seconds, bake->seconds);
     static const int ORDER[] = {LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_GATHERED};
     for (int k = 0; k < LIGHT_COMPARED; k++) text_append(csv, ",%.4f", size->rms[ORDER[k]]);
     for (int k = 0; k < LIGHT_COMPARED; k++) {
-        double like = even ? elements_at(even, ORDER[k], size->rms[ORDER[k]]) : 0;
+        double like = kind != EVEN ? elements_at(even, ORDER[k], size->rms[ORDER[k]]) : 0;
         if (like > 0)
             text_append(csv, ",%.3f", size->elements / like);
         else
@@ -63,22 +69,23 @@ static void add_row(const LightScene *s, const LightBake *bake, const Size *size
     fflush(stdout);
 }
 
-static bool bench_size(const LightScene *s, double scale, const Curve *even, Curve *curve, Text *csv,
-                       Error *error) {
+static bool bench_size(const LightScene *s, int kind, double scale, Curve *curves, Text *csv, Error *error) {
     Arena arena = {0};
     LightBake bake;
     light_bake_defaults(s, &bake);
     bake.options.element *= scale;
     bake.adapt.few = 0;
-    if (!even) bake.adapt.share = 0;
+    if (kind == EVEN) bake.options.close = 0;
+    if (kind != ADAPTIVE) bake.adapt.share = 0;
     bool good = light_bake(s, &arena, &bake, error);
     if (good) {
         LightErrors errors = light_errors(s, &bake, MOST_GATHERING, &arena);
+        Curve *curve = &curves[kind];
         Size *size = &curve->sizes[curve->count++];
         size->elements = bake.mesh.element_count;
         for (int what = 0; what < LIGHT_COMPARED; what++)
             size->rms[what] = light_errors_rms(s, errors.off[what]);
-        add_row(s, &bake, size, even, csv);
+        add_row(s, &bake, kind, size, &curves[EVEN], csv);
     }
     arena_free(&arena);
     return good;
@@ -87,11 +94,11 @@ static bool bench_size(const LightScene *s, double scale, const Curve *even, Cur
 static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Arena arena = {0};
     LightScene s;
-    Curve even = {0}, adaptive = {0};
+    Curve curves[KINDS] = {0};
     bool good = light_scene_open(file, a, LIGHT_TRUTH_MEAN, &arena, &s, error);
-    for (int i = 0; i < SCALE_COUNT && good; i++) good = bench_size(&s, SCALES[i], NULL, &even, csv, error);
-    for (int i = 0; i < SCALE_COUNT && good; i++)
-        good = bench_size(&s, SCALES[i], &even, &adaptive, csv, error);
+    for (int kind = 0; kind < KINDS; kind++)
+        for (int i = 0; i < KIND[kind].scales && good; i++)
+            good = bench_size(&s, kind, SCALES[i], curves, csv, error);
     arena_free(&arena);
     return good;
 }

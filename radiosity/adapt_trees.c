@@ -284,20 +284,26 @@ static double prune(const Trees *t, double *below, double cost) {
     return count;
 }
 
-// Costs between which the one is that leaves as many elements as there may be, of the largest error of a root; and how often what is
-// between them is halved, as logarithms.
-static const double LEAST_COST = 1e-12;
-enum { HALVINGS = 24 };
+// Costs between which the one is that leaves as many elements as there may be, of the largest error of a root; what share of them is
+// near enough; and after how many tries it is, anyway.
+static const double LEAST_COST = 1e-12, NEAR_ENOUGH = 0.998;
+enum { MOST_TRIES = 24 };
+// A guess lies so far inside what is known, as a share, that each narrows it from either side.
+static const double INSIDE = 0.05;
 
-// So that there are at most so many.
+// So that there are at most so many. Counts go about as powers of costs: guesses lie on the line between what is known, as logarithms.
 static void prune_to(const Trees *t, double *below) {
-    double high = 0;
+    double high = 0, most = fmax(t->limits->most, 1);
     for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
-    double low = LEAST_COST * high;
-    if (prune(t, below, low) <= t->limits->most) return;
-    for (int i = 0; i < HALVINGS; i++) {
-        double middle = sqrt(low * high);
-        *(prune(t, below, middle) > t->limits->most ? &low : &high) = middle;
+    double low = LEAST_COST * high, many = prune(t, below, low);
+    if (many <= most) return;
+    double few = prune(t, below, high);
+    for (int i = 0; i < MOST_TRIES && few < NEAR_ENOUGH * most; i++) {
+        double along = few > 0 ? log(many / most) / log(many / few) : 0.5;
+        double guess = low * pow(high / low, fmin(fmax(along, INSIDE), 1 - INSIDE));
+        double count = prune(t, below, guess);
+        *(count > most ? &low : &high) = guess;
+        *(count > most ? &many : &few) = count;
     }
     prune(t, below, high);
 }

@@ -159,7 +159,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
         few_contacts = mesh_find_cuts(&builder);
     }
     if (fits && few_contacts && out->face_count > 0) {
-        for (int f = 0; f < out->face_count; f++) mesh_cut_face(&builder, f);
+        mesh_cut_faces(&builder);
         mesh_anchor_elements(&builder);
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;

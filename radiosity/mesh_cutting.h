@@ -8,7 +8,10 @@ enum { MESH_SEVERAL = -2 };
 
 typedef struct MeshCutting {
     MeshBuilder *builder;
+    Arena *arena;  // of the thread that cuts it
+    int index;
     const Face *face;
+    bool is_cut;          // something stands on it
     const Vec3 *outline;  // [count] from the face's origin
     int count;
     Vec3 *part, *spare;  // [count + 8] of the part looked at
@@ -16,12 +19,14 @@ typedef struct MeshCutting {
     int leaf_count;
     int *owner;     // [nx * ny] the leaf whose block a square is in
     int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces
+    int merged;     // slivers that became part of their neighbours
     double square;  // area of a whole one, m^2
+    // What leaves are cut into: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
+    MeshPiece *pieces;
+    int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;
 
-// mesh_squares.c: what a block holds of the face, in `part` from the face's origin; returns how many corners it has.
-int mesh_part_in(MeshCutting *cutting, MeshBlock block);
 // mesh_patches.c: the elements and patches that the leaves become.
-void mesh_add_patches(MeshCutting *cutting, Face *face, int index);
+void mesh_add_patches(MeshCutting *cutting);
 
 #endif

@@ -12,14 +12,25 @@ static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double 
     }
 }
 
-// Returns false where nothing is left once its corners are places.
-static bool add_element(MeshCutting *c, const Vec3 *v, int count, MeshDepth depth, Patch *patch, Vec3 *moment,
-                        double *weight) {
+// A patch that grows by elements.
+typedef struct Growing {
+    Patch patch;
+    Vec3 moment;  // of its area about the face's origin
+    double weight;
+} Growing;
+
+static Growing begin_patch(const MeshCutting *c) {
+    return (Growing){
+        .patch = {.face = c->index, .first_element = c->builder->mesh->element_count, .cell = -1}};
+}
+
+// Notes which element a piece became: -1 where nothing is left once its corners are places.
+static void add_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth, Growing *to) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
     int first = mesh->corner_count;
-    for (int i = 0; i < count; i++) {
-        int place = places_add(&builder->places, vec3_add(c->face->origin, v[i]));
+    for (int i = 0; i < piece->count; i++) {
+        int place = places_add(&builder->places, vec3_add(c->face->origin, piece->v[i]));
         if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
         *ARENA_PUSH(builder->arena, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
     }
@@ -27,118 +38,81 @@ static bool add_element(MeshCutting *c, const Vec3 *v, int count, MeshDepth dept
         mesh->corner_count--;
     if (mesh->corner_count < first + 3) {
         mesh->corner_count = first;
-        return false;
+        return;
     }
-    double area = polygon_area(v, count);
+    double area = polygon_area(piece->v, piece->count);
+    piece->element = mesh->element_count;
     *ARENA_PUSH(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
-        (Element){patch->face, mesh->patch_count, first, mesh->corner_count - first, depth, area};
-    add_centroid(v, count, c->face->plane.n, moment, weight);
-    patch->area += area;
-    patch->element_count++;
-    return true;
+        (Element){c->index, mesh->patch_count, first, mesh->corner_count - first, depth, area};
+    add_centroid(piece->v, piece->count, c->face->plane.n, &to->moment, &to->weight);
+    to->patch.area += area;
+    to->patch.element_count++;
 }
 
 // `centre` from the face's origin.
-static void finish_patch(MeshCutting *c, Patch *patch, Vec3 centre) {
+static void finish_patch(MeshCutting *c, Growing *growing, Vec3 centre) {
     Mesh *mesh = c->builder->mesh;
     // On the plane even where the polygon bends: an eye there must not see its own face.
     Vec3 n = c->face->plane.n;
     centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
-    patch->centre = vec3_add(c->face->origin, centre);
-    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) = *patch;
+    growing->patch.centre = vec3_add(c->face->origin, centre);
+    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) =
+        growing->patch;
 }
 
 // The patch of leaves first .. end - 1.
-static void add_whole_patch(MeshCutting *c, int face, int first, int end) {
-    Mesh *mesh = c->builder->mesh;
-    Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
-    Vec3 moment = {0};
-    double weight = 0;
+static void add_whole_patch(MeshCutting *c, int first, int end) {
+    Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {
-        const MeshLeaf *leaf = &c->leaves[k];
         c->element[k] = -1;
-        if (leaf->area == 0) continue;
-        int count = mesh_part_in(c, leaf->block);
-        if (add_element(c, c->part, count, leaf->depth, &patch, &moment, &weight))
-            c->element[k] = mesh->element_count - 1;
+        if (c->first_piece[k] == c->first_piece[k + 1]) continue;
+        MeshPiece *whole = &c->pieces[c->first_piece[k]];
+        add_element(c, whole, c->leaves[k].depth, &patch);
+        c->element[k] = whole->element;
     }
-    if (patch.element_count > 0) finish_patch(c, &patch, vec3_scale(moment, 1 / weight));
+    if (patch.patch.element_count > 0) finish_patch(c, &patch, vec3_scale(patch.moment, 1 / patch.weight));
 }
 
 // ---- leaves in pieces
 
-// Those of a patch's leaves first .. end - 1.
-typedef struct Pieces {
-    MeshPiece *pieces;  // [first_of[end - first]]
-    int *first_of;
-} Pieces;
-
-static Vec3 middle_of(const MeshPiece *piece) {
-    Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
-    return vec3_scale(sum, 1.0 / piece->count);
-}
-
-static Pieces find_pieces(MeshCutting *c, int face, int first, int end) {
-    Arena *arena = &c->builder->scratch;
-    Pieces p = {.first_of = ARENA_ARRAY(arena, int, end - first + 1)};
-    int count = 0, capacity = 0;
-    for (int k = first; k < end; k++) {
-        MeshPiece own[MESH_MOST_PIECES];
-        int corners = c->leaves[k].area > 0 ? mesh_part_in(c, c->leaves[k].block) : 0;
-        int pieces = corners >= 3 ? mesh_cut_pieces(c->builder, face, c->part, corners, arena, own) : 0;
-        p.first_of[k - first] = count;
-        for (int i = 0; i < pieces; i++) {
-            own[i].covered = own[i].count >= 3 && mesh_is_covered(c->builder, face, middle_of(&own[i]));
-            *ARENA_PUSH(arena, p.pieces, count, capacity) = own[i];
-        }
-    }
-    p.first_of[end - first] = count;
-    return p;
-}
-
 // The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
-static void finish_cut_patch(MeshCutting *c, Patch *patch, Vec3 moment, double weight) {
+static void finish_cut_patch(MeshCutting *c, Growing *growing) {
     const Mesh *mesh = c->builder->mesh;
-    Vec3 centre = vec3_scale(moment, 1 / weight), best = centre;
+    const Patch *patch = &growing->patch;
+    if (patch->element_count == 0) return;
+    Vec3 centre = vec3_scale(growing->moment, 1 / growing->weight), best = centre;
     double nearest = INFINITY;
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
         const Element *element = &mesh->elements[e];
-        MeshPiece piece = {.v = ARENA_ARRAY(&c->builder->scratch, Vec3, element->corner_count),
+        MeshPiece piece = {.v = ARENA_ARRAY(c->arena, Vec3, element->corner_count),
                            .count = element->corner_count};
         for (int i = 0; i < piece.count; i++)
             piece.v[i] = vec3_sub(c->builder->places.points[mesh->corners[element->first_corner + i]],
                                   c->face->origin);
-        Vec3 middle = middle_of(&piece);
+        Vec3 middle = mesh_middle(&piece);
         double away = vec3_length(vec3_sub(middle, centre));
         if (mesh_inside(piece.v, piece.count, c->face->plane.n, centre) > -MESH_WELD) away = -1;
         if (away >= nearest) continue;
         nearest = away;
         best = away < 0 ? centre : middle;
     }
-    if (patch->element_count > 0) finish_patch(c, patch, best);
+    finish_patch(c, growing, best);
 }
 
 // What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
-static void add_patch_of(MeshCutting *c, int face, const Pieces *p, int first, int end, bool covered) {
-    Mesh *mesh = c->builder->mesh;
-    Patch patch = {.face = face, .first_element = mesh->element_count, .cell = -1};
-    Vec3 moment = {0};
-    double weight = 0;
+static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
+    Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {
-        for (int i = p->first_of[k - first]; i < p->first_of[k - first + 1]; i++) {
-            MeshPiece *piece = &p->pieces[i];
+        for (int i = c->first_piece[k]; i < c->first_piece[k + 1]; i++) {
+            MeshPiece *piece = &c->pieces[i];
             if (piece->count < 3 || piece->covered != covered) continue;
-            if (add_element(c, piece->v, piece->count, c->leaves[k].depth, &patch, &moment, &weight))
-                piece->element = mesh->element_count - 1;
-            if (patch.element_count < MESH_MOST_IN_PATCH) continue;
-            finish_cut_patch(c, &patch, moment, weight);
-            patch = (Patch){.face = face, .first_element = mesh->element_count, .cell = -1};
-            moment = (Vec3){0};
-            weight = 0;
+            add_element(c, piece, c->leaves[k].depth, &patch);
+            if (patch.patch.element_count < MESH_MOST_IN_PATCH) continue;
+            finish_cut_patch(c, &patch);
+            patch = begin_patch(c);
         }
     }
-    finish_cut_patch(c, &patch, moment, weight);
+    finish_cut_patch(c, &patch);
 }
 
 static void push_shared(MeshCutting *c, int number) {
@@ -198,7 +172,7 @@ static void give_squares(MeshCutting *c, MeshBlock b, const MeshPiece *pieces, i
     const Face *face = c->face;
     int code = share_leaf(c, pieces, count);
     bool several = code < -1;
-    Sides *sides = several ? sides_of(pieces, count, face->plane.n, &c->builder->scratch) : NULL;
+    Sides *sides = several ? sides_of(pieces, count, face->plane.n, c->arena) : NULL;
     Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
          y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
     double reach = 0.5 * vec3_length(vec3_add(x, y));
@@ -210,23 +184,21 @@ static void give_squares(MeshCutting *c, MeshBlock b, const MeshPiece *pieces, i
     }
 }
 
-static void add_cut_patches(MeshCutting *c, int face, int first, int end, int *squares) {
-    Pieces p = find_pieces(c, face, first, end);
-    add_patch_of(c, face, &p, first, end, false);
-    add_patch_of(c, face, &p, first, end, true);
+static void add_cut_patches(MeshCutting *c, int first, int end, int *squares) {
+    add_patch_of(c, first, end, false);
+    add_patch_of(c, first, end, true);
     for (int k = first; k < end; k++) {
-        int at = p.first_of[k - first];
+        int at = c->first_piece[k];
         c->element[k] = MESH_SEVERAL;
         if (c->leaves[k].area > 0)
-            give_squares(c, c->leaves[k].block, p.pieces + at, p.first_of[k - first + 1] - at, squares);
+            give_squares(c, c->leaves[k].block, c->pieces + at, c->first_piece[k + 1] - at, squares);
     }
 }
 
-void mesh_add_patches(MeshCutting *c, Face *face, int index) {
+void mesh_add_patches(MeshCutting *c) {
     Mesh *mesh = c->builder->mesh;
-    c->element = ARENA_ARRAY(&c->builder->scratch, int, c->leaf_count);
+    Face *face = &mesh->faces[c->index];
     int squares = face->nx * face->ny;
-    bool is_cut = c->builder->first_cut[index + 1] > c->builder->first_cut[index];
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;
@@ -235,13 +207,14 @@ void mesh_add_patches(MeshCutting *c, Face *face, int index) {
     int *square = mesh->squares + face->first_square;
     for (int first = 0, end; first < c->leaf_count; first = end) {
         for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
-        if (is_cut)
-            add_cut_patches(c, index, first, end, square);
+        if (c->is_cut)
+            add_cut_patches(c, first, end, square);
         else
-            add_whole_patch(c, index, first, end);
+            add_whole_patch(c, first, end);
     }
     for (int i = 0; i < squares; i++)
         if (c->element[c->owner[i]] != MESH_SEVERAL) square[i] = c->element[c->owner[i]];
     face->element_count = mesh->element_count - face->first_element;
     face->patch_count = mesh->patch_count - face->first_patch;
+    mesh->merged_elements += c->merged;
 }

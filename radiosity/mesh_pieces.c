@@ -67,28 +67,6 @@ static MeshPiece half(const MeshPiece *piece, Plane keep, Arena *arena) {
     return out;
 }
 
-int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
-                    MeshPiece *out) {
-    Vec3 n = builder->mesh->faces[face].plane.n;
-    int pieces = 1;
-    out[0] = (MeshPiece){.v = ARENA_ARRAY(arena, Vec3, count), .count = count, .element = -1};
-    memcpy(out[0].v, v, (size_t)count * sizeof *v);
-    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
-        const MeshCut *cut = &builder->cuts[i];
-        Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
-        Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
-        // Those that the line itself runs through, not what lies beyond its ends.
-        for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
-            MeshPiece whole = out[k];
-            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
-                continue;
-            out[k] = half(&whole, before, arena);
-            out[pieces++] = half(&whole, behind, arena);
-        }
-    }
-    return pieces;
-}
-
 static double distance_to(const MeshCut *cut, Vec3 point) {
     Vec3 along = vec3_sub(cut->to, cut->from), off = vec3_sub(point, cut->from);
     double t = vec3_dot(along, off) / vec3_dot(along, along);
@@ -125,7 +103,8 @@ static bool is_answered(const Nearest *n, const MeshCut *cut) {
     return false;
 }
 
-bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point) {
+// As the nearest cut has it.
+static bool is_covered(const MeshBuilder *builder, int face, Vec3 point) {
     for (double beyond = -1;;) {
         Nearest n = nearest_beyond(builder, face, point, beyond);
         if (n.count == 0) return false;
@@ -138,4 +117,36 @@ bool mesh_is_covered(const MeshBuilder *builder, int face, Vec3 point) {
         if (most > -INFINITY) return most < 0;
         beyond = n.distance + THIN;
     }
+}
+
+// ---- pieces
+
+Vec3 mesh_middle(const MeshPiece *piece) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
+    return vec3_scale(sum, 1.0 / piece->count);
+}
+
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
+                    MeshPiece *out) {
+    Vec3 n = builder->mesh->faces[face].plane.n;
+    int pieces = 1;
+    out[0] = (MeshPiece){.v = ARENA_ARRAY(arena, Vec3, count), .count = count, .element = -1};
+    memcpy(out[0].v, v, (size_t)count * sizeof *v);
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
+        Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
+        // Those that the line itself runs through, not what lies beyond its ends.
+        for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
+            MeshPiece whole = out[k];
+            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
+                continue;
+            out[k] = half(&whole, before, arena);
+            out[pieces++] = half(&whole, behind, arena);
+        }
+    }
+    for (int k = 0; k < pieces && builder->first_cut[face + 1] > builder->first_cut[face]; k++)
+        out[k].covered = out[k].count >= 3 && is_covered(builder, face, mesh_middle(&out[k]));
+    return pieces;
 }

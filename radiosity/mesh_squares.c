@@ -2,6 +2,7 @@
 // its outline, where slivers are joined to their neighbours (Cohen & Wallace 1993, chapter 6: elements of even size and good shape).
 #include <string.h>
 
+#include "engine/core/parallel.h"
 #include "engine/core/polygon.h"
 #include "radiosity/mesh_cutting.h"
 
@@ -12,7 +13,8 @@ static const double NOTHING = 1e-9;
 
 // ---- parts of a face
 
-int mesh_part_in(MeshCutting *c, MeshBlock b) {
+// What a block holds of the face, in c->part; returns how many corners it has.
+static int part_in(MeshCutting *c, MeshBlock b) {
     const Face *face = c->face;
     int count = c->count;
     memcpy(c->part, c->outline, (size_t)count * sizeof *c->part);
@@ -46,7 +48,7 @@ static void give(MeshCutting *c, MeshBlock b, int leaf) {
 static void measure_parts(MeshCutting *c) {
     for (int k = 0; k < c->leaf_count; k++) {
         MeshLeaf *leaf = &c->leaves[k];
-        int count = mesh_part_in(c, leaf->block);
+        int count = part_in(c, leaf->block);
         double area = count < 3 ? 0 : polygon_area(c->part, count);
         leaf->area = area < NOTHING * c->square ? 0 : area;
         give(c, leaf->block, k);
@@ -83,7 +85,7 @@ static bool join(MeshCutting *c, int at) {
     keep->block = (MeshBlock){a.i0 < b.i0 ? a.i0 : b.i0, a.j0 < b.j0 ? a.j0 : b.j0, a.i1 > b.i1 ? a.i1 : b.i1,
                               a.j1 > b.j1 ? a.j1 : b.j1};
     give(c, keep->block, (int)(keep - c->leaves));
-    c->builder->mesh->merged_elements++;
+    c->merged++;
     return true;
 }
 
@@ -97,27 +99,82 @@ static void join_slivers(MeshCutting *c) {
     }
 }
 
-void mesh_cut_face(MeshBuilder *builder, int index) {
+static void find_pieces(MeshCutting *c) {
+    c->first_piece = ARENA_ARRAY(c->arena, int, c->leaf_count + 1);
+    for (int k = 0; k < c->leaf_count; k++) {
+        MeshPiece own[MESH_MOST_PIECES];
+        int corners = c->leaves[k].area > 0 ? part_in(c, c->leaves[k].block) : 0;
+        int pieces =
+            corners >= 3 ? mesh_cut_pieces(c->builder, c->index, c->part, corners, c->arena, own) : 0;
+        c->first_piece[k] = c->piece_count;
+        for (int i = 0; i < pieces; i++)
+            *ARENA_PUSH(c->arena, c->pieces, c->piece_count, c->piece_capacity) = own[i];
+    }
+    c->first_piece[c->leaf_count] = c->piece_count;
+}
+
+// ---- all faces
+
+// So many at a time: their grids follow each other in the splits, their elements have to be numbered in order, what is between them
+// is on all threads.
+enum { FACES_AT_A_TIME = 4096, SQUARES_AT_A_TIME = 1 << 17 };
+
+// Returns how many squares it has.
+static int begin_face(MeshBuilder *builder, int index, MeshCutting *c) {
     Face *face = &builder->mesh->faces[index];
     mesh_refine_grid(builder, index, face);
+    *c = (MeshCutting){.builder = builder, .index = index, .face = face};
+    c->is_cut = builder->first_cut[index + 1] > builder->first_cut[index];
+    c->square = 1 / (vec3_length(face->gx) * vec3_length(face->gy));
     int squares = face->nx * face->ny;
-    arena_reset(&builder->scratch);
-    Vec3 *outline = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count);
+    c->leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, squares);
+    c->owner = ARENA_ARRAY(&builder->scratch, int, squares);
+    c->element = ARENA_ARRAY(&builder->scratch, int, squares);
+    c->leaf_count = mesh_leaves(builder, face, c->leaves);
+    return squares;
+}
+
+typedef struct Crew {
+    MeshCutting *cutting;
+    Arena *arenas;  // [threads]
+} Crew;
+
+static void cut_face(void *context, int at, int thread) {
+    const Crew *crew = context;
+    MeshCutting *c = &crew->cutting[at];
+    const MeshBuilder *builder = c->builder;
+    const Face *face = c->face;
+    c->arena = &crew->arenas[thread];
+    Vec3 *outline = ARENA_ARRAY(c->arena, Vec3, face->vertex_count);
     for (int i = 0; i < face->vertex_count; i++) {
         int place = builder->mesh->outline[face->first_vertex + i];
         outline[i] = vec3_sub(builder->places.points[place], face->origin);
     }
-    MeshCutting c = {.builder = builder,
-                     .face = face,
-                     .outline = outline,
-                     .count = face->vertex_count,
-                     .part = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count + 8),
-                     .spare = ARENA_ARRAY(&builder->scratch, Vec3, face->vertex_count + 8),
-                     .square = 1 / (vec3_length(face->gx) * vec3_length(face->gy)),
-                     .leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, squares),
-                     .owner = ARENA_ARRAY(&builder->scratch, int, squares)};
-    c.leaf_count = mesh_leaves(builder, face, c.leaves);
-    measure_parts(&c);
-    join_slivers(&c);
-    mesh_add_patches(&c, face, index);
+    c->outline = outline;
+    c->count = face->vertex_count;
+    c->part = ARENA_ARRAY(c->arena, Vec3, c->count + 8);
+    c->spare = ARENA_ARRAY(c->arena, Vec3, c->count + 8);
+    measure_parts(c);
+    join_slivers(c);
+    find_pieces(c);
+}
+
+void mesh_cut_faces(MeshBuilder *builder) {
+    Mesh *mesh = builder->mesh;
+    Arena scratch = {0};
+    int threads = parallel_threads(mesh->options.threads);
+    Crew crew = {ARENA_ARRAY(&scratch, MeshCutting, FACES_AT_A_TIME), ARENA_ARRAY(&scratch, Arena, threads)};
+    for (int first = 0, count; first < mesh->face_count; first += count) {
+        arena_reset(&builder->scratch);
+        for (int t = 0; t < threads; t++) arena_reset(&crew.arenas[t]);
+        int squares = 0;
+        for (count = 0; first + count < mesh->face_count && count < FACES_AT_A_TIME; count++) {
+            if (squares > SQUARES_AT_A_TIME) break;
+            squares += begin_face(builder, first + count, &crew.cutting[count]);
+        }
+        parallel_for(threads, count, cut_face, &crew);
+        for (int i = 0; i < count; i++) mesh_add_patches(&crew.cutting[i]);
+    }
+    for (int t = 0; t < threads; t++) arena_free(&crew.arenas[t]);
+    arena_free(&scratch);
 }

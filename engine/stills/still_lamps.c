@@ -1,6 +1,7 @@
-// still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form. How much of it is seen shadow rays
-// say, each to a point of a lamp that is chosen by what it is likely to send. So there is noise only where something hides a part
-// (Heitz, Hill & McGuire 2018, Combining Analytic Direct Illumination and Stochastic Shadows).
+// still_lamps.c - what lamps would send to a place if nothing stood between is known in closed form (Heitz, Hill & McGuire 2018,
+// Combining Analytic Direct Illumination and Stochastic Shadows). About how much of it is seen is known of each element: that much is
+// taken, and shadow rays say by how much more or less it is, each to a point of a lamp that is chosen by how much that may be (a
+// control variate: Kalos & Whitlock 1986). So there is noise only where something hides a part of a lamp, however many there are.
 #include "engine/stills/still_lamps.h"
 
 #include "engine/stills/still_lamps_parts.h"
@@ -10,6 +11,8 @@
 
 // Lamps of which an element saw nothing are asked for once in a while.
 static const double ONCE_IN_A_WHILE = 0.25;
+// An element's few looks may have missed what hides a lamp, or a gap: the share of its light in doubt is never less.
+static const double LEAST_DOUBT = 0.15;
 // Looks from an element: two for each sample of a pixel, within bounds.
 enum { LEAST_LOOKS = 16, MOST_LOOKS = 128 };
 // Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
@@ -51,8 +54,11 @@ static void add_ball(StillLamps *lamps, int shape, Arena *arena, int *capacity) 
     const CellGraph *graph = lamps->scene->mesh->graph;
     const CurvedShape *s = &graph->building->shapes[shape];
     Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
-    *lamp = (Lamp){
-        .centre = s->frame.origin, .radius = vec3_length(s->frame.axis[0]), .before = BEFORE, .cell = -1};
+    *lamp = (Lamp){.centre = s->frame.origin,
+                   .radius = vec3_length(s->frame.axis[0]),
+                   .before = BEFORE,
+                   .cell = -1,
+                   .group = -1};
     lamp->area = 4 * M_PI * lamp->radius * lamp->radius;
     put_exitance(lamp, &graph->building->materials[s->material]);
 }
@@ -72,7 +78,8 @@ static void add_polygon(StillLamps *lamps, int face, double before, Arena *arena
     const Mesh *mesh = lamps->scene->mesh;
     const Face *f = &mesh->faces[face];
     Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
-    *lamp = (Lamp){.first_corner = *corners, .normal = f->plane.n, .before = BEFORE + before};
+    *lamp =
+        (Lamp){.first_corner = *corners, .normal = f->plane.n, .before = BEFORE + before, .group = f->object};
     // Vertices of neighbours on its edges say nothing of it: the polygon as it was.
     const Polygon *p = &mesh->graph->polygons[f->polygon];
     Box box = box_empty();
@@ -168,8 +175,9 @@ enum { TOGETHER = 256 };
 
 typedef struct Weighed {
     int lamp[TOGETHER], count;
-    double share[TOGETHER], weight[TOGETHER],
-        sum;  // of the light that leaves the place; of what is likely to be seen
+    double share[TOGETHER],
+        seen[TOGETHER];            // of the light that leaves the place; of that, what is taken to be seen
+    double weight[TOGETHER], sum;  // how much the light may be off
 } Weighed;
 
 static void weigh(const StillLamps *lamps, const LampFrame *f, const Candidate *list, int count,
@@ -181,15 +189,23 @@ static void weigh(const StillLamps *lamps, const LampFrame *f, const Candidate *
         double share = lamp_share(lamps, lamp, f);
         if (!(share > 0)) continue;
         out->lamp[out->count] = list[i].lamp;
-        out->weight[out->count] = share * lamp->luminous * (double)list[i].seen;
+        double seen = (double)list[i].seen, doubt = fmax(sqrt(seen * (1 - seen)), LEAST_DOUBT);
+        out->weight[out->count] = share * lamp->luminous * doubt;
         out->sum += out->weight[out->count];
+        out->seen[out->count] = seen;
         out->share[out->count++] = share;
     }
 }
 
-// Each shadow ray is to a lamp by what it is likely to send.
-static void add_seen(const StillLamps *lamps, const Weighed *w, const LampFrame *f, int rays, double scale,
-                     StillNumbers *numbers, double out[3]) {
+static void add_taken(const StillLamps *lamps, const Weighed *w, double scale, double out[3]) {
+    for (int i = 0; i < w->count; i++)
+        for (int c = 0; c < 3; c++)
+            out[c] += scale * w->share[i] * w->seen[i] * lamps->lamps[w->lamp[i]].exitance[c];
+}
+
+// What shadow rays say it is off.
+static void add_off(const StillLamps *lamps, const Weighed *w, const LampFrame *f, int rays, double scale,
+                    StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {
         double u[3];
         lamp_numbers_next(numbers, u);
@@ -197,8 +213,8 @@ static void add_seen(const StillLamps *lamps, const Weighed *w, const LampFrame 
         int i = 0;
         while (left >= w->weight[i] && i + 1 < w->count) left -= w->weight[i++];
         const Lamp *lamp = &lamps->lamps[w->lamp[i]];
-        if (!lamp_sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1))) continue;
-        double share = scale * w->share[i] * w->sum / w->weight[i] / rays;
+        double off = lamp_sees(lamps, lamp, f, u + 1, fmin(left / w->weight[i], 1)) - w->seen[i];
+        double share = scale * off * w->share[i] * w->sum / w->weight[i] / rays;
         for (int c = 0; c < 3; c++) out[c] += share * lamp->exitance[c];
     }
 }
@@ -208,7 +224,9 @@ static void add_all(const StillLamps *lamps, const LampFrame *f, const Candidate
     Weighed w;
     for (int i = 0; i < count; i += TOGETHER) {
         weigh(lamps, f, list + i, count - i < TOGETHER ? count - i : TOGETHER, &w);
-        if (w.sum > 0) add_seen(lamps, &w, f, rays, scale, numbers, out);
+        if (!(w.sum > 0)) continue;
+        add_taken(lamps, &w, scale, out);
+        add_off(lamps, &w, f, rays, scale, numbers, out);
     }
 }
 

@@ -21,7 +21,7 @@ typedef struct Lamp {
 // A lamp as a side of an element may see it.
 typedef struct Candidate {
     int lamp;
-    float seen;  // about so much of it, above 0 .. 1
+    float seen;  // about so much of it, 0 .. 1
 } Candidate;
 
 // First those of which it saw something.

@@ -5,8 +5,6 @@
 
 // On curved shapes facets say little of what lies around them: of all that may be seen something is taken to be.
 static const float CURVED_SEEN = 0.2f;
-// And of what an element sees little of: where that is seen it would be bright by the inverse.
-static const float LEAST_SEEN = 0.25f;
 
 // Uniform over its triangles.
 static Vec3 point_of_element(const Mesh *mesh, const Element *e, double u, double v) {
@@ -115,9 +113,9 @@ static Candidates *find_candidates(const StillLamps *lamps, int index, bool fron
             continue;
         if (seen < 0) seen = seen_share(lamps, element, normal, lamp->group);
         if (seen > 0 || curved)
-            out->lamp[out->seen_count++] = (Candidate){i, fmaxf(seen, curved ? CURVED_SEEN : LEAST_SEEN)};
+            out->lamp[out->seen_count++] = (Candidate){i, fmaxf(seen, curved ? CURVED_SEEN : 0)};
         else
-            out->lamp[--hidden] = (Candidate){i, 1};
+            out->lamp[--hidden] = (Candidate){i, 0};
     }
     out->count = out->seen_count + lamps->count - hidden;
     memmove(out->lamp + out->seen_count, out->lamp + hidden,

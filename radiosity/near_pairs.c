@@ -183,12 +183,6 @@ static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, P
 
 // ---- an element from there
 
-static inline Lane lane_root(Lane a) {
-    Lane out = {0};
-    for (int i = 0; i < LANES; i++) out[i] = sqrtf(a[i]);
-    return out;
-}
-
 // The angle of a sine above 0 and a cosine, both scaled alike, 0 .. pi: within 2e-6 (minimax of atan, odd, to the 11th power).
 static inline Lane angle_of(Lane sine, Lane cosine) {
     Lane adjacent = lane_abs(cosine), most = lane_most(sine, adjacent);

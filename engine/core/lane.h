@@ -51,6 +51,15 @@ static inline Lane lane_multiply_add(Lane a, Lane b, Lane c) {
 #endif
 }
 
+static inline Lane lane_root(Lane a) {
+#ifdef __AVX2__
+    return (Lane)_mm256_sqrt_ps((__m256)a);
+#else
+    for (int i = 0; i < LANES; i++) a[i] = sqrtf(a[i]);
+    return a;
+#endif
+}
+
 static inline LaneInt lane_look_up(const int32_t *table, LaneInt index) {
 #ifdef __AVX2__
     return (LaneInt)_mm256_i32gather_epi32(table, (__m256i)index, 4);

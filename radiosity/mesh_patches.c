@@ -1,4 +1,6 @@
 // mesh_patches.c - the elements of a face and its patches, as its leaves are: whole, or in pieces where something stands on them.
+#include <string.h>
+
 #include "engine/core/polygon.h"
 #include "radiosity/mesh_cutting.h"
 
@@ -195,6 +197,21 @@ static void add_cut_patches(MeshCutting *c, int first, int end, int *squares) {
     }
 }
 
+// So many more squares, of no element.
+static int *add_squares(MeshBuilder *builder, int count) {
+    Mesh *mesh = builder->mesh;
+    int first = mesh->square_count, all = first + count;
+    if (all > builder->square_capacity) {
+        builder->square_capacity = all > 2 * builder->square_capacity ? all : 2 * builder->square_capacity;
+        int *larger = ARENA_ARRAY(builder->arena, int, builder->square_capacity);
+        if (first > 0) memcpy(larger, mesh->squares, (size_t)first * sizeof *larger);
+        mesh->squares = larger;
+    }
+    for (int i = first; i < all; i++) mesh->squares[i] = -1;
+    mesh->square_count = all;
+    return mesh->squares + first;
+}
+
 void mesh_add_patches(MeshCutting *c) {
     Mesh *mesh = c->builder->mesh;
     Face *face = &mesh->faces[c->index];
@@ -202,9 +219,7 @@ void mesh_add_patches(MeshCutting *c) {
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;
-    for (int i = 0; i < squares; i++)
-        *ARENA_PUSH(c->builder->arena, mesh->squares, mesh->square_count, c->builder->square_capacity) = -1;
-    int *square = mesh->squares + face->first_square;
+    int *square = add_squares(c->builder, squares);
     for (int first = 0, end; first < c->leaf_count; first = end) {
         for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
         if (c->is_cut)

@@ -122,15 +122,16 @@ enum { FACES_AT_A_TIME = 4096, SQUARES_AT_A_TIME = 1 << 17 };
 // Returns how many squares it has.
 static int begin_face(MeshBuilder *builder, int index, MeshCutting *c) {
     Face *face = &builder->mesh->faces[index];
+    int most_leaves = face->nx * face->ny;  // of squares that are finer still, each is in one
     mesh_refine_grid(builder, index, face);
     *c = (MeshCutting){.builder = builder, .index = index, .face = face};
     c->is_cut = builder->first_cut[index + 1] > builder->first_cut[index];
     c->square = 1 / (vec3_length(face->gx) * vec3_length(face->gy));
     int squares = face->nx * face->ny;
-    c->leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, squares);
+    c->leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, most_leaves);
     c->owner = ARENA_ARRAY(&builder->scratch, int, squares);
-    c->element = ARENA_ARRAY(&builder->scratch, int, squares);
     c->leaf_count = mesh_leaves(builder, face, c->leaves);
+    c->element = ARENA_ARRAY(&builder->scratch, int, c->leaf_count);
     return squares;
 }
 

@@ -15,7 +15,7 @@ static const char HEAD[] =
     "gather_median,gather_rms,gather_p90,gather_max,gather_lit_median,gather_lit_rms,gather_mean_rms,"
     "element_median,element_rms,element_p90,element_max,element_lit_median,element_lit_rms,element_mean_rms,"
     "vertex_median,vertex_rms,vertex_p90,vertex_max,vertex_lit_median,vertex_lit_rms,vertex_mean_rms,"
-    "points,points_reflecting,points_dark,truth_error\n";
+    "points,points_reflecting,points_dark,truth_error,bake_work_seconds\n";
 
 // ---- ways to bake
 
@@ -198,7 +198,8 @@ static void add_row(const LightScene *s, const Way *way, const LightBake *bake, 
         if (s->arguments->verbose) print_worst(s, way, what, off);
     }
     double uncertain = truth_error(&s->points, &dark);
-    text_append(csv, ",%d,%d,%d,%.4f\n", s->points.count, reflecting, dark, uncertain);
+    text_append(csv, ",%d,%d,%d,%.4f,%.4f\n", s->points.count, reflecting, dark, uncertain,
+                bake->work_seconds);
     fputs(csv->data + before, stdout);
     fflush(stdout);
 }

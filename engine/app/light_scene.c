@@ -70,7 +70,7 @@ bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error *error
     const CellGraph *graph = &s->scene.graph;
     AdaptScene lit = {graph, s->vertices, &s->scene.forest, s->doors};
     Mesh *mesh = &bake->mesh;
-    const double *sky = s->arguments->sky, begin = clock_seconds();
+    const double *sky = s->arguments->sky, begin = clock_seconds(), worked = clock_work_seconds();
     bake->options.proxies = proxies_find(graph, s->vertices, bake->options.proxy, arena);
     bool good = bake->adapt.share > 0
                     ? adapt_mesh(&lit, &bake->options, &bake->adapt, &bake->rad, NULL, arena, mesh, error)
@@ -85,6 +85,7 @@ bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error *error
     bake->fine = fine_mesh_new(mesh, arena);
     bake->shown = fine_light(bake->fine, &bake->solution, arena);
     bake->seconds = clock_seconds() - begin;
+    bake->work_seconds = clock_work_seconds() - worked;
     return true;
 }
 

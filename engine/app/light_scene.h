@@ -32,6 +32,7 @@ typedef struct LightBake {
     const FineMesh *fine;  // what is shown, and its light
     RadSolution shown;
     double mesh_seconds, seconds;  // all is `seconds`
+    double work_seconds;           // of all threads
 } LightBake;
 // The options that `enfilade bake` has without any.
 void light_bake_defaults(const LightScene *scene, LightBake *out);

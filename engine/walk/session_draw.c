@@ -99,7 +99,10 @@ static void draw_hud(Session *s, int width, int height, double scale) {
 static void measure_frame(Session *s, double start) {
     double end = clock_seconds();
     smooth(&s->frame_ms, 1e3 * (end - start));
-    if (s->last_frame > 0) smooth(&s->frame_period, end - s->last_frame);
+    if (s->last_frame > 0) {
+        smooth(&s->frame_period, end - s->last_frame);
+        if (s->period_count < SESSION_PERIODS) s->periods[s->period_count++] = 1e3 * (end - s->last_frame);
+    }
     s->frames_per_second = s->frame_period > 0 ? 1 / s->frame_period : 0;
     s->last_frame = end;
 }

@@ -129,6 +129,14 @@ static json_t *trace_light(const Session *s) {
                      FALSE_COLOUR_NAMES[s->false_colour]);
 }
 
+// From the end of one frame to the end of the next, ms: each that was drawn since the line before.
+static json_t *trace_periods(Session *s) {
+    json_t *periods = json_array();
+    for (int i = 0; i < s->period_count; i++) json_array_append_new(periods, json_real(s->periods[i]));
+    s->period_count = 0;
+    return periods;
+}
+
 void session_trace(Session *s) {
     if (!s->trace || s->now < s->trace_due) return;
     s->trace_due = s->now + TRACE_PERIOD;
@@ -140,13 +148,13 @@ void session_trace(Session *s) {
     int count = session_flags(s, names);
     for (int i = 0; i < count; i++) json_array_append_new(flags, json_string(names[i]));
     json_t *line = json_pack(
-        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:i, s:i, s:s, s:o, s:o, s:s, s:s, s:o}", "t",
-        s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell,
+        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:o, s:i, s:i, s:s, s:o, s:o, s:s, s:s, s:o}",
+        "t", s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell,
         "room", session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name, "fps",
-        s->frames_per_second, "frame_ms", s->frame_ms, "cells_visible", s->visible.cell_count,
-        "polygons_drawn", s->visible.polygon_count, "door", door < 0 ? "" : b->openings[door].name, "doors",
-        trace_doors(s), "flags", flags, "message", s->message, "look", WALK_LOOK_NAMES[s->look], "light",
-        trace_light(s));
+        s->frames_per_second, "frame_ms", s->frame_ms, "periods_ms", trace_periods(s), "cells_visible",
+        s->visible.cell_count, "polygons_drawn", s->visible.polygon_count, "door",
+        door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s), "flags", flags, "message",
+        s->message, "look", WALK_LOOK_NAMES[s->look], "light", trace_light(s));
     json_dumpf(line, s->trace, JSON_COMPACT);
     fputc('\n', s->trace);
     fflush(s->trace);

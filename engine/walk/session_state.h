@@ -15,6 +15,9 @@
 #define SESSION_TICKS 120
 #define SESSION_TICKS_KEPT (SESSION_TICKS / RECORDING_TICKS)
 
+// Frames whose times one line of the trace tells, at most: more than a screen shows in a tenth of a second.
+enum { SESSION_PERIODS = 256 };
+
 // Keys that are held, not struck.
 typedef enum Held {
     HELD_FORWARD,
@@ -65,6 +68,8 @@ struct Session {
     long tick;
     double frame_ms, query_us, frame_period, frames_per_second;  // smoothed
     double last_frame, drawn_at;
+    double periods[SESSION_PERIODS];  // ms, of the frames since the last line of the trace
+    int period_count;
     // What is said.
     char message[512];
     bool message_is_error;

@@ -4,9 +4,24 @@
 # Counts come from Criterion's TAP report: its closing line leaves skipped tests out.
 build=${1:?usage: tests/run.sh BUILD}
 tap=$build/tests/report.tap
-rm -f "$tap"
+logs=$build/tests/logs
+rm -rf "$tap" "$logs"
+mkdir -p "$logs"
 export ENFILADE_BUILD=$build
 export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1
+
+# The scripts run beside the binary, one after another, since they wait as much as they work; first the one in the window, which
+# takes the longest. What each says is told when all are through.
+scripts="tests/check_window.sh $(ls tests/check_*.sh | grep -v check_window)"
+set -m  # a group of its own, so that Ctrl-C ends it whole
+for script in $scripts; do
+    log=$logs/$(basename "$script" .sh)
+    bash "$script" >"$log" 2>&1
+    echo $? >"$log.status"
+done </dev/null &
+beside=$!
+set +m
+trap 'kill -TERM -- -$beside 2>/dev/null; exit 1' INT TERM
 
 "$build/tests/all" -j"$(nproc)" --tap="$tap"
 status=$?
@@ -21,10 +36,11 @@ unreported=$((${planned:-0} - passed - failed - skipped))
 [ "$unreported" -gt 0 ] && failed=$((failed + unreported))
 [ $status -ne 0 ] && [ $failed -eq 0 ] && failed=1
 
-for script in tests/check_*.sh; do
-    [ -e "$script" ] || continue
-    bash "$script"
-    case $? in
+wait $beside
+for script in $scripts; do
+    log=$logs/$(basename "$script" .sh)
+    cat "$log"
+    case $(cat "$log.status") in
     0) passed=$((passed + 1)) ;;
     77) skipped=$((skipped + 1)) && echo "skipped: $script" ;;
     *) failed=$((failed + 1)) && echo "failed: $script" ;;

@@ -10,19 +10,6 @@ mkdir -p "$logs"
 export ENFILADE_BUILD=$build
 export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1
 
-# The scripts run beside the binary, one after another, since they wait as much as they work; first the one in the window, which
-# takes the longest. What each says is told when all are through.
-scripts="tests/check_window.sh $(ls tests/check_*.sh | grep -v check_window)"
-set -m  # a group of its own, so that Ctrl-C ends it whole
-for script in $scripts; do
-    log=$logs/$(basename "$script" .sh)
-    bash "$script" >"$log" 2>&1
-    echo $? >"$log.status"
-done </dev/null &
-beside=$!
-set +m
-trap 'kill -TERM -- -$beside 2>/dev/null; exit 1' INT TERM
-
 "$build/tests/all" -j"$(nproc)" --tap="$tap"
 status=$?
 count() { grep -c "$1" "$tap" 2>/dev/null || true; }
@@ -36,6 +23,23 @@ unreported=$((${planned:-0} - passed - failed - skipped))
 [ "$unreported" -gt 0 ] && failed=$((failed + unreported))
 [ $status -ne 0 ] && [ $failed -eq 0 ] && failed=1
 
+run() {
+    local log
+    log=$logs/$(basename "$1" .sh)
+    bash "$1" >"$log" 2>&1 </dev/null
+    echo $? >"$log.status"
+}
+# The one in the window takes as long as all others and waits half of that time: they run beside it. Not the binary, which takes all
+# cores: what a window does is also a question of time. What each says is told when all are through.
+window=tests/check_window.sh
+others=$(ls tests/check_*.sh | grep -vx $window)
+scripts="$window $others"
+set -m  # a group of its own, so that Ctrl-C ends it whole
+run $window &
+beside=$!
+set +m
+trap 'kill -TERM -- -$beside 2>/dev/null; exit 1' INT TERM
+for script in $others; do run "$script"; done
 wait $beside
 for script in $scripts; do
     log=$logs/$(basename "$script" .sh)

@@ -60,7 +60,7 @@ to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libp
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
             fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
-to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3
+to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_docs := doxygen

@@ -257,6 +257,8 @@ enum { LEAF_CORNERS = 32 };
 #define MAPS_SMALLEST_AREA 1e-8
 // Coordinates beyond this are refused, metres: the grid stays exact in doubles, georeferenced plans fit.
 #define MAPS_LIMIT 1e8
+// Cells that free space may have: who sees whom is a table of a bit for each pair, half a gigabyte of them.
+#define MAPS_MAX_CELLS (1 << 16)
 // How far the outdoors reaches beyond everything built, metres.
 #define MAPS_OUTDOORS 20.0
 

@@ -1,4 +1,4 @@
-// plan_file.h - a .plan file while it is read: what the statements of plan.c and plan_walls.c share.
+// plan_file.h - a .plan file while it is read: what its statements share.
 #ifndef MAPS_PLAN_FILE_H
 #define MAPS_PLAN_FILE_H
 
@@ -51,6 +51,26 @@ double plan_storey_floor(const Plan *plan);
 void plan_push_point(Plan *plan, Vec2 point, int material);  // into the sketch
 
 double plan_signed_area(const Vec2 *points, int count);  // counter-clockwise positive
+
+// ---- plan_statements.c
+bool plan_read_storey(Plan *plan);
+bool plan_read_material(Plan *plan);
+bool plan_read_ground(Plan *plan);
+bool plan_read_facade(Plan *plan);
+bool plan_read_slabs(Plan *plan);
+bool plan_read_stairwell(Plan *plan);
+bool plan_read_stair(Plan *plan);
+bool plan_read_light(Plan *plan);
+bool plan_read_inlay(Plan *plan);
+bool plan_read_place(Plan *plan);
+
+// ---- plan_views.c
+bool plan_read_view(Plan *plan);
+bool plan_read_tour(Plan *plan);
+bool plan_read_tour_eye(Plan *plan);
+bool plan_read_start(Plan *plan);
+// Once all is read: what the file says goes before what maps_enclose chose.
+bool plan_set_start(Plan *plan);
 
 // ---- plan_walls.c
 bool plan_read_room(Plan *plan);

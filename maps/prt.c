@@ -10,7 +10,7 @@
 #include "maps/scan.h"
 
 static const double UNITS_PER_METRE = 32;  // a power of two: no coordinate is rounded
-enum { MAX_CELLS = 1 << 16, MAX_PORTALS = 1 << 20, MAX_CORNERS = 64 };
+enum { MAX_PORTALS = 1 << 20, MAX_CORNERS = 64 };
 // Compilers print few decimals: how far corners may lie off their plane, and turn inwards, units. Measured on maps of
 // three compilers: up to 0.02.
 static const double BEND = 0.1;
@@ -130,7 +130,7 @@ static bool read_head(Scan *t, Building *b, Error *error) {
         return error_set(error, "%s:%d: begins with `%s` (allowed PRT1)", t->path, t->line, mark);
     t->at += 4;
     if (!scan_next_line(t, 0) ||
-        !read_count(t, "the number of cells", 1, MAX_CELLS, &b->given_cell_count, error))
+        !read_count(t, "the number of cells", 1, MAPS_MAX_CELLS, &b->given_cell_count, error))
         return t->at < t->end ? false : error_set(error, "%s: ends before the number of cells", t->path);
     if (!scan_next_line(t, 0) ||
         !read_count(t, "the number of portals", 0, MAX_PORTALS, &b->given_portal_count, error))

@@ -1,12 +1,8 @@
 #!/bin/bash
 # check_gltf_export.sh - exported models pass the Khronos validator without an error, a warning or a hint. Skipped where node, or
 # its module gltf-validator (npm install gltf-validator, found by NODE_PATH or in a node_modules above), is not there.
-set -u
-node -e 'require("gltf-validator")' 2>/dev/null || exit 77
-program=$ENFILADE_BUILD/enfilade
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-export XDG_CACHE_HOME=$work/cache
+. tests/checks.sh
+node -e 'require("gltf-validator")' 2>/dev/null || skip 'the node module gltf-validator is not here'
 cat >"$work/validate.js" <<'END'
 const validator = require('gltf-validator'), fs = require('fs');
 validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2])), { maxIssues: 100 }).then(report => {
@@ -14,7 +10,6 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2])), { maxI
     process.exit(report.issues.messages.length > 0 || report.info.totalTriangleCount == 0 ? 1 : 0);
 });
 END
-bad=0
 for file in build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d tests/seeds/room.glb tests/seeds/room.quads \
     ../shared/data/sh3d/2BedroomHouseWithBasement.Home.xml ../shared/data/radiosity/twoRoom.quads; do
     [ -e "$file" ] || continue
@@ -22,12 +17,10 @@ for file in build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3
         # A building without lamps has no light.
         "$program" bake "$file" -o "$work/x.glb" --element 0.7 --residual 0.1 --doors $doors >"$work/out" 2>&1 || {
             grep -q 'nothing emits light' "$work/out" && continue
-            echo "check_gltf_export: $file: $(head -2 "$work/out")"
-            bad=1
+            fail "$file: $(head -2 "$work/out")"
         }
         NODE_PATH=${NODE_PATH:-}:$PWD/node_modules node "$work/validate.js" "$work/x.glb" >"$work/out" && continue
-        echo "check_gltf_export: $file, doors $doors: $(head -3 "$work/out")"
-        bad=1
+        fail "$file, doors $doors: $(head -3 "$work/out")"
     done
 done
 exit $bad

@@ -1,67 +1,63 @@
 #!/bin/bash
 # check_install.sh - what `make install` puts down is whole: the README's example is compiled against it, with the shared library and
 # with the static one, and run; the libraries give away the names of their headers alone; manual page, completions, documentation.
-set -u
-build=${ENFILADE_BUILD:-build/release}
-case $build in
+case ${ENFILADE_BUILD:-build/release} in
 *asan | *fuzz) exit 77 ;;  # programs of others are not linked with sanitizers
 esac
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-fail() { echo "check_install: $*" >&2; exit 1; }
+. tests/checks.sh
 compiler=$(cut -d' ' -f1 "$build/flags")
 root=$work/root
 
 env -u MAKEFLAGS -u MAKELEVEL make -s CC="$compiler" config="$(basename "$build")" PREFIX=/usr DESTDIR="$root" install \
-    >"$work/log" 2>&1 || fail "make install fails: $(tail -3 "$work/log")"
+    >"$work/log" 2>&1 || die "make install fails: $(tail -3 "$work/log")"
 for file in bin/enfilade share/man/man1/enfilade.1 share/enfilade/house.plan include/enfilade/enfilade.h lib/libenfilade.a \
     lib/libenfilade.so lib/pkgconfig/enfilade.pc share/bash-completion/completions/enfilade; do
-    [ -s "$root/usr/$file" ] || fail "$file is not installed"
+    [ -s "$root/usr/$file" ] || die "$file is not installed"
 done
 
 # The example of the README.
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' README.md >"$work/example.c"
-[ "$(wc -l <"$work/example.c")" -ge 10 ] || fail "the README has no example in C"
-[ "$(wc -l <"$work/example.c")" -le 40 ] || fail "the README's example has more than 40 lines"
+[ "$(wc -l <"$work/example.c")" -ge 10 ] || die "the README has no example in C"
+[ "$(wc -l <"$work/example.c")" -le 40 ] || die "the README's example has more than 40 lines"
 libs=$(sed -n 's/^Libs.private: //p' "$root/usr/lib/pkgconfig/enfilade.pc")
 $compiler -std=c17 -Wall -Wextra -Werror -I"$root/usr/include" "$work/example.c" -L"$root/usr/lib" -lenfilade \
-    -o "$work/shared" || fail "the example does not compile with the shared library"
+    -o "$work/shared" || die "the example does not compile with the shared library"
 # shellcheck disable=SC2086
 $compiler -std=c17 -I"$root/usr/include" "$work/example.c" "$root/usr/lib/libenfilade.a" $libs -o "$work/static" ||
-    fail "the example does not compile with the static library"
-LD_LIBRARY_PATH=$root/usr/lib "$work/shared" build/maps/two-rooms.plan >"$work/shared.out" || fail "the example fails"
-"$work/static" build/maps/two-rooms.plan >"$work/static.out" || fail "the static example fails"
-cmp -s "$work/shared.out" "$work/static.out" || fail "the two libraries differ"
+    die "the example does not compile with the static library"
+LD_LIBRARY_PATH=$root/usr/lib "$work/shared" build/maps/two-rooms.plan >"$work/shared.out" || die "the example fails"
+"$work/static" build/maps/two-rooms.plan >"$work/static.out" || die "the static example fails"
+cmp -s "$work/shared.out" "$work/static.out" || die "the two libraries differ"
 grep -q '^visible: [1-9]' "$work/shared.out" && grep -q '^light: [1-9]' "$work/shared.out" ||
-    fail "the example says: $(cat "$work/shared.out")"
-LD_LIBRARY_PATH=$root/usr/lib "$work/shared" /nowhere.plan 2>"$work/err" && fail "a missing building is no error"
-grep -q nowhere.plan "$work/err" || fail "a missing building is not named"
-echo '#include <enfilade/enfilade.h>' | g++ -fsyntax-only -x c++ -I"$root/usr/include" - || fail "the headers are none for C++"
+    die "the example says: $(cat "$work/shared.out")"
+LD_LIBRARY_PATH=$root/usr/lib "$work/shared" /nowhere.plan 2>"$work/err" && die "a missing building is no error"
+grep -q nowhere.plan "$work/err" || die "a missing building is not named"
+echo '#include <enfilade/enfilade.h>' | g++ -fsyntax-only -x c++ -I"$root/usr/include" - || die "the headers are none for C++"
 
 # No name but those of the headers.
 nm -D --defined-only "$root/usr/lib/libenfilade.so" | awk '{ print $3 }' | LC_ALL=C sort >"$work/shared.names"
 nm -g --defined-only "$root/usr/lib/libenfilade.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$work/static.names"
-cmp -s "$work/shared.names" "$work/static.names" || fail "the libraries give away different names"
-grep -qx vis_query "$work/shared.names" || fail "vis_query is not exported"
-nm -g "$build/radiosity/row.o" | grep -q " T row_finish$" || fail "row_finish is no name of the objects any more: take another"
-grep -qx row_finish "$work/shared.names" && fail "row_finish is exported"
+cmp -s "$work/shared.names" "$work/static.names" || die "the libraries give away different names"
+grep -qx vis_query "$work/shared.names" || die "vis_query is not exported"
+nm -g "$build/radiosity/row.o" | grep -q " T row_finish$" || die "row_finish is no name of the objects any more: take another"
+grep -qx row_finish "$work/shared.names" && die "row_finish is exported"
 
 # Completions ask the program; the manual is what the program says.
 complete_with() {  # WORDS...
     PATH=$root/usr/bin:$PATH bash -c '. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _enfilade; echo "${COMPREPLY[@]}"' \
         "$root/usr/share/bash-completion/completions/enfilade" "$@"
 }
-[ "$(complete_with enfilade wa)" = walk ] || fail "wa is not completed: $(complete_with enfilade wa)"
-[ "$(complete_with enfilade bake --fin)" = --final-gather ] || fail "--fin is not completed"
-[ "$(complete_with enfilade bake --method hemic)" = hemicube ] || fail "hemic is not completed"
+[ "$(complete_with enfilade wa)" = walk ] || die "wa is not completed: $(complete_with enfilade wa)"
+[ "$(complete_with enfilade bake --fin)" = --final-gather ] || die "--fin is not completed"
+[ "$(complete_with enfilade bake --method hemic)" = hemicube ] || die "hemic is not completed"
 for word in bake walk '\\-\\-final\\-gather'; do
-    grep -q -- "$word" "$root/usr/share/man/man1/enfilade.1" || fail "the manual does not speak of $word"
+    grep -q -- "$word" "$root/usr/share/man/man1/enfilade.1" || die "the manual does not speak of $word"
 done
 if command -v man >/dev/null && [ -e /usr/lib/man-db/man ]; then
     LC_ALL=C.UTF-8 MANROFFSEQ='' man --warnings -E UTF-8 -l "$root/usr/share/man/man1/enfilade.1" 2>"$work/man" >/dev/null
-    [ -s "$work/man" ] && fail "the manual has warnings: $(head -1 "$work/man")"
+    [ -s "$work/man" ] && die "the manual has warnings: $(head -1 "$work/man")"
 fi
 if command -v doxygen >/dev/null; then
-    env -u MAKEFLAGS -u MAKELEVEL make -s docs >"$work/docs" 2>&1 || fail "make docs: $(head -3 "$work/docs")"
+    env -u MAKEFLAGS -u MAKELEVEL make -s docs >"$work/docs" 2>&1 || die "make docs: $(head -3 "$work/docs")"
 fi
 exit 0

@@ -1,30 +1,25 @@
 #!/bin/bash
 # check_kills.sh - every writer of a file, killed at random moments, on a disk that fills up at a random byte, and on one that is full:
 # the file is then the earlier one or the new one, whole, byte for byte. `make soak` kills each 200 times, `make test` a few.
-set -u
-build=${ENFILADE_BUILD:-build/release}
-program=$PWD/$build/enfilade
+. tests/checks.sh
 times=${ENFILADE_SOAK:+200}
 times=${times:-2}
 seed=${ENFILADE_SEED:-$(date +%s)}
 RANDOM=$seed
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-export XDG_CACHE_HOME=$work/cache
-fail() { echo "check_kills: seed $seed: $*" >&2; exit 1; }
+script="$script, seed $seed"
 now() { date +%s%N; }
 
 # check NAME FILE: `enfilade` with the arguments in `earlier` makes an earlier FILE, with those in `later` the new one.
 check() {
     local name=$1 file=$2 begun taken wait size
     rm -f "$file"
-    "$program" "${earlier[@]}" >/dev/null 2>"$work/err" || fail "$name: $(cat "$work/err")"
+    "$program" "${earlier[@]}" >/dev/null 2>"$work/err" || die "$name: $(cat "$work/err")"
     cp "$file" "$work/earlier"
     begun=$(now)
-    "$program" "${later[@]}" >/dev/null 2>&1 || fail "$name: cannot write again"
+    "$program" "${later[@]}" >/dev/null 2>&1 || die "$name: cannot write again"
     taken=$(($(now) - begun))
     cp "$file" "$work/later"
-    cmp -s "$work/earlier" "$work/later" && fail "$name: both are the same: nothing would show"
+    cmp -s "$work/earlier" "$work/later" && die "$name: both are the same: nothing would show"
     size=$(stat -c %s "$work/later")
     for ((i = 0; i < times; i++)); do
         cp "$work/earlier" "$file"
@@ -36,23 +31,23 @@ check() {
         [ $wait -ge 1000000000 ] && sleep $((wait / 1000000000))
         kill -KILL $! 2>/dev/null
         wait $! 2>/dev/null
-        cmp -s "$file" "$work/earlier" || cmp -s "$file" "$work/later" || fail "$name: killed after $wait ns: a broken file"
+        cmp -s "$file" "$work/earlier" || cmp -s "$file" "$work/later" || die "$name: killed after $wait ns: a broken file"
     done
     for ((i = 0; i < times; i++)); do
         cp "$work/earlier" "$file"
         # One at least, which the sentence that tells of it needs: the limit is of every file.
         blocks=$((1 + RANDOM % ((size - 1) / 1024)))
-        (trap '' XFSZ; ulimit -f $blocks; exec "$program" "${later[@]}") >/dev/null 2>"$work/err"
-        [ $? -eq 1 ] || fail "$name: a disk full after $blocks kB went unseen"
-        [ -s "$work/err" ] || fail "$name: a full disk is not told of"
-        cmp -s "$file" "$work/earlier" || fail "$name: a disk full after $blocks kB cost the earlier file"
-        [ -z "$(find "$(dirname "$file")" -name "$(basename "$file").*")" ] || fail "$name: a full disk left a part of a file"
+        full_disk $blocks "$program" "${later[@]}"
+        [ $? -eq 1 ] || die "$name: a disk full after $blocks kB went unseen"
+        [ -s "$work/err" ] || die "$name: a full disk is not told of"
+        cmp -s "$file" "$work/earlier" || die "$name: a disk full after $blocks kB cost the earlier file"
+        [ -z "$(find "$(dirname "$file")" -name "$(basename "$file").*")" ] || die "$name: a full disk left a part of a file"
     done
     [ -n "$full" ] || return 0
     cp "$work/earlier" "$work/disk.earlier"
     unshare -rm bash -c 'mount -t tmpfs -o size=$(($(stat -c %s "$1") / 4096 * 4 + 8))k none "$2" && cp "$1" "$3" &&
         { shift 3; "$@" >/dev/null 2>"$WORK/err"; [ $? -eq 1 ]; } && cmp -s "$WORK/earlier" "$FILE"' \
-        disk "$work/earlier" "$(dirname "$file")" "$file" "$program" "${later[@]}" || fail "$name: a full disk cost the earlier file"
+        disk "$work/earlier" "$(dirname "$file")" "$file" "$program" "${later[@]}" || die "$name: a full disk cost the earlier file"
 }
 
 export WORK=$work FILE

@@ -2,22 +2,7 @@
 # check_render.sh - stills as their user meets them: wrong use and bad input said in a sentence, the same bytes on any number of threads,
 # nothing left by Ctrl-C, and pictures of the sample buildings as they were.
 #   check_render.sh --keep   stores the pictures as the references
-set -u
-program=${ENFILADE_BUILD:-build/release}/enfilade
-maps=build/maps
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-export XDG_CACHE_HOME=$work/cache
-bad=0
-fail() { echo "check_render: $*"; bad=1; }
-expect() {
-    local status=$1
-    shift
-    "$@" >"$work/out" 2>"$work/err" </dev/null
-    local got=$?
-    [ $got -eq "$status" ] || fail "$* exits $got, not $status: $(head -2 "$work/err")"
-}
-says() { grep -q -- "$2" "$work/$1" || fail "no \`$2\` in $1: $(head -2 "$work/$1")"; }
+. tests/checks.sh
 draw() { "$program" render "$@" >"$work/out" 2>"$work/err" </dev/null || fail "render $*: $(cat "$work/err")"; }
 
 expect 0 "$program" render --help && says out 'usage: enfilade render'
@@ -45,7 +30,7 @@ for map in two-rooms house office office-plain; do
     "$program" bake $maps/$map.plan $quick -o "$work/$map.rad" >/dev/null 2>&1 || fail "bake of $map"
 done
 expect 1 "$program" render $maps/two-rooms.plan -o "$out" --light "$work/office.rad"
-[ "$(wc -l <"$work/err")" -eq 1 ] || fail "more than one sentence: $(cat "$work/err")"
+sentence
 cp $maps/two-rooms.plan "$work/two.plan"
 head -c 3000 "$work/two-rooms.rad" >"$work/two.rad"
 expect 0 "$program" render "$work/two.plan" -o "$out" --size 32x18 --samples 1 --json
@@ -88,6 +73,6 @@ picture="$maps/house.plan --light $work/house.rad --size 64x36 --samples 3 --vie
 draw $picture -o "$work/one.png" --threads 1
 draw $picture -o "$work/seven.png" --threads 7
 draw $picture -o "$work/grid.png" --tree grid
-cmp -s "$work/one.png" "$work/seven.png" || fail 'the picture depends on threads'
-cmp -s "$work/one.png" "$work/grid.png" || fail 'the grid draws another picture'
+same "$work/one.png" "$work/seven.png" 'the picture depends on threads'
+same "$work/one.png" "$work/grid.png" 'the grid draws another picture'
 exit $bad

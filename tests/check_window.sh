@@ -1,12 +1,10 @@
 #!/bin/bash
 # check_window.sh [--keep] - a walk through the house in a real window on a virtual screen (drive_window.py). What was
 # said on the way is shown when something is wrong. With --keep its screenshots become the references.
-set -u
-program=$ENFILADE_BUILD/enfilade
+. tests/checks.sh
 for tool in Xvfb xdotool python3; do
-    command -v $tool >/dev/null || { echo "check_window: $tool is not installed"; exit 77; }
+    command -v $tool >/dev/null || skip "$tool is not installed"
 done
-work=$(mktemp -d)
 server=
 stop() {
     [ -z "$server" ] || { kill "$server"; wait "$server"; } 2>/dev/null
@@ -14,15 +12,15 @@ stop() {
 }
 trap stop EXIT
 trap 'exit 1' INT TERM
-export PYTHONDONTWRITEBYTECODE=1 XDG_CACHE_HOME=$work/cache
+export PYTHONDONTWRITEBYTECODE=1
 
-python3 tests/window_driver.py || { echo 'check_window: the driver fails against its fake'; exit 1; }
+python3 tests/window_driver.py || die 'the driver fails against its fake'
 
 # The server says which display it took, and keeps its screen in a file that the driver reads.
 mkfifo "$work/display"
 Xvfb -displayfd 3 -screen 0 1400x900x24 -fbdir "$work" -nolisten tcp 3>"$work/display" 2>"$work/server" &
 server=$!
-read -r -t 20 display <"$work/display" || { echo "check_window: Xvfb does not start"; exit 77; }
+read -r -t 20 display <"$work/display" || skip 'Xvfb does not start'
 export DISPLAY=:$display
 unset WAYLAND_DISPLAY
 

@@ -1,6 +1,8 @@
 // fixture.c - grids of rooms, and a tracer of straight lines through cells.
 #include "tests/fixture.h"
 
+#include "engine/core/predicates.h"
+
 static const double ROOM = 4.0, PITCH = 4.2, HEIGHT = 2.7, DOOR_HEIGHT = 2.1, SLAB = 0.3;
 
 static void begin_region(Arena *arena, Building *b, RegionKind kind, double z0, double z1) {
@@ -236,4 +238,29 @@ Vec3 fixture_point(const CellGraph *graph, Random *random, int c) {
 Vec3 fixture_direction(Random *random) {
     double z = random_between(random, -1, 1), a = random_between(random, 0, 2 * M_PI), r = sqrt(1 - z * z);
     return vec3(r * cos(a), r * sin(a), z);
+}
+
+double fixture_region_area(const Building *b, const Region *region) {
+    const Ring *ring = &b->rings[region->first_ring];
+    const Vec2 *p = b->points + ring->first_point;
+    double area = 0;
+    for (int i = 1; i + 1 < ring->point_count; i++)
+        area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0])) / 2;
+    return area;
+}
+
+// What the exact tests of sightlines look at.
+static Vec2 exact(Vec2 p) {
+    return vec2(p.x == maps_snap(p.x) ? nearbyint(p.x * 1000) : p.x * 1000,
+                p.y == maps_snap(p.y) ? nearbyint(p.y * 1000) : p.y * 1000);
+}
+
+int fixture_dents(const CellGraph *g) {
+    int dents = 0;
+    for (int c = 0; c < g->cell_count; c++) {
+        const Vec2 *p = g->plan + g->cells[c].first_edge;
+        for (int i = 0, n = g->cells[c].edge_count; i < n; i++)
+            dents += orient2d(exact(p[i]), exact(p[(i + 1) % n]), exact(p[(i + 2) % n])) < 0;
+    }
+    return dents;
 }

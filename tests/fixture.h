@@ -28,4 +28,7 @@ bool fixture_in_tree(const StabForest *forest, const Trace *trace);
 Vec3 fixture_point(const CellGraph *graph, Random *random, int cell);  // inside the cell
 Vec3 fixture_direction(Random *random);                                // uniform on the sphere
 
+double fixture_region_area(const Building *building, const Region *region);  // of its outline, m^2
+int fixture_dents(const CellGraph *graph);  // corners where a cell bends inwards, by the exact sign alone
+
 #endif

@@ -194,17 +194,17 @@ static void expect_no_fault(const char *path, long steps, int flood_every) {
     arena_free(&w.arena);
 }
 
-Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.plan", 100000, 7); }
-Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 100000, 13); }
-Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 100000, 29); }
+Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.plan", 50000, 7); }
+Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 40000, 41); }
+Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 40000, 97); }
 Test(body, home_with_basement, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 100000, 13);
+    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 40000, 41);
 }
 Test(body, apartment, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 100000, 13);
+    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 40000, 41);
 }
 Test(body, four_bedrooms, .timeout = 3600) {
-    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 100000, 29);
+    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 20000, 197);
 }
 // Polygons alone, with a roof to stand on as far as the border of the world, which runs along the outer walls.
 Test(body, two_rooms_of_polygons, .timeout = 1800) {
@@ -241,7 +241,7 @@ Test(body, check_notices) {
 Test(body, walks_the_same_way_again) {
     Walker w;
     uint64_t hash[3];
-    open_file(&w, "build/maps/house.plan");
+    open_file(&w, "build/maps/two-rooms.plan");
     for (int i = 0; i < 3; i++) {
         CollisionWalkOptions o = {2000, i == 2 ? 6 : 5, 1000};
         CollisionReport r;

@@ -101,3 +101,41 @@ Test(layers, a_wrong_include_is_found) {
         arena_free(&arena);
     }
 }
+
+// Whether `](path` in the text of a README leads to something in the project; what is outside, or an anchor, counts as right.
+static void check_links(Arena *arena, const char *readme, const char *text) {
+    const char *slash = strrchr(readme, '/');
+    for (const char *at = text; (at = strstr(at, "]("));) {
+        at += 2;
+        int length = (int)strcspn(at, ")#\n");
+        if (length == 0 || memchr(at, ':', (size_t)length)) continue;
+        char *path =
+            arena_format(arena, "%.*s%.*s", slash ? (int)(slash - readme + 1) : 0, readme, length, at);
+        struct stat status;
+        cr_expect(stat(path, &status) == 0, "%s leads to %.*s, which is not there", readme, length, at);
+    }
+}
+
+// Proves that each folder has a README of its own, which names it and says what it may include, that the table of the project's README
+// leads there, and that no README leads to what is not there.
+Test(layers, each_folder_has_a_readme) {
+    Arena arena = {0};
+    const char *top = (const char *)support_read(&arena, "README.md").data;
+    check_links(&arena, "README.md", top);
+    check_links(&arena, "LIMITS.md", (const char *)support_read(&arena, "LIMITS.md").data);
+    for (int i = 0; i < LAYER_COUNT; i++) {
+        char *readme = arena_format(&arena, "%s/README.md", LAYERS[i]);
+        const char *text = (const char *)support_read(&arena, readme).data;
+        check_links(&arena, readme, text);
+        cr_expect(strstr(top, arena_format(&arena, "| [`%s`](%s)", LAYERS[i], readme)),
+                  "README.md does not lead to %s", readme);
+        if (strcmp(LAYERS[i], "tests") == 0) continue;
+        char *title = arena_format(&arena, "# %s: ", LAYERS[i]);
+        cr_expect_eq(strncmp(text, title, strlen(title)), 0, "%s does not begin with `%s`", readme, title);
+        cr_expect(strstr(text, "May include") || strstr(text, "may include") || strstr(text, "It includes") ||
+                      strstr(text, "No code:"),
+                  "%s does not say what it may include", readme);
+        cr_expect(strstr(text, "tart reading"), "%s does not say where to start reading", readme);
+    }
+    arena_free(&arena);
+}

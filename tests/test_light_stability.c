@@ -29,6 +29,7 @@ static void check_balance(const Lit *lit, const RadSolution *s) {
 
 static BakedErrors check_traced(const char *name, Lit *lit, const RadSolution *s, int first, int end,
                                 int count, long long most_paths) {
+    count = support_count(count / 2, count);
     BakedPoint *points = baked_points(lit, first, end, count);
     baked_trace(lit, 0.004, most_paths, points, count);
     BakedErrors errors = baked_errors(lit, s, points, count);
@@ -325,21 +326,20 @@ Test(light_stability, light_through_a_key_hole, .timeout = 120) {
     baked_solve(lit, &s);
     check_balance(lit, &s);
     double power = 0;
-    enum { MOST = 48 };
-    BakedPoint *points = ARENA_ARRAY(&arena, BakedPoint, MOST);
-    int count = 0;
+    int most = support_count(16, 48), count = 0;
+    BakedPoint *points = ARENA_ARRAY(&arena, BakedPoint, most);
     for (int e = 0; e < s.element_count; e++) {
         const Element *element = &lit->mesh.elements[e];
         Vec3 p = element_centroid(&lit->mesh, e);
         if (p.x < 4.3 || p.x > 8 || p.y < 0 || p.y > 3 || p.z < 0 || p.z > 2.5) continue;
         power += element->area * sum3(s.radiosity[e]);
-        if (count < MOST / 2 && e % 7 == 0)
+        if (count < most / 2 && e % 7 == 0)
             points[count++] = (BakedPoint){.place = p, .normal = lit->mesh.faces[element->face].plane.n};
     }
     // Of the spot on the wall opposite.
-    for (; count < MOST; count++)
+    for (; count < most; count++)
         points[count] =
-            (BakedPoint){.place = vec3(8, 1.3 + 0.4 * fmod(0.618034 * count, 1), 1 + 0.4 * count / MOST),
+            (BakedPoint){.place = vec3(8, 1.3 + 0.4 * fmod(0.618034 * count, 1), 1 + 0.4 * count / most),
                          .normal = vec3(-1, 0, 0)};
     baked_trace(lit, 0.01, 200000, points, count);
     BakedErrors e = baked_errors(lit, &s, points, count);

@@ -82,11 +82,11 @@ static void check_lines(const char *path, bool known) {
     Random random = {9};
     read_cells(path, &g);
     grow(&g, 0, known);
-    for (int i = 0; i < support_count(2000, 50000); i++) {
+    for (int i = 0; i < support_count(1000, 50000); i++) {
         int cell = random_index(&random, g.graph.cell_count);
         if (g.graph.cells[cell].contact_count > 0) walk_lines(path, &g, cell, &random, &lines);
     }
-    cr_expect(lines.far > 1000, "%s: %ld lines, %ld through five portals or more", path, lines.walked,
+    cr_expect(lines.far > 500, "%s: %ld lines, %ld through five portals or more", path, lines.walked,
               lines.far);
     arena_free(&g.arena);
 }
@@ -154,11 +154,11 @@ Test(trees, know_a_row_of_rooms) {
 
 // Proves determinism where trees are large, given up and trimmed: the same nodes on 1, 2 and 7 threads.
 Test(trees, are_the_same_on_any_number_of_threads, .timeout = 120) {
-    static const int THREADS[] = {1, 2, 7};
+    static const int THREADS[] = {1, 7, 2};
     Grown g;
     read_cells(support_shared("prt/dm4.prt"), &g);
     StabForest first = {0};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < support_count(2, 3); i++) {
         grow(&g, THREADS[i], true);
         if (i == 0) first = g.forest;
         cr_assert_eq(g.forest.node_count, first.node_count);

@@ -1,13 +1,12 @@
-// Doom WADs: what becomes of a small map made here, faults of files, and the maps of ../shared.
+// Doom WADs: what becomes of a small map made here, and faults of files. Real maps: test_wad_maps.c.
 #include <criterion/criterion.h>
-#include <dirent.h>
 #include <stdio.h>
 
-#include "engine/core/predicates.h"
 #include "engine/walk/doors.h"
 #include "engine/walk/tour.h"
 #include "engine/walk/verify.h"
 #include "maps/maps.h"
+#include "tests/fixture.h"
 #include "tests/support.h"
 #include "tests/wad_builder.h"
 
@@ -69,15 +68,6 @@ static int opening_named(const Building *b, const char *name) {
     return -1;
 }
 
-static double ring_area(const Building *b, const Region *r) {
-    const Ring *ring = &b->rings[r->first_ring];
-    const Vec2 *p = b->points + ring->first_point;
-    double area = 0;
-    for (int i = 1; i + 1 < ring->point_count; i++)
-        area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0])) / 2;
-    return area;
-}
-
 // ---- the small map
 
 static double area_of_sector(const Building *b, int sector) {
@@ -85,7 +75,7 @@ static double area_of_sector(const Building *b, int sector) {
     double area = 0;
     snprintf(name, sizeof name, "sector %d", sector);
     for (int i = 0; i < b->region_count; i++)
-        if (strcmp(b->regions[i].name, name) == 0) area += ring_area(b, &b->regions[i]);
+        if (strcmp(b->regions[i].name, name) == 0) area += fixture_region_area(b, &b->regions[i]);
     return area;
 }
 
@@ -117,23 +107,6 @@ Test(wad, sectors_become_regions) {
     arena_free(&m.arena);
 }
 
-// What the exact tests of sightlines look at.
-static Vec2 exact(Vec2 p) {
-    return vec2(p.x == maps_snap(p.x) ? nearbyint(p.x * 1000) : p.x * 1000,
-                p.y == maps_snap(p.y) ? nearbyint(p.y * 1000) : p.y * 1000);
-}
-
-// Corners where a cell bends inwards, by the sign alone.
-static int count_dents(const CellGraph *g) {
-    int dents = 0;
-    for (int c = 0; c < g->cell_count; c++) {
-        const Vec2 *p = g->plan + g->cells[c].first_edge;
-        for (int i = 0, n = g->cells[c].edge_count; i < n; i++)
-            dents += orient2d(exact(p[i]), exact(p[(i + 1) % n]), exact(p[(i + 2) % n])) < 0;
-    }
-    return dents;
-}
-
 // Proves that every cell is convex to the last bit, although its corners were rounded: a pillar of walls that cross the
 // grid anywhere cuts the room.
 Test(wad, cells_are_exactly_convex) {
@@ -142,7 +115,7 @@ Test(wad, cells_are_exactly_convex) {
     int off = 0;
     for (int i = 0; i < m.graph.plan_count; i++) off += m.graph.plan[i].x != maps_snap(m.graph.plan[i].x);
     cr_expect_gt(off, 0, "no corner is off the grid: this proves nothing");
-    cr_expect_eq(count_dents(&m.graph), 0);
+    cr_expect_eq(fixture_dents(&m.graph), 0);
     arena_free(&m.arena);
 }
 
@@ -543,63 +516,4 @@ Test(wad, maps_by_name) {
     code = support_run(&arena, &output, "%s/enfilade info '%s' --map E9M9", support_build(), path);
     cr_expect(code == 1 && strstr(output, "allowed: E1M1, E1M2"), "%s", output);
     arena_free(&arena);
-}
-
-// ---- real maps
-
-static int u16(const unsigned char *p) { return p[0] | p[1] << 8; }
-
-// The area of each sector by the shoelace of its lines, straight from the lumps, square metres.
-static double *shoelace(Arena *arena, Bytes file, int *sector_count) {
-    long line_size, sector_size, lines = wad_lump(file, "LINEDEFS", &line_size);
-    const unsigned char *sides = file.data + wad_lump(file, "SIDEDEFS", NULL),
-                        *vertices = file.data + wad_lump(file, "VERTEXES", NULL);
-    wad_lump(file, "SECTORS", &sector_size);
-    *sector_count = (int)(sector_size / 26);
-    double *area = ARENA_ARRAY(arena, double, *sector_count);
-    for (long i = 0; i < line_size / 14; i++) {
-        const unsigned char *line = file.data + lines + 14 * i;
-        const unsigned char *a = vertices + 4 * u16(line), *b = vertices + 4 * u16(line + 2);
-        double cross =
-            (double)(int16_t)u16(a) * (int16_t)u16(b + 2) - (double)(int16_t)u16(a + 2) * (int16_t)u16(b);
-        for (int k = 0; k < 2; k++) {
-            int side = u16(line + 10 + 2 * k);
-            if (side != 0xFFFF) area[u16(sides + 30 * side + 28)] += (k ? 1 : -1) * cross / 2 * UNIT * UNIT;
-        }
-    }
-    return area;
-}
-
-// Proves on each map of ../shared that it opens and compiles, that free space has the area of the sectors (those that
-// are solid apart), and that no cell bends inwards.
-Test(wad, shared_maps, .timeout = 300) {
-    const char *folder = support_shared("doom");
-    DIR *dir = opendir(folder);
-    cr_assert(dir);
-    int count = 0;
-    for (struct dirent *entry; (entry = readdir(dir));) {
-        size_t length = strlen(entry->d_name);
-        if (length < 4 || strcmp(entry->d_name + length - 4, ".wad") != 0) continue;
-        Made m = {.arena = {0}};
-        const char *path = arena_format(&m.arena, "%s/%s", folder, entry->d_name);
-        open_file(&m, path);
-        int sectors;
-        const double *area = shoelace(&m.arena, support_read(&m.arena, path), &sectors);
-        double *found = ARENA_ARRAY(&m.arena, double, sectors);
-        for (int i = 0; i < m.building.region_count; i++) {
-            int sector;
-            cr_assert_eq(sscanf(m.building.regions[i].name, "sector %d", &sector), 1);
-            found[sector] += ring_area(&m.building, &m.building.regions[i]);
-        }
-        for (int s = 0; s < sectors; s++) {
-            // Tolerance: edges of 1 km moved by 1e-6 m in the mean; a missing piece has more.
-            bool same = fabs(area[s] - found[s]) < 1e-3 || found[s] == 0;
-            cr_expect(same, "%s: sector %d has %.6f m2 of %.6f", entry->d_name, s, found[s], area[s]);
-        }
-        cr_expect_eq(count_dents(&m.graph), 0, "%s", entry->d_name);
-        arena_free(&m.arena);
-        count++;
-    }
-    closedir(dir);
-    cr_expect_eq(count, 17);
 }

@@ -63,7 +63,6 @@ static void expect_rays_agree(Walked *w, WalkVerify *verify, Camera camera, cons
 
 // Every nth frame of the auto tour (all of them at soak), then random views with random doors; some also by rays.
 static void verify_building(const char *path) {
-    enum { RAY_FRAMES = 15 };  // of the tour, and as many random views
     Walked w;
     Error error;
     TourPath tour;
@@ -72,7 +71,8 @@ static void verify_building(const char *path) {
     WalkVerify *verify = walk_verify_new(&w.graph, &w.forest, &w.arena, &error);
     cr_assert(verify, "%s", error.text);
     cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &tour, &error), "%s", error.text);
-    int frames = support_count(60, tour.frame_count),
+    int ray_frames = support_count(6, 15);  // of the tour, and as many random views
+    int frames = support_count(30, tour.frame_count),
         step = tour.frame_count / frames + (tour.frame_count < frames);
     for (int i = 0, k = 0, cell = -1; i < tour.frame_count; i += step, k++) {
         const TourFrame *f = &tour.frames[i];
@@ -81,11 +81,11 @@ static void verify_building(const char *path) {
         cell = vis_locate(&w.graph, f->eye, cell);
         cr_assert(walk_verify_frame(verify, &camera, cell, NULL, VIS_STAB, &frame, &error), "%s", error.text);
         expect_whole(&frame, "frame", i, &camera);
-        if (k < RAY_FRAMES) expect_rays_agree(&w, verify, camera, NULL);
+        if (k < ray_frames) expect_rays_agree(&w, verify, camera, NULL);
     }
     Random random = {1};
     RandomView view = {.door_open = w.doors};
-    int views = support_count(100, 2000);
+    int views = support_count(50, 2000);
     for (int i = 0; i < views;) {
         VerifyFrame frame;
         if (!walk_random_view(&w.graph, &random, 640, 360, &view)) continue;
@@ -93,7 +93,7 @@ static void verify_building(const char *path) {
             walk_verify_frame(verify, &view.camera, view.cell, view.door_open, VIS_STAB, &frame, &error),
             "%s", error.text);
         expect_whole(&frame, view.kind, i, &view.camera);
-        if (i < RAY_FRAMES) expect_rays_agree(&w, verify, view.camera, view.door_open);
+        if (i < ray_frames) expect_rays_agree(&w, verify, view.camera, view.door_open);
         i++;
     }
     walk_verify_free(verify);

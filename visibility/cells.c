@@ -114,9 +114,11 @@ bool build_cells(CellBuilder *builder, Error *error) {
                       &capacity);
         }
     }
-    if (builder->graph->cell_count == 0) {
-        return error_set(error, "%s: has no free space to walk in", b->source ? b->source : "building");
-    }
+    const char *source = b->source ? b->source : "building";
+    if (builder->graph->cell_count == 0) return error_set(error, "%s: has no free space to walk in", source);
+    if (builder->graph->cell_count > MAPS_MAX_CELLS)
+        return error_set(error, "%s: its rooms make %d convex cells (allowed: %d)", source,
+                         builder->graph->cell_count, MAPS_MAX_CELLS);
     return true;
 }
 

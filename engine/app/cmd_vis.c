@@ -23,11 +23,12 @@ static const char HELP[] =
     "With one of the following, no trees: a method finds which cells see each other. It can be stopped at "
     "any\n"
     "moment (Ctrl-C): what was not excluded until then counts as visible, and is written all the same.\n\n"
-    "  --method NAME   flood, plan, height, flow, or proof (default), from the coarsest to the finest\n"
+    "  --method NAME   one of those below, from the coarsest to the finest (default: the last)\n"
     "  --pairs FILE    writes the matrix, bit by bit, as a .seen file\n"
     "  --against FILE  compares with a .seen file of proven pairs; exit status 1 when one of them is missed\n"
     "  --peer PROGRAM  runs a visibility compiler for Quake levels on the same portal file, for comparison\n"
-    "  --seconds S     stops after S seconds, 0.001 to 1e6\n";
+    "  --seconds S     stops after S seconds, 0.001 to 1e6\n\n"
+    "methods:\n";
 
 typedef struct Arguments {
     AppOptions load;
@@ -190,6 +191,8 @@ int cmd_vis(int argc, char **argv) {
     if (code != APP_GOOD) return code;
     if (a.help) {
         fputs(HELP, stdout);
+        for (int i = 0; PAIR_METHODS[i]; i++)
+            printf("  %-8s  %s\n", PAIR_METHODS[i]->name, PAIR_METHODS[i]->summary);
         return APP_GOOD;
     }
     if (a.wants_pairs) {

@@ -1,7 +1,9 @@
 // seen_file.c - reading and writing `.seen` files.
 #include "visibility/pairs/seen_file.h"
 
-enum { HEAD = 4, MOST_CELLS = 1 << 16 };  // as many as a portal file may have
+#include "maps/building.h"
+
+enum { HEAD = 4 };
 
 static size_t row_bytes(int cell_count) { return ((size_t)cell_count + 7) / 8; }
 static size_t file_size(int cell_count) { return HEAD + (size_t)cell_count * row_bytes(cell_count); }
@@ -43,7 +45,7 @@ bool seen_parse(const char *path, Bytes content, int cell_count, Arena *arena, u
 bool seen_read(const char *path, int cell_count, Arena *arena, uint64_t **rows, Error *error) {
     Arena scratch = {0};
     Bytes content;
-    bool good = file_read(path, file_size(MOST_CELLS), &scratch, &content, error) &&
+    bool good = file_read(path, file_size(MAPS_MAX_CELLS), &scratch, &content, error) &&
                 seen_parse(path, content, cell_count, arena, rows, error);
     arena_free(&scratch);
     return good;

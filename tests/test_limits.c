@@ -1,0 +1,154 @@
+// test_limits.c - limits (LIMITS.md): files made to meet them are refused with a sentence that tells the place, what was found and
+// what is allowed. Faults that are one of many in a table of their own reader are tested there.
+#include <criterion/criterion.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "maps/maps.h"
+#include "tests/support.h"
+#include "tests/wad_builder.h"
+#include "visibility/vis.h"
+
+#define PLAN "plan 1\nmaterial m #808080\nstorey s floor 0 height 2.6\nroom r 0,0 4,0 4,3 0,3\n"
+#define MODEL PLAN "model k\n"
+#define PATCH                                                                                                \
+    "patch m 0,0,0 1,0,0 2,0,0 3,0,0 0,1,0 1,1,0 2,1,0 3,1,0 0,2,0 1,2,0 2,2,0 3,2,0 0,3,0 1,3,0 2,3,0 "     \
+    "3,3,0\n"
+#define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+#define GLTF "{\"asset\":{\"version\":\"2.0\"},"
+
+// `head`, `count` times `unit`, in which %d is the number, and `tail`.
+typedef struct Limit {
+    const char *name, *head, *unit;
+    int count;
+    const char *tail, *expected;
+} Limit;
+
+static const Limit LIMITS[] = {
+    {"words.plan", PLAN "room q ", "%d,0 ", 299, "\n", "words.plan:5: too many words (allowed: 300 a line)"},
+    {"materials.plan", PLAN, "material m%d #808080\n", 10000, "", "too many: material (allowed: 10000)"},
+    {"balls.plan", MODEL "metaballs m threshold 0.5\n", "ball %d,0,1 radius 0.2\n", 101, "end\n",
+     "balls.plan:107: more than 100 balls (limit)"},
+    {"trims.plan", MODEL PATCH, "trim 0.1,0.1 0.2,0.1 0.2,0.2 0.1,0.1\n", 201, "end\n",
+     "the patch has 201 curves of trims (limit 200)"},
+    {"height.plan", "plan 1\nstorey s floor 0 height 1001\n", "", 0, "",
+     "height is '1001' (allowed: a number from 0.1 to 1000 metres)"},
+    {"thickness.plan", PLAN "wall 0,0 1,0 thickness 11\n", "", 0, "",
+     "thickness is '11' (allowed: a number from 0.001 to 10 metres)"},
+    {"far.plan", PLAN "room q 0,0 200000000,0 4,3\n", "", 0, "",
+     "in metres, no blanks inside, at most 1e+08)"},
+    {"corners.prt", "PRT1\n2\n1\n65 0 1 ", "(%d 0 0 ) ", 65, "\n",
+     "corners.prt:4: the number of a portal's corners is `65` (allowed 3 to 64)"},
+    {"nested.xml", "<?xml version='1.0'?><home>", "<furnitureGroup>", 70, "",
+     "elements nested too deep (at most 64 allowed)"},
+    {"elements.xml", "<?xml version='1.0'?><home>", "<a/>", 2 << 20, "</home>",
+     "too many elements (at most 2097152 allowed)"},
+    {"list.gltf", GLTF "\"nodes\":[", "{},", 1000000, "{}]}",
+     "nodes: has 1000001 elements (allowed: 1000000)"},
+    {"materials.gltf", GLTF "\"materials\":[", "{},", 10000, "{}]}",
+     "materials: has 10001 elements (allowed: 10000)"},
+    {"nested.gltf", "", "[", 100000, "", "maximum parsing depth reached"},
+};
+
+// These are files of many megabytes.
+static const Limit LARGE[] = {
+    {"quads.quads", "", "quad q%d 0.5 0 0 0 0 1 0 0 1 1 0 0 1 0\n", (1 << 20) + 1, "",
+     "quads.quads:1048577: more than 1048576 quads"},
+    {"points.quads", "quad a 0.5 1 0 0 0 1 0 0 1 1 0 0 1 0\n", "point p%d 0.5 0.5 0 0 0 1 a\n", (1 << 20) + 1,
+     "", "more than 1048576 points"},
+    {"vertices.obj", "", "v 0 0 0\n", (4 << 20) + 1, "", "the model has more than 4194304 vertices"},
+    {"corners.obj", TRIANGLE, "f 1 2 3\n", (16 << 20) / 3 + 1, "",
+     "the model has more than 16777216 corners"},
+    {"polygons.obj", TRIANGLE, "f 1 2 3\n", (4 << 20) + 1, "",
+     "its faces make 4194305 triangles (allowed: 4194304)"},
+    {"text.gltf", GLTF, " ", 128 << 20, "}", "bytes of JSON (allowed: 134217728"},
+    {"polygons.plan", MODEL "cylinder m 0 1 0,0 radius 1 sides 64\nend\n", "place k %d,0\n", 64516, "",
+     "the building has more than 4000000 polygons (limit)"},
+};
+
+static void refuse(Arena *arena, const char *path, const char *expected) {
+    Building b;
+    Error error = {""};
+    cr_expect_not(maps_read(path, arena, &b, &error), "%s was read", path);
+    cr_expect(strstr(error.text, expected), "no `%s` in `%s`", expected, error.text);
+    cr_expect_null(strchr(error.text, '\n'), "more than a sentence: %s", error.text);
+}
+
+static void meet(const Limit *limit) {
+    Arena arena = {0};
+    const char *path = arena_format(&arena, "%s/%s", support_folder(&arena), limit->name);
+    FILE *file = fopen(path, "w");
+    cr_assert(file);
+    fputs(limit->head, file);
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+#pragma GCC diagnostic ignored "-Wformat-extra-args"
+    for (int i = 0; i < limit->count; i++) fprintf(file, limit->unit, i);
+#pragma GCC diagnostic pop
+    fputs(limit->tail, file);
+    cr_assert_eq(fclose(file), 0);
+    refuse(&arena, path, limit->expected);
+    unlink(path);
+    arena_free(&arena);
+}
+
+Test(limits, of_readers, .timeout = 300) {
+    for (int i = 0; i < (int)(sizeof LIMITS / sizeof *LIMITS); i++) meet(&LIMITS[i]);
+}
+
+Test(limits, of_large_files, .timeout = 900) {
+    if (!support_soak()) cr_skip_test("files of many megabytes: make soak");
+    for (int i = 0; i < (int)(sizeof LARGE / sizeof *LARGE); i++) meet(&LARGE[i]);
+}
+
+// A file of 1 GiB and a byte more, nearly all of it a hole that takes no room on the disk.
+Test(limits, of_a_file) {
+    Arena arena = {0};
+    const char *path = arena_format(&arena, "%s/huge.plan", support_folder(&arena));
+    FILE *file = fopen(path, "w");
+    cr_assert(file && fputs("plan 1\n", file) >= 0 && fclose(file) == 0);
+    cr_assert_eq(truncate(path, (1 << 30) + 1L), 0);
+    refuse(&arena, path, "huge.plan: has 1073741825 bytes (at most 1073741824 are read)");
+    arena_free(&arena);
+}
+
+// More records than 16 bits number: each line has two vertices of its own.
+Test(limits, of_a_wad) {
+    static const char *const NAMES[] = {"MAP01"};
+    Arena arena = {0};
+    Error error;
+    WadMaker maker = {.arena = &arena};
+    wad_two_rooms(&maker);
+    while (maker.line_size <= 0xFFFF * 14) wad_line(&maker, 50, 50, 60, 60, WAD_ROOM, -1, 0, 0);
+    Bytes whole = wad_file(&maker, NAMES, 1, NULL);
+    const char *path = arena_format(&arena, "%s/lines.wad", support_folder(&arena));
+    cr_assert(file_write(path, whole.data, whole.size, &error), "%s", error.text);
+    refuse(&arena, path, "lump VERTEXES: 524288 bytes (allowed: up to 65535 records of 4 bytes each)");
+    arena_free(&arena);
+}
+
+// Rooms that are a cell more than there may be.
+Test(limits, of_cells) {
+    Arena arena = {0};
+    Building b = {.form = FORM_REGIONS, .source = "rows.plan"};
+    for (int i = 0; i <= MAPS_MAX_CELLS; i++) {
+        double x = 5 * (i % 256), y = 5 * (i / 256);
+        const Vec2 corner[4] = {{x, y}, {x + 4, y}, {x + 4, y + 3}, {x, y + 3}};
+        Region *region = ARENA_PUSH(&arena, b.regions, b.region_count, b.region_capacity);
+        *region =
+            (Region){.kind = REGION_ROOM, .name = "", .opening = -1, .first_ring = b.ring_count, .z1 = 2};
+        region->ring_count = 1;
+        *ARENA_PUSH(&arena, b.rings, b.ring_count, b.ring_capacity) = (Ring){b.point_count, 4};
+        for (int k = 0; k < 4; k++) {
+            int edge = b.point_count;
+            *ARENA_PUSH(&arena, b.edge_material, edge, b.edge_capacity) = 0;
+            *ARENA_PUSH(&arena, b.points, b.point_count, b.point_capacity) = corner[k];
+        }
+    }
+    CellGraph graph;
+    Error error;
+    VisOptions options = vis_default_options();
+    cr_assert_not(vis_build_cells(&b, &options, &arena, &graph, &error));
+    cr_expect_str_eq(error.text, "rows.plan: its rooms make 65537 convex cells (allowed: 65536)");
+    arena_free(&arena);
+}

@@ -267,6 +267,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
         int patch = shoot_queue_top(&s.queue);
         if (patch < 0) break;
         shoot(&s, patch, row_of(&s, patch));
+        shoot_rows_shot(s.rows, patch);
     }
     finish(&s);
     report.residual = residual_of(&s);

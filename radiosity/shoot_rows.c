@@ -1,6 +1,6 @@
 // shoot_rows.c - rows made in parallel, each by one thread with a viewer and a form-factor method of its own, so that a
 // row depends on its patch alone. The first ones are kept until their memory is spent: a patch that was strong early
-// shoots again and again. Those that come later stay until the next are made.
+// shoots again and again. Those that come later stay until they are shot.
 #include "radiosity/shoot_rows.h"
 
 #include <math.h>
@@ -15,6 +15,8 @@
 // there are, the more of them are neighbours, who find what they see where the last one left it: a sixth less time.
 // But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
 enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
+// Rows that wait for their shots where there is no room to keep more, of each thread: nearly all are shot before so many came.
+enum { WAITING = 64 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
 // What the rows of lamps may cost, in rows of the usual resolution.
 static const double MOST_LAMP_WORK = 16000;
@@ -34,12 +36,12 @@ typedef struct Maker {
     double seconds_visibility;
 } Maker;
 
-// A row that was just made.
+// A row that is being made, or that waits for its shot because there was no room to keep it.
 typedef struct Slot {
     ShootRow *row;
     int patch;
-    Arena arena;  // of a row that is not kept
-    bool passing;
+    Arena arena;   // of a row that is not kept
+    bool waiting;  // it is not, and was not shot yet
 } Slot;
 
 // What becomes of an element's share.
@@ -56,9 +58,10 @@ struct ShootRows {
     Taker *takers;  // [element_count]
     const RadOptions *options;
     FormFactorOptions usual, of_lamps;
-    int threads, slot_count, slots_used;
+    int threads, slot_count, waiting_count;
     Maker *makers;  // [threads]
     Slot *slots;    // [slot_count]
+    int *making;    // [slot_count] those of the rows that are made at a time
     ShootRow **of;  // [patch_count] NULL: not there
     bool *there;    // [patch_count]
     bool full;
@@ -107,6 +110,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     parallel_for(rows->threads, rows->threads, equip_maker, rows);
     rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
+    rows->making = ARENA_ARRAY(arena, int, rows->slot_count);
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
@@ -226,7 +230,7 @@ static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
-    Slot *slot = &rows->slots[index];
+    Slot *slot = &rows->slots[rows->making[index]];
     const Patch *patch = &rows->mesh->patches[slot->patch];
     ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
     double start = clock_seconds();
@@ -240,8 +244,8 @@ static void make_row(void *context, int index, int thread) {
     size_t bytes = row_bytes(runs, row->count);
     maker->made_bytes += (long long)bytes;
     slot->row = keep(rows, maker, bytes);
-    slot->passing = !slot->row;
-    if (slot->passing) {
+    slot->waiting = !slot->row;
+    if (slot->waiting) {
         arena_reset(&slot->arena);
         slot->row = arena_alloc(&slot->arena, bytes, 1);
     }
@@ -253,23 +257,42 @@ static int by_index(const void *p, const void *q) {
     return (*a > *b) - (*a < *b);
 }
 
-void shoot_rows_make(ShootRows *rows, int *patches, int count) {
-    CORE_ASSERT(count <= rows->slot_count);
-    for (int i = 0; i < rows->slots_used; i++) {
-        int patch = rows->slots[i].patch;
-        if (!rows->slots[i].passing) continue;
-        rows->of[patch] = NULL;
-        rows->there[patch] = false;
+static void let_go(ShootRows *rows, Slot *slot) {
+    rows->of[slot->patch] = NULL;
+    rows->there[slot->patch] = false;
+    slot->waiting = false;
+    rows->waiting_count--;
+}
+
+// Few wait, and they are the first ones of their memory.
+void shoot_rows_shot(ShootRows *rows, int patch) {
+    for (int i = 0, left = rows->waiting_count; left > 0; i++) {
+        if (!rows->slots[i].waiting) continue;
+        left--;
+        if (rows->slots[i].patch != patch) continue;
+        let_go(rows, &rows->slots[i]);
+        return;
     }
+}
+
+void shoot_rows_make(ShootRows *rows, int *patches, int count) {
+    if (rows->waiting_count + count > rows->slot_count || rows->waiting_count > WAITING * rows->threads)
+        for (int i = 0; rows->waiting_count > 0; i++)
+            if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
+    CORE_ASSERT(count <= rows->slot_count);
     // One after the other, patches of a room find what they see where the last one left it.
     qsort(patches, (size_t)count, sizeof *patches, by_index);
-    for (int i = 0; i < count; i++) rows->slots[i].patch = patches[i];
-    rows->slots_used = count;
+    for (int i = 0, at = 0; i < count; i++, at++) {
+        while (rows->slots[at].waiting) at++;
+        rows->making[i] = at;
+        rows->slots[at].patch = patches[i];
+    }
     parallel_for(rows->threads, count, make_row, rows);
     rows->made += count;
     for (int i = 0; i < count; i++) {
-        Slot *slot = &rows->slots[i];
-        rows->full = rows->full || slot->passing;
+        Slot *slot = &rows->slots[rows->making[i]];
+        rows->waiting_count += slot->waiting;
+        rows->full = rows->full || slot->waiting;
         rows->of[slot->patch] = slot->row;
         rows->there[slot->patch] = true;
     }

@@ -34,9 +34,11 @@ int shoot_rows_most(const ShootRows *rows);
 const bool *shoot_rows_there(const ShootRows *rows);
 // The row of a patch, NULL if it is not there.
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch);
-// Makes the rows of patches that have none, at most as many as wanted, in parallel. Rows for which there was no room
-// the last time are gone then.
+// Makes the rows of patches that have none, at most as many as wanted, in parallel. Rows that could not be kept are there until they
+// are shot, or very many wait.
 void shoot_rows_make(ShootRows *rows, int *patches, int count);
+// The row of a patch was shot: it goes unless it is kept.
+void shoot_rows_shot(ShootRows *rows, int patch);
 
 // What was made so far, into the fields of a report.
 void shoot_rows_report(const ShootRows *rows, RadReport *report);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""compare_pictures.py A.png B.png - are two pictures the same to the eye? Prints how much they differ; exit status 1 if
-they are not alike. Reads the PNGs that the program writes: 8 bits a channel, RGB or RGBA, not interlaced."""
+"""compare_pictures.py A.png B.png [SHARE] - are two pictures the same to the eye? Prints how much they differ; exit status 1 if
+they are not alike, in no more than SHARE of their pixels. Reads the PNGs that the program writes: 8 bits a channel, RGB or RGBA, not interlaced."""
 import struct
 import sys
 import zlib
@@ -97,8 +97,8 @@ def compare(path, reference, levels=LEVELS, share=SHARE):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
-    alike, text = compare(sys.argv[1], sys.argv[2])
+    alike, text = compare(sys.argv[1], sys.argv[2], share=float(sys.argv[3]) if len(sys.argv) == 4 else SHARE)
     print(text)
     sys.exit(not alike)

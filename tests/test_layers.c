@@ -122,7 +122,7 @@ Test(layers, each_folder_has_a_readme) {
     Arena arena = {0};
     const char *top = (const char *)support_read(&arena, "README.md").data;
     check_links(&arena, "README.md", top);
-    check_links(&arena, "LIMITS.md", (const char *)support_read(&arena, "LIMITS.md").data);
+    check_links(&arena, "engine/LIMITS.md", (const char *)support_read(&arena, "engine/LIMITS.md").data);
     for (int i = 0; i < LAYER_COUNT; i++) {
         char *readme = arena_format(&arena, "%s/README.md", LAYERS[i]);
         const char *text = (const char *)support_read(&arena, readme).data;

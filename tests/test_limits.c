@@ -1,4 +1,4 @@
-// test_limits.c - limits (LIMITS.md): files made to meet them are refused with a sentence that tells the place, what was found and
+// test_limits.c - limits (engine/LIMITS.md): files made to meet them are refused with a sentence that tells the place, what was found and
 // what is allowed. Faults that are one of many in a table of their own reader are tested there.
 #include <criterion/criterion.h>
 #include <stdio.h>

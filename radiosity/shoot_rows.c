@@ -19,7 +19,7 @@ enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
 enum { WAITING = 64 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
 // What the rows of lamps may cost, in rows of the usual resolution.
-static const double MOST_LAMP_WORK = 16000;
+static const double MOST_LAMP_WORK = 4000;
 // Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 

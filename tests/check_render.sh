@@ -70,7 +70,7 @@ for map in two-rooms house office office-plain; do
         fail "$map is not as it was: tests/references/still-$map.png"
 done
 # Noise is only where something hides a part of a lamp, however many lamps there are: of 66, one sample a pixel says nearly what eight
-# say. Beside edges, which one sample cannot smooth, and in shadows that is 1 % of this picture; if lamps were taken at random, a
+# say. Edges, which one sample cannot smooth, and shadows are 1 % of this picture; if lamps were taken at random, a
 # quarter of it would be off.
 draw $maps/office-plain.plan --light "$work/office-plain.rad" --size 208x117 --samples 1 $(camera office-plain) -o "$work/noise.png"
 python3 tests/compare_pictures.py "$work/noise.png" "$work/office-plain.png" 0.03 || fail 'one sample a pixel is noise'

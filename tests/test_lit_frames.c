@@ -51,6 +51,10 @@ static const LitView BASEMENT[] = {{"bathroom", {6.2, -0.97, 2.72}, 71.9, -30, 8
                                    {0}};
 static const LitView APARTMENT[] = {
     {"boxes", {5.12, -6.41, 1.47}, 112.4, -30, 80, 0}, {"corner", {7.12, -6.18, 1.6}, -37.6, 5, 80, 0}, {0}};
+static const LitView FOUR_BEDROOMS[] = {{"kitchen", {7.6, -7.9, 1.6}, 120, -20, 80, 0},
+                                        {"bedroom", {10.2, -1.2, 1.6}, -10, -25, 80, 0},
+                                        {"corridor", {9.0, -3.9, 1.6}, 180, -15, 80, 0},
+                                        {0}};
 
 // In steps far below what may differ: the file is a quarter as large.
 static void keep(const char *path, const uint8_t *rgb, Arena *arena) {
@@ -153,4 +157,7 @@ Test(lit_frames, basement, .timeout = 600) {
 }
 Test(lit_frames, apartment, .timeout = 600) {
     check_home("sh3d/3BedroomApartment.Home.xml", "apartment", APARTMENT);
+}
+Test(lit_frames, four_bedrooms, .timeout = 600) {
+    check_home("sh3d/4-BedroomHouse.sh3d", "four-bedrooms", FOUR_BEDROOMS);
 }

@@ -98,9 +98,8 @@ typedef struct Node {
     int first_child;  // of four, row by row; -1: an element, or nothing
     int element;      // -1: the face is not there, or has children
     Moments all;
-    double
-        half[2]
-            [2];  // of the children's, by the axis that is halved, and which half; below 0: nothing is there
+    // Errors of its halves, by the axis that is halved, and which; below 0: nothing is there.
+    double half[2][2];
     double slope_error[2];  // of an element, by the slope along either axis
     int most;               // how often it may be halved along each
     // What it is worth. Of an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which

@@ -12,25 +12,28 @@ static const double OPPOSITE = 0.99;
 // A cut through a vertex, but for rounding, leaves an edge there that runs anywhere.
 static bool is_rounding(Vec3 edge) { return vec3_dot(edge, edge) < MESH_WELD * MESH_WELD; }
 
+// The direction inwards from a side of a polygon about the normal n; false: the side is rounding.
+static bool inwards_of(const Vec3 *v, int count, int side, Vec3 n, Vec3 *out) {
+    Vec3 edge = vec3_sub(v[side + 1 < count ? side + 1 : 0], v[side]);
+    if (is_rounding(edge)) return false;
+    *out = vec3_normalize(vec3_cross(n, edge));
+    return true;
+}
+
 int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out) {
     int sides = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 edge = vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]);
-        if (is_rounding(edge)) continue;
-        Vec3 inwards = vec3_normalize(vec3_cross(n, edge));
-        out[sides++] = (Plane){inwards, vec3_dot(inwards, v[i])};
-    }
+    Vec3 inwards;
+    for (int i = 0; i < count; i++)
+        if (inwards_of(v, count, i, n, &inwards)) out[sides++] = (Plane){inwards, vec3_dot(inwards, v[i])};
     return sides;
 }
 
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
     double least = INFINITY;
-    for (int i = 0; i < count; i++) {
-        Vec3 edge = vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]);
-        if (is_rounding(edge)) continue;
-        Vec3 inwards = vec3_normalize(vec3_cross(n, edge));
-        least = fmin(least, vec3_dot(inwards, vec3_sub(point, v[i])));
-    }
+    Vec3 inwards;
+    for (int i = 0; i < count; i++)
+        if (inwards_of(v, count, i, n, &inwards))
+            least = fmin(least, vec3_dot(inwards, vec3_sub(point, v[i])));
     return least;
 }
 

@@ -31,26 +31,6 @@ static void make(Made *m, uint64_t seed, int nx, int ny, int storeys, int thread
     cr_assert(vis_build_forest(&m->graph, &options, NULL, &m->arena, &m->forest));
 }
 
-// Proves that orient2d is exact: integers up to 2^26 have an exact answer in 64 bits; offsets of one unit in the last
-// place around a line are told apart as __int128 arithmetic tells them apart.
-__extension__ typedef __int128 Wide;
-Test(predicates, orient2d_is_exact) {
-    Random random = {1};
-    for (int i = 0; i < 200000; i++) {
-        long long p[6];
-        for (int k = 0; k < 6; k++) p[k] = (long long)(random_next(&random) >> 11) - (1ll << 52);
-        if (i % 2) {  // nearly or exactly collinear
-            p[4] = p[0] / 2 + p[2] / 2;
-            p[5] = p[1] / 2 + p[3] / 2;
-        }
-        Wide det = (Wide)(p[2] - p[0]) * (p[5] - p[1]) - (Wide)(p[3] - p[1]) * (p[4] - p[0]);
-        int expected = (det > 0) - (det < 0);
-        int found = orient2d(vec2((double)p[0], (double)p[1]), vec2((double)p[2], (double)p[3]),
-                             vec2((double)p[4], (double)p[5]));
-        cr_assert_eq(found, expected, "case %d", i);
-    }
-}
-
 // Two sets are separated by a line iff they are by one through two of their points.
 static bool separable(const Vec2 *left, const Vec2 *right, int count) {
     Vec2 all[64];

@@ -167,8 +167,6 @@ static void grow(Grower *g, int node, int depth) {
     const WayGraph *ways = &g->source->ways;
     int cell = g->nodes[node].cell, last = -1, choices = ways->first[cell + 1] - ways->first[cell] - 1;
     Level *level = g->levels[depth], *next = level_at(g, depth + 1);
-    Beam *beam = &level->beam;
-    if (depth > 0) beam->plane_count = beam_planes(&beam->source, &beam->pass, ways->epsilon, beam->planes);
     if (choices == 0) g->done += level->share;
     g->on_path[cell] = 1;
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && !g->exhausted; i++) {

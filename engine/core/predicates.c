@@ -1,9 +1,8 @@
 // predicates.c - the orientation of three points in the plane, exactly.
 //
 // Source: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates,
-// 1997: the static filter of its section 4.3, and, where the filter cannot decide, the full sum of the six
-// products ax*by, ... as a non-overlapping expansion (its sections 2.2 to 2.5). The intermediate adaptive
-// stages are left out: the filter decides all but degenerate cases.
+// 1997: the static filter of its section 4.3; where the filter cannot decide, the sum of the six products ax*by, ... as a
+// non-overlapping expansion (its sections 2.2 to 2.5). Of the stages in between there is only one, for points on a grid.
 #include "engine/core/predicates.h"
 
 #include <float.h>
@@ -48,10 +47,22 @@ static int orient_exact(Vec2 a, Vec2 b, Vec2 c) {
     return (top > 0) - (top < 0);
 }
 
+// What rounding took from a - b (Shewchuk's Two-Diff-Tail).
+static double difference_tail(double a, double b) {
+    double x = a - b, b_virtual = a - x, a_virtual = x + b_virtual;
+    return (a - a_virtual) + (b_virtual - b);
+}
+
+// Was nothing rounded off? So it is on a grid, where most collinear points are: doorways in a row.
+static bool product_is_exact(double a, double b, double c, double d) {
+    return difference_tail(a, b) == 0 && difference_tail(c, d) == 0 && fma(a - b, c - d, -((a - b) * (c - d))) == 0;
+}
+
 int orient2d(Vec2 a, Vec2 b, Vec2 c) {
     double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
     double det = left - right, bound = FILTER * (fabs(left) + fabs(right));
     if (det > bound) return 1;
     if (-det > bound) return -1;
+    if (product_is_exact(a.x, c.x, b.y, c.y) && product_is_exact(a.y, c.y, b.x, c.x)) return (det > 0) - (det < 0);
     return orient_exact(a, b, c);
 }

@@ -217,7 +217,7 @@ charts:
 	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:
 	$(call install,$(to_lint))
-	clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)
+	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
 # The library gives away only the names of its headers.

@@ -128,6 +128,15 @@ bool app_has_walls(const AppScene *scene, Error *error) {
         scene->building.source);
 }
 
+bool app_emits(const AppScene *scene) {
+    const Building *b = &scene->building;
+    for (int i = 0; i < b->material_count; i++) {
+        Rgb e = b->materials[i].emission;
+        if (e.r + e.g + e.b > 0) return true;
+    }
+    return false;
+}
+
 // Doors are all that a person passes, doorways without a leaf among them.
 static int count_joined(const Building *b) {
     int joined = 0;

@@ -53,6 +53,9 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
 // False, and a sentence, for a file of cells and portals alone, in which there is nothing to draw or to walk on.
 bool app_has_walls(const AppScene *scene, Error *error);
 
+// Has it any material that emits light?
+bool app_emits(const AppScene *scene);
+
 // As much of it: reads the building and makes its cells.
 bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
 

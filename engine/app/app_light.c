@@ -62,19 +62,11 @@ bool app_load_light(const char *path, const AppScene *scene, Arena *arena, WalkL
     return good;
 }
 
-static bool emits(const Building *b) {
-    for (int i = 0; i < b->material_count; i++) {
-        Rgb e = b->materials[i].emission;
-        if (e.r + e.g + e.b > 0) return true;
-    }
-    return false;
-}
-
 AppBake *app_bake_new(const char *file, const AppScene *scene, Arena *arena) {
     AppBake *bake = ARENA_ARRAY(arena, AppBake, 1);
     Error error;
     *bake = (AppBake){.scene = scene, .file = file};
-    if (!emits(&scene->building) || !app_has_walls(scene, &error)) return NULL;
+    if (!app_emits(scene) || !app_has_walls(scene, &error)) return NULL;
     return app_light_place(&scene->building, arena, &bake->out, &error) ? bake : NULL;
 }
 

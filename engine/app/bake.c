@@ -97,11 +97,20 @@ static bool find_mesh(const BakeArguments *a, const AdaptScene *lit, MeshOptions
     return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
 }
 
+// Before stand-ins and meshes are made, which takes long in furnished homes; many have no lamps.
+static bool check_light(const BakeArguments *a, const AppScene *scene, Error *error) {
+    if (sum3(a->sky) > 0 || app_emits(scene)) return true;
+    return error_set(error,
+                     "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
+                     "(--sky L brings daylight)",
+                     a->file, scene->building.material_count);
+}
+
 bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resumed, const Progress *progress,
                Arena *arena, float **doors, Mesh *out, Error *error) {
     const CellGraph *graph = &scene->graph;
     MeshOptions options = a->mesh;
-    if (!app_has_walls(scene, error)) return false;
+    if (!app_has_walls(scene, error) || !check_light(a, scene, error)) return false;
     options.threads = a->rad.threads;
     if (options.element == 0) options.element = mesh_fitting_element(graph);
     if (!check_size(a->file, options.element, graph, error)) return false;

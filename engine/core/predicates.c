@@ -55,7 +55,8 @@ static double difference_tail(double a, double b) {
 
 // Was nothing rounded off? So it is on a grid, where most collinear points are: doorways in a row.
 static bool product_is_exact(double a, double b, double c, double d) {
-    return difference_tail(a, b) == 0 && difference_tail(c, d) == 0 && fma(a - b, c - d, -((a - b) * (c - d))) == 0;
+    return difference_tail(a, b) == 0 && difference_tail(c, d) == 0 &&
+           fma(a - b, c - d, -((a - b) * (c - d))) == 0;
 }
 
 int orient2d(Vec2 a, Vec2 b, Vec2 c) {
@@ -63,6 +64,7 @@ int orient2d(Vec2 a, Vec2 b, Vec2 c) {
     double det = left - right, bound = FILTER * (fabs(left) + fabs(right));
     if (det > bound) return 1;
     if (-det > bound) return -1;
-    if (product_is_exact(a.x, c.x, b.y, c.y) && product_is_exact(a.y, c.y, b.x, c.x)) return (det > 0) - (det < 0);
+    if (product_is_exact(a.x, c.x, b.y, c.y) && product_is_exact(a.y, c.y, b.x, c.x))
+        return (det > 0) - (det < 0);
     return orient_exact(a, b, c);
 }

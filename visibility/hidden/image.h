@@ -6,8 +6,8 @@
 #ifndef VISIBILITY_IMAGE_H
 #define VISIBILITY_IMAGE_H
 
-#include "visibility/hidden/facets.h"
 #include "engine/core/four.h"
+#include "visibility/hidden/facets.h"
 
 // a x + b y + c in lanes 0, 1, 2; lane 3 is 0. Of an edge: not below 0 inside.
 typedef Four Line;

@@ -37,6 +37,7 @@ static Piece read_piece(Sh3d *s, const XmlNode *node) {
     p.pitch = sh3d_number(s, node, "pitch", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
     p.roll = sh3d_number(s, node, "roll", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
     p.mirrored = sh3d_flag(node, "modelMirrored", false);
+    p.both_sides = sh3d_flag(node, "backFaceShown", false);
     p.coloured = sh3d_colour(s, node, "color", &p.colour);
     memcpy(p.turn, UNTURNED, sizeof p.turn);
     const char *text = xml_get(node, "modelRotation");
@@ -191,10 +192,15 @@ static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
     return out;
 }
 
-static void add_face(Sh3d *s, const Vec3 *placed, const int *corner, int count, bool mirrored, int material) {
-    Vec3 few[MAX_FAN];
-    for (int i = 0; i < count; i++) few[mirrored ? count - 1 - i : i] = placed[corner[i]];
-    building_add_polygon(s->arena, s->b, few, count, material);
+// Where the piece shows its backs they are faces of their own.
+static void add_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
+                     int material) {
+    for (int side = 0; side <= p->both_sides; side++) {
+        bool turned = p->mirrored != side;
+        Vec3 few[MAX_FAN];
+        for (int i = 0; i < count; i++) few[turned ? count - 1 - i : i] = placed[corner[i]];
+        building_add_polygon(s->arena, s->b, few, count, material);
+    }
 }
 
 // The faces whose part is `which`; `part` [face_count], NULL: all.
@@ -211,16 +217,16 @@ static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *pl
         if (*known < 0) continue;
         const int *corner = m->corners + f->first_corner;
         if (f->corner_count <= MAX_FAN) {
-            add_face(s, placed, corner, f->corner_count, p->mirrored, *known);
+            add_face(s, p, placed, corner, f->corner_count, *known);
             continue;
         }
         for (int k = 1; k + 1 < f->corner_count; k++)
-            add_face(s, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, p->mirrored, *known);
+            add_face(s, p, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, *known);
     }
 }
 
-static bool room_for(const Sh3d *s, const ObjModel *m) {
-    return s->b->polygon_count <= SH3D_MAX_POLYGONS - m->corner_count;
+static bool room_for(const Sh3d *s, const Piece *p, const ObjModel *m) {
+    return s->b->polygon_count <= SH3D_MAX_POLYGONS - (int64_t)m->corner_count * (p->both_sides ? 2 : 1);
 }
 
 // An object that turned out empty goes again.
@@ -309,7 +315,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
 static void add_piece(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
     const ObjModel *m = find_model(s, p->node);
     ObjModel stand_in;
-    bool box = !m || !room_for(s, m);
+    bool box = !m || !room_for(s, p, m);
     if (box) {
         stand_in = flight ? plain_stair(s, p) : obj_box(s->arena);
         m = &stand_in;
@@ -324,7 +330,7 @@ void sh3d_add_opening_model(Sh3d *s, const XmlNode *node, int opening, const cha
     Piece p = read_piece(s, node);
     const ObjModel *m = find_model(s, node);
     if (s->failed) return;
-    if (!m || !room_for(s, m)) {
+    if (!m || !room_for(s, &p, m)) {
         // No box: it would fill the hole.
         sh3d_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
         return;

@@ -13,6 +13,7 @@ typedef struct Piece {
     double angle;
     double pitch, roll;
     bool mirrored;
+    bool both_sides;  // its back faces are shown, too
     double turn[9];  // modelRotation, row by row
     bool coloured;
     unsigned colour;

@@ -386,6 +386,23 @@ Test(sh3d, places_models) {
     }
 }
 
+// Backs that are shown are faces turned the other way: what was enclosed once is so once from each side.
+Test(sh3d, shows_backs_where_asked) {
+    static const char *const CASES[] = {"backFaceShown='true'/>",
+                                        "backFaceShown='true' modelMirrored='true'/>"};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        Home h = read_wedge(CASES[i]);
+        cr_assert(h.good, "%s", h.error.text);
+        cr_assert_eq(h.b.polygon_count, 8);
+        cr_assert_float_eq(enclosed(&h), 0, 1e-12, "%s", CASES[i]);
+        h.b.polygon_count = 1;
+        double front = enclosed(&h);
+        h.b.polygons[0] = h.b.polygons[1];
+        cr_assert_float_eq(enclosed(&h), -front, 1e-12, "%s: of the same face", CASES[i]);
+        home_free(&h);
+    }
+}
+
 // A piece's colour goes over its model's, and its own materials' colours over those of the same name.
 Test(sh3d, colours_of_pieces) {
     Home h = read_wedge("color='FF0000FF'/>");

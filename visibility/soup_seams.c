@@ -7,16 +7,15 @@
 
 // How near an edge a corner lies on it, relative to the size: far above rounding, and no picture shows such a bend.
 static const double ON_EDGE = 1e-7;
-enum { MOST_CUBES = 96 };  // along a side
+enum { LEAF = 8 };  // corners that are looked at one by one
 
-// All corners by the cubes of a grid: run c is corners[first[c]] .. corners[first[c + 1] - 1].
-typedef struct CornerGrid {
-    Vec3 origin;
-    double side;
-    int n[3];
-    int *first;
+// All corners, each once, as a k-d tree (Bentley 1975): of the run from lo to hi the middle one parts the others along
+// axis[middle]. Corners come in crowds, plants beside walls, which no even grid parts.
+typedef struct CornerTree {
     Vec3 *corners;
-} CornerGrid;
+    unsigned char *axis;
+    int count;
+} CornerTree;
 
 typedef struct Hit {
     double t;
@@ -25,99 +24,121 @@ typedef struct Hit {
 
 typedef struct Seams {
     CellBuilder *builder;
-    CornerGrid grid;
+    CornerTree tree;
     double near;  // metres
     Hit *hits;    // on the edge looked at
     int hit_count, hit_capacity;
 } Seams;
 
-static int cube_along(const CornerGrid *grid, int axis, double at) {
-    double c = floor(at / grid->side);
-    return c < 0 ? 0 : c >= grid->n[axis] ? grid->n[axis] - 1 : (int)c;
-}
-
-static int cube_of(const CornerGrid *grid, Vec3 p) {
-    Vec3 at = vec3_sub(p, grid->origin);
-    return (cube_along(grid, 2, at.z) * grid->n[1] + cube_along(grid, 1, at.y)) * grid->n[0] +
-           cube_along(grid, 0, at.x);
-}
-
 // Leaves of doors move: they share no seams.
 static bool moves(const CellGraph *graph, int object) { return graph->objects[object].leaf >= 0; }
 
-static void enter_corners(CornerGrid *grid, const CellGraph *graph, int *fill) {
+static int by_place(const void *p, const void *q) {
+    const Vec3 *a = p, *b = q;
+    if (a->x != b->x) return a->x < b->x ? -1 : 1;
+    if (a->y != b->y) return a->y < b->y ? -1 : 1;
+    return (a->z > b->z) - (a->z < b->z);
+}
+
+static void list_corners(CornerTree *tree, const CellGraph *graph, Arena *scratch) {
+    tree->corners = ARENA_ARRAY(scratch, Vec3, graph->vertex_count);
+    tree->axis = ARENA_ARRAY(scratch, unsigned char, graph->vertex_count);
+    int count = 0;
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
         for (int p = 0; !moves(graph, o) && p < object->polygon_count; p++) {
             const Polygon *polygon = &graph->polygons[object->first_polygon + p];
-            for (int k = 0; k < polygon->vertex_count; k++) {
-                Vec3 corner = graph->vertices[polygon->first_vertex + k];
-                int cube = cube_of(grid, corner);
-                if (!fill) grid->first[cube + 1]++;
-                if (fill) grid->corners[fill[cube]++] = corner;
-            }
+            for (int k = 0; k < polygon->vertex_count; k++)
+                tree->corners[count++] = graph->vertices[polygon->first_vertex + k];
         }
+    }
+    if (count > 0) qsort(tree->corners, (size_t)count, sizeof *tree->corners, by_place);
+    for (int i = 0; i < count; i++) {
+        if (i == 0 || !vec3_equal(tree->corners[i], tree->corners[tree->count - 1]))
+            tree->corners[tree->count++] = tree->corners[i];
     }
 }
 
-static CornerGrid lay_grid(const CellGraph *graph, Arena *scratch) {
+// Puts the middle one by `axis` of the run into its middle, none greater before it and none smaller behind (Hoare 1961).
+static void part_at_middle(Vec3 *corners, int lo, int hi, int axis) {
+    int middle = (lo + hi) / 2;
+    for (hi--; lo < hi;) {
+        double pivot = vec3_component(corners[(lo + hi) / 2], axis);
+        int i = lo, k = hi;
+        while (i <= k) {
+            while (vec3_component(corners[i], axis) < pivot) i++;
+            while (vec3_component(corners[k], axis) > pivot) k--;
+            if (i > k) break;
+            Vec3 swapped = corners[i];
+            corners[i++] = corners[k];
+            corners[k--] = swapped;
+        }
+        if (middle <= k)
+            hi = k;
+        else if (middle >= i)
+            lo = i;
+        else
+            return;
+    }
+}
+
+static void part_corners(CornerTree *tree, int lo, int hi) {
+    if (hi - lo <= LEAF) return;
     Box box = box_empty();
-    for (int i = 0; i < graph->vertex_count; i++) box = box_add(box, graph->vertices[i]);
+    for (int i = lo; i < hi; i++) box = box_add(box, tree->corners[i]);
     Vec3 size = vec3_sub(box.max, box.min);
-    double longest = fmax(size.x, fmax(size.y, size.z));
-    CornerGrid grid = {.origin = box.min};
-    grid.side = longest / fmin(MOST_CUBES, 1 + cbrt(graph->vertex_count));
-    const double extent[3] = {size.x, size.y, size.z};
-    for (int k = 0; k < 3; k++) grid.n[k] = (int)fmin(MOST_CUBES, floor(extent[k] / grid.side) + 1);
-    int cubes = grid.n[0] * grid.n[1] * grid.n[2];
-    grid.first = ARENA_ARRAY(scratch, int, cubes + 1);
-    enter_corners(&grid, graph, NULL);
-    for (int c = 0; c < cubes; c++) grid.first[c + 1] += grid.first[c];
-    grid.corners = ARENA_ARRAY(scratch, Vec3, grid.first[cubes]);
-    int *fill = ARENA_ARRAY(scratch, int, cubes);
-    memcpy(fill, grid.first, (size_t)cubes * sizeof *fill);
-    enter_corners(&grid, graph, fill);
-    return grid;
+    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2, middle = (lo + hi) / 2;
+    part_at_middle(tree->corners, lo, hi, axis);
+    tree->axis[middle] = (unsigned char)axis;
+    part_corners(tree, lo, middle);
+    part_corners(tree, middle + 1, hi);
 }
 
 static int along_edge(const void *p, const void *q) {
     const Hit *a = p, *b = q;
-    return (a->t > b->t) - (a->t < b->t);
+    if (a->t != b->t) return a->t < b->t ? -1 : 1;
+    return by_place(&a->p, &b->p);
 }
 
-// The corners of a cube that lie inside the edge.
-static void hit_cube(Seams *s, int cube, Vec3 a, Vec3 b) {
-    Vec3 along = vec3_sub(b, a);
+// Takes the corner where it lies inside the edge.
+static void hit_corner(Seams *s, Vec3 p, Vec3 a, Vec3 along, double length2) {
+    Vec3 from = vec3_sub(p, a);
+    double t = vec3_dot(from, along) / length2;
+    Vec3 off = vec3_sub(from, vec3_scale(along, t));
+    if (vec3_dot(off, off) > s->near * s->near) return;
+    if (t * t * length2 <= s->near * s->near || (1 - t) * (1 - t) * length2 <= s->near * s->near) return;
+    if (t <= 0 || t >= 1) return;
+    *ARENA_PUSH(s->builder->scratch, s->hits, s->hit_count, s->hit_capacity) = (Hit){t, p};
+}
+
+// The corners of a run along the part of the edge from t0 to t1.
+static void hit_run(Seams *s, int lo, int hi, Vec3 a, Vec3 along, double t0, double t1) {
+    const CornerTree *tree = &s->tree;
     double length2 = vec3_dot(along, along);
-    for (int i = s->grid.first[cube]; i < s->grid.first[cube + 1]; i++) {
-        Vec3 p = s->grid.corners[i], from = vec3_sub(p, a);
-        double t = vec3_dot(from, along) / length2;
-        Vec3 off = vec3_sub(from, vec3_scale(along, t));
-        if (vec3_dot(off, off) > s->near * s->near) continue;
-        if (t * t * length2 <= s->near * s->near || (1 - t) * (1 - t) * length2 <= s->near * s->near)
-            continue;
-        if (t <= 0 || t >= 1) continue;
-        *ARENA_PUSH(s->builder->scratch, s->hits, s->hit_count, s->hit_capacity) = (Hit){t, p};
+    if (hi - lo <= LEAF) {
+        for (int i = lo; i < hi; i++) hit_corner(s, tree->corners[i], a, along, length2);
+        return;
+    }
+    int middle = (lo + hi) / 2, axis = tree->axis[middle];
+    double at = vec3_component(tree->corners[middle], axis), from = vec3_component(a, axis),
+           slope = vec3_component(along, axis), begin = from + slope * t0, end = from + slope * t1;
+    hit_corner(s, tree->corners[middle], a, along, length2);
+    // Twice: the ends are rounded.
+    double low = at - 2 * s->near, high = at + 2 * s->near;
+    if (fmin(begin, end) <= high) {
+        double t = (high - from) / slope;
+        hit_run(s, lo, middle, a, along, begin > high ? fmax(t0, t) : t0, end > high ? fmin(t1, t) : t1);
+    }
+    if (fmax(begin, end) >= low) {
+        double t = (low - from) / slope;
+        hit_run(s, middle + 1, hi, a, along, begin < low ? fmax(t0, t) : t0, end < low ? fmin(t1, t) : t1);
     }
 }
 
 // The corners inside an edge, in order along it, each once.
 static void hit_edge(Seams *s, Vec3 a, Vec3 b) {
-    const CornerGrid *grid = &s->grid;
-    int steps = 1 + (int)(vec3_length(vec3_sub(b, a)) / grid->side);
     s->hit_count = 0;
-    for (int i = 0; i < steps; i++) {
-        Box box = box_add(box_add(box_empty(), vec3_lerp(a, b, (double)i / steps)),
-                          vec3_lerp(a, b, (double)(i + 1) / steps));
-        Vec3 low = vec3_sub(box_grow(box, s->near).min, grid->origin),
-             high = vec3_sub(box_grow(box, s->near).max, grid->origin);
-        for (int z = cube_along(grid, 2, low.z); z <= cube_along(grid, 2, high.z); z++) {
-            for (int y = cube_along(grid, 1, low.y); y <= cube_along(grid, 1, high.y); y++) {
-                for (int x = cube_along(grid, 0, low.x); x <= cube_along(grid, 0, high.x); x++)
-                    hit_cube(s, (z * grid->n[1] + y) * grid->n[0] + x, a, b);
-            }
-        }
-    }
+    hit_run(s, 0, s->tree.count, a, vec3_sub(b, a), 0, 1);
     if (s->hit_count > 1) qsort(s->hits, (size_t)s->hit_count, sizeof *s->hits, along_edge);
     int kept = 0;
     for (int i = 0; i < s->hit_count; i++) {
@@ -135,7 +156,9 @@ static void add_vertex(CellBuilder *builder, Vec3 p) {
 void soup_close_seams(const Soup *soup) {
     CellBuilder *builder = soup->builder;
     CellGraph *graph = builder->graph;
-    Seams s = {.builder = builder, .grid = lay_grid(graph, builder->scratch), .near = ON_EDGE * soup->size};
+    Seams s = {.builder = builder, .near = ON_EDGE * soup->size};
+    list_corners(&s.tree, graph, builder->scratch);
+    part_corners(&s.tree, 0, s.tree.count);
     const Vec3 *old = graph->vertices;
     graph->vertices = NULL;
     graph->vertex_count = builder->vertex_capacity = 0;

@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "maps/soup_doors.h"
+#include "maps/soup_split.h"
 
 extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT, MAPS_READER_QUADS,
     MAPS_READER_OBJ, MAPS_READER_GLTF, MAPS_READER_WAD;
@@ -68,7 +69,10 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, out->hash);
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
-    if (out->form == FORM_SOUP) soup_find_doors(arena, out);
+    if (out->form == FORM_SOUP) {
+        soup_find_doors(arena, out);
+        soup_split(arena, out);
+    }
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);
     if (faults > 0)

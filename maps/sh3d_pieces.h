@@ -14,7 +14,7 @@ typedef struct Piece {
     double pitch, roll;
     bool mirrored;
     bool both_sides;  // its back faces are shown, too
-    double turn[9];  // modelRotation, row by row
+    double turn[9];   // modelRotation, row by row
     bool coloured;
     unsigned colour;
 } Piece;

@@ -30,16 +30,14 @@ static Table make_table(Arena *arena, int count) {
     return table;
 }
 
-// For each vertex the first one at the same place.
-static int *weld(const SoupMesh *mesh, Arena *arena) {
-    int *first = ARENA_ARRAY(arena, int, mesh->vertex_count);
-    Table table = make_table(arena, mesh->vertex_count);
-    for (int i = 0; i < mesh->vertex_count; i++) {
+int *soup_weld(const Vec3 *vertices, int count, Arena *arena) {
+    int *first = ARENA_ARRAY(arena, int, count);
+    Table table = make_table(arena, count);
+    for (int i = 0; i < count; i++) {
         // Adding zero makes one of both zeros.
-        Vec3 v = vec3_add(mesh->vertices[i], vec3(0, 0, 0));
+        Vec3 v = vec3_add(vertices[i], vec3(0, 0, 0));
         size_t at = file_hash(&v, sizeof v, 0) & table.mask;
-        while (table.slot[at] >= 0 && !vec3_equal(mesh->vertices[table.slot[at]], v))
-            at = (at + 1) & table.mask;
+        while (table.slot[at] >= 0 && !vec3_equal(vertices[table.slot[at]], v)) at = (at + 1) & table.mask;
         if (table.slot[at] < 0) table.slot[at] = i;
         first[i] = table.slot[at];
     }
@@ -158,7 +156,7 @@ static void list_faces(const SoupMesh *mesh, const Side *sides, const int *head,
 
 void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out) {
     Arena scratch = {0};
-    int *place = weld(mesh, &scratch);
+    int *place = soup_weld(mesh->vertices, mesh->vertex_count, &scratch);
     Side *sides = list_sides(mesh, &scratch);
     find_twins(mesh, sides, place, &scratch);
     int *head = ARENA_ARRAY(&scratch, int, mesh->face_count);

@@ -50,6 +50,9 @@ typedef struct SoupMesh {
 // shares the vertices of `mesh` and lies in `arena`; faces are in the order of the first of each that joined.
 void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
 
+// For each vertex the first one at the same place: [count], in `arena`.
+int *soup_weld(const Vec3 *vertices, int count, Arena *arena);
+
 // ---- soup_finish.c
 
 // How many colours were above MAPS_MAX_REFLECTANCE, and the first of them.

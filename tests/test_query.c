@@ -6,6 +6,7 @@
 #include "maps/maps.h"
 #include "tests/fixture.h"
 #include "tests/soup_fixture.h"
+#include "visibility/query.h"
 #include "tests/support.h"
 
 typedef struct Made {
@@ -245,6 +246,38 @@ static void check_eyes(Made *m, int eyes, bool given, Random *random, Tally *tal
         if (cell < 0) continue;
         check_eye(m, cell, p, i % 2 ? VIS_STAB : VIS_PORTALS, given, random, tally);
     }
+}
+
+// Proves that what goes on through a portal in whose plane the eye is holds all that is seen through it: slits as high as rooms
+// and as narrow as a jamb, seen from beside their foot.
+Test(query_cone, edge_on_holds_all_of_the_portal) {
+    int kept = 0;
+    for (uint64_t seed = 1; seed <= 20000; seed++) {
+        Random random = {seed};
+        Vec3 n = fixture_direction(&random), u = vec3_normalize(vec3_cross(n, fixture_direction(&random)));
+        Vec3 v = vec3_cross(n, u), eye = {3, -2, 1}, corner[4];
+        double width = pow(10, random_between(&random, -2, 1)),
+               height = pow(10, random_between(&random, -2, 1));
+        double beside = pow(10, random_between(&random, -2, 1)), foot = random_between(&random, -height, 0);
+        double off = random_between(&random, -1, 1) * ON_PLANE;
+        for (int k = 0; k < 4; k++) {
+            double x = beside + (k == 1 || k == 2 ? width : 0), y = foot + (k > 1 ? height : 0);
+            corner[k] =
+                vec3_add(vec3_add(eye, vec3_scale(n, off)), vec3_add(vec3_scale(u, x), vec3_scale(v, y)));
+        }
+        VisQuery query = {.eye = &(Eye){.position = eye}, .method = VIS_STAB};
+        Gate gate = {.plane = {n, vec3_dot(n, corner[0])}, .ahead = -off};
+        ViewPart part = {.polygon = corner, .count = 4};
+        Cone before = {.count = 0}, beyond;
+        query_beyond(&query, &before, PASSAGE_EDGE, &gate, &part, &beyond);
+        kept += beyond.count > 0;
+        for (int i = 0; i < beyond.count; i++)
+            for (int k = 0; k < 4; k++)
+                cr_assert_geq(plane_distance(beyond.plane[i], corner[k]), 0,
+                              "seed %d: corner %d, %g x %g m, %g beside", (int)seed, k, width, height,
+                              beside);
+    }
+    cr_assert_gt(kept, 10000);
 }
 
 // An eye on a portal, to a rasteriser's precision, sees what the cell beyond may see, even where its own may not.

@@ -67,20 +67,20 @@ static void set_planes(Cone *cone, Vec3 eye, const Vec3 *polygon, int count, Vec
     }
 }
 
-// Far-off portals of whose plane the eye is part: what goes through lies in a thin wedge along the plane.
+// Far-off portals of whose plane the eye is part: what goes through lies in a thin wedge along the plane. Each corner of the
+// polygon lies in it, however far it is off the direction ahead; so does all between them.
 static void set_edge_on(Cone *cone, const Cone *parent, Vec3 eye, Plane plane, const Vec3 *polygon,
                         int count) {
     *cone = *parent;
     cone->is_slot = false;
-    double nearest = INFINITY;
     Vec3 middle = {0, 0, 0};
-    for (int i = 0; i < count; i++) {
-        nearest = fmin(nearest, vec3_length(vec3_sub(polygon[i], eye)));
+    for (int i = 0; i < count; i++)
         middle = vec3_add(middle, vec3_scale(vec3_sub(polygon[i], eye), 1.0 / count));
-    }
-    if (nearest < AT_PORTAL) return;
     Vec3 ahead = vec3_normalize(middle);
-    double tilt = 2 * ON_PLANE / nearest + ANGLE_SLACK;
+    double least = INFINITY;
+    for (int i = 0; i < count; i++) least = fmin(least, vec3_dot(ahead, vec3_sub(polygon[i], eye)));
+    if (!(least >= AT_PORTAL)) return;
+    double tilt = 2 * ON_PLANE / least + ANGLE_SLACK;
     for (int side = -1; side <= 1; side += 2) {
         Vec3 n = vec3_normalize(vec3_add(vec3_scale(plane.n, side), vec3_scale(ahead, tilt)));
         cone_add(cone, n, vec3_dot(n, eye));

@@ -7,6 +7,9 @@
 // through each other.
 #include "radiosity/analytic.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
@@ -48,12 +51,25 @@ bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, An
     return kept > 2;
 }
 
+// A piece that occluders from `next` on may still cut: corners first .. first + count - 1 of the stack.
+typedef struct Waiting {
+    int first, count, next;
+    int left;  // corners on the stack that stay when it is taken
+} Waiting;
+
+// Depth-first, with a stack of its own: thousands of lamps or leaves may each cut what the others left, and the machine's
+// stack ends before they do. What most views need lies in the struct.
 typedef struct Subtraction {
     const AnalyticOccluder *occluder;
     int occluder_count, rank;
     AnalyticPiece *piece;
     void *context;
     long long cuts;
+    Vec3 *corner;
+    Waiting *waiting;
+    int corner_count, corner_capacity, waiting_count, waiting_capacity;
+    Vec3 few_corners[512];
+    Waiting few[64];
 } Subtraction;
 
 static bool wholly_outside(const Vec3 *polygon, int count, Plane keep, double slack) {
@@ -78,45 +94,86 @@ static bool may_hide(const AnalyticOccluder *o, const Vec3 *polygon, int count, 
     return true;
 }
 
-static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next);
+// The array, which may be `few`, with room for `needed`.
+static void *grown(void *array, const void *few, size_t size, int used, int needed, int *capacity) {
+    if (needed <= *capacity) return array;
+    while (*capacity < needed) *capacity *= 2;
+    void *larger = realloc(array == few ? NULL : array, (size_t)*capacity * size);
+    CORE_ASSERT(larger);
+    return array == few ? memcpy(larger, few, (size_t)used * size) : larger;
+}
 
-// Hands on what lies outside `bound`, and leaves in `polygon` what lies inside.
+static void keep_waiting(Subtraction *s, const Vec3 *polygon, int count, int next) {
+    int corners = s->corner_count + count, waiting = s->waiting_count + 1;
+    s->corner =
+        grown(s->corner, s->few_corners, sizeof *s->corner, s->corner_count, corners, &s->corner_capacity);
+    s->waiting =
+        grown(s->waiting, s->few, sizeof *s->waiting, s->waiting_count, waiting, &s->waiting_capacity);
+    memcpy(s->corner + s->corner_count, polygon, (size_t)count * sizeof *polygon);
+    s->waiting[s->waiting_count++] = (Waiting){s->corner_count, count, next, corners};
+    s->corner_count = corners;
+}
+
+// What lies outside `bound` waits, and what lies inside is left in `polygon`.
 static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
     Vec3 part[ANALYTIC_CORNERS + 1];
     Plane outside = {vec3_scale(bound.n, -1), -bound.d};
     int left = polygon_clip(polygon, count, outside, 0, part);
     s->cuts++;
-    if (left >= 3 && polygon_area(part, left) > ANALYTIC_SLIVER) subtract(s, part, left, next);
+    if (left >= 3 && polygon_area(part, left) > ANALYTIC_SLIVER) keep_waiting(s, part, left, next);
     left = polygon_clip(polygon, count, bound, 0, part);
     for (int i = 0; i < left; i++) polygon[i] = part[i];
     return left;
 }
 
-// The polygon less occluders `next` on. Depth-first: as deep as occluders that cut it.
-static void subtract(Subtraction *s, const Vec3 *polygon, int count, int next) {
+// Those that came to wait from `first` on are taken in the order in which they came; the last gives back the corners of all.
+static void turn_round(Subtraction *s, int first, int corners) {
+    for (int a = first, b = s->waiting_count - 1; a < b; a++, b--) {
+        Waiting swapped = s->waiting[a];
+        s->waiting[a] = s->waiting[b];
+        s->waiting[b] = swapped;
+    }
+    for (int i = first; i < s->waiting_count; i++)
+        s->waiting[i].left = i == first ? corners : s->corner_count;
+}
+
+// Takes the piece that came last: the first occluder that hides any of it cuts it, or none does and it is handed on.
+static void subtract(Subtraction *s) {
+    Waiting taken = s->waiting[--s->waiting_count];
+    Vec3 inside[ANALYTIC_CORNERS + 1];
+    memcpy(inside, s->corner + taken.first, (size_t)taken.count * sizeof *inside);
+    s->corner_count = taken.left;
     bool in_plane = false;
-    while (next < s->occluder_count && !may_hide(&s->occluder[next], polygon, count, s->rank, &in_plane))
+    int next = taken.next, count = taken.count, first = s->waiting_count, corners = s->corner_count;
+    while (next < s->occluder_count && !may_hide(&s->occluder[next], inside, count, s->rank, &in_plane))
         next++;
     if (next == s->occluder_count) {
-        s->piece(s->context, polygon, count);
+        s->piece(s->context, inside, count);
         return;
     }
     const AnalyticOccluder *o = &s->occluder[next];
-    Vec3 inside[ANALYTIC_CORNERS + 1];
-    for (int i = 0; i < count; i++) inside[i] = polygon[i];
     if (!in_plane) count = split(s, inside, count, o->beyond, next + 1);
     for (int e = 0; e < o->edge_count && count >= 3; e++)
         count = split(s, inside, count, o->edge[e], next + 1);
+    turn_round(s, first, corners);
 }
 
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
                            int occluder_count, AnalyticPiece *piece, void *context) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
-    Subtraction s = {occluder, occluder_count, rank, piece, context, 0};
+    Subtraction s;
+    s.occluder = occluder, s.occluder_count = occluder_count, s.rank = rank;
+    s.piece = piece, s.context = context, s.cuts = 0;
+    s.corner = s.few_corners, s.corner_count = 0,
+    s.corner_capacity = sizeof s.few_corners / sizeof *s.few_corners;
+    s.waiting = s.few, s.waiting_count = 0, s.waiting_capacity = sizeof s.few / sizeof *s.few;
     Vec3 above[ANALYTIC_CORNERS + 1];
     int left = polygon_clip(polygon, count, (Plane){vec3(0, 0, 1), 0}, 0, above);
-    if (left >= 3) subtract(&s, above, left, 0);
+    if (left >= 3) keep_waiting(&s, above, left, 0);
+    while (s.waiting_count > 0) subtract(&s);
+    if (s.corner != s.few_corners) free(s.corner);
+    if (s.waiting != s.few) free(s.waiting);
     return s.cuts;
 }
 

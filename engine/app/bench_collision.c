@@ -21,10 +21,10 @@ static bool bench_building(const char *file, const BenchArguments *a, Arena *are
     CollisionReport r;
     if (!collision_walk(&scene.graph, &options, &r, error)) return false;
     double n = (double)r.steps;
-    printf("%s,%ld,%.1f,%ld,%.1f,%ld,%ld,%ld,%ld,%ld,%ld,%.2f\n", bench_name(file), r.steps,
+    printf("%s,%ld,%.1f,%ld,%.1f,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%.2f\n", bench_name(file), r.steps,
            (double)r.wall_tests / n, count_walls(&scene.graph), (double)r.object_tests / n,
-           collision_violations(&r), r.relocations, r.stuck, r.flood_places, r.flood_ways, r.flood_lost,
-           1e6 * r.seconds / n);
+           collision_violations(&r), r.relocations, r.stuck, r.shut_in, r.flood_places, r.flood_ways,
+           r.flood_lost, 1e6 * r.seconds / n);
     fflush(stdout);
     if (r.first_fault[0]) fprintf(stderr, "%s: %s\n", file, r.first_fault);
     if (r.first_lost[0]) fprintf(stderr, "%s: %s\n", file, r.first_lost);
@@ -34,6 +34,7 @@ static bool bench_building(const char *file, const BenchArguments *a, Arena *are
 bool bench_collision(const BenchArguments *a, Error *error) {
     bool good = true;
     puts("building,steps,wall_tests_per_step,walls_total,object_tests_per_step,violations,relocations,stuck,"
+         "shut_in,"
          "flood_places,flood_ways,flood_lost,us_per_step");
     for (int i = 0; i < a->file_count && good; i++) {
         Arena building = {0};

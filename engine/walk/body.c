@@ -19,6 +19,8 @@ static const double NOWHERE = 1e-9;
 // It climbs on what it cannot stand on no higher than this over what it can, metres: thresholds, rounded edges. Else it
 // would climb cushions and leaves a hair's breadth at a time.
 static const double ROUGH = 0.05;
+// With its middle over nothing it still rises this much, metres: the rounded back of a chair would hold it by the rim for ever.
+static const double RIM = 0.02;
 enum { MOST_CONTACTS = 4, MOST_ATTEMPTS = 5 };
 static const double GRAVITY = 9.81;    // m/s^2
 static const double TERMINAL = 50.0;   // m/s: of a person in air
@@ -79,7 +81,7 @@ static bool is_rough(const Ground *ground, double foot) {
 static double step_left(const Body *b, const Gathered *g) {
     if (!b->standing) return 0;
     Ground under = ground_at(g, plan_of(b->foot), MIDDLE, b->foot.z, 0);
-    return fmax(0, fmax(under.support, b->foot.z - BODY_STEP) + BODY_STEP - b->foot.z);
+    return fmax(RIM, fmax(under.support, b->foot.z - BODY_STEP) + BODY_STEP - b->foot.z);
 }
 
 static void note_place(BodyWorld *w, Vec3 foot) {

@@ -106,16 +106,33 @@ static void watch_place(Watch *w) {
     }
 }
 
-// From where it is, does any way lead anywhere?
+// From where it is, does any way lead anywhere, with the doors as they are?
 static bool is_stuck(Watch *w) {
     enum { WAYS = 16 };
     for (int i = 0; i < WAYS; i++) {
         Body copy = w->body;
+        long relocations = w->world.relocations;
         double angle = 2 * M_PI * i / WAYS;
         body_step(&copy, &w->world, vec2(BODY_RADIUS * cos(angle), BODY_RADIUS * sin(angle)), 0);
-        if (vec3_length(vec3_sub(copy.foot, w->body.foot)) > STILL) return false;
+        bool stands = w->world.relocations == relocations;
+        w->world.relocations = relocations;
+        if (stands && vec3_length(vec3_sub(copy.foot, w->body.foot)) > STILL) return false;
     }
     return true;
+}
+
+// Is it one door that holds it there, as when a leaf swings before a corner? Then a way leads where that one is open, or closed.
+static bool is_shut_in(Watch *w) {
+    bool shut = false;
+    for (int i = 0; i < w->graph->building->opening_count && !shut; i++) {
+        float was = w->doors.open[i];
+        for (int end = 0; end <= 1 && !shut; end++) {
+            w->doors.open[i] = (float)end;
+            shut = !is_stuck(w);
+        }
+        w->doors.open[i] = was;
+    }
+    return shut;
 }
 
 static void move_doors(Watch *w, double seconds) {
@@ -146,7 +163,8 @@ static void take_step(Watch *w) {
     watch_place(w);
     add_hash(&w->out->hash, w->body.foot);
     double gone = vec3_length(vec3_sub(w->body.foot, was));
-    if (gone < STILL && length > BODY_RADIUS && is_stuck(w)) w->out->stuck++;
+    if (gone < STILL && length > BODY_RADIUS && is_stuck(w))
+        ++*(is_shut_in(w) ? &w->out->shut_in : &w->out->stuck);
     w->out->steps++;
 }
 

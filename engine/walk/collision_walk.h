@@ -12,7 +12,8 @@ typedef struct CollisionReport {
     long faults[COLLISION_FAULTS];
     long strays;  // steps that ended where no foot gets
     long relocations, refused;
-    long stuck;  // steps that led nowhere, from a place from which no way leads
+    // Steps that led nowhere, from a place from which no way leads: and those where one would if one door were elsewhere.
+    long stuck, shut_in;
     // Ways of the flood; those on which a body does not arrive; and those where it does not even begin, since it stands
     // there at another height.
     long flood_places, flood_ways, flood_lost, flood_doubtful;

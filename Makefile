@@ -209,12 +209,9 @@ pictures:
 charts:
 	gnuplot -e "csv='build/bench/walk.csv'; out='tests/pictures/culling.png'" tests/plots/walk.gp
 	@mkdir -p build/pictures
-	[ ! -e build/bench/visibility.csv ] || \
-	    { gnuplot -e "csv='build/bench/visibility.csv'; out='build/pictures/visibility'" tests/plots/visibility.gp && \
-	    cp build/pictures/visibility.png tests/pictures; }
-	for chart in rooms radiosity breaks formfactors hidden light meshes rays; do [ ! -e build/bench/$$chart.csv ] || \
-	    { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" tests/plots/$$chart.gp && \
-	    cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
+	for chart in $(filter-out walk,$(patsubst tests/plots/%.gp,%,$(wildcard tests/plots/*.gp))); do \
+	    [ ! -e build/bench/$$chart.csv ] || { gnuplot -e "csv='build/bench/$$chart.csv'; out='build/pictures/$$chart'" \
+	    tests/plots/$$chart.gp && cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:
 	$(call install,$(to_lint))
 	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)

@@ -5,7 +5,7 @@
 
 # Help everywhere, on standard output, with exit status 0.
 expect 0 "$program" --help && says out 'usage'
-for command in info vis plan walk bake bench; do
+for command in $("$program" --help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
     expect 0 "$program" $command --help
     says out "usage: enfilade $command"
     quiet
@@ -23,13 +23,18 @@ expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --size 0x0
 expect 2 "$program" walk $maps/two-rooms.plan --verify && says err 'need --offscreen'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --view corner && says err 'for the window'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --look pretty && says err 'allowed fast, fine'
-expect 2 "$program" bench nonsense
+# Each benchmark that there is tells what it measures.
+expect 2 "$program" bench nonsense && says err 'no benchmark `nonsense` (allowed: walk, '
+for bench in $(sed -n 's/.*(allowed: \(.*\))$/\1/p' "$work/err" | tr -d ,); do
+    expect 0 "$program" bench --help && says out "^  $bench  "
+done
 expect 2 "$program" vis --method nonsense $maps/two-rooms.plan && says err 'is `nonsense`'
 expect 2 "$program" vis --seconds 0 $maps/two-rooms.plan && says err 'allowed 0.001 to 1e6'
 expect 2 "$program" vis --pairs "$work/x.seen" -o "$work/x.vis" $maps/two-rooms.plan && says err 'allowed: --pairs'
 expect 2 "$program" bench visibility --samples -1 $maps/two-rooms.plan && says err 'allowed 0 to 1000000'
 expect 2 "$program" bench visibility --methods flood,nonsense $maps/two-rooms.plan && says err '`flood,nonsense`'
 expect 2 "$program" bench formfactors --methods hemisphere,nonsense && says err '`hemisphere,nonsense`'
+expect 2 "$program" bench walk --methods stab && says err 'walk has no --methods'
 expect 2 "$program" bench formfactors --cullings most && says err '`most`'
 expect 2 "$program" bench formfactors --resolutions 100,7 && says err '`100,7`'
 expect 2 "$program" bake && says err 'one building file'

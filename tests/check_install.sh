@@ -50,6 +50,8 @@ complete_with() {  # WORDS...
 [ "$(complete_with enfilade wa)" = walk ] || die "wa is not completed: $(complete_with enfilade wa)"
 [ "$(complete_with enfilade bake --fin)" = --final-gather ] || die "--fin is not completed"
 [ "$(complete_with enfilade bake --method hemic)" = hemicube ] || die "hemic is not completed"
+[ "$(complete_with enfilade bench hidden --methods war)" = warnock ] || die "war is not completed"
+[ "$(complete_with enfilade bench visibility --methods pr)" = proof ] || die "pr is not completed"
 for word in bake walk '\\-\\-final\\-gather'; do
     grep -q -- "$word" "$root/usr/share/man/man1/enfilade.1" || die "the manual does not speak of $word"
 done

@@ -1,5 +1,5 @@
-// bench.h - benchmarks: each measures buildings and writes CSV with a header on standard output. One file and one row in
-// the table of cmd_bench.c each.
+// bench.h - benchmarks: each measures buildings and writes CSV with a header on standard output. One file, and one row in
+// the table of cmd_bench.c, each.
 #ifndef APP_BENCH_H
 #define APP_BENCH_H
 
@@ -31,20 +31,18 @@ typedef struct BenchArguments {
     const char *pictures;  // a folder for those that go with a table, or NULL
 } BenchArguments;
 
-bool bench_walk(const BenchArguments *arguments, Error *error);
-bool bench_collision(const BenchArguments *arguments, Error *error);
-bool bench_visibility(const BenchArguments *arguments, Error *error);
-bool bench_formfactors(const BenchArguments *arguments, Error *error);
-bool bench_formfactors_knows(const char *method);  // of --methods
-bool bench_radiosity(const BenchArguments *arguments, Error *error);
-bool bench_light(const BenchArguments *arguments, Error *error);
-bool bench_light_knows(const char *way);  // of --methods
-bool bench_meshes(const BenchArguments *arguments, Error *error);
-bool bench_rooms(const BenchArguments *arguments, Error *error);
-bool bench_hidden(const BenchArguments *arguments, Error *error);
-bool bench_hidden_knows(const char *method);                       // of --methods
-bool bench_breaks(const BenchArguments *arguments, Error *error);  // of scenes of its own: no files
-bool bench_rays(const BenchArguments *arguments, Error *error);    // of shapes of its own, and of files
+// Usual for what measures light.
+#define BENCH_LIT_FILES "build/maps/office-plain.plan build/maps/house.plan"
+
+// A benchmark: a row of the table.
+typedef struct Bench {
+    const char *name, *help;  // help: what it measures, and its options, lines that end
+    bool (*run)(const BenchArguments *arguments, Error *error);
+    bool (*knows)(const char *method);  // of --methods; NULL: it has none
+    const char *list;                   // the command whose help lists them
+    void (*print_methods)(void);        // the end of the help, where no command lists them; NULL: nothing
+    const char *files;  // measured unless others are given, separated by blanks; NULL: the office
+} Bench;
 
 // Adds the rows of one building to the table, and prints them.
 typedef bool BenchFile(const char *file, const BenchArguments *arguments, Text *csv, Error *error);
@@ -54,7 +52,8 @@ bool bench_table(const BenchArguments *arguments, const char *head,
                  bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
                  Error *error);
 
-bool bench_print_help(void);               // false: standard output is closed
 const char *bench_name(const char *file);  // of a building in the CSV: without its folder
+// Is the word among those of `list`, separated by commas? NULL: any is.
+bool bench_listed(const char *list, const char *word);
 
 #endif

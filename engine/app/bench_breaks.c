@@ -147,7 +147,7 @@ static double error_at(BreakScene *scene, const FormFactorMethod *method, const 
     return sqrt(square / TURNS);
 }
 
-bool bench_breaks(const BenchArguments *arguments, Error *error) {
+static bool measure(const BenchArguments *arguments, Error *error) {
     (void)error;
     FormFactorOptions options = form_factor_default_options();
     printf("break,method,resolution,x,error\n");
@@ -164,3 +164,13 @@ bool bench_breaks(const BenchArguments *arguments, Error *error) {
     }
     return true;
 }
+
+const Bench BENCH_BREAKS = {
+    .name = "breaks",
+    .help = "  breaks         where each form-factor method breaks: error against the size of an element in "
+            "pixels, the distance\n"
+            "                 of a wall, the threshold of polylines, the distance from the origin; in scenes "
+            "of its own\n"
+            "    --seed N            of their turns\n",
+    .run = measure,
+};

@@ -31,7 +31,7 @@ static bool bench_building(const char *file, const BenchArguments *a, Arena *are
     return true;
 }
 
-bool bench_collision(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     bool good = true;
     puts("building,steps,wall_tests_per_step,walls_total,object_tests_per_step,violations,relocations,stuck,"
          "shut_in,"
@@ -43,3 +43,13 @@ bool bench_collision(const BenchArguments *a, Error *error) {
     }
     return good;
 }
+
+const Bench BENCH_COLLISION = {
+    .name = "collision",
+    .help = "  collision      a body walks at random while doors move: walls and pieces of furniture looked "
+            "at a step, places\n"
+            "                 where it may not be, ways of a flood of the floor that it cannot walk, time\n"
+            "    --steps N    1 to 100000000 (default 100000)\n"
+            "    --seed N     of the walk, 0 to 2147483647 (default 1)\n",
+    .run = measure,
+};

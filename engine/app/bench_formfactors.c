@@ -141,14 +141,6 @@ static void add_row(const ShotBench *b, const Run *run, Text *table) {
 
 // ---- what to run
 
-// Is the word among the comma-separated `list` (NULL: anything is)?
-static bool listed(const char *list, const char *word) {
-    size_t length = strlen(word);
-    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
-        if (strcspn(at, ",") == length && strncmp(at, word, length) == 0) return true;
-    return !list;
-}
-
 static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling) {
     const BenchArguments *a = b->arguments;
     for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++) {
@@ -167,16 +159,16 @@ static const char *hidden_of(const char *name) {
     return hidden ? hidden->name : NULL;
 }
 
-bool bench_formfactors_knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
+static bool knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
 
 static void choose_runs(ShotBench *b) {
     const BenchArguments *a = b->arguments;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
         const FormFactorMethod *method = FORM_FACTOR_METHODS[m];
-        if (!listed(a->methods, method->name)) continue;
+        if (!bench_listed(a->methods, method->name)) continue;
         for (int c = 0; c < VIEW_CULLINGS; c++) {
             // Rays are culled by their own tree.
-            if (is_ray(method) ? c == CULL_NOTHING : listed(a->cullings, VIEW_CULLING_NAMES[c]))
+            if (is_ray(method) ? c == CULL_NOTHING : bench_listed(a->cullings, VIEW_CULLING_NAMES[c]))
                 add_runs(b, method, NULL, (ViewCulling)c);
         }
     }
@@ -184,7 +176,7 @@ static void choose_runs(ShotBench *b) {
     for (int h = 0; HIDDEN_METHODS[h]; h++) {
         char name[40];
         snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
-        if (listed(a->methods, name))
+        if (bench_listed(a->methods, name))
             add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING);
     }
 }
@@ -270,6 +262,25 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     return good;
 }
 
-bool bench_formfactors(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, NULL, bench_file, error);
 }
+
+const Bench BENCH_FORMFACTORS = {
+    .name = "formfactors",
+    .help = "  formfactors    one shot by each form-factor method: time and error against random rays, what "
+            "was drawn; and how\n"
+            "                 much faster than rays it is at equal error\n"
+            "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them); "
+            "hemicube-NAME\n"
+            "                        is the hemicube whose sides a hidden-surface method fills\n"
+            "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
+            "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
+            "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
+            "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
+            "    --quick             20 shooters, 300000 rays\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+    .knows = knows,
+    .list = "bake",
+};

@@ -105,13 +105,6 @@ static void add_row(HiddenBench *b, const char *method, const Run *run, double d
     fflush(stdout);
 }
 
-static bool is_listed(const char *list, const char *word) {
-    size_t length = strlen(word);
-    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
-        if (strcspn(at, ",") == length && strncmp(at, word, length) == 0) return true;
-    return !list;
-}
-
 // All methods on the views: a row each.
 static bool bench_views(HiddenBench *b, const char *table, const char *scene, const HiddenViews *views,
                         Error *error) {
@@ -130,7 +123,7 @@ static bool bench_views(HiddenBench *b, const char *table, const char *scene, co
     double depth = (double)first.work.depth_tests / views->count / camera->width / camera->height;
     for (int m = 0; HIDDEN_METHODS[m] && good; m++) {
         b->runs[m] = (Run){0};
-        if (!is_listed(b->arguments->methods, HIDDEN_METHODS[m]->name)) continue;
+        if (!bench_listed(b->arguments->methods, HIDDEN_METHODS[m]->name)) continue;
         good = run_method(b, HIDDEN_METHODS[m], NULL, &b->runs[m], error);
         if (good) add_row(b, HIDDEN_METHODS[m]->name, &b->runs[m], depth);
     }
@@ -226,10 +219,24 @@ static bool bench_building(const char *file, const BenchArguments *a, Text *csv,
     return good;
 }
 
-bool bench_hidden_knows(const char *method) { return hidden_find(method) != NULL; }
+static bool knows(const char *method) { return hidden_find(method) != NULL; }
 
-bool bench_hidden(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     // llvmpipe draws in the calling thread then, whose time is taken.
     setenv("LP_NUM_THREADS", "0", 1);
     return bench_table(a, HEAD, bench_own_scenes, bench_building, error);
 }
+
+const Bench BENCH_HIDDEN = {
+    .name = "hidden",
+    .help = "  hidden         each hidden-surface method: time, memory and operations by polygons, depth "
+            "complexity and\n"
+            "                 resolution, in scenes of its own; in FILE along the auto tour, culled and not\n"
+            "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them)\n"
+            "    --size WxH          of the pictures of FILE (default 640x360)\n"
+            "    --seed N            of its own scenes\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+    .knows = knows,
+    .list = "bake",
+};

@@ -81,10 +81,18 @@ static const Way WAYS[] = {
 
 enum { WAY_COUNT = sizeof WAYS / sizeof *WAYS };
 
-bool bench_light_knows(const char *name) {
+static bool knows(const char *name) {
     for (int i = 0; i < WAY_COUNT; i++)
         if (strcmp(WAYS[i].name, name) == 0) return true;
     return false;
+}
+
+static void print_ways(void) {
+    int column = printf("    ways:              ");
+    for (int i = 0; i < WAY_COUNT; i++) {
+        if (column + strlen(WAYS[i].name) > 110) column = printf("\n%23s", "") - 1;
+        column += printf(" %s%s", WAYS[i].name, i + 1 < WAY_COUNT ? "," : "\n");
+    }
 }
 
 static void apply(const Way *way, LightBake *bake) {
@@ -235,27 +243,45 @@ static bool bench_way(const LightScene *s, const Way *way, Text *csv, Error *err
     return good;
 }
 
-// Is the word among the comma-separated `list` (NULL: anything is)?
-static bool listed(const char *list, const char *word) {
-    size_t length = strlen(word);
-    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
-        if (strcspn(at, ",") == length && strncmp(at, word, length) == 0) return true;
-    return !list;
-}
-
 static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Arena arena = {0};
     LightScene s;
     bool good = light_scene_open(file, a, LIGHT_TRUTH_EACH, &arena, &s, error);
     for (int i = 0; i < WAY_COUNT && good; i++)
-        if (listed(a->methods, WAYS[i].name)) good = bench_way(&s, &WAYS[i], csv, error);
+        if (bench_listed(a->methods, WAYS[i].name)) good = bench_way(&s, &WAYS[i], csv, error);
     arena_free(&arena);
     return good;
 }
 
-bool bench_light(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     BenchArguments own = *a;
     if (own.points == 0) own.points = 100;
     if (own.error == 0) own.error = 0.003;
     return bench_table(&own, HEAD, NULL, bench_file, error);
 }
+
+const Bench BENCH_LIGHT = {
+    .name = "light",
+    .help = "  light          how right a bake is at random points, against path tracing, and what it costs, "
+            "by ways to bake;\n"
+            "                 percent of the irradiance there, or of a hundredth of the mean where that is "
+            "more; gather_: as --probe\n"
+            "                 gathers it, element_ and vertex_: of the solution where the point lies, (B - "
+            "E) / rho\n"
+            "                 (default FILES: " BENCH_LIT_FILES ")\n"
+            "    --methods A,B       some of the ways below (default: all)\n"
+            "    --points N          1 to 1000000 (default 100)\n"
+            "    --error E           standard error of the truth, relative, 1e-6 to 1 (default 0.003)\n"
+            "    --seed N            of points and paths\n"
+            "    --sky L             daylight, as `enfilade bake` has it\n"
+            "    --pictures DIR      of errors of what is shown, from FILE's first viewpoint: "
+            "DIR/default-error.png and so on,\n"
+            "                        DIR/light-error-scale.svg; --size WxH (default 640x360: minutes)\n"
+            "    --verbose           the three worst points of each row on standard error\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+    .knows = knows,
+    .list = "bench",
+    .print_methods = print_ways,
+    .files = BENCH_LIT_FILES,
+};

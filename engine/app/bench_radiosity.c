@@ -255,6 +255,16 @@ static bool bench_both_doi(const BenchArguments *a, Text *csv, Error *error) {
            bench_doi("doi-itoh-2", 3294, 3, 100, a->pictures, csv, error);
 }
 
-bool bench_radiosity(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, bench_both_doi, bench_oki, error);
 }
+
+const Bench BENCH_RADIOSITY = {
+    .name = "radiosity",
+    .help = "  radiosity      the tables of the papers again, on scenes of their sizes: what culling saves "
+            "of FILE (Oki), the\n"
+            "                 hemisphere base against the hemicube in a furnished room (Doi & Itoh)\n"
+            "    --pictures DIR      of the room by each method, DIR/doi-itoh-2-hemicube.png and so on\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+};

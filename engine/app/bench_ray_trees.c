@@ -24,20 +24,20 @@ static const char *const KIND_NAMES[KINDS] = {"picture", "anywhere", "between"};
 typedef enum Way { OWN, GRID, EMBREE, WAYS } Way;
 static const char *const WAY_NAMES[WAYS] = {"own", "grid", "embree"};
 
-typedef struct Bench {
+typedef struct TreeBench {
     RaySurfaces surfaces;
     SurfaceTree tree;
     SurfaceGrid grid;
     RTCDevice device;
     RTCScene embree;
     double prepare[WAYS];  // seconds
-} Bench;
+} TreeBench;
 
 // ---- Embree
 
 static void put_vertex(float *at, Vec3 p) { at[0] = (float)p.x, at[1] = (float)p.y, at[2] = (float)p.z; }
 
-static void make_embree(Bench *b, const CellGraph *g) {
+static void make_embree(TreeBench *b, const CellGraph *g) {
     int triangles = 0;
     for (int p = 0; p < g->polygon_count; p++) triangles += g->polygons[p].vertex_count - 2;
     b->device = rtcNewDevice("threads=1");
@@ -64,7 +64,7 @@ static void make_embree(Bench *b, const CellGraph *g) {
     rtcCommitScene(b->embree);
 }
 
-static struct RTCRay embree_ray(const Bench *b, const Ray *ray) {
+static struct RTCRay embree_ray(const TreeBench *b, const Ray *ray) {
     Vec3 from = vec3_sub(ray->origin, b->surfaces.origin), d = ray->direction;
     return (struct RTCRay){.org_x = (float)from.x,
                            .org_y = (float)from.y,
@@ -77,7 +77,7 @@ static struct RTCRay embree_ray(const Bench *b, const Ray *ray) {
                            .mask = ~0u};
 }
 
-static double embree_first(const Bench *b, const Ray *ray) {
+static double embree_first(const TreeBench *b, const Ray *ray) {
     struct RTCIntersectContext context;
     struct RTCRayHit hit = {.ray = embree_ray(b, ray), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
     rtcInitIntersectContext(&context);
@@ -85,7 +85,7 @@ static double embree_first(const Bench *b, const Ray *ray) {
     return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITY : (double)hit.ray.tfar;
 }
 
-static bool embree_blocked(const Bench *b, const Ray *ray) {
+static bool embree_blocked(const TreeBench *b, const Ray *ray) {
     struct RTCIntersectContext context;
     struct RTCRay shadow = embree_ray(b, ray);
     rtcInitIntersectContext(&context);
@@ -134,18 +134,18 @@ static void make_rays(const CellGraph *g, Kind kind, Ray *rays) {
 
 // ---- rounds
 
-static double first_of(const Bench *b, Way way, const Ray *ray) {
+static double first_of(const TreeBench *b, Way way, const Ray *ray) {
     if (way == EMBREE) return embree_first(b, ray);
     SurfaceHit hit = way == OWN ? surface_tree_first(&b->tree, ray) : surface_grid_first(&b->grid, ray);
     return hit.item < 0 ? INFINITY : hit.at.t;
 }
 
-static bool blocked_of(const Bench *b, Way way, const Ray *ray) {
+static bool blocked_of(const TreeBench *b, Way way, const Ray *ray) {
     if (way == EMBREE) return embree_blocked(b, ray);
     return way == OWN ? surface_tree_blocked(&b->tree, ray) : surface_grid_blocked(&b->grid, ray);
 }
 
-static double round_of(const Bench *b, Way way, Kind kind, const Ray *rays, double *met) {
+static double round_of(const TreeBench *b, Way way, Kind kind, const Ray *rays, double *met) {
     double start = clock_thread_seconds();
     if (kind == BETWEEN)
         for (int i = 0; i < COUNT; i++) met[i] = blocked_of(b, way, &rays[i]) ? 1 : INFINITY;
@@ -154,7 +154,7 @@ static double round_of(const Bench *b, Way way, Kind kind, const Ray *rays, doub
     return clock_thread_seconds() - start;
 }
 
-static void add_rows(const Bench *b, const char *scene, Kind kind, const Ray *rays, double *met[WAYS],
+static void add_rows(const TreeBench *b, const char *scene, Kind kind, const Ray *rays, double *met[WAYS],
                      Text *csv) {
     double least[WAYS];
     for (int way = 0; way < WAYS; way++) least[way] = INFINITY;
@@ -179,7 +179,7 @@ static void add_rows(const Bench *b, const char *scene, Kind kind, const Ray *ra
     fflush(stdout);
 }
 
-static void prepare(Bench *b, const CellGraph *g, Arena *arena) {
+static void prepare(TreeBench *b, const CellGraph *g, Arena *arena) {
     int *list = ARENA_ARRAY(arena, int, g->polygon_count + 1);
     for (int p = 0; p < g->polygon_count; p++) list[p] = p;
     RaySource source = {
@@ -204,7 +204,7 @@ bool bench_ray_trees(const char *file, const BenchArguments *arguments, Text *cs
     load.map = arguments->map;
     bool good = app_load_cells(file, &load, &arena, &scene, error) && app_has_walls(&scene, error);
     if (good) {
-        Bench b;
+        TreeBench b;
         Ray *rays = ARENA_ARRAY(&arena, Ray, COUNT);
         double *met[WAYS];
         for (int way = 0; way < WAYS; way++) met[way] = ARENA_ARRAY(&arena, double, COUNT);

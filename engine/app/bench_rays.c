@@ -78,7 +78,7 @@ static int sort_rays(const Shooter *s, Ray *rays, int count) {
     return misses;
 }
 
-static void measure(Shooter *s, const Ray *rays, int misses, int count, bool first) {
+static void measure_shooter(Shooter *s, const Ray *rays, int misses, int count, bool first) {
     for (int hits = 0; hits < 2; hits++) {
         int from = hits ? misses : 0, to = hits ? count : misses;
         if (s->slow && to - from > SLOW_RAYS) to = from + SLOW_RAYS;
@@ -170,7 +170,7 @@ static void measure_all(Shooter *shooters, int count, Box box, uint64_t seed, Te
     make_rays(box, seed, rays, RAYS);
     int misses = sort_rays(&shooters[0], rays, RAYS);
     for (int round = 0; round < ROUNDS; round++)
-        for (int m = 0; m < count; m++) measure(&shooters[m], rays, misses, RAYS, round == 0);
+        for (int m = 0; m < count; m++) measure_shooter(&shooters[m], rays, misses, RAYS, round == 0);
     for (int m = 0; m < count; m++) add_row(&shooters[m], 1 - (double)misses / RAYS, csv);
     arena_free(&arena);
 }
@@ -252,6 +252,18 @@ static bool bench_shapes(const BenchArguments *a, Text *csv, Error *error) {
     return true;
 }
 
-bool bench_rays(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, bench_shapes, bench_ray_trees, error);
 }
+
+const Bench BENCH_RAYS = {
+    .name = "rays",
+    .help = "  rays           what a ray costs that hits or misses a curved shape; of Bezier patches by each "
+            "method, and what each\n"
+            "                 misses or makes up; in each building rays of a picture, anywhere, and between "
+            "places by our own\n"
+            "                 hierarchy, a grid and Embree\n"
+            "    --seed N            of the rays\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+};

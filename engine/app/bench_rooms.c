@@ -98,6 +98,14 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Err
     return good;
 }
 
-bool bench_rooms(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, NULL, bench_file, error);
 }
+
+const Bench BENCH_ROOMS = {
+    .name = "rooms",
+    .help = "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
+            "    --seed N            of the patches that shoot\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+};

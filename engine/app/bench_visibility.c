@@ -261,6 +261,27 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     return good;
 }
 
-bool bench_visibility(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, NULL, bench_file, error);
 }
+
+static bool knows(const char *name) { return pair_method(name) != NULL; }
+
+const Bench BENCH_VISIBILITY = {
+    .name = "visibility",
+    .help =
+        "  visibility     each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible "
+        "pairs, over-estimate\n"
+        "                 against pairs proven by sightlines, misses, pairs left undecided\n"
+        "    --methods A,B   some of the methods (default: all; `enfilade vis --help` lists them)\n"
+        "    --samples N     points on each portal for the proven pairs, 0 to 1000000 (default 12); a file "
+        "of proven\n"
+        "                    pairs beside FILE, with the suffix .seen, is taken besides\n"
+        "    --seed N        of the samples\n"
+        "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
+        "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
+        "    --csv OUT       writes the table there besides, whole or not at all\n",
+    .run = measure,
+    .knows = knows,
+    .list = "vis",
+};

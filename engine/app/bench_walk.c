@@ -48,7 +48,7 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMeth
 
 // Frames taken evenly over the tour, each after the one before it in the tour, as a walk shows them: what that left in the
 // caches is part of what the next one costs. The first of all, which has none before it, comes twice.
-static bool measure(Watch *w, const BenchArguments *a, VisMethod method, Sums *out, Error *error) {
+static bool measure_method(Watch *w, const BenchArguments *a, VisMethod method, Sums *out, Error *error) {
     *out = (Sums){0};
     int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;
     w->cell = -1;
@@ -77,7 +77,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     bool good = true;
     for (int m = 0; m < VIS_METHODS && good; m++) {
         Sums s;
-        good = measure(&watch, a, (VisMethod)m, &s, error);
+        good = measure_method(&watch, a, (VisMethod)m, &s, error);
         if (!good) break;
         double n = s.frames;
         printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), VIS_METHOD_NAMES[m], s.frames,
@@ -89,7 +89,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     return good;
 }
 
-bool bench_walk(const BenchArguments *a, Error *error) {
+static bool measure(const BenchArguments *a, Error *error) {
     Arena arena = {0};
     GlContext *context = gl_context_open(&arena, error);
     bool good = context != NULL;
@@ -106,3 +106,15 @@ bool bench_walk(const BenchArguments *a, Error *error) {
     arena_free(&arena);
     return good;
 }
+
+const Bench BENCH_WALK = {
+    .name = "walk",
+    .help = "  walk           each culling method along the auto tour of each building: polygons drawn, "
+            "cells seen, time of\n"
+            "                 the query and of the whole frame\n"
+            "    --size WxH   of the frames, pixels, 16 to 8192 each (default 640x360)\n"
+            "    --look NAME  fast (default) or fine\n"
+            "    --frames N   of the tour, evenly taken, each after the one before it, 1 to 1000000 (default "
+            "200)\n",
+    .run = measure,
+};

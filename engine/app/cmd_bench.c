@@ -5,37 +5,22 @@
 
 #include "engine/app/bench.h"
 #include "engine/core/file.h"
-#include "radiosity/form_factor.h"
-#include "visibility/pairs/pairs.h"
+#include "radiosity/view.h"
 
-static bool is_pair_method(const char *name) { return pair_method(name) != NULL; }
+extern const Bench BENCH_WALK, BENCH_COLLISION, BENCH_VISIBILITY, BENCH_FORMFACTORS, BENCH_RADIOSITY,
+    BENCH_LIGHT, BENCH_MESHES, BENCH_ROOMS, BENCH_HIDDEN, BENCH_BREAKS, BENCH_RAYS;
+static const Bench *const BENCHES[] = {
+    &BENCH_WALK,   &BENCH_COLLISION, &BENCH_VISIBILITY, &BENCH_FORMFACTORS, &BENCH_RADIOSITY, &BENCH_LIGHT,
+    &BENCH_MESHES, &BENCH_ROOMS,     &BENCH_HIDDEN,     &BENCH_BREAKS,      &BENCH_RAYS};
+enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
+
+static const char USUAL_FILES[] = "build/maps/office.plan";
+
 static bool is_culling(const char *name) {
     for (int c = 0; c < VIEW_CULLINGS; c++)
         if (strcmp(VIEW_CULLING_NAMES[c], name) == 0) return true;
     return false;
 }
-
-static const struct {
-    const char *name;
-    bool (*run)(const BenchArguments *arguments, Error *error);
-    bool (*knows)(const char *method);  // of --methods; NULL: it has none
-    const char *list;                   // the command whose help lists them
-} BENCHES[] = {{"walk", bench_walk, NULL, NULL},
-               {"collision", bench_collision, NULL, NULL},
-               {"visibility", bench_visibility, is_pair_method, "vis"},
-               {"formfactors", bench_formfactors, bench_formfactors_knows, "bake"},
-               {"radiosity", bench_radiosity, NULL, NULL},
-               {"light", bench_light, bench_light_knows, "bench"},
-               {"meshes", bench_meshes, NULL, NULL},
-               {"rooms", bench_rooms, NULL, NULL},
-               {"hidden", bench_hidden, bench_hidden_knows, "bake"},
-               {"breaks", bench_breaks, NULL, NULL},
-               {"rays", bench_rays, NULL, NULL}};
-
-static const char ALLOWED[] =
-    "walk, collision, visibility, formfactors, radiosity, light, meshes, rooms, hidden, breaks, rays";
-
-enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES };
 
 bool bench_table(const BenchArguments *a, const char *head,
                  bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
@@ -54,6 +39,13 @@ bool bench_table(const BenchArguments *a, const char *head,
 const char *bench_name(const char *file) {
     const char *slash = strrchr(file, '/');
     return slash ? slash + 1 : file;
+}
+
+bool bench_listed(const char *list, const char *word) {
+    size_t length = strlen(word);
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        if (strcspn(at, ",") == length && strncmp(at, word, length) == 0) return true;
+    return !list;
 }
 
 static int parse_look(const char *text, WalkLook *out) {
@@ -199,6 +191,45 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
     }
 }
 
+static bool print_help(void) {
+    printf("usage: enfilade bench NAME [FILE ...] [options]\n\n"
+           "Measures, and writes CSV with a header on standard output (default FILE: %s).\n"
+           "--map NAME chooses among the maps of files that hold several (default: the first).\n",
+           USUAL_FILES);
+    for (int i = 0; i < BENCH_COUNT; i++) {
+        printf("\n%s", BENCHES[i]->help);
+        if (BENCHES[i]->print_methods) BENCHES[i]->print_methods();
+    }
+    return fflush(stdout) == 0;
+}
+
+static int misuse_name(const char *what) {
+    char names[256] = "";
+    for (int i = 0; i < BENCH_COUNT; i++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", BENCHES[i]->name);
+    }
+    return app_misuse("bench", "bench: %s (allowed: %s)", what, names);
+}
+
+static int run(const Bench *bench, BenchArguments *a, char **files, int file_count) {
+    if (a->methods && !bench->knows) return app_misuse("bench", "bench: %s has no --methods", bench->name);
+    if (a->methods && !are_methods(a->methods, bench->knows))
+        return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
+                          a->methods, bench->list);
+    Error error;
+    char usual[128], *word[4];
+    snprintf(usual, sizeof usual, "%s", bench->files ? bench->files : USUAL_FILES);
+    if (file_count == 0) {
+        for (char *at = strtok(usual, " "); at && file_count < 4; at = strtok(NULL, " "))
+            word[file_count++] = at;
+        files = word;
+    }
+    a->files = files;
+    a->file_count = file_count;
+    return bench->run(a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+}
+
 int cmd_bench(int argc, char **argv) {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'},
                                             {"size", required_argument, NULL, 's'},
@@ -223,9 +254,6 @@ int cmd_bench(int argc, char **argv) {
                                             {"verbose", no_argument, NULL, VERBOSE},
                                             {"sky", required_argument, NULL, SKY},
                                             {0}};
-    static char office[] = "build/maps/office.plan", plain[] = "build/maps/office-plain.plan",
-                house[] = "build/maps/house.plan";
-    static char *usual[] = {office}, *usual_light[] = {plain, house};
     BenchArguments a = {.width = 640,
                         .height = 360,
                         .frames = 200,
@@ -239,25 +267,15 @@ int cmd_bench(int argc, char **argv) {
                         .rays = 4000000};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
-        if (c == 'h') return bench_print_help() ? APP_GOOD : APP_BAD_INPUT;
+        if (c == 'h') return print_help() ? APP_GOOD : APP_BAD_INPUT;
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
-    if (optind == argc) return app_misuse("bench", "bench: which one? (allowed: %s)", ALLOWED);
-    bool given = optind + 1 < argc;
-    a.files = given ? argv + optind + 1 : usual;
-    a.file_count = given ? argc - optind - 1 : 1;
-    if (!given && (strcmp(argv[optind], "light") == 0 || strcmp(argv[optind], "meshes") == 0)) {
-        a.files = usual_light;
-        a.file_count = 2;
-    }
-    for (int i = 0; i < BENCH_COUNT; i++) {
-        if (strcmp(BENCHES[i].name, argv[optind]) != 0) continue;
-        if (a.methods && BENCHES[i].knows && !are_methods(a.methods, BENCHES[i].knows))
-            return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
-                              a.methods, BENCHES[i].list);
-        Error error;
-        return BENCHES[i].run(&a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
-    }
-    return app_misuse("bench", "bench: there is no benchmark `%s` (allowed: %s)", argv[optind], ALLOWED);
+    if (optind == argc) return misuse_name("which one?");
+    for (int i = 0; i < BENCH_COUNT; i++)
+        if (strcmp(BENCHES[i]->name, argv[optind]) == 0)
+            return run(BENCHES[i], &a, argv + optind + 1, argc - optind - 1);
+    char what[80];
+    snprintf(what, sizeof what, "there is no benchmark `%.40s`", argv[optind]);
+    return misuse_name(what);
 }

@@ -11,9 +11,12 @@ _enfilade() {
         options=$("$program" "$command" --help 2>/dev/null | grep -oE '(^|[ [])--?[a-z][a-z-]*' | tr -d ' [')
         mapfile -t COMPREPLY < <(compgen -W "$options --help" -- "$word")
     elif [[ $before == --method || $before == --methods || $before == --hidden || $before == --culling ]]; then
-        # Tables of names stand at the end of the help, two blanks before each.
-        local names
-        names=$("$program" "$command" --help 2>/dev/null | sed -n 's/^  \([a-z][a-z0-9-]*\)  .*/\1/p')
+        # Tables of names stand at the end of the help, two blanks before each. A benchmark says whose help it is.
+        local names of=$command
+        [ "$command" != bench ] || of=$("$program" bench "${COMP_WORDS[2]}" --methods "?" 2>&1 |
+            sed -n 's/.*`enfilade \([a-z]*\) --help` lists.*/\1/p')
+        [ "$of" != bench ] && [ -n "$of" ] || return 0
+        names=$("$program" "$of" --help 2>/dev/null | sed -n 's/^  \([a-z][a-z0-9-]*\)  .*/\1/p')
         mapfile -t COMPREPLY < <(compgen -W "$names" -- "$word")
     elif [ "$command" = bench ] && [ "$COMP_CWORD" -eq 2 ]; then
         local benches

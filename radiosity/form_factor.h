@@ -59,11 +59,21 @@ static inline int form_factor_rank(const ViewFace *face) {
 // A method at work in one thread: its tables and buffers.
 typedef struct FormFactor FormFactor;
 
+// What a method promises of what it sees along a direction.
+typedef enum FormFactorTruth {
+    FORM_FACTOR_EXACT,  // the nearest face, edges and depth decided in doubles
+    FORM_FACTOR_FLOAT,  // the same within the rounding of floats
+    FORM_FACTOR_GUESS   // wrong where its rule fails
+} FormFactorTruth;
+
 // A method: a row of the table.
 typedef struct FormFactorMethod {
     const char *name, *summary;
+    FormFactorTruth truth;
     bool projective;
-    bool mended;  // of faces close by the shares are put right (near_faces.h)
+    bool
+        whole_mesh;  // sees all faces of the mesh, by a tree of its own: of a view it needs the eye and the axes
+    bool mended;     // of faces close by the shares are put right (near_faces.h)
     // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
     void (*stop)(void *self);  // what is not in the arena; NULL: nothing

@@ -210,6 +210,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_POLYLINE = {
     .name = "hemisphere-polyline",
     .summary = "z-buffer on the hemisphere's base as printed (Doi & Itoh): chords, and a depth so wrong that "
                "culling shows",
+    .truth = FORM_FACTOR_GUESS,
     .projective = true,
     .start = start,
     .samples = samples,

@@ -12,11 +12,11 @@
 
 static bool is(const FormFactorMethod *method, const char *name) { return strcmp(method->name, name) == 0; }
 // The method kept as it was printed, whose failures are measured and not mended.
-static bool as_printed(const FormFactorMethod *method) { return is(method, "hemisphere-polyline"); }
+static bool as_printed(const FormFactorMethod *method) { return method->truth == FORM_FACTOR_GUESS; }
 // Takes a quarter of the lines where both ways agree on the row as a whole, small as a part of it may be.
 static bool fits(const FormFactorMethod *method) { return is(method, "hemisphere-scanlines-fit"); }
 // Embree's rays are floats throughout: two sheets 2e-7 apart are one to them, and one so near is none.
-static bool in_floats(const FormFactorMethod *method) { return strncmp(method->name, "ray", 3) == 0; }
+static bool in_floats(const FormFactorMethod *method) { return method->truth == FORM_FACTOR_FLOAT; }
 
 static FormFactor *maker_of(Arena *arena, const FormFactorMethod *method, const ViewFixture *f,
                             int resolution) {
@@ -230,7 +230,7 @@ Test(form_factor_stability, depth_of_wide_polygons) {
 // printed, to which its depths show what is hidden: the one method whose light depends on culling.
 Test(form_factor_stability, hidden_faces_leave_no_trace) {
     EACH_METHOD(m) {
-        if (in_floats(*m)) continue;  // they see all of the mesh, whatever the view
+        if ((*m)->whole_mesh) continue;  // whatever the view
         Arena arena = {0};
         ViewFixture *f = view_fixture_new(&arena);
         double half = tan(M_PI / 3);

@@ -18,7 +18,7 @@
 static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
                            "elements_drawn,samples,tests,rays_of_reference,front\n";
 
-enum { MOST_RUNS = 1024, PASSES = 9, RUN_SECONDS = 2 };
+enum { PASSES = 9, RUN_SECONDS = 2 };
 
 // A row of the table.
 typedef struct Run {
@@ -44,8 +44,8 @@ typedef struct ShotBench {
     int *shooters;  // [shooter_count] patches
     int shooter_count;
     ShotReference reference;
-    Run runs[MOST_RUNS];
-    int run_count;
+    Run *runs;
+    int run_count, run_capacity;
 } ShotBench;
 
 static ViewPoint point_of(const ShotBench *b, int shooter) {
@@ -70,15 +70,13 @@ static ShotReference make_reference(const ShotBench *b, Arena *arena) {
 
 // ---- the methods
 
-static bool is_ray(const FormFactorMethod *method) { return strncmp(method->name, "ray", 3) == 0; }
-
 static void shoot(ShotBench *b, Run *run, int s, bool first) {
     ViewPoint from = point_of(b, s);
     View axes = {.eye = from.eye, .z = from.normal};
     const View *view = &axes;
     view_axes(axes.z, &axes.x, &axes.y);
     double start = clock_thread_seconds();
-    if (!is_ray(run->method)) view = viewer_look(b->viewer, &from, run->culling);
+    if (!run->method->whole_mesh) view = viewer_look(b->viewer, &from, run->culling);
     double looked = clock_thread_seconds();
     const Row *row = form_factor_row(run->rows, view);
     double end = clock_thread_seconds();
@@ -141,10 +139,11 @@ static void add_row(const ShotBench *b, const Run *run, Text *table) {
 
 // ---- what to run
 
-static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling) {
+static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling,
+                     Arena *arena) {
     const BenchArguments *a = b->arguments;
-    for (int r = 0; r < a->resolution_count && b->run_count < MOST_RUNS; r++) {
-        Run *run = &b->runs[b->run_count++];
+    for (int r = 0; r < a->resolution_count; r++) {
+        Run *run = ARENA_PUSH(arena, b->runs, b->run_count, b->run_capacity);
         *run = (Run){.method = method, .hidden = hidden, .resolution = a->resolutions[r], .culling = culling};
         snprintf(run->name, sizeof run->name, "%s%s%s", method->name, hidden ? "-" : "",
                  hidden ? hidden : "");
@@ -161,15 +160,15 @@ static const char *hidden_of(const char *name) {
 
 static bool knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
 
-static void choose_runs(ShotBench *b) {
+static void choose_runs(ShotBench *b, Arena *arena) {
     const BenchArguments *a = b->arguments;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
         const FormFactorMethod *method = FORM_FACTOR_METHODS[m];
         if (!bench_listed(a->methods, method->name)) continue;
         for (int c = 0; c < VIEW_CULLINGS; c++) {
             // Rays are culled by their own tree.
-            if (is_ray(method) ? c == CULL_NOTHING : bench_listed(a->cullings, VIEW_CULLING_NAMES[c]))
-                add_runs(b, method, NULL, (ViewCulling)c);
+            if (method->whole_mesh ? c == CULL_NOTHING : bench_listed(a->cullings, VIEW_CULLING_NAMES[c]))
+                add_runs(b, method, NULL, (ViewCulling)c, arena);
         }
     }
     // Hidden-surface methods draw all there is.
@@ -177,7 +176,7 @@ static void choose_runs(ShotBench *b) {
         char name[40];
         snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
         if (bench_listed(a->methods, name))
-            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING);
+            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING, arena);
     }
 }
 
@@ -220,8 +219,9 @@ static void print_ratios(const ShotBench *b) {
     if (!goal) return;
     double best = goal->ms;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
-        double ms =
-            is_ray(FORM_FACTOR_METHODS[m]) ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NOTHING, goal->l1) : -1;
+        double ms = FORM_FACTOR_METHODS[m]->whole_mesh
+                        ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NOTHING, goal->l1)
+                        : -1;
         if (ms > 0 && ms < best) best = ms;
     }
     fprintf(stderr,
@@ -253,7 +253,7 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
         b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
         choose_shooters(b, &arena);
         b->reference = make_reference(b, &arena);
-        choose_runs(b);
+        choose_runs(b, &arena);
         measure_all(b);
         print_runs(b, table);
         print_ratios(b);

@@ -20,7 +20,7 @@ static void know(const char *path, Known *k) {
     *k = (Known){.arena = {0}};
     cr_assert(maps_read(path, &k->arena, &k->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&k->building, &options, &k->arena, &k->graph, &error), "%s", error.text);
-    pair_method("proof")->find(&k->graph, &(PairOptions){0}, NULL, &k->arena, &k->set);
+    pair_method_finest()->find(&k->graph, &(PairOptions){0}, NULL, &k->arena, &k->set);
     options.known = k->set.seen;
     cr_assert(vis_build_forest(&k->graph, &options, NULL, &k->arena, &k->forest));
 }

@@ -54,7 +54,7 @@ static Building as_cells(const CellGraph *graph, const Motion *motion, Arena *ar
 
 static PairSet find(const CellGraph *graph, Arena *arena) {
     PairSet set;
-    pair_method("proof")->find(graph, &(PairOptions){0}, NULL, arena, &set);
+    pair_method_finest()->find(graph, &(PairOptions){0}, NULL, arena, &set);
     return set;
 }
 

@@ -22,7 +22,7 @@ static void read_cells(const char *path, Grown *g) {
     *g = (Grown){.arena = {0}};
     cr_assert(maps_read(path, &g->arena, &g->building, &error), "%s", error.text);
     cr_assert(vis_build_cells(&g->building, &options, &g->arena, &g->graph, &error), "%s", error.text);
-    pair_method("proof")->find(&g->graph, &(PairOptions){0}, NULL, &g->arena, &g->set);
+    pair_method_finest()->find(&g->graph, &(PairOptions){0}, NULL, &g->arena, &g->set);
 }
 
 static void grow(Grown *g, int threads, bool known) {

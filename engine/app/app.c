@@ -65,7 +65,7 @@ static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene)
     Progress progress = options->stoppable ? app_progress_stoppable(0) : app_progress();
     PairOptions pairs = {.threads = options->vis.threads};
     PairSet set;
-    pair_method("proof")->find(&scene->graph, &pairs, &progress, &scratch, &set);
+    pair_method_finest()->find(&scene->graph, &pairs, &progress, &scratch, &set);
     VisOptions vis = options->vis;
     vis.known = set.seen;
     scene->stopped = set.stopped || !vis_build_forest(&scene->graph, &vis, &progress, arena, &scene->forest);

@@ -122,6 +122,7 @@ static bool bench_views(HiddenBench *b, const char *table, const char *scene, co
     const Camera *camera = &views->views[0].camera;
     double depth = (double)first.work.depth_tests / views->count / camera->width / camera->height;
     for (int m = 0; HIDDEN_METHODS[m] && good; m++) {
+        CORE_ASSERT(m < MOST_METHODS);
         b->runs[m] = (Run){0};
         if (!bench_listed(b->arguments->methods, HIDDEN_METHODS[m]->name)) continue;
         good = run_method(b, HIDDEN_METHODS[m], NULL, &b->runs[m], error);

@@ -228,7 +228,10 @@ static void add_peer(const FileBench *b, Text *row) {
 
 static void choose_methods(FileBench *b) {
     const char *names = b->arguments->methods;
-    for (int i = 0; PAIR_METHODS[i] && !names; i++) b->methods[b->method_count++] = PAIR_METHODS[i];
+    for (int i = 0; PAIR_METHODS[i] && !names; i++) {
+        CORE_ASSERT(i < MOST_METHODS);
+        b->methods[b->method_count++] = PAIR_METHODS[i];
+    }
     while (names && *names && b->method_count < MOST_METHODS) {
         char name[32];
         int length = (int)strcspn(names, ",");

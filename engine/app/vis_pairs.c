@@ -21,12 +21,6 @@ typedef struct Outcome {
     PeerRun peer;
 } Outcome;
 
-static const PairMethod *finest(void) {
-    int last = 0;
-    while (PAIR_METHODS[last + 1]) last++;
-    return PAIR_METHODS[last];
-}
-
 static void compare(uint64_t *bound, Outcome *o) {
     int cells = o->set.cell_count;
     o->plain = pairs_compare(o->set.seen, bound, cells);
@@ -118,7 +112,7 @@ static void print_text(const VisPairsArguments *a, const Outcome *o) {
 }
 
 int vis_pairs(const VisPairsArguments *a) {
-    Outcome outcome = {.method = a->method ? pair_method(a->method) : finest()};
+    Outcome outcome = {.method = a->method ? pair_method(a->method) : pair_method_finest()};
     if (!outcome.method) return app_misuse("vis", "vis: there is no method `%s`", a->method);
     Arena arena = {0};
     Error error;

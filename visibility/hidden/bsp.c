@@ -4,7 +4,7 @@
 // A piece's pixels are told by the edges of its polygon and by the planes that cut it, as lines in the picture: the two
 // pieces of a cut have the same line, so that no pixel between them is lost and none is moved by the rounding of corners.
 #include "visibility/hidden/bsp_tree.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 typedef struct Bsp {

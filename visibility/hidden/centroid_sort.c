@@ -2,7 +2,7 @@
 // wrong where polygons are large for their distance, pass through each other or overlap in a ring.
 #include <stdlib.h>
 
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 typedef struct Place {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "visibility/hidden/depth_pieces.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 typedef struct DepthSort {

@@ -3,7 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include "visibility/hidden/facets.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 
 #include "engine/core/polygon.h"
 

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "visibility/hidden/methods.h"
-
+extern const HiddenMethod HIDDEN_RAYCAST, HIDDEN_RAYCAST_GRID, HIDDEN_ZBUFFER, HIDDEN_SCANLINE,
+    HIDDEN_CENTROID_SORT, HIDDEN_DEPTH_SORT, HIDDEN_BSP, HIDDEN_WARNOCK, HIDDEN_EMBREE, HIDDEN_OSMESA;
 const HiddenMethod *const HIDDEN_METHODS[] = {&HIDDEN_RAYCAST,
                                               &HIDDEN_RAYCAST_GRID,
                                               &HIDDEN_ZBUFFER,

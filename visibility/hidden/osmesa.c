@@ -2,7 +2,7 @@
 #include "visibility/hidden/facets.h"
 #include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_items.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 
 typedef struct Prepared {
     GlContext *context;

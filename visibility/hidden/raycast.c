@@ -4,7 +4,7 @@
 //
 // All rays come from one eye: a polygon is met where each of its edges, a line in the picture, says so (image.h).
 #include "visibility/hidden/depth.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/ray_shapes.h"
 #include "visibility/hidden/ray_tree.h"
 

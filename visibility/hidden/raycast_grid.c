@@ -1,7 +1,7 @@
 // raycast_grid.c - a ray through each pixel's centre, one by one through the cells of a uniform grid (J. Amanatides & A. Woo,
 // A fast voxel traversal algorithm for ray tracing, 1987), each polygon tried once a ray (mailboxes).
 #include "visibility/hidden/depth.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/ray_shapes.h"
 
 // Cells for each polygon, about: fewer make long lists, more are crossed empty.

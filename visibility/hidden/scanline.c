@@ -3,7 +3,7 @@
 // row says: the greatest of several lines is convex, so what is nearest at both ends of a span is nearest all along it; else
 // polygons pass through each other, and the span is halved.
 #include "visibility/hidden/depth.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 // A polygon in the row under way: pixels x0 .. x1, 1/z = slope x + base.

@@ -4,7 +4,7 @@
 // An area is a rectangle of samples, so a line or a depth is at its least and its most in its corners: of what is decided
 // there nothing is left to chance. A polygon that surrounds the area and is nearer in all its corners hides the others.
 #include "visibility/hidden/depth.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 typedef struct Area {

@@ -4,7 +4,7 @@
 // The buffer holds 1/z as a float, four pixels at a time. Where two floats are so close that they do not tell, both depths are
 // computed anew in doubles: so the item buffer itself is all the memory, and no digit is lost.
 #include "visibility/hidden/depth.h"
-#include "visibility/hidden/methods.h"
+#include "visibility/hidden/hidden.h"
 #include "visibility/hidden/spans.h"
 
 // Floats that differ by less may stand for depths that tie: rounding takes two that are equal but for the last bits of a double

@@ -15,6 +15,12 @@ const PairMethod *pair_method(const char *name) {
     return NULL;
 }
 
+const PairMethod *pair_method_finest(void) {
+    int last = 0;
+    while (PAIR_METHODS[last + 1]) last++;
+    return PAIR_METHODS[last];
+}
+
 PairSet pair_set_new(const CellGraph *graph, Arena *arena) {
     PairSet set = {.cell_count = graph->cell_count, .words = (graph->cell_count + 63) / 64};
     size_t size = (size_t)set.cell_count * (size_t)set.words;

@@ -53,6 +53,7 @@ typedef struct PairMethod {
 
 extern const PairMethod *const PAIR_METHODS[];    // from the coarsest to the finest, ends with NULL
 const PairMethod *pair_method(const char *name);  // NULL: there is none of that name
+const PairMethod *pair_method_finest(void);       // the last: the one that trees are made with
 
 // For methods: an empty set, and its completion by symmetry (seen and its transpose, proven or its transpose).
 PairSet pair_set_new(const CellGraph *graph, Arena *arena);

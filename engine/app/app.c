@@ -243,6 +243,19 @@ bool app_parse_sky(const char *text, double radiance[3]) {
     return count != 2;
 }
 
+int app_parse_name(const char *command, const char *option, const char *text, const char *const *names,
+                   int count, int *out) {
+    char allowed[128] = "";
+    for (int i = 0; i < count; i++) {
+        size_t used = strlen(allowed);
+        snprintf(allowed + used, sizeof allowed - used, "%s%s", i ? ", " : "", names[i]);
+        if (strcmp(names[i], text) != 0) continue;
+        *out = i;
+        return APP_GOOD;
+    }
+    return app_misuse(command, "%s: %s is `%s` (allowed %s)", command, option, text, allowed);
+}
+
 bool app_parse_point(const char *text, Vec3 *out) {
     char extra;
     return sscanf(text, "%lf,%lf,%lf%c", &out->x, &out->y, &out->z, &extra) == 3 && isfinite(out->x) &&

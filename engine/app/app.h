@@ -84,6 +84,9 @@ bool app_parse_int(const char *text, int low, int high, int *out);
 bool app_parse_sky(const char *text, double radiance[3]);        // L or R,G,B, 0 to 1e6 each, W/m^2/sr
 bool app_parse_point(const char *text, Vec3 *out);               // X,Y,Z
 bool app_parse_size(const char *text, int *width, int *height);  // WxH, 16 to 8192 each
+// One of so many names; else wrong use, which tells them all. Returns the exit code.
+int app_parse_name(const char *command, const char *option, const char *text, const char *const *names,
+                   int count, int *out);
 
 // What was not enclosed, left out or changed, a line each on standard error.
 void app_print_notes(const Building *building, int most);

@@ -132,15 +132,6 @@ typedef struct Arguments {
     bool help;
 } Arguments;
 
-static int parse_index(const char *option, const char *const *names, int count, int *out) {
-    for (int i = 0; i < count; i++) {
-        if (strcmp(optarg, names[i]) != 0) continue;
-        *out = i;
-        return APP_GOOD;
-    }
-    return app_misuse("bake", "bake: %s is `%s` (see --help for those allowed)", option, optarg);
-}
-
 static int parse_number(const char *option, double low, double high, double *out) {
     if (app_parse_number(optarg, low, high, out)) return APP_GOOD;
     return app_misuse("bake", "bake: %s is `%s` (allowed %g to %g)", option, optarg, low, high);
@@ -190,7 +181,7 @@ static int parse_light(int c, char **argv, Arguments *a) {
     case RESOLUTION:
         return parse_whole("--resolution", 8, 2000, &rad->form_factor.resolution);
     case CULLING:
-        code = parse_index("--culling", VIEW_CULLING_NAMES, VIEW_CULLINGS, &number);
+        code = app_parse_name("bake", "--culling", optarg, VIEW_CULLING_NAMES, VIEW_CULLINGS, &number);
         if (code == APP_GOOD) rad->culling = (ViewCulling)number;
         return code;
     case NO_CULL:
@@ -255,7 +246,7 @@ static int parse_option(int c, char **argv, Arguments *a) {
         b->final_gather = true;
         return APP_GOOD;
     case DOORS:
-        return parse_index("--doors", BAKE_DOORS_NAMES, BAKE_DOORS, &b->doors);
+        return app_parse_name("bake", "--doors", optarg, BAKE_DOORS_NAMES, BAKE_DOORS, &b->doors);
     case ELEMENT:
         return parse_number("--element", 0.01, 100, &b->mesh.element);
     case PER_PATCH:

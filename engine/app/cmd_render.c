@@ -68,19 +68,6 @@ static int parse_whole(const char *option, int low, int high, int *out) {
     return misuse(option, allowed);
 }
 
-static int parse_name(const char *option, const char *const *names, int count, int *out) {
-    char allowed[128] = "";
-    for (int i = 0; i < count; i++) {
-        if (strcmp(names[i], optarg) == 0) {
-            *out = i;
-            return APP_GOOD;
-        }
-        size_t used = strlen(allowed);
-        snprintf(allowed + used, sizeof allowed - used, "%s%s", i ? ", " : "", names[i]);
-    }
-    return misuse(option, allowed);
-}
-
 static int parse_camera(int c, RenderArguments *r) {
     double degrees;
     switch (c) {
@@ -115,12 +102,12 @@ static int parse_still(int c, RenderArguments *r) {
     case THREADS:
         return parse_whole("--threads", 1, 256, &s->threads);
     case DIRECT:
-        code = parse_name("--direct", STILL_DIRECT_NAMES, STILL_DIRECTS, &name);
+        code = app_parse_name("render", "--direct", optarg, STILL_DIRECT_NAMES, STILL_DIRECTS, &name);
         s->direct = (StillDirect)name;
         r->direct_given = true;
         return code;
     case TREE:
-        code = parse_name("--tree", STILL_TREE_NAMES, STILL_TREES, &name);
+        code = app_parse_name("render", "--tree", optarg, STILL_TREE_NAMES, STILL_TREES, &name);
         s->tree = (StillTree)name;
         return code;
     default:

@@ -93,13 +93,6 @@ enum {
     NO_BAKE
 };
 
-static int find_name(const char *const *names, int count, const char *name) {
-    for (int i = 0; i < count; i++) {
-        if (strcmp(names[i], name) == 0) return i;
-    }
-    return -1;
-}
-
 static int misuse_number(const char *option, const char *value, const char *allowed) {
     return app_misuse("walk", "walk: --%s is `%s` (allowed %s)", option, value, allowed);
 }
@@ -165,28 +158,24 @@ static int take_window(Arguments *a, int c, const char *value) {
 }
 
 static int take_name(Arguments *a, int c, const char *value) {
-    int index;
+    int index = 0, code;
     switch (c) {
     case METHOD:
-        index = find_name(VIS_METHOD_NAMES, VIS_METHODS, value);
-        if (index < 0) return misuse_number("method", value, "none, frustum, portals, plan, stab");
+        code = app_parse_name("walk", "--method", value, VIS_METHOD_NAMES, VIS_METHODS, &index);
         a->walk.method = (VisMethod)index;
-        return APP_GOOD;
+        return code;
     case LOOK:
-        index = find_name(WALK_LOOK_NAMES, WALK_LOOKS, value);
-        if (index < 0) return misuse_number("look", value, "fast, fine, baked");
+        code = app_parse_name("walk", "--look", value, WALK_LOOK_NAMES, WALK_LOOKS, &index);
         a->walk.look = (WalkLook)index;
-        return APP_GOOD;
+        return code;
     case FALSE_COLOUR:
-        index = find_name(FALSE_COLOUR_NAMES, FALSE_COLOURS, value);
-        if (index < 0) return misuse_number("false-colour", value, "off, radiosity, irradiance, illuminance");
+        code = app_parse_name("walk", "--false-colour", value, FALSE_COLOUR_NAMES, FALSE_COLOURS, &index);
         a->walk.false_colour = (FalseColour)index;
-        return APP_GOOD;
+        return code;
     default:
-        index = find_name(WALK_DOORS_NAMES, WALK_DOORS, value);
-        if (index < 0) return misuse_number("doors", value, "open, closed, drawn, random");
+        code = app_parse_name("walk", "--doors", value, WALK_DOORS_NAMES, WALK_DOORS, &index);
         a->walk.doors = (WalkDoors)index;
-        return APP_GOOD;
+        return code;
     }
 }
 

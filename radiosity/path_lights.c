@@ -63,10 +63,9 @@ static PathLight light_of(const PathScene *scene, int face, int first, Vec3 *cor
     return light;
 }
 
-static double coordinate(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 static int by_place(const void *a, const void *b, void *axis) {
     const PathLight *p = a, *q = b;
-    double x = coordinate(p->centre, *(int *)axis), y = coordinate(q->centre, *(int *)axis);
+    double x = vec3_component(p->centre, *(int *)axis), y = vec3_component(q->centre, *(int *)axis);
     return x != y ? (x < y ? -1 : 1) : p->face - q->face;
 }
 

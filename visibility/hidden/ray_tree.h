@@ -1,4 +1,5 @@
-// ray_tree.h - a bounding-volume hierarchy over facets.
+// ray_tree.h - a bounding-volume hierarchy over facets: two children to a node and boxes in doubles, through which 8 x 8 rays go
+// together. That of visibility/rays is for one ray, which meets eight children at once.
 #ifndef VISIBILITY_RAY_TREE_H
 #define VISIBILITY_RAY_TREE_H
 

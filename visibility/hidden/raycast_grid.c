@@ -28,8 +28,6 @@ typedef struct GridCast {
     size_t memory;
 } GridCast;
 
-static double along(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 static size_t cell_at(const Grid *g, const int at[3]) {
     return ((size_t)at[2] * (size_t)g->count[1] + (size_t)at[1]) * (size_t)g->count[0] + (size_t)at[0];
 }
@@ -49,16 +47,17 @@ static void lay_out(Grid *g, const Facets *facets) {
     double cube = cbrt(size.x * size.y * size.z / (CELLS_A_FACET * facets->count + 1));
     double step[3];
     for (int axis = 0; axis < 3; axis++) {
-        double cells = ceil(along(size, axis) / cube);
+        double cells = ceil(vec3_component(size, axis) / cube);
         g->count[axis] = cells >= 1 ? cells < MOST_CELLS ? (int)cells : MOST_CELLS : 1;
-        step[axis] = along(size, axis) / g->count[axis];
+        step[axis] = vec3_component(size, axis) / g->count[axis];
     }
     g->low = all.min;
     g->size = vec3(step[0], step[1], step[2]);
 }
 
 static int cell_along(const Grid *g, int axis, double at) {
-    int cell = (int)floor(fmin(fmax((at - along(g->low, axis)) / along(g->size, axis), 0), MOST_CELLS));
+    int cell = (int)floor(
+        fmin(fmax((at - vec3_component(g->low, axis)) / vec3_component(g->size, axis), 0), MOST_CELLS));
     return cell < g->count[axis] ? cell : g->count[axis] - 1;
 }
 
@@ -78,8 +77,8 @@ static void enter_all(Grid *g, const Facets *facets) {
         Box box = facet_box(facets, i);
         int low[3], high[3], at[3];
         for (int axis = 0; axis < 3; axis++) {
-            low[axis] = cell_along(g, axis, along(box.min, axis));
-            high[axis] = cell_along(g, axis, along(box.max, axis));
+            low[axis] = cell_along(g, axis, vec3_component(box.min, axis));
+            high[axis] = cell_along(g, axis, vec3_component(box.max, axis));
         }
         for (at[2] = low[2]; at[2] <= high[2]; at[2]++)
             for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
@@ -150,8 +149,8 @@ typedef struct Walk {
 static bool start(const Grid *g, Vec3 eye, Vec3 ray, Walk *w) {
     double in = 0, out = INFINITY;
     for (int axis = 0; axis < 3; axis++) {
-        double low = along(g->low, axis) - along(eye, axis), d = along(ray, axis);
-        double high = low + along(g->size, axis) * g->count[axis];
+        double low = vec3_component(g->low, axis) - vec3_component(eye, axis), d = vec3_component(ray, axis);
+        double high = low + vec3_component(g->size, axis) * g->count[axis];
         if (d == 0) {
             if (low > 0 || high < 0) return false;
             continue;
@@ -161,11 +160,13 @@ static bool start(const Grid *g, Vec3 eye, Vec3 ray, Walk *w) {
     }
     if (!(in <= out)) return false;
     for (int axis = 0; axis < 3; axis++) {
-        double d = along(ray, axis), low = along(g->low, axis), size = along(g->size, axis);
-        w->at[axis] = cell_along(g, axis, along(eye, axis) + in * d);
+        double d = vec3_component(ray, axis), low = vec3_component(g->low, axis),
+               size = vec3_component(g->size, axis);
+        w->at[axis] = cell_along(g, axis, vec3_component(eye, axis) + in * d);
         w->step[axis] = d > 0 ? 1 : -1;
         w->stride[axis] = d == 0 ? INFINITY : size / fabs(d);
-        w->next[axis] = d == 0 ? INFINITY : (low + (w->at[axis] + (d > 0)) * size - along(eye, axis)) / d;
+        w->next[axis] =
+            d == 0 ? INFINITY : (low + (w->at[axis] + (d > 0)) * size - vec3_component(eye, axis)) / d;
     }
     return true;
 }

@@ -15,10 +15,8 @@ static const double BEYOND = 1e-6;
 
 // ---- made once
 
-static double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 static int cell_along(const SurfaceGrid *grid, int axis, double at) {
-    int cell = (int)floor((at - component(grid->low, axis)) / component(grid->size, axis));
+    int cell = (int)floor((at - vec3_component(grid->low, axis)) / vec3_component(grid->size, axis));
     return cell < 0 ? 0 : cell >= grid->count[axis] ? grid->count[axis] - 1 : cell;
 }
 
@@ -44,8 +42,8 @@ static void put_items(const SurfaceGrid *grid, int *first, int *items) {
         if (box_is_empty(box)) continue;
         int low[3], high[3], at[3];
         for (int a = 0; a < 3; a++) {
-            low[a] = cell_along(grid, a, component(box.min, a) - BEYOND);
-            high[a] = cell_along(grid, a, component(box.max, a) + BEYOND);
+            low[a] = cell_along(grid, a, vec3_component(box.min, a) - BEYOND);
+            high[a] = cell_along(grid, a, vec3_component(box.max, a) + BEYOND);
         }
         for (at[2] = low[2]; at[2] <= high[2]; at[2]++)
             for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
@@ -66,9 +64,9 @@ static void choose_cells(SurfaceGrid *grid, Box box) {
     double side = cbrt(extent.x * extent.y * extent.z / (CELLS_AN_ITEM * grid->surfaces->count));
     double size[3];
     for (int a = 0; a < 3; a++) {
-        double count = fmin(fmax(round(component(extent, a) / side), 1), MOST_CELLS_AN_AXIS);
+        double count = fmin(fmax(round(vec3_component(extent, a) / side), 1), MOST_CELLS_AN_AXIS);
         grid->count[a] = (int)count;
-        size[a] = component(extent, a) / count;
+        size[a] = vec3_component(extent, a) / count;
     }
     grid->low = box.min;
     grid->size = vec3(size[0], size[1], size[2]);
@@ -104,8 +102,9 @@ static bool enter(const SurfaceGrid *grid, const SurfaceRay *r, Walk *w) {
     double near = fmax(r->ray.near, 0);
     w->end = r->ray.far;
     for (int a = 0; a < 3; a++) {
-        double o = component(r->origin, a), d = component(r->ray.direction, a), low = component(grid->low, a);
-        double high = low + grid->count[a] * component(grid->size, a);
+        double o = vec3_component(r->origin, a), d = vec3_component(r->ray.direction, a),
+               low = vec3_component(grid->low, a);
+        double high = low + grid->count[a] * vec3_component(grid->size, a);
         if (d == 0 && (o < low || o > high)) return false;
         if (d == 0) continue;
         near = fmax(near, ((d > 0 ? low : high) - o) / d);
@@ -113,11 +112,11 @@ static bool enter(const SurfaceGrid *grid, const SurfaceRay *r, Walk *w) {
     }
     if (!(near <= w->end)) return false;
     for (int a = 0; a < 3; a++) {
-        double o = component(r->origin, a), d = component(r->ray.direction, a),
-               size = component(grid->size, a);
+        double o = vec3_component(r->origin, a), d = vec3_component(r->ray.direction, a),
+               size = vec3_component(grid->size, a);
         w->at[a] = cell_along(grid, a, o + near * d);
         w->step[a] = d > 0 ? 1 : -1;
-        double border = component(grid->low, a) + (w->at[a] + (d > 0)) * size;
+        double border = vec3_component(grid->low, a) + (w->at[a] + (d > 0)) * size;
         w->next[a] = d == 0 ? INFINITY : (border - o) / d;
         w->way[a] = d == 0 ? INFINITY : size / fabs(d);
     }

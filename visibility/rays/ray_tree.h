@@ -1,4 +1,5 @@
-// ray_tree.h - a hierarchy of boxes, eight to a node, over what rays may meet.
+// ray_tree.h - a hierarchy of boxes, eight to a node, over what rays may meet: for rays one by one (those of pictures, which go
+// together, have visibility/hidden/ray_tree.h).
 #ifndef RAYS_RAY_TREE_H
 #define RAYS_RAY_TREE_H
 

@@ -82,15 +82,22 @@ int gltf_list_count(Gltf *g, const char *list) {
     return gltf_count(g, &root, list);
 }
 
-// Whole numbers may be written with a fraction of zero, as some exporters do.
-static int int_of(Gltf *g, const GltfItem *item, const char *key, const json_t *json, int low, int high) {
+// Whole numbers may be written with a fraction of zero, as some exporters do, and are told to their last digit.
+static double number_of(Gltf *g, const GltfItem *item, const char *key, const json_t *json, double low,
+                        double high, bool whole) {
     double value = json_is_number(json) ? json_number_value(json) : NAN;
-    if (value >= low && value <= high && value == floor(value)) return (int)value;
+    int digits = whole ? 17 : 6;
+    if (value >= low && value <= high && (!whole || value == floor(value))) return value;
     if (json_is_number(json))
-        gltf_fail(g, item, key, "is %.17g (allowed %d to %d)", value, low, high);
+        gltf_fail(g, item, key, "is %.*g (allowed %.*g to %.*g)", digits, value, digits, low, digits, high);
     else
-        gltf_fail(g, item, key, "is %s (allowed: a number from %d to %d)", kind_of(json), low, high);
+        gltf_fail(g, item, key, "is %s (allowed: a number from %.*g to %.*g)", kind_of(json), digits, low,
+                  digits, high);
     return low;
+}
+
+static int int_of(Gltf *g, const GltfItem *item, const char *key, const json_t *json, int low, int high) {
+    return (int)number_of(g, item, key, json, low, high, true);
 }
 
 int gltf_int(Gltf *g, const GltfItem *item, const char *key, int low, int high, int absent) {
@@ -98,20 +105,9 @@ int gltf_int(Gltf *g, const GltfItem *item, const char *key, int low, int high, 
     return json && !g->failed ? int_of(g, item, key, json, low, high) : absent;
 }
 
-static double number_of(Gltf *g, const GltfItem *item, const char *key, const json_t *json, double low,
-                        double high) {
-    double value = json_is_number(json) ? json_number_value(json) : NAN;
-    if (value >= low && value <= high) return value;
-    if (json_is_number(json))
-        gltf_fail(g, item, key, "is %g (allowed %g to %g)", value, low, high);
-    else
-        gltf_fail(g, item, key, "is %s (allowed: a number from %g to %g)", kind_of(json), low, high);
-    return low;
-}
-
 double gltf_number(Gltf *g, const GltfItem *item, const char *key, double low, double high, double absent) {
     const json_t *json = item->json ? json_object_get(item->json, key) : NULL;
-    return json && !g->failed ? number_of(g, item, key, json, low, high) : absent;
+    return json && !g->failed ? number_of(g, item, key, json, low, high, false) : absent;
 }
 
 bool gltf_flag(Gltf *g, const GltfItem *item, const char *key) {
@@ -157,7 +153,7 @@ bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, dou
     for (int i = 0; i < count; i++) {
         char which[64];
         snprintf(which, sizeof which, "%.40s[%d]", key, i);
-        out[i] = number_of(g, item, which, json_array_get(array, (size_t)i), low, high);
+        out[i] = number_of(g, item, which, json_array_get(array, (size_t)i), low, high, false);
     }
     return !g->failed;
 }

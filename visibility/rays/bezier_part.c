@@ -103,20 +103,21 @@ bool bezier_part_clip(const BezierPart *part, double slack, double from[2], doub
     return clip(part->a, slack, &from[0], &to[0]) && clip(part->b, slack, &from[1], &to[1]);
 }
 
+// Along one parameter, which runs over the lanes of one of the distances and the rows of the other.
+static void cut(Four lanes[4], Four rows[4], double *at, double *width, double from, double to) {
+    BezierCut piece = bezier_cut(from, to);
+    bezier_cut_lanes(lanes, &piece);
+    bezier_cut_rows(rows, &piece);
+    *at += from * *width;
+    *width *= to - from;
+}
+
 static void cut_u(BezierPart *part, double from, double to) {
-    BezierCut cut = bezier_cut(from, to);
-    bezier_cut_lanes(part->a, &cut);
-    bezier_cut_rows(part->b, &cut);
-    part->u += from * part->width_u;
-    part->width_u *= to - from;
+    cut(part->a, part->b, &part->u, &part->width_u, from, to);
 }
 
 static void cut_v(BezierPart *part, double from, double to) {
-    BezierCut cut = bezier_cut(from, to);
-    bezier_cut_rows(part->a, &cut);
-    bezier_cut_lanes(part->b, &cut);
-    part->v += from * part->width_v;
-    part->width_v *= to - from;
+    cut(part->b, part->a, &part->v, &part->width_v, from, to);
 }
 
 void bezier_part_cut(BezierPart *part, const double from[2], const double to[2]) {

@@ -2,8 +2,8 @@
 #include <criterion/criterion.h>
 
 #include "tests/hidden_scenes.h"
+#include "tests/ray_scene.h"
 #include "visibility/hidden/hidden.h"
-#include "visibility/hidden/ray_scene.h"
 
 #define PI 3.14159265358979323846
 

@@ -6,9 +6,9 @@
 #include "maps/maps.h"
 #include "tests/hidden_excuse.h"
 #include "tests/hidden_scenes.h"
+#include "tests/ray_scene.h"
 #include "tests/soup_fixture.h"
 #include "tests/support.h"
-#include "visibility/hidden/ray_scene.h"
 
 // What a method must tell apart: one of our own; one in floats, whose edges lie on a grid of 1/256 pixel (OpenGL), or which
 // takes any of those that tie (Embree).

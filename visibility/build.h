@@ -17,8 +17,6 @@ typedef struct CellBuilder {
     int polygon_capacity, vertex_capacity, object_capacity;
 } CellBuilder;
 
-// cells.c: convex cells of all regions.
-bool build_cells(CellBuilder *builder, Error *error);
 // given.c: cells and portals as they are given, and what a graph without walls needs of the other steps.
 bool build_given(CellBuilder *builder, Error *error);
 // Whether a portal with its plane and its corners is upright, and its plan ends.

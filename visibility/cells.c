@@ -86,7 +86,7 @@ static void add_whole(CellBuilder *builder, int region, int *capacity) {
     add_piece(builder, region, vertex, ring.point_count, capacity);
 }
 
-bool build_cells(CellBuilder *builder, Error *error) {
+static bool make_cells(CellBuilder *builder, Error *error) {
     const Building *b = builder->building;
     int capacity = 0;
     builder->graph->box = box_empty();
@@ -134,7 +134,7 @@ bool vis_build_cells(const Building *building, const VisOptions *options, Arena 
     bool good = false;
     switch (building->form) {
     case FORM_REGIONS:
-        good = build_cells(&builder, error);
+        good = make_cells(&builder, error);
         if (!good) break;
         build_portals(&builder);
         build_surfaces(&builder);

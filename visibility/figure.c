@@ -249,8 +249,10 @@ static bool stretch(const CellGraph *graph, int c, Vec2 point, Vec2 direction, d
     return *from < *to + 1e-6;
 }
 
-bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,
-                      Vec2 ends[2]) {
+// A line through all portals on the way to `node`, from inside the root cell to inside the node's, in plan.
+// Returns false for the root itself.
+static bool sightline_to(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,
+                         Vec2 ends[2]) {
     int depth = 0, root = node;
     for (; forest->nodes[root].parent >= 0; root = forest->nodes[root].parent) depth++;
     if (depth == 0) return false;
@@ -312,7 +314,7 @@ void figure_seen(const CellGraph *graph, const StabForest *forest, int root, dou
         Vec2 ends[2];
         bool room = region_of(graph, c)->kind == REGION_ROOM || region_of(graph, c)->kind == REGION_OUTDOORS;
         if (shallowest[c] <= 0 || !room || !figure_cuts(graph, c, z)) continue;
-        if (!figure_sightline(graph, forest, witness[c], &scratch, ends)) continue;
+        if (!sightline_to(graph, forest, witness[c], &scratch, ends)) continue;
         draw->line(draw->context, ends[0], ends[1], &SIGHTLINE);
         DrawStyle dot = {.fill = 0xcc2222, .fill_opacity = 1};
         draw->circle(draw->context, ends[1], 0.05, &dot);

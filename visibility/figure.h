@@ -32,9 +32,4 @@ void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle 
 bool figure_name_place(const Building *building, int region, Box area, double width, double height,
                        Vec2 *middle);
 
-// A line through all portals on the way to `node`, from inside the root cell to inside the node's, in plan.
-// Returns false for the root itself.
-bool figure_sightline(const CellGraph *graph, const StabForest *forest, int node, Arena *scratch,
-                      Vec2 ends[2]);
-
 #endif

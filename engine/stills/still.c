@@ -49,7 +49,8 @@ typedef struct Still {
 
 // ---- on the screen
 
-uint8_t still_tone(double light) {
+// A channel on the screen, 0 .. 255, of light times exposure.
+static uint8_t tone(double light) {
     double x = fmin(fmax(light, 0), WALK_WHITE);
     x = fmin(WALK_CURVE(x), 1);
     double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
@@ -122,7 +123,7 @@ static void draw_pixel(const Still *s, int x, int y, WhittedWork *work) {
         // What is white anyway is no brighter: a lamp's edge has steps else.
         for (int c = 0; c < 3; c++) sum[c] += fmin(light[c] * s->exposure, WALK_WHITE);
     }
-    for (int c = 0; c < 3; c++) s->rgb[3 * (y * s->camera->width + x) + c] = still_tone(sum[c] / samples);
+    for (int c = 0; c < 3; c++) s->rgb[3 * (y * s->camera->width + x) + c] = tone(sum[c] / samples);
 }
 
 static void draw_tile(void *context, int index, int thread) {

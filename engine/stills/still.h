@@ -38,7 +38,4 @@ typedef struct StillReport {
 bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
                 const Progress *progress, uint8_t *rgb, StillReport *report);
 
-// A channel on the screen, 0 .. 255, of light times exposure.
-uint8_t still_tone(double light);
-
 #endif

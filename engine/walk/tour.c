@@ -103,7 +103,8 @@ static bool passable(const CellGraph *graph, const Portal *portal) {
            fabs(a - b) <= TOUR_STEP_UP;
 }
 
-int tour_reachable(const CellGraph *graph, int start, unsigned char *out) {
+// The cells that a person reaches from a cell. `out` [cell_count]; returns how many.
+static int reachable(const CellGraph *graph, int start, unsigned char *out) {
     memset(out, 0, (size_t)graph->cell_count);
     if (start < 0) return 0;
     out[start] = 1;
@@ -399,7 +400,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     guide.heap = ARENA_ARRAY(arena, int, cells);
     guide.heap_slot = ARENA_ARRAY(arena, int, cells);
     int start = find_start(graph);
-    out->reachable_count = tour_reachable(graph, start, out->reachable);
+    out->reachable_count = reachable(graph, start, out->reachable);
     find_rooms(&guide);
     find_largest(&guide);
     bool inside = vis_locate(graph, graph->building->start, start) == start;

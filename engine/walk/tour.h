@@ -31,7 +31,4 @@ typedef struct TourPath {
 bool tour_make(const CellGraph *graph, const char *name, const TourOptions *options, Arena *arena,
                TourPath *out, Error *error);
 
-// The cells that a person reaches from a cell, as above. `out` [cell_count]; returns how many.
-int tour_reachable(const CellGraph *graph, int start, unsigned char *out);
-
 #endif

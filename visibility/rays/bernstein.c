@@ -58,7 +58,8 @@ static double comes_down(const double *c, int degree, int stride) {
     return first;
 }
 
-bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high) {
+// Where the convex hull of (i / degree, c[i]) meets the band |y| <= slack: no root lies elsewhere. False: nowhere.
+static bool clip(const double *c, int degree, double slack, double *low, double *high) {
     double least = c[0], most = c[0];
     for (int i = 1; i <= degree; i++) {
         least = c[i] < least ? c[i] : least;
@@ -164,8 +165,8 @@ static bool is_zero(const double *c, int degree, double slack) {
 // Clips a piece until it is empty or a root or must be halved. True: halve it.
 static bool settle(Piece *p, int degree, double slack, Roots *roots, CurvedWork *work) {
     for (;;) {
-        double low, high;
-        if (!bernstein_clip(p->c, degree, slack, &low, &high)) return false;
+        double low = 0, high = 1;
+        if (!clip(p->c, degree, slack, &low, &high)) return false;
         if (p->high - p->low <= NARROWEST || is_zero(p->c, degree, slack)) {
             add_root(roots, p->low, p->high);
             return false;

@@ -12,8 +12,6 @@ enum { BERNSTEIN_DEGREE = 6 };  // the highest there may be
 double bernstein_value(const double *c, int degree, double s, double *slope);
 // The same polynomial with `low` .. `high` as its 0 .. 1.
 void bernstein_cut(double *c, int degree, double low, double high);
-// Where the convex hull of (i / degree, c[i]) meets the band |y| <= slack: no root lies elsewhere. False: nowhere.
-bool bernstein_clip(const double *c, int degree, double slack, double *low, double *high);
 // Where that hull is not below 0.
 bool bernstein_clip_above(const double *c, int degree, double *low, double *high);
 // The first `max` roots in rising order, by Bezier clipping; a multiple root, or what touches 0 within slack, is one.

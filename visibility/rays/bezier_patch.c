@@ -44,7 +44,7 @@ void bezier_cut_lanes(Four row[4], const BezierCut *cut) {
     }
 }
 
-void bezier_cut_net(PatchNet *net, bool along_v, double low, double high) {
+static void cut_net(PatchNet *net, bool along_v, double low, double high) {
     BezierCut by = bezier_cut(low, high);
     void (*cut)(Four row[4], const BezierCut *by) = along_v ? bezier_cut_rows : bezier_cut_lanes;
     cut(net->x, &by), cut(net->y, &by), cut(net->z, &by), cut(net->w, &by);
@@ -83,7 +83,7 @@ static Box tight_box(const PatchNet *net, int halvings) {
     Box box = box_empty();
     for (int k = 0; k < 2; k++) {
         PatchNet half = *net;
-        bezier_cut_net(&half, halvings % 2, 0.5 * k, 0.5 + 0.5 * k);
+        cut_net(&half, halvings % 2, 0.5 * k, 0.5 + 0.5 * k);
         box = box_union(box, tight_box(&half, halvings - 1));
     }
     return box;
@@ -108,8 +108,8 @@ static bool is_flat(const PatchNet *net) { return fmax(bend_of(net, false), bend
 
 static void halve(PatchPiece *first, PatchPiece *second, bool along_v) {
     *second = *first;
-    bezier_cut_net(&first->net, along_v, 0, 0.5);
-    bezier_cut_net(&second->net, along_v, 0.5, 1);
+    cut_net(&first->net, along_v, 0, 0.5);
+    cut_net(&second->net, along_v, 0.5, 1);
     if (along_v) {
         second->width_v = first->width_v /= 2;
         second->v += second->width_v;

@@ -65,8 +65,6 @@ BezierCut bezier_cut(double low, double high);
 // New rows from old ones; new lanes from old ones.
 void bezier_cut_rows(Four row[4], const BezierCut *cut);
 void bezier_cut_lanes(Four row[4], const BezierCut *cut);
-void bezier_cut_net(PatchNet *net, bool along_v, double low, double high);
-
 // The point of a net, about the patch's centre, and its derivatives.
 typedef struct PatchPoint {
     Vec3 p, du, dv;

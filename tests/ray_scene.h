@@ -1,6 +1,6 @@
 // ray_scene.h - the nearest polygon along any ray, in double precision: slow, simple, the oracle of every method.
-#ifndef VISIBILITY_RAY_SCENE_H
-#define VISIBILITY_RAY_SCENE_H
+#ifndef TESTS_RAY_SCENE_H
+#define TESTS_RAY_SCENE_H
 
 #include "visibility/hidden/facets.h"
 

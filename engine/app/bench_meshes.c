@@ -112,20 +112,20 @@ static bool measure(const BenchArguments *a, Error *error) {
 
 const Bench BENCH_MESHES = {
     .name = "meshes",
-    .help = "  meshes         what adaptive meshes save: elements against error, from coarse to fine, of "
-            "even meshes, of even\n"
-            "                 ones cut where things stand (cut) and of what `enfilade bake` makes "
-            "(adaptive); the root of the\n"
-            "                 mean square, over all surfaces, of what the irradiance is off, percent of its "
-            "mean:\n"
-            "                 element_: what elements hold, vertex_: between their corners, gather_: of the "
-            "first 100 points;\n"
-            "                 of_even_: elements, of those that an even mesh needs for the same error\n"
-            "                 (default FILES: " BENCH_LIT_FILES ")\n"
-            "    --points N          1 to 1000000 (default 500)\n"
-            "    --error E           standard error of the truth, of the mean irradiance, 1e-6 to 1 (default "
-            "0.03)\n"
-            "    --seed N, --sky L, --csv OUT  as above\n",
+    .help =
+        "  meshes         what adaptive meshes save: elements against error, from coarse to fine, of even\n"
+        "                 meshes, of even ones cut where things stand (cut) and of what `enfilade bake` "
+        "makes\n"
+        "                 (adaptive); the root of the mean square, over all surfaces, of what the irradiance "
+        "is\n"
+        "                 off, percent of its mean: element_: what elements hold, vertex_: between corners,\n"
+        "                 gather_: of the first 100 points;\n"
+        "                 of_even_: elements, of those that an even mesh needs for the same error\n"
+        "                 (default FILES: " BENCH_LIT_FILES ")\n"
+        "    --points N          1 to 1000000 (default 500)\n"
+        "    --error E           standard error of the truth, of the mean irradiance, 1e-6 to 1 (default "
+        "0.03)\n"
+        "    --seed N, --sky L, --csv OUT  as above\n",
     .run = measure,
     .files = BENCH_LIT_FILES,
 };

@@ -35,6 +35,7 @@ expect 2 "$program" bench visibility --samples -1 $maps/two-rooms.plan && says e
 expect 2 "$program" bench visibility --methods flood,nonsense $maps/two-rooms.plan && says err '`flood,nonsense`'
 expect 2 "$program" bench formfactors --methods hemisphere,nonsense && says err '`hemisphere,nonsense`'
 expect 2 "$program" bench walk --methods stab && says err 'walk has no --methods'
+expect 2 "$program" bench walk --steps 3 && says err 'walk has no --steps'
 expect 2 "$program" bench formfactors --cullings most && says err '`most`'
 expect 2 "$program" bench formfactors --resolutions 100,7 && says err '`100,7`'
 expect 2 "$program" bake && says err 'one building file'

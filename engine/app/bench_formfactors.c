@@ -278,6 +278,7 @@ const Bench BENCH_FORMFACTORS = {
             "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
             "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
             "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
+            "    --seed N            of the reference\n"
             "    --quick             20 shooters, 300000 rays\n"
             "    --csv OUT           as above\n",
     .run = measure,

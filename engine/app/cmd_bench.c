@@ -1,4 +1,5 @@
 // cmd_bench.c - `enfilade bench NAME`: tables of measurements, a benchmark a row of the table below.
+#include <ctype.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -221,8 +222,16 @@ static int misuse_name(const char *what) {
     return app_misuse("bench", "bench: %s (allowed: %s)", what, names);
 }
 
+// An option is a benchmark's if its help tells of it; --map is any's.
+static bool has_option(const Bench *bench, const char *name) {
+    char option[40];
+    size_t length = (size_t)snprintf(option, sizeof option, "--%s", name);
+    for (const char *at = bench->help; (at = strstr(at, option)); at += length)
+        if (!isalpha((unsigned char)at[length]) && at[length] != '-') return true;
+    return strcmp(name, "map") == 0;
+}
+
 static int run(const Bench *bench, BenchArguments *a, char **files, int file_count) {
-    if (a->methods && !bench->knows) return app_misuse("bench", "bench: %s has no --methods", bench->name);
     if (a->methods && !are_methods(a->methods, bench->knows))
         return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
                           a->methods, bench->list);
@@ -274,16 +283,23 @@ int cmd_bench(int argc, char **argv) {
                         .resolution_count = 5,
                         .shooters = 60,
                         .rays = 4000000};
+    bool given[sizeof options / sizeof *options] = {false};
     opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
+    for (int c, at = 0; (c = getopt_long(argc, argv, ":h", options, &at)) != -1;) {
+        given[at] = true;
         if (c == 'h') return print_help() ? APP_GOOD : APP_BAD_INPUT;
         int code = parse_option(c, argv, &a);
         if (code != APP_GOOD) return code;
     }
     if (optind == argc) return misuse_name("which one?");
-    for (int i = 0; i < BENCH_COUNT; i++)
-        if (strcmp(BENCHES[i]->name, argv[optind]) == 0)
-            return run(BENCHES[i], &a, argv + optind + 1, argc - optind - 1);
+    for (int i = 0; i < BENCH_COUNT; i++) {
+        const Bench *bench = BENCHES[i];
+        if (strcmp(bench->name, argv[optind]) != 0) continue;
+        for (int k = 0; options[k].name; k++)
+            if (given[k] && !has_option(bench, options[k].name))
+                return app_misuse("bench", "bench: %s has no --%s", bench->name, options[k].name);
+        return run(bench, &a, argv + optind + 1, argc - optind - 1);
+    }
     char what[80];
     snprintf(what, sizeof what, "there is no benchmark `%.40s`", argv[optind]);
     return misuse_name(what);

@@ -6,8 +6,8 @@
 #include "maps/maps.h"
 #include "tests/fixture.h"
 #include "tests/soup_fixture.h"
-#include "visibility/query.h"
 #include "tests/support.h"
+#include "visibility/query.h"
 
 typedef struct Made {
     Arena arena;

@@ -5,8 +5,11 @@
 #define GROWN 2.0
 // Roots nearer to each other are one, in parameter.
 #define SAME 1e-8
+// Roots so near, in parameter, may be found as a double one: the sheet between them leaves the ray by some 1e-12 of its size,
+// a few times what the ray itself is rounded to.
+#define TWINS 5e-6
 // At a fold: the ray's angle with the surface, as a sine; at the border: the parameter's distance.
-#define FOLD 1e-5
+#define FOLD 3e-5
 #define BORDER 1e-10
 
 typedef long double Real;
@@ -118,8 +121,11 @@ bool patch_oracle_refine(const PatchOracle *o, const Ray *ray, double start_u, d
 }
 
 static void add(OracleRoot *roots, int *count, OracleRoot root) {
-    for (int i = 0; i < *count; i++)
-        if (fabs(roots[i].u - root.u) + fabs(roots[i].v - root.v) < SAME) return;
+    for (int i = 0; i < *count; i++) {
+        double apart = fabs(roots[i].u - root.u) + fabs(roots[i].v - root.v);
+        if (apart < SAME) return;
+        if (apart < TWINS) roots[i].sure = root.sure = false;
+    }
     if (*count < ORACLE_ROOTS) roots[(*count)++] = root;
 }
 

@@ -10,7 +10,8 @@ enum { ORACLE_ROOTS = 64 };
 
 typedef struct OracleRoot {
     double u, v, t;
-    bool sure;  // neither at a fold, where roots may be double, nor at the patch's border
+    bool
+        sure;  // neither at a fold or beside another root, where roots may be double, nor at the patch's border
 } OracleRoot;
 
 typedef struct PatchOracle PatchOracle;

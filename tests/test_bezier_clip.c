@@ -63,6 +63,11 @@ typedef struct Tally {
     long long rays, roots, unsure, beyond_the_grid;
 } Tally;
 
+// How far a hit may lie from its root along the ray: a thousand roundings across it, which a grazing ray stretches.
+static double known_to(const Bench *b, const Ray *ray, const RayHit *hit) {
+    return fmin(1e-5, EXACT + 1e-12 / fabs(vec3_dot(hit->normal, ray->direction))) * b->size;
+}
+
 // Each hit is a root, each root is a hit, one each.
 static void check_ray(const Bench *b, const Ray *ray, const char *name, unsigned long long seed,
                       Tally *tally) {
@@ -81,15 +86,15 @@ static void check_ray(const Bench *b, const Ray *ray, const char *name, unsigned
         bool known = false;
         for (int k = 0; k < root_count; k++) {
             double apart = fabs(roots[k].t - hits[i].t);
-            if (taken[k] || apart > (roots[k].sure ? EXACT : 1e-5) * b->size) continue;
+            if (taken[k] || apart > (roots[k].sure ? known_to(b, ray, &hits[i]) : 1e-5 * b->size)) continue;
             taken[k] = known = true;
             break;
         }
         if (known) continue;
         bool is_root = patch_oracle_refine(b->oracle, ray, hits[i].u, hits[i].v, &root);
         if (is_root && root.sure) tally->beyond_the_grid++;
-        cr_assert(!is_root || !root.sure || fabs(root.t - hits[i].t) < EXACT * b->size, "%s, seed %llu", name,
-                  seed);
+        cr_assert(!is_root || !root.sure || fabs(root.t - hits[i].t) < known_to(b, ray, &hits[i]),
+                  "%s, seed %llu", name, seed);
         for (int k = 0; k < root_count && is_root && root.sure; k++)
             cr_assert(fabs(roots[k].t - root.t) > EXACT * b->size,
                       "%s, seed %llu: hit %d of %d is there twice", name, seed, i, count);
@@ -142,9 +147,10 @@ static Vec3 tangent_at(const Bench *b, double u, double v, double turn, double o
 }
 
 // Rays that touch a patch without passing through: the double root is there, and at its place. Tolerance: anywhere
-// where the surface is within a few roundings of the ray. In an asymptotic direction, where the root is as good as triple,
+// where the surface is within some roundings of the ray (the search takes 1.6e-13 of the size for nothing, and which points
+// lie over the ray is only known to first order here). In an asymptotic direction, where the root is as good as triple,
 // the iteration may end undecided, and says so.
-Test(bezier_clip, rays_that_touch, .timeout = 60) {
+Test(bezier_clip, rays_that_touch, .timeout = 300) {
     for (int patch = 1; patch < RAY_PATCHES; patch++) {
         Arena arena = {0};
         Bench b = bench_of(patch, 1, vec3(0, 0, 0), 1, &arena);
@@ -155,7 +161,7 @@ Test(bezier_clip, rays_that_touch, .timeout = 60) {
             Random random = {seed};
             Vec3 p;
             double reach, u = random_between(&random, 0.01, 0.99), v = random_between(&random, 0.01, 0.99);
-            Vec3 d = tangent_at(&b, u, v, random_between(&random, 0, 2 * M_PI), 4e-13 * b.size, &p, &reach);
+            Vec3 d = tangent_at(&b, u, v, random_between(&random, 0, 2 * M_PI), 2e-12 * b.size, &p, &reach);
             Ray ray = ray_through(p, d, 3 * b.size);
             RayHit hits[ORACLE_ROOTS];
             long long undecided = work.undecided;

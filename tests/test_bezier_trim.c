@@ -59,7 +59,7 @@ static bool inside(const CurvedTrim *curves, int count, Vec2 at, bool *near) {
 }
 
 // Points anywhere, at the very height of a curve's ends too, where lines count twice or not at all if they are careless.
-Test(bezier_trim, keeps_what_winds_oddly, .timeout = 60) {
+Test(bezier_trim, keeps_what_winds_oddly, .timeout = 300) {
     int kept = 0, sure = 0;
     for (int round = 0; round < support_count(60, 5000); round++) {
         Arena arena = {0};

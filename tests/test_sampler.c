@@ -107,7 +107,7 @@ static void check_against_rays(const Method *m, const View *view, uint64_t seed,
 }
 
 // Near the origin and 1,000 km from it.
-Test(sampler, sees_what_rays_see, .timeout = 120) {
+Test(sampler, sees_what_rays_see, .timeout = 600) {
     int rounds = support_count(40, 2000), sure = 0, all = 0;
     for (int round = 0; round < rounds; round++) {
         Arena arena = {0};

@@ -21,7 +21,8 @@ static void on_geos_error(const char *message, void *context) {
 static bool run_pass(Enclosure *e, bool with_plugs, Pass *pass) {
     *pass = (Pass){.leaking = false};
     if (!plan_build(e, with_plugs, &pass->plan)) return false;
-    indoor_label(e, pass, with_plugs);
+    cover_label(e, pass, with_plugs);
+    indoor_label(e, pass);
     return true;
 }
 
@@ -57,6 +58,7 @@ static bool enclose(Enclosure *e) {
     holes_fit(e);
     if (!find_indoors(e)) return false;
     indoor_report(e);
+    leaks_report(e);
     columns_build(e);
     columns_drop_unseen_outdoors(e);
     openings_append(e);

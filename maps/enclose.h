@@ -102,6 +102,17 @@ typedef struct Pass {
     bool leaking;     // a room lies open, or walls enclose nothing
 } Pass;
 
+// Disjoint sets: parent[i] of every element, itself at first; a set goes by its lowest element.
+static inline int set_find(int *parent, int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+static inline void set_unite(int *parent, int a, int b) {
+    a = set_find(parent, a);
+    b = set_find(parent, b);
+    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
+}
+
 typedef struct Enclosure {
     const Sketch *sketch;
     Building *b;
@@ -134,6 +145,8 @@ GEOSGeometry *shape_to_geos(Enclosure *e, const Shape *shape);  // made valid; N
 void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowest, ShapeList *out);
 // Nodes and polygonizes everything in use; false with the error set when GEOS fails.
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out);
+// The faces whose inner point lies in the shape, in the order of x. Returns how many.
+int plan_faces_in(const Plan *p, const Shape *shape, int *out);
 static inline int half_from(const Plan *p, int h) { return p->edges[h >> 1].v[h & 1]; }
 static inline int half_to(const Plan *p, int h) { return p->edges[h >> 1].v[~h & 1]; }
 static inline int half_left(const Plan *p, int h) { return p->edges[h >> 1].face[h & 1]; }
@@ -153,9 +166,23 @@ const char *enclose_text(const char *place);
 // ---- enclose_holes.c
 void holes_fit(Enclosure *e);
 
+// ---- enclose_cover.c
+void cover_label(Enclosure *e, Pass *pass, bool with_plugs);  // makes pass->spots
+
 // ---- enclose_indoor.c
-void indoor_label(Enclosure *e, Pass *pass, bool with_plugs);
-void indoor_report(Enclosure *e);  // areas, terraces, leaks
+void indoor_label(Enclosure *e, Pass *pass);
+// Neither wall nor opening.
+static inline bool spot_is_open(const Spot *s) { return s->wall == NO_WALL && s->hole[0] < 0; }
+// Mean width of a face or patch.
+static inline double face_width(double area, double perimeter) {
+    return perimeter > 0 ? 2 * area / perimeter : 0;
+}
+
+// ---- enclose_report.c
+void indoor_report(Enclosure *e);  // areas, terraces, openings that lie over one another, closed gaps
+
+// ---- enclose_leaks.c
+void leaks_report(Enclosure *e);
 
 // ---- enclose_columns.c
 void columns_build(Enclosure *e);

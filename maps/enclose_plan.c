@@ -318,6 +318,21 @@ static void read_faces(Enclosure *e, const GEOSGeometry *polygons, Plan *plan) {
     finish_faces(e, plan);
 }
 
+int plan_faces_in(const Plan *p, const Shape *shape, int *out) {
+    int low = 0, high = p->face_count, count = 0;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (p->faces[p->by_x[middle]].inner.x < shape->min.x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (; low < p->face_count && p->faces[p->by_x[low]].inner.x <= shape->max.x; low++) {
+        if (shape_contains(shape, p->faces[p->by_x[low]].inner)) out[count++] = p->by_x[low];
+    }
+    return count;
+}
+
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out) {
     Lines lines = {NULL, 0, 0};
     gather_lines(e, with_plugs, &lines);

@@ -13,11 +13,6 @@ static const double SIDE_REACH = 30;
 // Sides of walls that cover the solid behind an edge go before others by this, mm.
 static const double COVER_BONUS = 100;
 
-static int find(int *parent, int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 int enclose_push_point(Enclosure *e, Vec2 metres, int material) {
     Building *b = e->b;
     if (b->edge_capacity <= b->point_count) {
@@ -153,8 +148,7 @@ static void join_spans(Tracer *t) {
         for (int k = c.first_span; k < c.first_span + c.span_count; k++) {
             int other = matching_span(e, k, g);
             if (other < 0) continue;
-            int a = find(t->parent, k), b = find(t->parent, other);
-            if (a != b) t->parent[a > b ? a : b] = a < b ? a : b;
+            set_unite(t->parent, k, other);
         }
     }
 }
@@ -408,11 +402,11 @@ static void group_spans(Tracer *t) {
     for (int f = 0; f < e->pass.plan.face_count; f++) {
         for (int k = 0; k < e->columns[f].span_count; k++) t->span_face[e->columns[f].first_span + k] = f;
     }
-    for (int i = 0; i < n; i++) t->first[find(t->parent, i) + 1]++;
+    for (int i = 0; i < n; i++) t->first[set_find(t->parent, i) + 1]++;
     for (int i = 0; i < n; i++) t->first[i + 1] += t->first[i];
     int *at = ARENA_ARRAY(e->scratch, int, n + 1);
     memcpy(at, t->first, sizeof(int) * (size_t)n);
-    for (int i = 0; i < n; i++) t->list[at[find(t->parent, i)]++] = i;
+    for (int i = 0; i < n; i++) t->list[at[set_find(t->parent, i)]++] = i;
 }
 
 void regions_trace(Enclosure *e) {

@@ -1,0 +1,161 @@
+// enclose_cover.c - which walls, implicit walls, fillings, rooms, openings and cut-outs of the sketch cover each face of the plan.
+//
+// A face is covered by a shape in which its inner point lies. Faces too narrow to be meant take after a neighbour.
+#include "maps/enclose.h"
+
+// Mean width (twice the area over the perimeter) below which a face is noise of the grid and goes to its
+// neighbour, mm.
+static const double SLIVER = 2.5;
+// A neighbour counts along this share of a sliver's outline: its two long sides are half each.
+static const double GOOD_PART = 0.2;
+
+static double distance_to_outline(const Shape *shape, Vec2 p) {
+    double best = INFINITY;
+    for (int i = 0, n = shape->ring[1]; i < n; i++) {
+        Vec2 a = shape->points[i], d = vec2_sub(shape->points[(i + 1) % n], a), ap = vec2_sub(p, a);
+        double t = fmin(1, fmax(0, vec2_dot(ap, d) / vec2_dot(d, d)));
+        best = fmin(best, vec2_length(vec2_sub(ap, vec2_scale(d, t))));
+    }
+    return best;
+}
+
+static int nearest_owner(const Enclosure *e, int storey, Vec2 p) {
+    int owner = -1;
+    double best = INFINITY;
+    for (int i = 0; i < e->sketch->room_count; i++) {
+        if (!e->room_used[i] || e->sketch->rooms[i].storey != storey || e->room_wall[i] <= 0) continue;
+        double d = distance_to_outline(&e->rooms[i], p);
+        if (d >= best) continue;
+        best = d;
+        owner = i;
+    }
+    return owner;
+}
+
+static void label_walls(Enclosure *e, Pass *pass, bool with_plugs, int *faces) {
+    const Sketch *s = e->sketch;
+    const Plan *p = &pass->plan;
+    for (int i = 0; i < s->wall_count; i++) {
+        if (!e->wall_bounds[i]) continue;
+        Spot *spots = pass->spots + (size_t)s->walls[i].storey * (size_t)p->face_count;
+        for (int k = plan_faces_in(p, &e->walls[i], faces); k-- > 0;) {
+            if (spots[faces[k]].wall == NO_WALL) spots[faces[k]].wall = i;
+        }
+    }
+    for (int storey = 0; storey < e->b->storey_count; storey++) {
+        Spot *spots = pass->spots + (size_t)storey * (size_t)p->face_count;
+        for (int way = 0; way < 1 + with_plugs; way++) {
+            const ShapeList *list = way ? &e->plugs[storey] : &e->implicit[storey];
+            for (int i = 0; i < list->count; i++) {
+                for (int k = plan_faces_in(p, &list->items[i], faces); k-- > 0;) {
+                    Spot *spot = &spots[faces[k]];
+                    if (spot->wall != NO_WALL) continue;
+                    spot->wall = way ? WALL_PLUG : WALL_IMPLICIT;
+                    if (!way) spot->owner = nearest_owner(e, storey, p->faces[faces[k]].inner);
+                }
+            }
+        }
+    }
+}
+
+static void label_rooms(Enclosure *e, Pass *pass, int *faces) {
+    const Sketch *s = e->sketch;
+    const Plan *p = &pass->plan;
+    for (int i = 0; i < s->room_count; i++) {
+        if (!e->room_used[i]) continue;
+        Spot *spots = pass->spots + (size_t)s->rooms[i].storey * (size_t)p->face_count;
+        for (int k = plan_faces_in(p, &e->rooms[i], faces); k-- > 0;) {
+            if (spots[faces[k]].room < 0) spots[faces[k]].room = i;
+        }
+    }
+    for (int i = 0; i < s->cutout_count; i++) {
+        if (!e->cutout_used[i]) continue;
+        Spot *spots = pass->spots + (size_t)s->cutouts[i].storey * (size_t)p->face_count;
+        for (int k = plan_faces_in(p, &e->cutouts[i], faces); k-- > 0;) {
+            if (spots[faces[k]].cutout < 0) spots[faces[k]].cutout = i;
+        }
+    }
+}
+
+// Openings may stand above one another; where they overlap, the first one wins.
+static bool place_hole(const Enclosure *e, Spot *spot, int hole) {
+    const Hole *h = &e->holes[hole];
+    for (int k = 0; k < SPOT_HOLES; k++) {
+        if (spot->hole[k] < 0) {
+            spot->hole[k] = hole;
+            return true;
+        }
+        const Hole *other = &e->holes[spot->hole[k]];
+        if (h->sill < other->head && other->sill < h->head) return false;
+    }
+    return false;
+}
+
+static void label_holes(Enclosure *e, Pass *pass, int *faces) {
+    const Sketch *s = e->sketch;
+    const Plan *p = &pass->plan;
+    for (int i = 0; i < s->opening_count; i++) {
+        if (!e->holes[i].used) continue;
+        Spot *spots = pass->spots + (size_t)s->openings[i].storey * (size_t)p->face_count;
+        for (int k = plan_faces_in(p, &e->holes[i].box, faces); k-- > 0;) place_hole(e, &spots[faces[k]], i);
+    }
+}
+
+// What a sliver takes after: the neighbour with the longest common edge, an open one before an opening
+// before a wall if it runs along a good part of the sliver, so that no sliver of wall stands between an
+// opening and a room.
+static int neighbour_of_sliver(const Plan *p, const Spot *spots, const bool *settled, int face) {
+    double along[3] = {0, 0, 0}, longest[3] = {0, 0, 0};
+    int best[3] = {-1, -1, -1};
+    for (int k = 0; k < p->faces[face].half_count; k++) {
+        int h = p->halves[p->faces[face].first_half + k], g = half_right(p, h);
+        if (g < 0 || !settled[g]) continue;
+        int rank = spot_is_open(&spots[g]) ? 0 : spots[g].hole[0] >= 0 ? 1 : 2;
+        along[rank] += half_length(p, h);
+        if (half_length(p, h) <= longest[rank]) continue;
+        longest[rank] = half_length(p, h);
+        best[rank] = g;
+    }
+    for (int rank = 0; rank < 3; rank++) {
+        if (best[rank] >= 0 && along[rank] >= GOOD_PART * p->faces[face].perimeter) return best[rank];
+    }
+    for (int rank = 2; rank >= 0; rank--) {
+        if (best[rank] >= 0) return best[rank];
+    }
+    return -1;
+}
+
+// Slivers lie between lines that nearly coincide. In rounds, since some lie beside others.
+static void absorb_slivers(Enclosure *e, Pass *pass) {
+    enum { ROUNDS = 4 };
+    const Plan *p = &pass->plan;
+    bool *settled = ARENA_ARRAY(e->scratch, bool, p->face_count),
+         *now = ARENA_ARRAY(e->scratch, bool, p->face_count);
+    for (int f = 0; f < p->face_count; f++)
+        settled[f] = face_width(p->faces[f].area, p->faces[f].perimeter) >= SLIVER;
+    for (int round = 0; round < ROUNDS; round++) {
+        memcpy(now, settled, (size_t)p->face_count * sizeof *now);
+        for (int f = 0; f < p->face_count; f++) {
+            for (int storey = 0; !settled[f] && storey < e->b->storey_count; storey++) {
+                Spot *spots = pass->spots + (size_t)storey * (size_t)p->face_count;
+                int best = neighbour_of_sliver(p, spots, settled, f);
+                if (best < 0) continue;
+                spots[f] = spots[best];
+                now[f] = true;
+            }
+        }
+        memcpy(settled, now, (size_t)p->face_count * sizeof *now);
+    }
+}
+
+void cover_label(Enclosure *e, Pass *pass, bool with_plugs) {
+    const Plan *p = &pass->plan;
+    size_t count = (size_t)e->b->storey_count * (size_t)p->face_count;
+    pass->spots = ARENA_ARRAY(e->scratch, Spot, count);
+    for (size_t i = 0; i < count; i++) pass->spots[i] = (Spot){NO_WALL, {-1, -1}, -1, -1, -1, -1, -1};
+    int *faces = ARENA_ARRAY(e->scratch, int, p->face_count);
+    label_walls(e, pass, with_plugs, faces);
+    label_rooms(e, pass, faces);
+    label_holes(e, pass, faces);
+    absorb_slivers(e, pass);
+}

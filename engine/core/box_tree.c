@@ -1,0 +1,104 @@
+// box_tree.c - a k-d tree of boxes: the boxes are halved at the median of their middles, across the direction in which these
+// lie farthest apart, until few are left. Medians, not the middle of space: one box far from all others costs a level at most.
+#include "engine/core/box_tree.h"
+
+#include <stdlib.h>
+
+enum { LEAF = 4 };  // boxes to a leaf: fewer make more nodes than they save tests
+
+typedef struct Builder {
+    BoxTree *tree;
+    Vec3 *middles;  // [count]
+} Builder;
+
+static double along(Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+
+// Ties go to the lower index, so that the tree does not depend on how the boxes lay before.
+static bool before(const Builder *b, int axis, int i, int j) {
+    double p = along(b->middles[i], axis), q = along(b->middles[j], axis);
+    return p != q ? p < q : i < j;
+}
+
+static void swap(int *a, int *b) {
+    int c = *a;
+    *a = *b;
+    *b = c;
+}
+
+// Puts the `middle` boxes that come first along the axis before the others (C. A. R. Hoare, Algorithm 65: Find, 1961).
+static void halve(const Builder *b, int *order, int count, int middle, int axis) {
+    int low = 0, high = count - 1;
+    while (low < high) {
+        int pivot = order[low + (high - low) / 2], i = low, j = high;
+        while (i <= j) {
+            while (before(b, axis, order[i], pivot)) i++;
+            while (before(b, axis, pivot, order[j])) j--;
+            if (i <= j) swap(&order[i++], &order[j--]);
+        }
+        if (j < middle) low = i;
+        if (i > middle) high = j;
+    }
+}
+
+static int widest_axis(const Builder *b, int first, int count) {
+    Box box = box_empty();
+    for (int i = first; i < first + count; i++) box = box_add(box, b->middles[b->tree->order[i]]);
+    Vec3 size = vec3_sub(box.max, box.min);
+    return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+static void add_node(Builder *b, int first, int count) {
+    BoxTree *tree = b->tree;
+    BoxNode *node = &tree->nodes[tree->node_count++];
+    *node = (BoxNode){.box = box_empty(), .first = first};
+    for (int i = first; i < first + count; i++) node->box = box_union(node->box, tree->boxes[tree->order[i]]);
+    if (count <= LEAF) {
+        node->count = count;
+    } else {
+        int half = count / 2;
+        halve(b, tree->order + first, count, half, widest_axis(b, first, count));
+        add_node(b, first, half);
+        add_node(b, first + half, count - half);
+    }
+    node->next = tree->node_count;
+}
+
+BoxTree box_tree_build(const Box *boxes, int count, Arena *arena) {
+    BoxTree tree = {.boxes = boxes, .order = ARENA_ARRAY(arena, int, count)};
+    Builder builder = {&tree, ARENA_ARRAY(arena, Vec3, count)};
+    for (int i = 0; i < count; i++) {
+        if (box_is_empty(boxes[i])) continue;
+        builder.middles[i] = vec3_scale(vec3_add(boxes[i].min, boxes[i].max), 0.5);
+        tree.order[tree.count++] = i;
+    }
+    // Leaves hold two boxes at least, but for a tree of one.
+    tree.nodes = ARENA_ARRAY(arena, BoxNode, tree.count + 1);
+    if (tree.count > 0) add_node(&builder, 0, tree.count);
+    return tree;
+}
+
+static int ascending(const void *p, const void *q) {
+    int a = *(const int *)p, b = *(const int *)q;
+    return (a > b) - (a < b);
+}
+
+int box_tree_find(const BoxTree *tree, Box box, Arena *arena, BoxHits *hits) {
+    hits->count = 0;
+    for (int n = 0; n < tree->node_count;) {
+        const BoxNode *node = &tree->nodes[n];
+        hits->looked++;
+        if (!box_overlap(node->box, box)) {
+            n = node->next;
+            continue;
+        }
+        hits->looked += node->count;
+        for (int i = node->first; i < node->first + node->count; i++) {
+            int item = tree->order[i];
+            if (!box_overlap(tree->boxes[item], box)) continue;
+            *ARENA_PUSH(arena, hits->items, hits->count, hits->capacity) = item;
+        }
+        n++;
+    }
+    if (hits->count > 1) qsort(hits->items, (size_t)hits->count, sizeof *hits->items, ascending);
+    return hits->count;
+}

@@ -1,0 +1,36 @@
+// box_tree.h - which of many boxes meet a box, without looking at all of them.
+#ifndef CORE_BOX_TREE_H
+#define CORE_BOX_TREE_H
+
+#include "engine/core/arena.h"
+#include "engine/core/vec.h"
+
+// A node over the items order[first] .. order[first + count - 1]; depth-first, `next` is the one after its subtree.
+typedef struct BoxNode {
+    Box box;
+    int first, count, next;
+} BoxNode;
+
+// A balanced binary tree, see box_tree_build.
+typedef struct BoxTree {
+    const Box *boxes;  // [count] as given; the caller keeps them
+    int *order;        // [count] their indices, leaf by leaf
+    BoxNode *nodes;
+    int count, node_count;
+} BoxTree;
+
+// What a search found. Start with {0}; one of these serves many searches, and keeps its memory.
+typedef struct BoxHits {
+    int *items;
+    int count, capacity;
+    long long looked;  // nodes and boxes looked at, over all searches
+} BoxHits;
+
+// Boxes may overlap, be points, or be empty (box_empty): those are never found. The same boxes give the same tree.
+BoxTree box_tree_build(const Box *boxes, int count, Arena *arena);
+
+// Fills `hits` with the indices of the boxes that overlap or touch `box`, ascending. Returns how many. Looks at about
+// log(count) boxes more than it finds. `arena` is for hits->items.
+int box_tree_find(const BoxTree *tree, Box box, Arena *arena, BoxHits *hits);
+
+#endif

@@ -9,6 +9,7 @@
 #define GEOS_USE_ONLY_R_API
 #include <geos_c.h>
 
+#include "engine/core/box_tree.h"
 #include "maps/sketch.h"
 
 #define ENCLOSE_MM 1000.0  // millimetres in a metre
@@ -44,7 +45,7 @@ typedef struct Plan {
     PlanEdge *edges;
     PlanFace *faces;
     int *halves;
-    int *by_x;  // [face_count] faces by inner.x
+    BoxTree inner;  // over the inner points of the faces, as if on storey 0
     int vertex_count, edge_count, face_count, half_count;
 } Plan;
 
@@ -60,6 +61,12 @@ typedef struct Hole {
     Shape box;
     int opening;  // in Building.openings, -1 until it is there
 } Hole;
+
+// A room's outline, grown by the thickness of its implicit wall.
+typedef struct Grown {
+    Shape shape;
+    int room;
+} Grown;
 
 // Spot.wall: the index of a wall, or one of these.
 enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4 };
@@ -127,9 +134,13 @@ typedef struct Enclosure {
     bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
     bool *room_used, *cutout_used;
     double *room_wall;    // [room_count] mm of implicit wall, 0: none
-    ShapeList *implicit;  // [storey_count] solids of implicit walls
+    Grown *grown;         // [grown_count] implicit walls: what lies in one of these, and in no such room
+    ShapeList *implicit;  // [storey_count] their union
     ShapeList *plugs;     // [storey_count] fillings of small gaps
     Hole *holes;          // [opening_count]
+    int grown_count, grown_capacity;
+    BoxTree wall_tree, room_tree, grown_tree;  // of those in use, on their storeys (enclose_box)
+    BoxHits near, faces;                       // what was found last in these, in Plan.inner
     double *floor, *ceiling, *base,
         *cover;  // [storey_count] base: under its slab; cover: top of what lies above
     Pass pass;
@@ -138,6 +149,14 @@ typedef struct Enclosure {
     int span_count, span_capacity;
 } Enclosure;
 
+// A plan rectangle on a storey, as the trees hold it.
+static inline Box enclose_box(Vec2 min, Vec2 max, int storey) {
+    return (Box){vec3(min.x, min.y, storey), vec3(max.x, max.y, storey)};
+}
+static inline Box enclose_around(Vec2 p, double reach, int storey) {
+    return enclose_box(vec2(p.x - reach, p.y - reach), vec2(p.x + reach, p.y + reach), storey);
+}
+
 // ---- enclose_plan.c
 bool shape_contains(const Shape *shape, Vec2 p);
 Shape shape_of_points(Arena *arena, const Vec2 *points, int count);
@@ -145,8 +164,8 @@ GEOSGeometry *shape_to_geos(Enclosure *e, const Shape *shape);  // made valid; N
 void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowest, ShapeList *out);
 // Nodes and polygonizes everything in use; false with the error set when GEOS fails.
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out);
-// The faces whose inner point lies in the shape, in the order of x. Returns how many.
-int plan_faces_in(const Plan *p, const Shape *shape, int *out);
+// Puts the faces whose inner point lies in the shape into e->faces, ascending. Returns how many.
+int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape);
 static inline int half_from(const Plan *p, int h) { return p->edges[h >> 1].v[h & 1]; }
 static inline int half_to(const Plan *p, int h) { return p->edges[h >> 1].v[~h & 1]; }
 static inline int half_left(const Plan *p, int h) { return p->edges[h >> 1].face[h & 1]; }

@@ -19,11 +19,15 @@ static double distance_to_outline(const Shape *shape, Vec2 p) {
     return best;
 }
 
-static int nearest_owner(const Enclosure *e, int storey, Vec2 p) {
+// The room with a wall whose outline is nearest to p, none farther than `reach`.
+static int nearest_owner(Enclosure *e, int storey, Vec2 p, double reach) {
     int owner = -1;
     double best = INFINITY;
-    for (int i = 0; i < e->sketch->room_count; i++) {
-        if (!e->room_used[i] || e->sketch->rooms[i].storey != storey || e->room_wall[i] <= 0) continue;
+    // A little more: whose outline is as near as another's must be found for all rounding.
+    box_tree_find(&e->room_tree, enclose_around(p, reach + MAPS_GRID, storey), e->scratch, &e->near);
+    for (int k = 0; k < e->near.count; k++) {
+        int i = e->near.items[k];
+        if (e->room_wall[i] <= 0) continue;
         double d = distance_to_outline(&e->rooms[i], p);
         if (d >= best) continue;
         best = d;
@@ -32,47 +36,73 @@ static int nearest_owner(const Enclosure *e, int storey, Vec2 p) {
     return owner;
 }
 
-static void label_walls(Enclosure *e, Pass *pass, bool with_plugs, int *faces) {
+static Spot *spots_of(const Pass *pass, int storey) {
+    return pass->spots + (size_t)storey * (size_t)pass->plan.face_count;
+}
+
+static void label_walls(Enclosure *e, Pass *pass) {
     const Sketch *s = e->sketch;
-    const Plan *p = &pass->plan;
     for (int i = 0; i < s->wall_count; i++) {
         if (!e->wall_bounds[i]) continue;
-        Spot *spots = pass->spots + (size_t)s->walls[i].storey * (size_t)p->face_count;
-        for (int k = plan_faces_in(p, &e->walls[i], faces); k-- > 0;) {
-            if (spots[faces[k]].wall == NO_WALL) spots[faces[k]].wall = i;
+        Spot *spots = spots_of(pass, s->walls[i].storey);
+        for (int k = plan_faces_in(e, &pass->plan, &e->walls[i]); k-- > 0;) {
+            Spot *spot = &spots[e->faces.items[k]];
+            if (spot->wall == NO_WALL) spot->wall = i;
         }
     }
+}
+
+// What lies in a room's grown outline and in no room that has a wall.
+static void label_implicit_walls(Enclosure *e, Pass *pass) {
+    const Plan *p = &pass->plan;
+    bool *inside = ARENA_ARRAY(e->scratch, bool, (size_t)e->b->storey_count *(size_t)p->face_count);
+    for (int i = 0; i < e->sketch->room_count; i++) {
+        if (!e->room_used[i] || e->room_wall[i] <= 0) continue;
+        bool *here = inside + (size_t)e->sketch->rooms[i].storey * (size_t)p->face_count;
+        for (int k = plan_faces_in(e, p, &e->rooms[i]); k-- > 0;) here[e->faces.items[k]] = true;
+    }
+    for (int i = 0; i < e->grown_count; i++) {
+        int room = e->grown[i].room, storey = e->sketch->rooms[room].storey;
+        const bool *here = inside + (size_t)storey * (size_t)p->face_count;
+        Spot *spots = spots_of(pass, storey);
+        for (int k = plan_faces_in(e, p, &e->grown[i].shape); k-- > 0;) {
+            int f = e->faces.items[k];
+            if (spots[f].wall != NO_WALL || here[f]) continue;
+            Vec2 inner = p->faces[f].inner;
+            spots[f].wall = WALL_IMPLICIT;
+            spots[f].owner = nearest_owner(e, storey, inner, distance_to_outline(&e->rooms[room], inner));
+        }
+    }
+}
+
+static void label_plugs(Enclosure *e, Pass *pass) {
     for (int storey = 0; storey < e->b->storey_count; storey++) {
-        Spot *spots = pass->spots + (size_t)storey * (size_t)p->face_count;
-        for (int way = 0; way < 1 + with_plugs; way++) {
-            const ShapeList *list = way ? &e->plugs[storey] : &e->implicit[storey];
-            for (int i = 0; i < list->count; i++) {
-                for (int k = plan_faces_in(p, &list->items[i], faces); k-- > 0;) {
-                    Spot *spot = &spots[faces[k]];
-                    if (spot->wall != NO_WALL) continue;
-                    spot->wall = way ? WALL_PLUG : WALL_IMPLICIT;
-                    if (!way) spot->owner = nearest_owner(e, storey, p->faces[faces[k]].inner);
-                }
+        Spot *spots = spots_of(pass, storey);
+        for (int i = 0; i < e->plugs[storey].count; i++) {
+            for (int k = plan_faces_in(e, &pass->plan, &e->plugs[storey].items[i]); k-- > 0;) {
+                Spot *spot = &spots[e->faces.items[k]];
+                if (spot->wall == NO_WALL) spot->wall = WALL_PLUG;
             }
         }
     }
 }
 
-static void label_rooms(Enclosure *e, Pass *pass, int *faces) {
+static void label_rooms(Enclosure *e, Pass *pass) {
     const Sketch *s = e->sketch;
-    const Plan *p = &pass->plan;
     for (int i = 0; i < s->room_count; i++) {
         if (!e->room_used[i]) continue;
-        Spot *spots = pass->spots + (size_t)s->rooms[i].storey * (size_t)p->face_count;
-        for (int k = plan_faces_in(p, &e->rooms[i], faces); k-- > 0;) {
-            if (spots[faces[k]].room < 0) spots[faces[k]].room = i;
+        Spot *spots = spots_of(pass, s->rooms[i].storey);
+        for (int k = plan_faces_in(e, &pass->plan, &e->rooms[i]); k-- > 0;) {
+            Spot *spot = &spots[e->faces.items[k]];
+            if (spot->room < 0) spot->room = i;
         }
     }
     for (int i = 0; i < s->cutout_count; i++) {
         if (!e->cutout_used[i]) continue;
-        Spot *spots = pass->spots + (size_t)s->cutouts[i].storey * (size_t)p->face_count;
-        for (int k = plan_faces_in(p, &e->cutouts[i], faces); k-- > 0;) {
-            if (spots[faces[k]].cutout < 0) spots[faces[k]].cutout = i;
+        Spot *spots = spots_of(pass, s->cutouts[i].storey);
+        for (int k = plan_faces_in(e, &pass->plan, &e->cutouts[i]); k-- > 0;) {
+            Spot *spot = &spots[e->faces.items[k]];
+            if (spot->cutout < 0) spot->cutout = i;
         }
     }
 }
@@ -91,13 +121,12 @@ static bool place_hole(const Enclosure *e, Spot *spot, int hole) {
     return false;
 }
 
-static void label_holes(Enclosure *e, Pass *pass, int *faces) {
-    const Sketch *s = e->sketch;
-    const Plan *p = &pass->plan;
-    for (int i = 0; i < s->opening_count; i++) {
+static void label_holes(Enclosure *e, Pass *pass) {
+    for (int i = 0; i < e->sketch->opening_count; i++) {
         if (!e->holes[i].used) continue;
-        Spot *spots = pass->spots + (size_t)s->openings[i].storey * (size_t)p->face_count;
-        for (int k = plan_faces_in(p, &e->holes[i].box, faces); k-- > 0;) place_hole(e, &spots[faces[k]], i);
+        Spot *spots = spots_of(pass, e->sketch->openings[i].storey);
+        for (int k = plan_faces_in(e, &pass->plan, &e->holes[i].box); k-- > 0;)
+            place_hole(e, &spots[e->faces.items[k]], i);
     }
 }
 
@@ -137,7 +166,7 @@ static void absorb_slivers(Enclosure *e, Pass *pass) {
         memcpy(now, settled, (size_t)p->face_count * sizeof *now);
         for (int f = 0; f < p->face_count; f++) {
             for (int storey = 0; !settled[f] && storey < e->b->storey_count; storey++) {
-                Spot *spots = pass->spots + (size_t)storey * (size_t)p->face_count;
+                Spot *spots = spots_of(pass, storey);
                 int best = neighbour_of_sliver(p, spots, settled, f);
                 if (best < 0) continue;
                 spots[f] = spots[best];
@@ -149,13 +178,13 @@ static void absorb_slivers(Enclosure *e, Pass *pass) {
 }
 
 void cover_label(Enclosure *e, Pass *pass, bool with_plugs) {
-    const Plan *p = &pass->plan;
-    size_t count = (size_t)e->b->storey_count * (size_t)p->face_count;
+    size_t count = (size_t)e->b->storey_count * (size_t)pass->plan.face_count;
     pass->spots = ARENA_ARRAY(e->scratch, Spot, count);
     for (size_t i = 0; i < count; i++) pass->spots[i] = (Spot){NO_WALL, {-1, -1}, -1, -1, -1, -1, -1};
-    int *faces = ARENA_ARRAY(e->scratch, int, p->face_count);
-    label_walls(e, pass, with_plugs, faces);
-    label_rooms(e, pass, faces);
-    label_holes(e, pass, faces);
+    label_walls(e, pass);
+    label_implicit_walls(e, pass);
+    if (with_plugs) label_plugs(e, pass);
+    label_rooms(e, pass);
+    label_holes(e, pass);
     absorb_slivers(e, pass);
 }

@@ -61,20 +61,15 @@ static Reach reach_of(const Hole *h, const Shape *shape) {
     return r;
 }
 
-static bool on_storey(const Enclosure *e, int wall, int storey) {
-    return e->wall_bounds[wall] && e->sketch->walls[wall].storey == storey;
+// Searches a tree for what comes this near to the opening; it is in e->near then. Returns how many.
+static int find_near(Enclosure *e, const BoxTree *tree, const SketchOpening *o, const Hole *h, double reach) {
+    return box_tree_find(tree, enclose_around(h->centre, h->half + reach, o->storey), e->scratch, &e->near);
 }
 
-static bool near_hole(const Hole *h, const Shape *shape, double reach) {
-    double r = h->half + reach;
-    return shape->min.x <= h->centre.x + r && shape->max.x >= h->centre.x - r &&
-           shape->min.y <= h->centre.y + r && shape->max.y >= h->centre.y - r;
-}
-
-static bool fit_to_walls(const Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
+static bool fit_to_walls(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
     double v0 = INFINITY, v1 = -INFINITY;
-    for (int i = 0; i < e->sketch->wall_count; i++) {
-        if (!on_storey(e, i, o->storey) || !near_hole(h, &e->walls[i], depth)) continue;
+    for (int k = find_near(e, &e->wall_tree, o, h, depth); k-- > 0;) {
+        int i = e->near.items[k];
         double angle = e->sketch->walls[i].angle;
         if (fabs(cos(angle) * h->u.y - sin(angle) * h->u.x) > PARALLEL) continue;
         Reach r = reach_of(h, &e->walls[i]);
@@ -95,8 +90,9 @@ typedef struct Cover {
     double v0, v1;
 } Cover;
 
+enum { COVERS = 256 };  // more on one line is no plan; the rest is not seen
 typedef struct Covers {
-    Cover items[256];  // more on one line is no plan; the rest is not seen
+    Cover items[COVERS];
     int count;
 } Covers;
 
@@ -116,7 +112,7 @@ static void cover_by(const Hole *h, const Shape *shape, double u, Covers *covers
         }
     }
     qsort(cuts, (size_t)count, sizeof *cuts, by_value);
-    for (int i = 0; i + 1 < count && covers->count < 256; i += 2)
+    for (int i = 0; i + 1 < count && covers->count < COVERS; i += 2)
         covers->items[covers->count++] = (Cover){cuts[i], cuts[i + 1]};
 }
 
@@ -137,14 +133,12 @@ static double end_of_cover(const Covers *covers, double v, double way) {
     return v;
 }
 
-static void extend(const Enclosure *e, const SketchOpening *o, Hole *h) {
+static void extend(Enclosure *e, const SketchOpening *o, Hole *h) {
     double more[2][SAMPLES];
+    int count = find_near(e, &e->wall_tree, o, h, THICKEST_WALL);
     for (int s = 0; s < SAMPLES; s++) {
         Covers covers = {.count = 0};
-        for (int i = 0; i < e->sketch->wall_count; i++) {
-            if (!on_storey(e, i, o->storey) || !near_hole(h, &e->walls[i], THICKEST_WALL)) continue;
-            cover_by(h, &e->walls[i], sample_at(h, s), &covers);
-        }
+        for (int i = 0; i < count; i++) cover_by(h, &e->walls[e->near.items[i]], sample_at(h, s), &covers);
         more[0][s] = h->v0 - end_of_cover(&covers, h->v0, -1);
         more[1][s] = end_of_cover(&covers, h->v1, 1) - h->v1;
     }
@@ -161,18 +155,53 @@ static void extend(const Enclosure *e, const SketchOpening *o, Hole *h) {
     }
 }
 
+// Joins covers that overlap or touch, in order.
+static void join_covers(Covers *covers) {
+    int kept = 0;
+    qsort(covers->items, (size_t)covers->count, sizeof(Cover), by_value);  // by v0, which comes first in them
+    for (int i = 0; i < covers->count; i++) {
+        Cover c = covers->items[i];
+        if (kept > 0 && c.v0 <= covers->items[kept - 1].v1 + MAPS_GRID) {
+            covers->items[kept - 1].v1 = fmax(covers->items[kept - 1].v1, c.v1);
+        } else {
+            covers->items[kept++] = c;
+        }
+    }
+    covers->count = kept;
+}
+
+// What implicit walls cover of the line u: grown outlines less rooms, of those in e->near.
+static void cover_by_implicit(const Enclosure *e, const Hole *h, double u, Covers *out) {
+    Covers grown = {.count = 0}, rooms = {.count = 0};
+    for (int i = 0; i < e->near.count; i++) {
+        const Grown *g = &e->grown[e->near.items[i]];
+        cover_by(h, &g->shape, u, &grown);
+        cover_by(h, &e->rooms[g->room], u, &rooms);
+    }
+    join_covers(&grown);
+    join_covers(&rooms);
+    for (int i = 0; i < grown.count; i++) {
+        Cover left = grown.items[i];
+        for (int k = 0; k < rooms.count; k++) {
+            Cover room = rooms.items[k];
+            if (room.v1 <= left.v0 || room.v0 >= left.v1) continue;
+            if (room.v0 > left.v0 && out->count < COVERS)
+                out->items[out->count++] = (Cover){left.v0, room.v0};
+            left.v0 = room.v1;
+        }
+        if (left.v0 < left.v1 && out->count < COVERS) out->items[out->count++] = left;
+    }
+}
+
 // Through the implicit wall nearest to the centre, at all the samples.
-static bool fit_to_implicit(const Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
-    const ShapeList *list = &e->implicit[o->storey];
-    double v0 = INFINITY, v1 = -INFINITY;
+static bool fit_to_implicit(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
+    double v0 = INFINITY, v1 = -INFINITY, reach = depth / 2 + IMPLICIT_REACH;
+    find_near(e, &e->grown_tree, o, h, reach + THICKEST_WALL);
     for (int s = 0; s < SAMPLES; s++) {
         Covers covers = {.count = 0};
-        for (int i = 0; i < list->count; i++) {
-            if (near_hole(h, &list->items[i], THICKEST_WALL))
-                cover_by(h, &list->items[i], sample_at(h, s), &covers);
-        }
+        cover_by_implicit(e, h, sample_at(h, s), &covers);
         int best = -1;
-        double nearest = depth / 2 + IMPLICIT_REACH;
+        double nearest = reach;
         for (int i = 0; i < covers.count; i++) {
             Cover c = covers.items[i];
             double away = fmax(0, fmax(c.v0, -c.v1));
@@ -190,11 +219,10 @@ static bool fit_to_implicit(const Enclosure *e, const SketchOpening *o, Hole *h,
     return true;
 }
 
-static bool fit_heights(const Enclosure *e, const SketchOpening *o, Hole *h) {
+static bool fit_heights(Enclosure *e, const SketchOpening *o, Hole *h) {
     double floor = e->floor[o->storey], ceiling = e->ceiling[o->storey];
-    for (int i = 0; i < e->sketch->room_count; i++) {
-        const SketchRoom *r = &e->sketch->rooms[i];
-        if (r->storey != o->storey || !e->room_used[i] || !near_hole(h, &e->rooms[i], EXTENSION)) continue;
+    for (int k = find_near(e, &e->room_tree, o, h, EXTENSION); k-- > 0;) {
+        const SketchRoom *r = &e->sketch->rooms[e->near.items[k]];
         if (!isnan(r->z1)) ceiling = fmax(ceiling, nearbyint(r->z1 * ENCLOSE_MM));
         if (!isnan(r->z0) && nearbyint(o->sill * ENCLOSE_MM) <= nearbyint(r->z0 * ENCLOSE_MM) + SILL_SLACK) {
             floor = fmin(floor, nearbyint(r->z0 * ENCLOSE_MM));

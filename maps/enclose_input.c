@@ -351,6 +351,22 @@ static void find_heights(Enclosure *e) {
     }
 }
 
+static void index_input(Enclosure *e) {
+    const Sketch *s = e->sketch;
+    Box *walls = ARENA_ARRAY(e->scratch, Box, s->wall_count),
+        *rooms = ARENA_ARRAY(e->scratch, Box, s->room_count);
+    for (int i = 0; i < s->wall_count; i++) {
+        const Shape *w = &e->walls[i];
+        walls[i] = e->wall_bounds[i] ? enclose_box(w->min, w->max, s->walls[i].storey) : box_empty();
+    }
+    for (int i = 0; i < s->room_count; i++) {
+        const Shape *r = &e->rooms[i];
+        rooms[i] = e->room_used[i] ? enclose_box(r->min, r->max, s->rooms[i].storey) : box_empty();
+    }
+    e->wall_tree = box_tree_build(walls, s->wall_count, e->scratch);
+    e->room_tree = box_tree_build(rooms, s->room_count, e->scratch);
+}
+
 // The points used are sound; the rest of the sketch may be wrong in any other way.
 bool enclose_prepare(Enclosure *e) {
     const Sketch *s = e->sketch;
@@ -377,6 +393,7 @@ bool enclose_prepare(Enclosure *e) {
     find_heights(e);
     sort_walls(e);
     sort_rooms(e);
+    index_input(e);
     return find_world(e);
 }
 
@@ -407,14 +424,12 @@ static void assume_walls(Enclosure *e) {
     }
 }
 
-// Takes both; NULL stands for nothing.
-static GEOSGeometry *join(Enclosure *e, GEOSGeometry *a, GEOSGeometry *b) {
-    if (!a || !b) return a ? a : b;
-    GEOSGeometry *both = GEOSUnion_r(e->geos, a, b);
-    GEOSGeom_destroy_r(e->geos, b);
-    if (!both) return a;
-    GEOSGeom_destroy_r(e->geos, a);
-    return both;
+// Takes all of them. One union of all: one after the other, each would go over all before it again.
+static GEOSGeometry *unite(Enclosure *e, GEOSGeometry **parts, int count) {
+    GEOSGeometry *all = GEOSGeom_createCollection_r(e->geos, GEOS_GEOMETRYCOLLECTION, parts, (unsigned)count);
+    GEOSGeometry *joined = all ? GEOSUnaryUnion_r(e->geos, all) : NULL;
+    if (all) GEOSGeom_destroy_r(e->geos, all);
+    return joined;
 }
 
 static GEOSGeometry *buffer(Enclosure *e, const GEOSGeometry *g, double by) {
@@ -422,27 +437,54 @@ static GEOSGeometry *buffer(Enclosure *e, const GEOSGeometry *g, double by) {
              : NULL;
 }
 
+static void keep_grown(Enclosure *e, int room, const GEOSGeometry *grown) {
+    ShapeList shapes = {NULL, 0, 0};
+    shapes_from_geos(e, grown, 0, &shapes);
+    for (int i = 0; i < shapes.count; i++)
+        *ARENA_PUSH(e->scratch, e->grown, e->grown_count, e->grown_capacity) = (Grown){shapes.items[i], room};
+}
+
+static void index_grown(Enclosure *e) {
+    Box *boxes = ARENA_ARRAY(e->scratch, Box, e->grown_count);
+    for (int i = 0; i < e->grown_count; i++) {
+        const Shape *shape = &e->grown[i].shape;
+        boxes[i] = enclose_box(shape->min, shape->max, e->sketch->rooms[e->grown[i].room].storey);
+    }
+    e->grown_tree = box_tree_build(boxes, e->grown_count, e->scratch);
+}
+
+// The walls around rooms; takes these and their grown outlines.
+static bool add_implicit(Enclosure *e, int storey, GEOSGeometry **rooms, GEOSGeometry **grown, int count) {
+    GEOSGeometry *outer = unite(e, grown, count), *inner = unite(e, rooms, count),
+                 *solid = outer && inner ? GEOSDifference_r(e->geos, outer, inner) : NULL;
+    if (solid) shapes_from_geos(e, solid, NARROWEST_PLUG, &e->implicit[storey]);
+    bool made = solid != NULL;
+    if (solid) GEOSGeom_destroy_r(e->geos, solid);
+    if (outer) GEOSGeom_destroy_r(e->geos, outer);
+    if (inner) GEOSGeom_destroy_r(e->geos, inner);
+    return made || error_set(e->error, "the walls around the rooms of storey %d cannot be made: %s", storey,
+                             e->geos_message);
+}
+
 bool enclose_implicit_walls(Enclosure *e) {
     const Sketch *s = e->sketch;
     assume_walls(e);
+    GEOSGeometry **rooms = ARENA_ARRAY(e->scratch, GEOSGeometry *, s->room_count),
+                 **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, s->room_count);
     for (int k = 0; k < e->b->storey_count; k++) {
-        GEOSGeometry *outer = NULL, *inner = NULL;
+        int count = 0;
         for (int i = 0; i < s->room_count; i++) {
             if (!e->room_used[i] || s->rooms[i].storey != k || e->room_wall[i] <= 0) continue;
-            GEOSGeometry *room = shape_to_geos(e, &e->rooms[i]);
-            outer = join(e, outer, buffer(e, room, e->room_wall[i]));
-            inner = join(e, inner, room);
+            rooms[count] = shape_to_geos(e, &e->rooms[i]);
+            grown[count] = buffer(e, rooms[count], e->room_wall[i]);
+            if (grown[count])
+                keep_grown(e, i, grown[count++]);
+            else if (rooms[count])
+                GEOSGeom_destroy_r(e->geos, rooms[count]);
         }
-        GEOSGeometry *solid = outer && inner ? GEOSDifference_r(e->geos, outer, inner) : NULL;
-        bool failed = (outer || inner) && !solid;
-        if (solid) shapes_from_geos(e, solid, NARROWEST_PLUG, &e->implicit[k]);
-        if (solid) GEOSGeom_destroy_r(e->geos, solid);
-        if (outer) GEOSGeom_destroy_r(e->geos, outer);
-        if (inner) GEOSGeom_destroy_r(e->geos, inner);
-        if (failed)
-            return error_set(e->error, "the walls around the rooms of storey %d cannot be made: %s", k,
-                             e->geos_message);
+        if (count > 0 && !add_implicit(e, k, rooms, grown, count)) return false;
     }
+    index_grown(e);
     return true;
 }
 
@@ -466,14 +508,12 @@ bool enclose_plugs(Enclosure *e, bool *any) {
             GEOSGeometry *box = shape_to_geos(e, &e->holes[i].box);
             if (box) solid[count++] = box;
         }
-        GEOSGeometry *all =
-            GEOSGeom_createCollection_r(e->geos, GEOS_GEOMETRYCOLLECTION, solid, (unsigned)count);
-        GEOSGeometry *joined = all ? GEOSUnaryUnion_r(e->geos, all) : NULL;
+        GEOSGeometry *joined = unite(e, solid, count);
         GEOSGeometry *grown = buffer(e, joined, GAP / 2), *closed = buffer(e, grown, -GAP / 2);
         GEOSGeometry *plugs = closed ? GEOSDifference_r(e->geos, closed, joined) : NULL;
         if (plugs) shapes_from_geos(e, plugs, NARROWEST_PLUG, &e->plugs[k]);
-        GEOSGeometry *made[5] = {all, joined, grown, closed, plugs};
-        for (int i = 0; i < 5; i++) {
+        GEOSGeometry *made[4] = {joined, grown, closed, plugs};
+        for (int i = 0; i < 4; i++) {
             if (made[i]) GEOSGeom_destroy_r(e->geos, made[i]);
         }
         *any = *any || e->plugs[k].count > 0;

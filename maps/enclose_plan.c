@@ -267,29 +267,17 @@ static void find_inner(const Plan *plan, PlanFace *face, double *y, double *x) {
     }
 }
 
-typedef struct ByX {
-    double x;
-    int face;
-} ByX;
-
-static int by_x(const void *pa, const void *pb) {
-    const ByX *a = pa, *b = pb;
-    return a->x != b->x ? (a->x < b->x ? -1 : 1) : a->face - b->face;
-}
-
 static void finish_faces(Enclosure *e, Plan *plan) {
     int most = 0;
     for (int f = 0; f < plan->face_count; f++)
         most = plan->faces[f].half_count > most ? plan->faces[f].half_count : most;
     double *y = ARENA_ARRAY(e->scratch, double, most), *x = ARENA_ARRAY(e->scratch, double, most);
-    ByX *order = ARENA_ARRAY(e->scratch, ByX, plan->face_count);
-    plan->by_x = ARENA_ARRAY(e->scratch, int, plan->face_count);
+    Box *points = ARENA_ARRAY(e->scratch, Box, plan->face_count);
     for (int f = 0; f < plan->face_count; f++) {
         find_inner(plan, &plan->faces[f], y, x);
-        order[f] = (ByX){plan->faces[f].inner.x, f};
+        points[f] = enclose_box(plan->faces[f].inner, plan->faces[f].inner, 0);
     }
-    qsort(order, (size_t)plan->face_count, sizeof *order, by_x);
-    for (int f = 0; f < plan->face_count; f++) plan->by_x[f] = order[f].face;
+    plan->inner = box_tree_build(points, plan->face_count, e->scratch);
 }
 
 static void read_faces(Enclosure *e, const GEOSGeometry *polygons, Plan *plan) {
@@ -318,19 +306,13 @@ static void read_faces(Enclosure *e, const GEOSGeometry *polygons, Plan *plan) {
     finish_faces(e, plan);
 }
 
-int plan_faces_in(const Plan *p, const Shape *shape, int *out) {
-    int low = 0, high = p->face_count, count = 0;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (p->faces[p->by_x[middle]].inner.x < shape->min.x)
-            low = middle + 1;
-        else
-            high = middle;
+int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape) {
+    BoxHits *faces = &e->faces;
+    int count = box_tree_find(&p->inner, enclose_box(shape->min, shape->max, 0), e->scratch, faces), kept = 0;
+    for (int i = 0; i < count; i++) {
+        if (shape_contains(shape, p->faces[faces->items[i]].inner)) faces->items[kept++] = faces->items[i];
     }
-    for (; low < p->face_count && p->faces[p->by_x[low]].inner.x <= shape->max.x; low++) {
-        if (shape_contains(shape, p->faces[p->by_x[low]].inner)) out[count++] = p->by_x[low];
-    }
-    return count;
+    return faces->count = kept;
 }
 
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out) {

@@ -12,13 +12,12 @@ typedef struct RoomAreas {
 
 static void measure_rooms(Enclosure *e, RoomAreas *areas) {
     const Plan *p = &e->pass.plan;
-    int *faces = ARENA_ARRAY(e->scratch, int, p->face_count);
     for (int i = 0; i < e->sketch->room_count; i++) {
         if (!e->room_used[i]) continue;
         const Spot *spots = e->pass.spots + (size_t)e->sketch->rooms[i].storey * (size_t)p->face_count;
-        for (int k = plan_faces_in(p, &e->rooms[i], faces); k-- > 0;) {
-            const Spot *spot = &spots[faces[k]];
-            double area = p->faces[faces[k]].area;
+        for (int k = plan_faces_in(e, p, &e->rooms[i]); k-- > 0;) {
+            const Spot *spot = &spots[e->faces.items[k]];
+            double area = p->faces[e->faces.items[k]].area;
             if (spot->room != i) {
                 if (spot_is_open(spot)) areas[i].overlapped += area;
                 continue;
@@ -62,7 +61,6 @@ static void report_room(Enclosure *e, int i, const RoomAreas *a) {
 
 static void report_holes(Enclosure *e) {
     const Plan *p = &e->pass.plan;
-    int *faces = ARENA_ARRAY(e->scratch, int, p->face_count);
     for (int i = 0; i < e->sketch->opening_count; i++) {
         Hole *h = &e->holes[i];
         if (!h->used) continue;
@@ -70,13 +68,13 @@ static void report_holes(Enclosure *e) {
         const Spot *spots = e->pass.spots + (size_t)storey * (size_t)p->face_count;
         double kept = 0, lost = 0;
         int other = -1;
-        for (int k = plan_faces_in(p, &h->box, faces); k-- > 0;) {
-            const Spot *spot = &spots[faces[k]];
+        for (int k = plan_faces_in(e, p, &h->box); k-- > 0;) {
+            const Spot *spot = &spots[e->faces.items[k]];
             if (spot->hole[0] == i || spot->hole[1] == i) {
-                kept += p->faces[faces[k]].area;
+                kept += p->faces[e->faces.items[k]].area;
             } else {
-                lost += p->faces[faces[k]].area;
-                if (spot->hole[0] >= 0) other = spot->hole[0];
+                lost += p->faces[e->faces.items[k]].area;
+                if (spot->hole[0] >= 0 && (other < 0 || spot->hole[0] < other)) other = spot->hole[0];
             }
         }
         Vec3 at = enclose_place(e, h->centre, storey);

@@ -139,11 +139,12 @@ typedef struct Enclosure {
     ShapeList *plugs;     // [storey_count] fillings of small gaps
     Hole *holes;          // [opening_count]
     int grown_count, grown_capacity;
-    BoxTree wall_tree, room_tree, grown_tree;  // of those in use, on their storeys (enclose_box)
-    BoxHits near, faces;                       // what was found last in these, in Plan.inner
+    BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of those in use, on their storeys (enclose_box)
+    BoxHits near, faces;                                  // what was found last in these, in Plan.inner
     double *floor, *ceiling, *base,
         *cover;  // [storey_count] base: under its slab; cover: top of what lies above
     Pass pass;
+    int *hole_first, *hole_faces;  // the faces of opening i: hole_faces[hole_first[i]] ..
     Span *spans;
     Column *columns;  // [face_count]
     int span_count, span_capacity;
@@ -178,7 +179,8 @@ static inline double half_length(const Plan *p, int h) {
 bool enclose_prepare(Enclosure *e);         // shapes, heights, the world, low walls; false with the error set
 bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
 bool enclose_plugs(Enclosure *e, bool *any);
-Vec2 enclose_local(const Enclosure *e, Vec2 p);  // metres to local millimetres
+Vec2 enclose_local(const Enclosure *e, Vec2 p);   // metres to local millimetres
+Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: of a grid point what maps_snap yields
 Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
 const char *enclose_text(const char *place);
 
@@ -216,7 +218,13 @@ int enclose_push_point(Enclosure *e, Vec2 metres, int material);
 
 // ---- enclose_openings.c
 void openings_append(Enclosure *e);  // before the regions that refer to them
-void openings_join(Enclosure *e);    // regions on either side, polygons of leaves, spandrels
+void openings_join(Enclosure *e);    // regions on either side; draws leaves and spandrels
+
+// ---- enclose_spandrels.c
+int *spandrel_colours(Enclosure *e);                       // [Building.opening_count] their materials
+void spandrels_add(Enclosure *e, int hole, int material);  // of an opening that is no rectangle
+
+// ---- enclose_start.c
 void enclose_choose_start(Enclosure *e);
 
 // ---- enclose_leaves.c

@@ -278,6 +278,16 @@ static void fit(Enclosure *e, int i) {
     h->used = true;
 }
 
+static void index_holes(Enclosure *e) {
+    int count = e->sketch->opening_count;
+    Box *boxes = ARENA_ARRAY(e->scratch, Box, count);
+    for (int i = 0; i < count; i++) {
+        const Hole *h = &e->holes[i];
+        boxes[i] = h->used ? enclose_box(h->box.min, h->box.max, e->sketch->openings[i].storey) : box_empty();
+    }
+    e->hole_tree = box_tree_build(boxes, count, e->scratch);
+}
+
 void holes_fit(Enclosure *e) {
     for (int i = 0; i < e->sketch->opening_count; i++) {
         fit(e, i);
@@ -289,4 +299,5 @@ void holes_fit(Enclosure *e) {
             e->world_max = vec2(fmax(e->world_max.x, ceil(p.x + out)), fmax(e->world_max.y, ceil(p.y + out)));
         }
     }
+    index_holes(e);
 }

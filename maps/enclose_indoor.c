@@ -76,21 +76,19 @@ static Patches find_patches(Enclosure *e, const Plan *p, const Spot *spots) {
     return out;
 }
 
-static bool wall_at(const Enclosure *e, int storey, Vec2 p) {
-    for (int i = 0; i < e->sketch->wall_count; i++) {
-        if (e->wall_bounds[i] && e->sketch->walls[i].storey == storey && shape_contains(&e->walls[i], p))
-            return true;
+static bool wall_at(Enclosure *e, int storey, Vec2 p) {
+    Box point = enclose_box(p, p, storey);
+    for (int k = box_tree_find(&e->wall_tree, point, e->scratch, &e->near); k-- > 0;) {
+        if (shape_contains(&e->walls[e->near.items[k]], p)) return true;
     }
-    for (int i = 0; i < e->sketch->opening_count; i++) {
-        if (e->holes[i].used && e->sketch->openings[i].storey == storey &&
-            shape_contains(&e->holes[i].box, p))
-            return true;
+    for (int k = box_tree_find(&e->hole_tree, point, e->scratch, &e->near); k-- > 0;) {
+        if (shape_contains(&e->holes[e->near.items[k]].box, p)) return true;
     }
     return false;
 }
 
 // The length of half-edge h behind which a wall stands near.
-static double length_near_wall(const Enclosure *e, const Plan *p, int storey, int h) {
+static double length_near_wall(Enclosure *e, const Plan *p, int storey, int h) {
     Vec2 a = p->vertices[half_from(p, h)], d = vec2_sub(p->vertices[half_to(p, h)], a);
     double length = vec2_length(d);
     Vec2 out = vec2_scale(vec2(d.y, -d.x), 1 / length);

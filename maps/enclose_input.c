@@ -36,6 +36,10 @@ Vec2 enclose_local(const Enclosure *e, Vec2 p) {
     return vec2(nearbyint(mm.x * STEPS_PER_MM) / STEPS_PER_MM, nearbyint(mm.y * STEPS_PER_MM) / STEPS_PER_MM);
 }
 
+Vec2 enclose_metres(const Enclosure *e, Vec2 p) {
+    return vec2((e->origin.x * ENCLOSE_MM + p.x) / ENCLOSE_MM, (e->origin.y * ENCLOSE_MM + p.y) / ENCLOSE_MM);
+}
+
 Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey) {
     double z = storey >= 0 && storey < e->b->storey_count ? e->b->storeys[storey].floor : e->sketch->ground;
     return vec3(e->origin.x + p.x / ENCLOSE_MM, e->origin.y + p.y / ENCLOSE_MM, z);

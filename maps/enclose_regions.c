@@ -42,21 +42,17 @@ static double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
 }
 
 // The side of the wall that lies behind half-edge h on one storey, or -1.
-static int wall_side(const Enclosure *e, int storey, int h) {
+static int wall_side(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     const Sketch *s = e->sketch;
     Vec2 middle = vec2_scale(vec2_add(p->vertices[half_from(p, h)], p->vertices[half_to(p, h)]), 0.5);
     Vec2 inner = p->faces[half_right(p, h)].inner;
     int best = -1;
     double nearest = COVER_BONUS + SIDE_REACH;
-    for (int i = 0; i < s->wall_count; i++) {
-        const Shape *w = &e->walls[i];
-        if (!e->wall_bounds[i] || s->walls[i].storey != storey) continue;
-        if (middle.x < w->min.x - SIDE_REACH || middle.x > w->max.x + SIDE_REACH ||
-            middle.y < w->min.y - SIDE_REACH || middle.y > w->max.y + SIDE_REACH) {
-            continue;
-        }
-        bool covers = shape_contains(w, inner);
+    box_tree_find(&e->wall_tree, enclose_around(middle, SIDE_REACH, storey), e->scratch, &e->near);
+    for (int found = 0; found < e->near.count; found++) {
+        int i = e->near.items[found];
+        bool covers = shape_contains(&e->walls[i], inner);
         // The sketch's own points: the shape may have lost doubled ones, and with them the count.
         for (int k = 0, n = s->walls[i].point_count; k < n; k++) {
             int at = s->walls[i].first_point + k, next = s->walls[i].first_point + (k + 1) % n;
@@ -84,7 +80,7 @@ static int owner_material(const Enclosure *e, int room) {
 }
 
 // What is seen of the right side of half-edge h from the left on `storey`; -1: from outdoors, any storey.
-static int half_material(const Enclosure *e, int storey, int h) {
+static int half_material(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     int outer = e->sketch->outer_material, right = half_right(p, h);
     if (right < 0) return outer;
@@ -309,10 +305,7 @@ static void append_ring(Tracer *t, const Loop *loop, const Span *span) {
         if (t->gone[v]) continue;
         int material = t->material[(size_t)h * layers + (size_t)layer];
         if (span->kind == SPAN_SHAFT) material = e->sketch->slab_material;
-        // Whole millimetres in sum, so that this is what maps_snap yields.
-        Vec2 at = vec2((e->origin.x * ENCLOSE_MM + p->vertices[v].x) / ENCLOSE_MM,
-                       (e->origin.y * ENCLOSE_MM + p->vertices[v].y) / ENCLOSE_MM);
-        enclose_push_point(e, at, material);
+        enclose_push_point(e, enclose_metres(e, p->vertices[v]), material);
         b->rings[b->ring_count - 1].point_count++;
     }
 }

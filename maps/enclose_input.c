@@ -441,11 +441,14 @@ static GEOSGeometry *buffer(Enclosure *e, const GEOSGeometry *g, double by) {
              : NULL;
 }
 
-static void keep_grown(Enclosure *e, int room, const GEOSGeometry *grown) {
+// Puts what a room's outline becomes when it grows among e->grown. NULL on failure.
+static GEOSGeometry *grow_room(Enclosure *e, int room, const GEOSGeometry *outline) {
+    GEOSGeometry *grown = buffer(e, outline, e->room_wall[room]);
     ShapeList shapes = {NULL, 0, 0};
-    shapes_from_geos(e, grown, 0, &shapes);
+    if (grown) shapes_from_geos(e, grown, 0, &shapes);
     for (int i = 0; i < shapes.count; i++)
         *ARENA_PUSH(e->scratch, e->grown, e->grown_count, e->grown_capacity) = (Grown){shapes.items[i], room};
+    return grown;
 }
 
 static void index_grown(Enclosure *e) {
@@ -457,9 +460,39 @@ static void index_grown(Enclosure *e) {
     e->grown_tree = box_tree_build(boxes, e->grown_count, e->scratch);
 }
 
-// The walls around rooms; takes these and their grown outlines.
-static bool add_implicit(Enclosure *e, int storey, GEOSGeometry **rooms, GEOSGeometry **grown, int count) {
-    GEOSGeometry *outer = unite(e, grown, count), *inner = unite(e, rooms, count),
+// A room with an implicit wall, by the first of those with which its walls hang together.
+typedef struct Member {
+    int group, room;
+    GEOSGeometry *outline, *grown;
+} Member;
+
+static int by_group(const void *pa, const void *pb) {
+    const Member *a = pa, *b = pb;
+    return a->group != b->group ? a->group - b->group : a->room - b->room;
+}
+
+static void find_groups(Enclosure *e, Member *members, int count) {
+    int *parent = ARENA_ARRAY(e->scratch, int, e->sketch->room_count);
+    for (int i = 0; i < e->sketch->room_count; i++) parent[i] = i;
+    for (int i = 0; i < e->grown_count; i++) {
+        box_tree_find(&e->grown_tree, e->grown_tree.boxes[i], e->scratch, &e->near);
+        for (int k = 0; k < e->near.count; k++)
+            set_unite(parent, e->grown[i].room, e->grown[e->near.items[k]].room);
+    }
+    for (int i = 0; i < count; i++) members[i].group = set_find(parent, members[i].room);
+    qsort(members, (size_t)count, sizeof *members, by_group);
+}
+
+// The walls around the rooms of one group.
+static bool add_group(Enclosure *e, const Member *members, int count) {
+    GEOSGeometry **outlines = ARENA_ARRAY(e->scratch, GEOSGeometry *, count),
+                 **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, count);
+    int storey = e->sketch->rooms[members->room].storey;
+    for (int i = 0; i < count; i++) {
+        outlines[i] = members[i].outline;
+        grown[i] = members[i].grown;
+    }
+    GEOSGeometry *outer = unite(e, grown, count), *inner = unite(e, outlines, count),
                  *solid = outer && inner ? GEOSDifference_r(e->geos, outer, inner) : NULL;
     if (solid) shapes_from_geos(e, solid, NARROWEST_PLUG, &e->implicit[storey]);
     bool made = solid != NULL;
@@ -473,23 +506,24 @@ static bool add_implicit(Enclosure *e, int storey, GEOSGeometry **rooms, GEOSGeo
 bool enclose_implicit_walls(Enclosure *e) {
     const Sketch *s = e->sketch;
     assume_walls(e);
-    GEOSGeometry **rooms = ARENA_ARRAY(e->scratch, GEOSGeometry *, s->room_count),
-                 **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, s->room_count);
-    for (int k = 0; k < e->b->storey_count; k++) {
-        int count = 0;
-        for (int i = 0; i < s->room_count; i++) {
-            if (!e->room_used[i] || s->rooms[i].storey != k || e->room_wall[i] <= 0) continue;
-            rooms[count] = shape_to_geos(e, &e->rooms[i]);
-            grown[count] = buffer(e, rooms[count], e->room_wall[i]);
-            if (grown[count])
-                keep_grown(e, i, grown[count++]);
-            else if (rooms[count])
-                GEOSGeom_destroy_r(e->geos, rooms[count]);
-        }
-        if (count > 0 && !add_implicit(e, k, rooms, grown, count)) return false;
+    Member *members = ARENA_ARRAY(e->scratch, Member, s->room_count);
+    int count = 0;
+    for (int i = 0; i < s->room_count; i++) {
+        if (!e->room_used[i] || e->room_wall[i] <= 0) continue;
+        GEOSGeometry *outline = shape_to_geos(e, &e->rooms[i]), *grown = grow_room(e, i, outline);
+        if (grown)
+            members[count++] = (Member){0, i, outline, grown};
+        else if (outline)
+            GEOSGeom_destroy_r(e->geos, outline);
     }
     index_grown(e);
-    return true;
+    find_groups(e, members, count);
+    bool made = true;
+    for (int i = 0, next; i < count; i = next) {
+        for (next = i + 1; next < count && members[next].group == members[i].group;) next++;
+        made = add_group(e, members + i, next - i) && made;
+    }
+    return made;
 }
 
 // ---- small gaps

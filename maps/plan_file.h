@@ -78,7 +78,9 @@ bool plan_read_wall(Plan *plan);
 bool plan_read_door(Plan *plan);
 bool plan_read_passage(Plan *plan);
 bool plan_read_window(Plan *plan);
-// Once all rooms and walls are known: an opening without a depth takes that of the wall it stands in.
-bool plan_fit_opening(Plan *plan, int index);
+
+// ---- plan_fit.c
+// Once all rooms and walls are known: openings without a depth take that of the wall they stand in.
+bool plan_fit_openings(Plan *plan);
 
 #endif

@@ -1,9 +1,5 @@
-// plan_walls.c - the statements of a .plan file that make walls: rooms, walls, and the openings in them, which are
-// fitted to the wall they stand in once all rooms and walls are known.
+// plan_walls.c - the statements of a .plan file that make walls: rooms, walls, and the openings in them.
 #include "maps/plan_file.h"
-
-static const double PARALLEL = 0.02;  // sine up to which an opening lies along a wall (about 1 degree)
-static const double FIT = 0.002;      // how far outside a wall an opening's centre may lie, metres
 
 bool plan_read_room(Plan *plan) {
     PlanLine *line = &plan->line;
@@ -202,69 +198,3 @@ static bool read_opening(Plan *plan, OpeningKind kind) {
 bool plan_read_door(Plan *plan) { return read_opening(plan, OPENING_DOOR); }
 bool plan_read_passage(Plan *plan) { return read_opening(plan, OPENING_PASSAGE); }
 bool plan_read_window(Plan *plan) { return read_opening(plan, OPENING_WINDOW); }
-
-// ---- fitting openings to their walls
-
-// How far from the centre, along `way`, the face of a room's wall lies; INFINITY when none lies within the wall.
-// `wall` receives its thickness.
-static double room_face(const Plan *plan, const SketchOpening *o, Vec2 way, double *wall) {
-    const Sketch *s = &plan->sketch;
-    double nearest = INFINITY;
-    for (int r = 0; r < s->room_count; r++) {
-        const SketchRoom *room = &s->rooms[r];
-        const Vec2 *p = &s->points[room->first_point];
-        if (room->storey != o->storey || !(room->wall > 0)) continue;
-        double turn = plan_signed_area(p, room->point_count) > 0 ? 1 : -1;
-        for (int i = 0; i < room->point_count; i++) {
-            Vec2 a = p[i], edge = vec2_sub(p[(i + 1) % room->point_count], a);
-            double length = vec2_length(edge), facing = turn * vec2_cross(edge, way);
-            // The room must lie beyond its edge, and the edge across the way.
-            if (!(length > 0) || facing < length * (1 - PARALLEL * PARALLEL)) continue;
-            Vec2 to = vec2_sub(a, o->centre);
-            double along = -vec2_dot(to, edge) / length, distance = vec2_dot(to, way);
-            if (along < -FIT || along > length + FIT) continue;
-            if (distance < -FIT || distance > room->wall + FIT || distance >= nearest) continue;
-            nearest = distance;
-            *wall = room->wall;
-        }
-    }
-    return nearest;
-}
-
-// A stretch of explicit wall around the centre, along the opening: its depth is the wall's.
-static bool fit_to_stretch(const Plan *plan, SketchOpening *o, Vec2 axis) {
-    for (int i = 0; i < plan->stretch_count; i++) {
-        const Stretch *w = &plan->stretches[i];
-        Vec2 edge = vec2_sub(w->b, w->a), to = vec2_sub(o->centre, w->a);
-        double length = vec2_length(edge);
-        if (w->storey != o->storey || fabs(vec2_cross(edge, axis)) > PARALLEL * length) continue;
-        double along = vec2_dot(to, edge) / length, off = vec2_cross(edge, to) / length;
-        if (along < 0 || along > length || fabs(off) > w->thickness / 2 + FIT) continue;
-        o->centre = vec2_add(w->a, vec2_scale(edge, along / length));
-        o->depth = w->thickness;
-        return true;
-    }
-    return false;
-}
-
-bool plan_fit_opening(Plan *plan, int index) {
-    SketchOpening *o = &plan->sketch.openings[index];
-    Vec2 axis = vec2(cos(o->angle), sin(o->angle)), normal = vec2(-axis.y, axis.x);
-    if (!plan->pending[index].fit || fit_to_stretch(plan, o, axis)) return true;
-    double wall[2] = {0}, face[2];
-    for (int s = 0; s < 2; s++) face[s] = room_face(plan, o, s ? vec2_scale(normal, -1) : normal, &wall[s]);
-    // Rooms on both sides: from face to face. On one side: as deep as that room's wall.
-    if (isfinite(face[0]) && !isfinite(face[1])) face[1] = wall[0] - face[0];
-    if (isfinite(face[1]) && !isfinite(face[0])) face[0] = wall[1] - face[1];
-    double depth = face[0] + face[1];
-    if (!(isfinite(depth) && depth >= PLAN_MIN_SIZE)) {
-        plan->line.number = plan->pending[index].line;
-        return plan_fail(
-            &plan->line,
-            "%s %s at %g,%g stands in no wall along its angle (allowed: a centre inside a wall, or a depth)",
-            opening_kind_name(o->kind), o->name, o->centre.x, o->centre.y);
-    }
-    o->centre = vec2_add(o->centre, vec2_scale(normal, (face[0] - face[1]) / 2));
-    o->depth = depth;
-    return true;
-}

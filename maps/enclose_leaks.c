@@ -1,9 +1,15 @@
 // enclose_leaks.c - where rooms lie open to the outdoors, and the way from the room through the gap out.
+//
+// Each room is looked at by its own gaps and faces: plans that lie open in many places are no rarity.
+#include <stdlib.h>
+
 #include "maps/enclose.h"
 
 typedef struct Way {
-    int *from;  // [face_count] half-edge that led into a face, -1: start, -2: not reached
+    int *from;     // [face_count] half-edge that led into a face, -1: start
+    int *reached;  // [face_count] by the search of this number
     int *queue;
+    int search;
 } Way;
 
 typedef enum Ground { GROUND_ROOM, GROUND_AIR } Ground;
@@ -15,8 +21,9 @@ static bool belongs(const Spot *spot, Ground ground, int id) {
 // Breadth-first from face to face over one ground, until `goal` (a face, or -1: the edge of the world).
 // Returns the face reached there, or -1.
 static int search(const Plan *p, const Spot *spots, Way *way, int start, int goal, Ground ground, int id) {
-    for (int f = 0; f < p->face_count; f++) way->from[f] = -2;
     int head = 0, tail = 0;
+    way->search++;
+    way->reached[start] = way->search;
     way->from[start] = -1;
     way->queue[tail++] = start;
     while (head < tail) {
@@ -25,7 +32,8 @@ static int search(const Plan *p, const Spot *spots, Way *way, int start, int goa
         for (int k = 0; k < p->faces[f].half_count; k++) {
             int h = p->halves[p->faces[f].first_half + k], g = half_right(p, h);
             if (g < 0 && goal < 0) return f;
-            if (g < 0 || way->from[g] != -2 || !belongs(&spots[g], ground, id)) continue;
+            if (g < 0 || way->reached[g] == way->search || !belongs(&spots[g], ground, id)) continue;
+            way->reached[g] = way->search;
             way->from[g] = h;
             way->queue[tail++] = g;
         }
@@ -48,42 +56,54 @@ static void push_way(Enclosure *e, const Way *way, int face) {
     }
 }
 
+// A half-edge through which a space lies open to the air.
+typedef struct Slit {
+    int id, half;
+} Slit;
+
+static int by_space(const void *pa, const void *pb) {
+    const Slit *a = pa, *b = pb;
+    return a->id != b->id ? a->id - b->id : a->half - b->half;
+}
+
+// All of a storey, space by space. Returns how many.
+static int find_slits(const Plan *p, const Spot *spots, Slit *out) {
+    int count = 0;
+    for (int h = 0; h < 2 * p->edge_count; h++) {
+        int f = half_left(p, h), g = half_right(p, h);
+        if (f < 0 || g < 0 || spots[f].indoor < 0) continue;
+        if (spot_is_open(&spots[g]) && spots[g].indoor < 0) out[count++] = (Slit){spots[f].indoor, h};
+    }
+    qsort(out, (size_t)count, sizeof *out, by_space);
+    return count;
+}
+
 typedef struct Gap {
     double length;
     Vec2 middle;
     int half;  // the edge at its middle, from inside
 } Gap;
 
-// A half-edge through which the space `id` lies open to the air.
-static bool is_gap(const Plan *p, const Spot *spots, int h, int id) {
-    int f = half_left(p, h), g = half_right(p, h);
-    return f >= 0 && g >= 0 && spots[f].indoor == id && spot_is_open(&spots[g]) && spots[g].indoor < 0;
-}
-
-// The longest run of such edges that hang together.
-static Gap widest_gap(const Plan *p, const Spot *spots, int id, int *parent, double *length) {
-    Gap best = {0, {0, 0}, -1};
-    for (int v = 0; v < p->vertex_count; v++) {
-        parent[v] = v;
-        length[v] = 0;
+// The longest run of a space's slits that hang together.
+static Gap widest_gap(const Plan *p, const Slit *slits, int count, int *parent, double *length) {
+    for (int i = 0; i < count; i++) {
+        int from = half_from(p, slits[i].half), to = half_to(p, slits[i].half);
+        parent[from] = from;
+        parent[to] = to;
+        length[from] = length[to] = 0;
     }
-    for (int h = 0; h < 2 * p->edge_count; h++) {
-        if (is_gap(p, spots, h, id)) set_unite(parent, half_from(p, h), half_to(p, h));
-    }
+    for (int i = 0; i < count; i++) set_unite(parent, half_from(p, slits[i].half), half_to(p, slits[i].half));
     int root = -1;
-    for (int h = 0; h < 2 * p->edge_count; h++) {
-        if (!is_gap(p, spots, h, id)) continue;
-        int r = set_find(parent, half_from(p, h));
-        length[r] += half_length(p, h);
+    for (int i = 0; i < count; i++) {
+        int r = set_find(parent, half_from(p, slits[i].half));
+        length[r] += half_length(p, slits[i].half);
         if (root < 0 || length[r] > length[root]) root = r;
     }
-    if (root < 0) return best;
-    best.length = length[root];
+    Gap best = {length[root], {0, 0}, -1};
     double longest = 0;
-    for (int h = 0; h < 2 * p->edge_count; h++) {
-        if (!is_gap(p, spots, h, id) || set_find(parent, half_from(p, h)) != root ||
-            half_length(p, h) <= longest)
-            continue;
+    for (int i = 0; i < count; i++) {
+        int h = slits[i].half;
+        if (set_find(parent, half_from(p, h)) != root || half_length(p, h) <= longest) continue;
         longest = half_length(p, h);
         best.half = h;
         best.middle = middle_of(p, h);
@@ -91,18 +111,21 @@ static Gap widest_gap(const Plan *p, const Spot *spots, int id, int *parent, dou
     return best;
 }
 
-static int largest_face(const Plan *p, const Spot *spots, int id) {
-    int best = -1;
+// [ids] the largest face of each space of a storey.
+static void find_largest(const Plan *p, const Spot *spots, int *largest, int ids) {
+    for (int id = 0; id < ids; id++) largest[id] = -1;
     for (int f = 0; f < p->face_count; f++) {
-        if (spots[f].indoor == id && (best < 0 || p->faces[f].area > p->faces[best].area)) best = f;
+        int id = spots[f].indoor;
+        if (id < 0 || (largest[id] >= 0 && p->faces[f].area <= p->faces[largest[id]].area)) continue;
+        largest[id] = f;
     }
-    return best;
 }
 
-static void note_leak(Enclosure *e, const Spot *spots, int storey, int id, Gap gap, Way *way) {
+// `start`: a face of the space.
+static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Gap gap, Way *way) {
     const Plan *p = &e->pass.plan;
+    int id = spots[start].indoor, in = half_left(p, gap.half), out = half_right(p, gap.half);
     bool room = id < e->sketch->room_count;
-    int start = largest_face(p, spots, id), in = half_left(p, gap.half), out = half_right(p, gap.half);
     Vec3 inner = enclose_place(e, p->faces[start].inner, storey), hole = enclose_place(e, gap.middle, storey);
     building_note(e->arena, e->b, NOTE_LEAK, hole, "%s is open to the outdoors over %.2f m at (%.2f, %.2f)",
                   room ? enclose_text(e->sketch->rooms[id].place) : "a space without a name",
@@ -124,21 +147,22 @@ static void note_leak(Enclosure *e, const Spot *spots, int storey, int id, Gap g
 
 void leaks_report(Enclosure *e) {
     const Plan *p = &e->pass.plan;
+    Arena *a = e->scratch;
     int ids = e->sketch->room_count + e->pass.space_count;
-    bool *leaks = ARENA_ARRAY(e->scratch, bool, ids);
-    int *parent = ARENA_ARRAY(e->scratch, int, p->vertex_count);
-    double *length = ARENA_ARRAY(e->scratch, double, p->vertex_count);
-    Way way = {ARENA_ARRAY(e->scratch, int, p->face_count), ARENA_ARRAY(e->scratch, int, p->face_count)};
+    Slit *slits = ARENA_ARRAY(a, Slit, 2 * p->edge_count);
+    int *largest = ARENA_ARRAY(a, int, ids), *parent = ARENA_ARRAY(a, int, p->vertex_count);
+    double *length = ARENA_ARRAY(a, double, p->vertex_count);
+    Way way = {.from = ARENA_ARRAY(a, int, p->face_count),
+               .reached = ARENA_ARRAY(a, int, p->face_count),
+               .queue = ARENA_ARRAY(a, int, p->face_count)};
     for (int storey = 0; storey < e->b->storey_count; storey++) {
         const Spot *spots = e->pass.spots + (size_t)storey * (size_t)p->face_count;
-        memset(leaks, 0, (size_t)ids * sizeof *leaks);
-        for (int h = 0; h < 2 * p->edge_count; h++) {
-            int f = half_left(p, h);
-            if (f >= 0 && spots[f].indoor >= 0 && is_gap(p, spots, h, spots[f].indoor))
-                leaks[spots[f].indoor] = true;
-        }
-        for (int id = 0; id < ids; id++) {
-            if (leaks[id]) note_leak(e, spots, storey, id, widest_gap(p, spots, id, parent, length), &way);
+        int count = find_slits(p, spots, slits);
+        if (count > 0) find_largest(p, spots, largest, ids);
+        for (int i = 0, next; i < count; i = next) {
+            for (next = i + 1; next < count && slits[next].id == slits[i].id;) next++;
+            Gap gap = widest_gap(p, slits + i, next - i, parent, length);
+            note_leak(e, spots, storey, largest[slits[i].id], gap, &way);
         }
     }
 }

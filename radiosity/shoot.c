@@ -12,8 +12,9 @@
 #include <stdio.h>
 
 #include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "radiosity/shoot_elements.h"
 #include "radiosity/shoot_queue.h"
-#include "radiosity/shoot_rows.h"
 
 // Shots between two looks at the clock.
 enum { SHOTS_A_LOOK = 64 };
@@ -98,14 +99,10 @@ bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
     return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
 }
 
-// Three channels and one unused, W/m^2: one register.
-typedef double Channels __attribute__((vector_size(32)));
-
 // All that a shot asks of a patch, in one line of the cache.
 typedef struct Receiver {
-    Channels unshot;
+    Channels unshot;  // W/m^2
     float reflectance[3];
-    int first_element;
     double area, per_area;
 } Receiver;
 
@@ -113,7 +110,7 @@ typedef struct Receiver {
 typedef struct Shooter {
     const RadOptions *options;
     RadSolution *solution;
-    Channels *radiosity;  // [element_count]
+    ShootElements *elements;
     Receiver *receivers;  // [patch_count]
     Channels absorbed, escaped;
     ShootQueue queue;
@@ -121,14 +118,6 @@ typedef struct Shooter {
     int *next;  // [shoot_rows_most]
     double start, shown;
 } Shooter;
-
-static Channels channels_of(const double v[3]) { return (Channels){v[0], v[1], v[2], 0}; }
-
-static Channels spread(double x) { return (Channels){x, x, x, x}; }
-
-static void store(Channels from, double out[3]) {
-    for (int c = 0; c < 3; c++) out[c] = from[c];
-}
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
 static double unshot_power(const Receiver *r) {
@@ -141,20 +130,16 @@ static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const 
     s->start = s->shown = clock_seconds();
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
-    s->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
+    s->elements = shoot_elements_new(mesh, solution, parallel_threads(options->threads), arena);
     s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
     s->absorbed = channels_of(solution->absorbed);
     s->escaped = channels_of(solution->escaped);
-    for (int e = 0; e < mesh->element_count; e++) s->radiosity[e] = channels_of(solution->radiosity[e]);
     shoot_queue_start(&s->queue, mesh->patch_count, arena);
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
         Rgb rho = mesh_material(mesh, patch->face)->reflectance;
-        s->receivers[p] = (Receiver){channels_of(solution->unshot[p]),
-                                     {rho.r, rho.g, rho.b},
-                                     patch->first_element,
-                                     patch->area,
-                                     1 / patch->area};
+        s->receivers[p] =
+            (Receiver){channels_of(solution->unshot[p]), {rho.r, rho.g, rho.b}, patch->area, 1 / patch->area};
         if (!options->lamps_only || mesh_emits(mesh, patch->face))
             shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
     }
@@ -163,45 +148,37 @@ static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const 
 // Back into the solution.
 static void finish(const Shooter *s) {
     RadSolution *out = s->solution;
-    for (int e = 0; e < out->element_count; e++) store(s->radiosity[e], out->radiosity[e]);
-    for (int p = 0; p < out->patch_count; p++) store(s->receivers[p].unshot, out->unshot[p]);
-    store(s->absorbed, out->absorbed);
-    store(s->escaped, out->escaped);
+    shoot_elements_finish(s->elements);
+    shoot_elements_store(s->elements, out->radiosity);
+    for (int p = 0; p < out->patch_count; p++) channels_store(s->receivers[p].unshot, out->unshot[p]);
+    channels_store(s->absorbed, out->absorbed);
+    channels_store(s->escaped, out->escaped);
 }
 
-// Receivers lie all over memory, but it is known long before which come: runs ahead to fetch a patch, and its elements,
-// two to a line of the cache.
-enum { PATCH_AHEAD = 12, ELEMENTS_AHEAD = 6 };
+// Receivers lie all over memory, but it is known long before which come: runs ahead to fetch one.
+enum { RECEIVER_AHEAD = 12 };
 
 static void shoot(Shooter *s, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
-    Channels power = from->unshot * spread(from->area * row->scale), absorbed = power * spread(row->back);
-    const float *density = row->density;
-    const uint8_t *offset = row->offset;
+    Channels power = from->unshot * channels_spread(from->area * row->scale),
+             absorbed = power * channels_spread(row->back);
     const bool lamps_only = s->options->lamps_only;
-    from->unshot = spread(0);
+    from->unshot = channels_spread(0);
     shoot_queue_clear(&s->queue, patch);
+    shoot_elements_tell(s->elements, row, power);
     for (int r = 0; r < row->run_count; r++) {
         const ShootRun *run = &row->runs[r];
         Receiver *to = &s->receivers[run->patch];
-        if (r + PATCH_AHEAD < row->run_count) {
-            __builtin_prefetch(&s->receivers[run[PATCH_AHEAD].patch]);
-            const Channels *soon = s->radiosity + s->receivers[run[ELEMENTS_AHEAD].patch].first_element;
-            __builtin_prefetch(soon, 1);
-            __builtin_prefetch(soon + 2, 1);
-        }
-        Channels rho = {(double)to->reflectance[0], (double)to->reflectance[1], (double)to->reflectance[2],
-                        0};
-        Channels reflected = power * rho, *elements = s->radiosity + to->first_element;
+        if (r + RECEIVER_AHEAD < row->run_count)
+            __builtin_prefetch(&s->receivers[run[RECEIVER_AHEAD].patch], 1);
+        Channels reflected = power * channels_of_floats(to->reflectance);
         double share = (double)run->share;
-        for (int i = 0; i <= row->count[r]; i++)
-            elements[*offset++] += reflected * spread((double)*density++);
-        to->unshot += reflected * spread(share * to->per_area);
-        absorbed += (power - reflected) * spread(share);
+        to->unshot += reflected * channels_spread(share * to->per_area);
+        absorbed += (power - reflected) * channels_spread(share);
         if (!lamps_only) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
     }
     s->absorbed += absorbed;
-    s->escaped += power * spread(row->escaped);
+    s->escaped += power * channels_spread(row->escaped);
     s->solution->shots++;
 }
 
@@ -209,7 +186,7 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
 // what is indoors.
 static double residual_of(const Shooter *s) {
     double emitted = sum3(s->solution->emitted), outdoors = sum3(s->solution->outdoors), gone[3];
-    store(s->absorbed + s->escaped, gone);
+    channels_store(s->absorbed + s->escaped, gone);
     return (emitted - sum3(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
 }
 
@@ -225,6 +202,7 @@ static const ShootRow *row_of(Shooter *s, int patch) {
     long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
     if (s->options->shots > 0 && left < wanted) wanted = left;
     int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
+    shoot_elements_finish(s->elements);  // rows that were shot may go
     shoot_rows_make(s->rows, s->next, count);
     return shoot_rows_of(s->rows, patch);
 }
@@ -274,6 +252,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     report.shots = solution->shots - first;
     shoot_rows_report(s.rows, &report);
     report.seconds = clock_seconds() - s.start;
+    shoot_elements_end(s.elements);
     shoot_rows_end(s.rows);
     arena_free(&arena);
     return report;

@@ -11,14 +11,17 @@
 #include "engine/core/lane.h"
 #include "engine/core/polygon.h"
 
-// Of a polygon that has so many corners, those of neighbours on its edges included.
+// Of an element that has no more.
 enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };
 // An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
 static const float LEAST = 1e-5f;
 // What is not near takes what near elements leave, if it had so much, and becomes neither so much more nor less.
 static const double LEAST_REST = 1e-3, MOST_SCALE = 2;
 
-// Where an element is, metres from NearPairs.origin.
+// Two edges are one where the sine of the angle between them is below this.
+static const double STRAIGHT = 1e-6;
+
+// Where an element is, metres from NearShapes.origin.
 typedef struct Ball {
     float x, y, z, radius;
 } Ball;
@@ -35,39 +38,66 @@ typedef struct Mended {
     float factor;
 } Mended;
 
+struct NearShapes {
+    Vec3 origin;
+    Ball *balls;    // [element_count]
+    int *first;     // [element_count + 1] in `corners`; none of an element that has too many
+    Vec3 *corners;  // building space
+};
+
 struct NearPairs {
     const Mesh *mesh;
+    const NearShapes *shapes;
     double reach;
-    Vec3 origin;
-    Ball *balls;     // [element_count]
     float *factor;   // [element_count] of the row
     Mended *mended;  // [element_count]
     Row row;
 };
 
-static Ball ball_of(const NearPairs *self, const int *corner, int count) {
-    const Vec3 *vertices = self->mesh->vertices;
+static Ball ball_of(Vec3 origin, const Vec3 *v, int count) {
     Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < count; i++) sum = vec3_add(sum, vec3_sub(vertices[corner[i]], self->origin));
+    for (int i = 0; i < count; i++) sum = vec3_add(sum, vec3_sub(v[i], origin));
     Vec3 centre = vec3_scale(sum, 1.0 / count);
     double radius = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 v = vec3_sub(vertices[corner[i]], self->origin);
-        radius = fmax(radius, vec3_length(vec3_sub(v, centre)));
-    }
+    for (int i = 0; i < count; i++)
+        radius = fmax(radius, vec3_length(vec3_sub(vec3_sub(v[i], origin), centre)));
     return (Ball){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
 }
 
-NearPairs *near_pairs_new(const Mesh *mesh, double reach, Arena *arena) {
-    NearPairs *self = ARENA_ARRAY(arena, NearPairs, 1);
-    *self = (NearPairs){.mesh = mesh, .reach = reach, .origin = mesh->vertices[0]};
-    self->balls = ARENA_ARRAY(arena, Ball, mesh->element_count);
-    self->factor = ARENA_ARRAY(arena, float, mesh->element_count);
-    self->mended = ARENA_ARRAY(arena, Mended, mesh->element_count);
+// Keeps the corners that turn, of a convex polygon about the normal n.
+static int true_corners(Vec3 *v, int count, Vec3 n) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 before = v[kept > 0 ? kept - 1 : count - 1], after = v[i + 1 < count ? i + 1 : 0];
+        Vec3 a = vec3_sub(v[i], before), b = vec3_sub(after, v[i]);
+        if (vec3_dot(n, vec3_cross(a, b)) > STRAIGHT * vec3_length(a) * vec3_length(b)) v[kept++] = v[i];
+    }
+    return kept;
+}
+
+const NearShapes *near_shapes(const Mesh *mesh, Arena *arena) {
+    NearShapes *shapes = ARENA_ARRAY(arena, NearShapes, 1);
+    shapes->origin = mesh->vertices[0];
+    shapes->balls = ARENA_ARRAY(arena, Ball, mesh->element_count);
+    shapes->first = ARENA_ARRAY(arena, int, mesh->element_count + 1);
+    shapes->corners = ARENA_ARRAY(arena, Vec3, mesh->corner_count);
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
-        self->balls[e] = ball_of(self, mesh->corners + element->first_corner, element->corner_count);
+        Vec3 *v = shapes->corners + shapes->first[e];
+        for (int i = 0; i < element->corner_count; i++)
+            v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
+        shapes->balls[e] = ball_of(shapes->origin, v, element->corner_count);
+        int kept = true_corners(v, element->corner_count, mesh->faces[element->face].plane.n);
+        shapes->first[e + 1] = shapes->first[e] + (kept <= MOST_CORNERS ? kept : 0);
     }
+    return shapes;
+}
+
+NearPairs *near_pairs_new(const Mesh *mesh, const NearShapes *shapes, double reach, Arena *arena) {
+    NearPairs *self = ARENA_ARRAY(arena, NearPairs, 1);
+    *self = (NearPairs){.mesh = mesh, .shapes = shapes, .reach = reach};
+    self->factor = ARENA_ARRAY(arena, float, mesh->element_count);
+    self->mended = ARENA_ARRAY(arena, Mended, mesh->element_count);
     return self;
 }
 
@@ -110,25 +140,12 @@ static void add_quad(PointList *list, const Vec3 q[4], int parts) {
     }
 }
 
-// Corners that turn, of a convex polygon in the plane z = 0.
-static int true_corners(Vec3 *v, int count) {
-    int kept = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 before = v[kept > 0 ? kept - 1 : count - 1], after = v[i + 1 < count ? i + 1 : 0];
-        Vec3 a = vec3_sub(v[i], before), b = vec3_sub(after, v[i]);
-        double turn = a.x * b.y - a.y * b.x;
-        if (turn > 1e-6 * vec3_length(a) * vec3_length(b)) v[kept++] = v[i];
-    }
-    return kept;
-}
-
-// Corners of an element, only those that turn; 0: they are too many.
-static int corners_of(const Mesh *mesh, const Axes *axes, const Element *element, Vec3 v[MOST_CORNERS]) {
-    int count = element->corner_count;
-    if (count > MOST_CORNERS) return 0;
-    for (int i = 0; i < count; i++)
-        v[i] = to_axes(axes, mesh->vertices[mesh->corners[element->first_corner + i]]);
-    return true_corners(v, count);
+// Corners of an element in a patch's axes; 0: they are too many.
+static int corners_of(const NearShapes *shapes, const Axes *axes, int element, Vec3 v[MOST_CORNERS]) {
+    const Vec3 *from = shapes->corners + shapes->first[element];
+    int count = shapes->first[element + 1] - shapes->first[element];
+    for (int i = 0; i < count; i++) v[i] = to_axes(axes, from[i]);
+    return count;
 }
 
 static void add_element(PointList *list, const Vec3 *v, int count, int parts) {
@@ -150,19 +167,21 @@ static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
 // is brighter than all else.
 enum { LEAST_POINTS = 8, LEAST_LAMP_POINTS = 144 };
 
-static bool lay_points(const Mesh *mesh, const Patch *patch, const Axes *axes, Points *out) {
+static bool lay_points(const NearPairs *self, const Patch *patch, const Axes *axes, Points *out) {
+    const Mesh *mesh = self->mesh;
+    const NearShapes *shapes = self->shapes;
     PointList list = {.count = 0};
     int points = 1;
     Vec3 v[MOST_CORNERS];
     add_point(&list, 0, 0, 0);
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-        points += 4 * ((corners_of(mesh, axes, &mesh->elements[e], v) - 1) / 2);
+        points += 4 * ((shapes->first[e + 1] - shapes->first[e] - 1) / 2);
     int least = mesh_emits(mesh, patch->face) ? LEAST_LAMP_POINTS : LEAST_POINTS, parts = 1;
     while (points > 1 && (points - 1) * parts * parts < least &&
            (points - 1) * (parts + 1) * (parts + 1) < MOST_POINTS)
         parts++;
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        int count = corners_of(mesh, axes, &mesh->elements[e], v);
+        int count = corners_of(shapes, axes, e, v);
         if (points > MOST_POINTS)
             add_middle(&list, v, count, mesh->elements[e].area);
         else
@@ -224,12 +243,10 @@ static void factors(const Points *points, const float (*v)[3], int count, float 
 }
 
 // What of an element lies before the patch, in its axes; returns how many corners.
-static int before(const NearPairs *self, const Axes *axes, const Element *element, float out[][3]) {
+static int before(const NearPairs *self, const Axes *axes, int element, float out[][3]) {
     Vec3 v[MOST_CORNERS], part[MOST_CORNERS + 1];
-    if (element->corner_count > MOST_CORNERS) return 0;
-    for (int i = 0; i < element->corner_count; i++)
-        v[i] = to_axes(axes, self->mesh->vertices[self->mesh->corners[element->first_corner + i]]);
-    int count = polygon_clip(v, element->corner_count, (Plane){vec3(0, 0, 1), 0}, 0, part);
+    int count = corners_of(self->shapes, axes, element, v);
+    count = polygon_clip(v, count, (Plane){vec3(0, 0, 1), 0}, 0, part);
     for (int i = 0; i < count; i++) {
         out[i][0] = (float)part[i].x;
         out[i][1] = (float)part[i].y;
@@ -247,7 +264,7 @@ static inline bool is_near(const Ball *b, Vec3 centre, float reach) {
 static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) {
     double radius = 0;
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
-        const Ball *b = &self->balls[e];
+        const Ball *b = &self->shapes->balls[e];
         Vec3 off = vec3_sub(vec3((double)b->x, (double)b->y, (double)b->z), centre);
         radius = fmax(radius, vec3_length(off) + (double)b->radius);
     }
@@ -257,7 +274,7 @@ static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) 
 // What an element has of a patch's light, that has `share` of its centre's.
 static float mend(const NearPairs *self, const Axes *axes, const Points *points, int element, float share) {
     float v[MOST_CORNERS + 1][3], centre, mean;
-    int count = before(self, axes, &self->mesh->elements[element], v);
+    int count = before(self, axes, element, v);
     if (count < 3) return share;
     factors(points, (const float(*)[3])v, count, &centre, &mean);
     if (centre < LEAST) return share;
@@ -266,18 +283,19 @@ static float mend(const NearPairs *self, const Axes *axes, const Points *points,
 
 const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
     const Mesh *mesh = self->mesh;
+    const Ball *balls = self->shapes->balls;
     const Patch *patch = &mesh->patches[index];
     Axes axes = {.centre = patch->centre, .z = mesh->faces[patch->face].plane.n};
     view_axes(axes.z, &axes.x, &axes.y);
     Points points;
     bool laid = false;
-    Vec3 centre = vec3_sub(patch->centre, self->origin);
+    Vec3 centre = vec3_sub(patch->centre, self->shapes->origin);
     float reach = (float)(self->reach * radius_of(self, patch, centre));
     double before_all = 0, after_all = 0;
     int count = 0;
     for (int i = 0; i < row->count; i++) {
-        if (!is_near(&self->balls[row->element[i]], centre, reach)) continue;
-        if (!laid && !lay_points(mesh, patch, &axes, &points)) return row;
+        if (!is_near(&balls[row->element[i]], centre, reach)) continue;
+        if (!laid && !lay_points(self, patch, &axes, &points)) return row;
         laid = true;
         float factor = mend(self, &axes, &points, row->element[i], row->factor[i]);
         self->mended[count++] = (Mended){i, factor};

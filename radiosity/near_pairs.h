@@ -8,10 +8,15 @@
 
 #include "radiosity/form_factor.h"
 
-typedef struct NearPairs NearPairs;
+// The elements of a mesh as near ones are told by: each in a ball, and its corners without those that do not turn, where neighbours
+// meet its edges.
+typedef struct NearShapes NearShapes;
+const NearShapes *near_shapes(const Mesh *mesh, Arena *arena);
 
-// Elements within `reach` radii of a patch are taken to be near it. All memory is taken here.
-NearPairs *near_pairs_new(const Mesh *mesh, double reach, Arena *arena);
+// One thread's; shapes are for all of them. Elements within `reach` radii of a patch are taken to be near it. All memory is taken
+// here.
+typedef struct NearPairs NearPairs;
+NearPairs *near_pairs_new(const Mesh *mesh, const NearShapes *shapes, double reach, Arena *arena);
 // The row of a patch's centre, with the shares of near elements multiplied by what Lambert's formula says of the mean over
 // the patch and of its centre, were nothing between; what is left goes to the others in proportion. Valid until the next.
 const Row *near_pairs_row(NearPairs *self, int patch, const Row *row);

@@ -50,12 +50,17 @@ typedef struct Taker {
     float per_area;  // 1/m^2
 } Taker;
 
+// What all makers share: lines and shapes.
+enum { SHARED = 2 };
+
 struct ShootRows {
     const Mesh *mesh;
     const StabForest *forest;
     const float *door_open;
+    Arena shared[SHARED];
     FaceLines lines;
-    Taker *takers;  // [element_count]
+    const NearShapes *shapes;  // NULL: patches are points
+    Taker *takers;             // [element_count]
     const RadOptions *options;
     FormFactorOptions usual, of_lamps;
     int threads, slot_count, waiting_count;
@@ -77,17 +82,31 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     return detail > 1 ? resolution * detail : resolution;
 }
 
+// What all makers share, and what each needs beside that.
+static void share_or_equip(void *context, int index, int thread) {
+    (void)thread;
+    ShootRows *rows = context;
+    if (index == 0) {
+        rows->lines = lines_of_mesh(rows->mesh, &rows->shared[0]);
+    } else if (index == 1) {
+        if (rows->options->reach > 0) rows->shapes = near_shapes(rows->mesh, &rows->shared[1]);
+    } else {
+        Maker *maker = &rows->makers[index - SHARED];
+        maker->viewer = viewer_new(rows->mesh, rows->forest, rows->door_open, &maker->arena);
+    }
+}
+
 static void equip_maker(void *context, int index, int thread) {
     (void)thread;
     ShootRows *rows = context;
-    const RadOptions *options = rows->options;
+    const FormFactorMethod *method = rows->options->method;
     Maker *maker = &rows->makers[index];
-    maker->viewer = viewer_new(rows->mesh, rows->forest, rows->door_open, &maker->arena);
-    maker->form_factor = form_factor_new(options->method, rows->mesh, &rows->usual, &maker->arena);
+    if (rows->shapes)
+        maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
+    maker->form_factor = form_factor_new(method, rows->mesh, &rows->usual, &maker->arena);
     maker->of_lamps = maker->form_factor;
     if (rows->of_lamps.resolution != rows->usual.resolution)
-        maker->of_lamps = form_factor_new(options->method, rows->mesh, &rows->of_lamps, &maker->arena);
-    if (options->reach > 0) maker->near = near_pairs_new(rows->mesh, options->reach, &maker->arena);
+        maker->of_lamps = form_factor_new(method, rows->mesh, &rows->of_lamps, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -100,13 +119,13 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++)
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
-    rows->lines = lines_of_mesh(mesh, arena);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
+    parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
     parallel_for(rows->threads, rows->threads, equip_maker, rows);
     rows->slot_count = AHEAD_MOST * rows->threads;
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
@@ -129,6 +148,7 @@ void shoot_rows_end(ShootRows *rows) {
         arena_free(&rows->makers[t].kept);
     }
     for (int i = 0; i < rows->slot_count; i++) arena_free(&rows->slots[i].arena);
+    for (int i = 0; i < SHARED; i++) arena_free(&rows->shared[i]);
 }
 
 int shoot_rows_most(const ShootRows *rows) { return rows->slot_count; }
@@ -171,36 +191,70 @@ static void place_row(ShootRow *row, int runs, int elements) {
 
 // How many elements ahead their takers are asked for, which lie all over memory.
 enum { TAKERS_AHEAD = 24 };
+// Runs of one length lie together, all longer ones too: loops over them take no guesses where they end.
+enum { RUN_LENGTHS = 8 };
 
-static int count_runs(const ShootRows *rows, const Row *row) {
-    int runs = 0, last = -1;
-    for (int i = 0; i < row->count; i++) {
-        if (i + TAKERS_AHEAD < row->count) __builtin_prefetch(&rows->takers[row->element[i + TAKERS_AHEAD]]);
-        int patch = rows->takers[row->element[i]].patch;
-        runs += patch != last;
-        last = patch;
+// Of each length, runs and their elements: how many, or where the next one goes.
+typedef struct Runs {
+    int count;
+    int run[RUN_LENGTHS], element[RUN_LENGTHS];
+} Runs;
+
+static int kind_of(int length) { return (length < RUN_LENGTHS ? length : RUN_LENGTHS) - 1; }
+
+// Where the run ends that begins at `first`.
+static int end_of_run(const ShootRows *rows, const Row *row, int first) {
+    int patch = rows->takers[row->element[first]].patch, end = first + 1;
+    while (end < row->count && rows->takers[row->element[end]].patch == patch) end++;
+    return end;
+}
+
+static Runs count_runs(const ShootRows *rows, const Row *row) {
+    Runs runs = {0};
+    for (int i = 0; i < row->count && i < TAKERS_AHEAD; i++)
+        __builtin_prefetch(&rows->takers[row->element[i]]);
+    for (int first = 0, end; first < row->count; first = end) {
+        end = end_of_run(rows, row, first);
+        for (int i = first; i < end && i + TAKERS_AHEAD < row->count; i++)
+            __builtin_prefetch(&rows->takers[row->element[i + TAKERS_AHEAD]]);
+        int kind = kind_of(end - first);
+        runs.count++;
+        runs.run[kind]++;
+        runs.element[kind] += end - first;
     }
     return runs;
 }
 
-static void copy_row(const ShootRows *rows, const Row *from, int runs, ShootRow *to) {
-    place_row(to, runs, from->count);
+static void lay_out(Runs *runs) {
+    for (int kind = 0, run = 0, element = 0; kind < RUN_LENGTHS; kind++) {
+        int run_count = runs->run[kind], element_count = runs->element[kind];
+        runs->run[kind] = run;
+        runs->element[kind] = element;
+        run += run_count;
+        element += element_count;
+    }
+}
+
+static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow *to) {
+    place_row(to, runs.count, from->count);
+    lay_out(&runs);
     double sum = from->back + from->escaped;
-    to->run_count = 0;
+    to->run_count = runs.count;
     to->element_count = from->count;
-    for (int i = 0; i < from->count;) {
-        int patch = rows->takers[from->element[i]].patch, first = i;
+    for (int first = 0, end; first < from->count; first = end) {
+        end = end_of_run(rows, from, first);
+        int patch = rows->takers[from->element[first]].patch, kind = kind_of(end - first);
         int first_element = rows->mesh->patches[patch].first_element;
         double share = 0;
-        for (; i < from->count; i++) {
-            const Taker *taker = &rows->takers[from->element[i]];
-            if (taker->patch != patch) break;
+        for (int i = first; i < end; i++) {
+            int at = runs.element[kind]++;
             share += (double)from->factor[i];
-            to->density[i] = from->factor[i] * taker->per_area;
-            to->offset[i] = (uint8_t)(from->element[i] - first_element);
+            to->density[at] = from->factor[i] * rows->takers[from->element[i]].per_area;
+            to->offset[at] = (uint8_t)(from->element[i] - first_element);
         }
-        to->count[to->run_count] = (uint8_t)(i - first - 1);
-        to->runs[to->run_count++] = (ShootRun){patch, (float)share};
+        int run = runs.run[kind]++;
+        to->count[run] = (uint8_t)(end - first - 1);
+        to->runs[run] = (ShootRun){patch, (float)share};
         sum += (double)(float)share;
     }
     CORE_ASSERT(sum > 0.5 && sum < 2);  // a method's row sums to 1
@@ -240,8 +294,8 @@ static void make_row(void *context, int index, int thread) {
     FormFactor *form_factor = mesh_emits(rows->mesh, patch->face) ? maker->of_lamps : maker->form_factor;
     const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
-    int runs = count_runs(rows, row);
-    size_t bytes = row_bytes(runs, row->count);
+    Runs runs = count_runs(rows, row);
+    size_t bytes = row_bytes(runs.count, row->count);
     maker->made_bytes += (long long)bytes;
     slot->row = keep(rows, maker, bytes);
     slot->waiting = !slot->row;

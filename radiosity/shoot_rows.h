@@ -14,7 +14,7 @@ typedef struct ShootRun {
 // sum, back and escaped included, is 1 in doubles, so that no power is lost.
 typedef struct ShootRow {
     int run_count, element_count;
-    ShootRun *runs;   // [run_count] patches increasing
+    ShootRun *runs;   // [run_count] short ones first, then by patch
     float *density;   // [element_count] share per area, 1/m^2; run after run
     uint8_t *count;   // [run_count] elements that receive, less one
     uint8_t *offset;  // [element_count] which element of its patch

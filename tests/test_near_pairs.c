@@ -23,7 +23,7 @@ static Rows rows_of(Lit *lit, int resolution, double reach) {
     options.resolution = resolution;
     r.viewer = viewer_new(&lit->mesh, &lit->forest, NULL, &r.arena);
     r.form_factor = form_factor_new(form_factor_method("hemisphere"), &lit->mesh, &options, &r.arena);
-    r.near = near_pairs_new(&lit->mesh, reach, &r.arena);
+    r.near = near_pairs_new(&lit->mesh, near_shapes(&lit->mesh, &r.arena), reach, &r.arena);
     return r;
 }
 

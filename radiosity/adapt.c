@@ -116,6 +116,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     MeshOptions rough = *options;
     rough.splits = &ONCE;
     rough.close = 0;
+    rough.loose = true;
     if (!build(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
     double power = 0, area = 0;
@@ -207,6 +208,7 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         bool last = round == LAMP_ROUNDS;
         Mesh *next = last ? out : ARENA_ARRAY(&a->scratch, Mesh, 1);
         finer.close = last ? options->close : 0;
+        finer.loose = !last;
         finer.splits = split(a, mesh, last, arena);
         if (!build(a, &finer, last ? arena : &a->scratch, next, error)) return false;
         if (last) return true;

@@ -153,14 +153,13 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     FaceList list = {0};
     places_start(&builder.places, arena);
     add_faces(&builder, &list, vertices ? vertices : graph->vertices, door_open);
-    bool fits = list.elements <= MOST_ELEMENTS, few_contacts = true;
+    bool fits = list.elements <= MOST_ELEMENTS, few_cuts = true;
     if (fits && out->face_count > 0) {
         mesh_anchor_outlines(&builder, list.corner);
-        few_contacts = mesh_find_cuts(&builder);
+        few_cuts = mesh_find_cuts(&builder) && mesh_cut_faces(&builder);
     }
-    if (fits && few_contacts && out->face_count > 0) {
-        mesh_cut_faces(&builder);
-        mesh_anchor_elements(&builder);
+    if (fits && few_cuts && out->face_count > 0) {
+        if (!options->loose) mesh_anchor_elements(&builder);
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
         find_cells(out);
@@ -170,7 +169,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     if (!fits)
         return error_set(error, "%s: elements of %g m would be %.0f (limit %.0f): take larger ones", source,
                          options->element, list.elements, MOST_ELEMENTS);
-    if (!few_contacts)
+    if (!few_cuts)
         return error_set(
             error, "%s: too many wide polygons to cut elements along what stands on them: --close 0 does not",
             source);

@@ -31,7 +31,9 @@ typedef struct MeshOptions {
     double proxy;              // their tolerance, metres, 0: none, .. 1
     const Proxies *proxies;    // polygons that stand in for others, found with that; NULL: there are none
     bool replaced;             // those others alone, and no stand-ins
-    int threads;               // 0: all cores; the mesh is the same on any number
+    bool
+        loose;  // vertices of neighbours on an element's edges do not become its corners: what is drawn of it has cracks
+    int threads;  // 0: all cores; the mesh is the same on any number
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE but no proxies yet
 

@@ -18,7 +18,8 @@ typedef struct MeshCutting {
     MeshLeaf *leaves;    // [leaf_count]
     int leaf_count;
     int *owner;     // [nx * ny] the leaf whose block a square is in
-    int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces
+    int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces,
+    int *code;      // [leaf_count] and what Mesh.squares says of those then
     int merged;     // slivers that became part of their neighbours
     double square;  // area of a whole one, m^2
     // What leaves are cut into: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
@@ -26,7 +27,9 @@ typedef struct MeshCutting {
     int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;
 
-// mesh_patches.c: the elements and patches that the leaves become.
+// mesh_patches.c: the elements and patches that the leaves become: numbers follow each other from face to face.
 void mesh_add_patches(MeshCutting *cutting);
+// mesh_owners.c: which element each square of a face is in, once its elements have numbers; memory of the arena.
+void mesh_give_squares(const MeshCutting *cutting, Arena *arena);
 
 #endif

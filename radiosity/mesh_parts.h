@@ -18,7 +18,7 @@ typedef struct MeshBuilder {
     Arena cut_arena;
     MeshCut *cuts;  // of face f first_cut[f] .. first_cut[f + 1] - 1
     int *first_cut, cut_count, cut_capacity, shared_capacity;
-    int element_capacity, patch_capacity, corner_capacity, square_capacity;
+    int element_capacity, patch_capacity, corner_capacity;
     int laid, cut;  // bits of the splits read so far, by those who lay grids and by those who cut along them
 } MeshBuilder;
 
@@ -68,7 +68,7 @@ int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out);
 // How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
 
-// mesh_squares.c: the elements and patches of all faces, whose outlines are places by then.
-void mesh_cut_faces(MeshBuilder *builder);
+// mesh_squares.c: the elements and patches of all faces, whose outlines are places by then. False where squares would be too many.
+bool mesh_cut_faces(MeshBuilder *builder);
 
 #endif

@@ -1,6 +1,4 @@
 // mesh_patches.c - the elements of a face and its patches, as its leaves are: whole, or in pieces where something stands on them.
-#include <string.h>
-
 #include "engine/core/polygon.h"
 #include "radiosity/mesh_cutting.h"
 
@@ -142,93 +140,30 @@ static int share_leaf(MeshCutting *c, const MeshPiece *pieces, int piece_count) 
     return count == 1 ? mesh->shared[at + 1] : -1;
 }
 
-// The inward sides of a piece.
-typedef struct Sides {
-    Plane *plane;
-    int count, element;
-} Sides;
-
-static Sides *sides_of(const MeshPiece *pieces, int count, Vec3 n, Arena *arena) {
-    Sides *sides = ARENA_ARRAY(arena, Sides, count);
-    for (int i = 0; i < count; i++) {
-        sides[i].element = pieces[i].element;
-        if (pieces[i].element < 0) continue;
-        sides[i].plane = ARENA_ARRAY(arena, Plane, pieces[i].count);
-        sides[i].count = mesh_sides(pieces[i].v, pieces[i].count, n, sides[i].plane);
-    }
-    return sides;
-}
-
-// The element that a whole square is in, else `code`.
-static int element_about(const Sides *sides, int count, Vec3 middle, double reach, int code) {
-    for (int i = 0; i < count; i++) {
-        if (sides[i].element < 0) continue;
-        int k = 0;
-        while (k < sides[i].count && plane_distance(sides[i].plane[k], middle) > reach) k++;
-        if (k == sides[i].count) return sides[i].element;
-    }
-    return code;
-}
-
-static void give_squares(MeshCutting *c, MeshBlock b, const MeshPiece *pieces, int count, int *squares) {
-    const Face *face = c->face;
-    int code = share_leaf(c, pieces, count);
-    bool several = code < -1;
-    Sides *sides = several ? sides_of(pieces, count, face->plane.n, c->arena) : NULL;
-    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
-         y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
-    double reach = 0.5 * vec3_length(vec3_add(x, y));
-    for (int j = b.j0; j <= b.j1; j++) {
-        for (int i = b.i0; i <= b.i1; i++) {
-            Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
-            squares[j * face->nx + i] = several ? element_about(sides, count, middle, reach, code) : code;
-        }
-    }
-}
-
-static void add_cut_patches(MeshCutting *c, int first, int end, int *squares) {
+static void add_cut_patches(MeshCutting *c, int first, int end) {
     add_patch_of(c, first, end, false);
     add_patch_of(c, first, end, true);
     for (int k = first; k < end; k++) {
         int at = c->first_piece[k];
         c->element[k] = MESH_SEVERAL;
-        if (c->leaves[k].area > 0)
-            give_squares(c, c->leaves[k].block, c->pieces + at, c->first_piece[k + 1] - at, squares);
+        if (c->leaves[k].area > 0) c->code[k] = share_leaf(c, c->pieces + at, c->first_piece[k + 1] - at);
     }
-}
-
-// So many more squares, of no element.
-static int *add_squares(MeshBuilder *builder, int count) {
-    Mesh *mesh = builder->mesh;
-    int first = mesh->square_count, all = first + count;
-    if (all > builder->square_capacity) {
-        builder->square_capacity = all > 2 * builder->square_capacity ? all : 2 * builder->square_capacity;
-        int *larger = ARENA_ARRAY(builder->arena, int, builder->square_capacity);
-        if (first > 0) memcpy(larger, mesh->squares, (size_t)first * sizeof *larger);
-        mesh->squares = larger;
-    }
-    for (int i = first; i < all; i++) mesh->squares[i] = -1;
-    mesh->square_count = all;
-    return mesh->squares + first;
 }
 
 void mesh_add_patches(MeshCutting *c) {
     Mesh *mesh = c->builder->mesh;
     Face *face = &mesh->faces[c->index];
-    int squares = face->nx * face->ny;
     face->first_square = mesh->square_count;
     face->first_element = mesh->element_count;
     face->first_patch = mesh->patch_count;
-    int *square = add_squares(c->builder, squares);
+    mesh->square_count += face->nx * face->ny;
     for (int first = 0, end; first < c->leaf_count; first = end) {
         for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
         if (c->is_cut)
-            add_cut_patches(c, first, end, square);
+            add_cut_patches(c, first, end);
         else
             add_whole_patch(c, first, end);
     }
-    for (int i = 0; i < squares; i++)
-        if (c->element[c->owner[i]] != MESH_SEVERAL) square[i] = c->element[c->owner[i]];
     face->element_count = mesh->element_count - face->first_element;
     face->patch_count = mesh->patch_count - face->first_patch;
     mesh->merged_elements += c->merged;

@@ -30,19 +30,21 @@ static unsigned cube_hash(Cube c) {
 
 // ---- welding
 
-static unsigned weld_slot(const Places *places, Cube cube) {
-    return cube_hash(cube) & (unsigned)(places->slot_count - 1);
+static int *slot_for(const Places *places, unsigned hash) {
+    return &places->slots[hash & (unsigned)(places->slot_count - 1)];
+}
+
+static void link_place(Places *places, int place) {
+    int *slot = slot_for(places, places->links[place].hash);
+    places->links[place].next = *slot;
+    *slot = place;
 }
 
 static void grow_table(Places *places, int slots) {
     places->slots = ARENA_ARRAY(places->arena, int, slots);
     places->slot_count = slots;
     for (int i = 0; i < slots; i++) places->slots[i] = -1;
-    for (int i = 0; i < places->count; i++) {
-        unsigned slot = weld_slot(places, cube_at(places->points[i], WELD_CUBE, WELD_SHIFT));
-        places->next[i] = places->slots[slot];
-        places->slots[slot] = i;
-    }
+    for (int i = 0; i < places->count; i++) link_place(places, i);
 }
 
 void places_start(Places *places, Arena *arena) {
@@ -50,39 +52,55 @@ void places_start(Places *places, Arena *arena) {
     grow_table(places, 1024);
 }
 
-static int find_in_cube(const Places *places, Cube cube, Vec3 point) {
-    for (int i = places->slots[weld_slot(places, cube)]; i >= 0; i = places->next[i]) {
+// Points lie all over memory: their hashes tell most of them apart.
+static int find_in_cube(const Places *places, unsigned hash, Vec3 point) {
+    for (int i = *slot_for(places, hash); i >= 0; i = places->links[i].next) {
+        if (places->links[i].hash != hash) continue;
         Vec3 off = vec3_sub(places->points[i], point);
         if (vec3_dot(off, off) <= MESH_WELD * MESH_WELD) return i;
     }
     return -1;
 }
 
-int places_add(Places *places, Vec3 point) {
+// Is a coordinate farther from the borders of its cube than points are welded, and than rounding?
+static bool is_clear(double at, int64_t cube) {
+    double from = at + WELD_SHIFT - (double)cube * WELD_CUBE;
+    return from > 2 * MESH_WELD && from < WELD_CUBE - 2 * MESH_WELD;
+}
+
+static bool is_inside(Cube home, Vec3 p) {
+    return is_clear(p.x, home.x) && is_clear(p.y, home.y) && is_clear(p.z, home.z);
+}
+
+// The first that came, whichever cube it is in: where one is near a border, points beyond it count too.
+static int find_place(const Places *places, Cube home, Vec3 point) {
+    if (is_inside(home, point)) return find_in_cube(places, cube_hash(home), point);
     Vec3 by = {MESH_WELD, MESH_WELD, MESH_WELD};
-    Cube home = cube_at(point, WELD_CUBE, WELD_SHIFT);
     Cube low = cube_at(vec3_sub(point, by), WELD_CUBE, WELD_SHIFT);
     Cube high = cube_at(vec3_add(point, by), WELD_CUBE, WELD_SHIFT);
-    int known = -1;  // the first that came, whichever cube it is in
+    int known = -1;
     for (int64_t x = low.x; x <= high.x; x++) {
         for (int64_t y = low.y; y <= high.y; y++) {
             for (int64_t z = low.z; z <= high.z; z++) {
-                int i = find_in_cube(places, (Cube){x, y, z}, point);
+                int i = find_in_cube(places, cube_hash((Cube){x, y, z}), point);
                 if (i >= 0 && (known < 0 || i < known)) known = i;
             }
         }
     }
+    return known;
+}
+
+int places_add(Places *places, Vec3 point) {
+    Cube home = cube_at(point, WELD_CUBE, WELD_SHIFT);
+    int known = find_place(places, home, point);
     if (known >= 0) return known;
     int i = places->count;
     *ARENA_PUSH(places->arena, places->points, places->count, places->capacity) = point;
-    *ARENA_PUSH(places->arena, places->next, i, places->next_capacity) = -1;
-    if (places->count > places->slot_count) {
+    ARENA_PUSH(places->arena, places->links, i, places->link_capacity)->hash = cube_hash(home);
+    if (places->count > places->slot_count)
         grow_table(places, 4 * places->slot_count);
-    } else {
-        unsigned slot = weld_slot(places, home);
-        places->next[places->count - 1] = places->slots[slot];
-        places->slots[slot] = places->count - 1;
-    }
+    else
+        link_place(places, places->count - 1);
     return places->count - 1;
 }
 

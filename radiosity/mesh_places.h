@@ -9,12 +9,19 @@
 // below the distance at which two sheets are still told apart (2e-7).
 #define MESH_WELD 1e-7
 
+// Another point in the same slot of the table, -1: none; and the hash of one's own cube.
+typedef struct PlaceLink {
+    int next;
+    unsigned hash;
+} PlaceLink;
+
 typedef struct Places {
     Arena *arena;
     Vec3 *points;
     int count, capacity;
-    int *next, next_capacity;  // [count] in the same slot of the table
-    int *slots;                // [slot_count] a power of two; the last point that came there, -1
+    PlaceLink *links;  // [count]
+    int link_capacity;
+    int *slots;  // [slot_count] a power of two; the last point that came there, -1
     int slot_count;
 } Places;
 

@@ -115,12 +115,27 @@ static void find_pieces(MeshCutting *c) {
 
 // ---- all faces
 
-// So many at a time: their grids follow each other in the splits, their elements have to be numbered in order, what is between them
-// is on all threads.
+// So many at a time: their grids follow each other in the splits, and their elements are numbered in order. While one thread numbers
+// those of a batch, the others cut the next one.
 enum { FACES_AT_A_TIME = 4096, SQUARES_AT_A_TIME = 1 << 17 };
+// There may be so many of all faces: what is cut is searched on small ones.
+static const double MOST_SQUARES = 5e8;
+
+typedef struct Batch {
+    MeshCutting *cutting;  // [FACES_AT_A_TIME]
+    int count;
+    Arena arena, *arenas;  // [threads]
+} Batch;
+
+typedef struct Crew {
+    MeshBuilder *builder;
+    const Vec3 *points;  // of outlines: those of elements are added behind them
+    Batch batches[2], *cut, *numbered;
+    int threads, begun;  // faces
+} Crew;
 
 // Returns how many squares it has.
-static int begin_face(MeshBuilder *builder, int index, MeshCutting *c) {
+static int begin_face(MeshBuilder *builder, int index, Arena *arena, MeshCutting *c) {
     Face *face = &builder->mesh->faces[index];
     int most_leaves = face->nx * face->ny;  // of squares that are finer still, each is in one
     mesh_refine_grid(builder, index, face);
@@ -128,28 +143,32 @@ static int begin_face(MeshBuilder *builder, int index, MeshCutting *c) {
     c->is_cut = builder->first_cut[index + 1] > builder->first_cut[index];
     c->square = 1 / (vec3_length(face->gx) * vec3_length(face->gy));
     int squares = face->nx * face->ny;
-    c->leaves = ARENA_ARRAY(&builder->scratch, MeshLeaf, most_leaves);
-    c->owner = ARENA_ARRAY(&builder->scratch, int, squares);
+    c->leaves = ARENA_ARRAY(arena, MeshLeaf, most_leaves);
+    c->owner = ARENA_ARRAY(arena, int, squares);
     c->leaf_count = mesh_leaves(builder, face, c->leaves);
-    c->element = ARENA_ARRAY(&builder->scratch, int, c->leaf_count);
+    c->element = ARENA_ARRAY(arena, int, c->leaf_count);
+    c->code = ARENA_ARRAY(arena, int, c->leaf_count);
     return squares;
 }
 
-typedef struct Crew {
-    MeshCutting *cutting;
-    Arena *arenas;  // [threads]
-} Crew;
+static void begin_batch(Crew *crew, Batch *batch) {
+    const Mesh *mesh = crew->builder->mesh;
+    arena_reset(&batch->arena);
+    for (int t = 0; t < crew->threads; t++) arena_reset(&batch->arenas[t]);
+    batch->count = 0;
+    for (int squares = 0; crew->begun < mesh->face_count && batch->count < FACES_AT_A_TIME;) {
+        if (squares > SQUARES_AT_A_TIME) break;
+        squares += begin_face(crew->builder, crew->begun++, &batch->arena, &batch->cutting[batch->count++]);
+    }
+}
 
-static void cut_face(void *context, int at, int thread) {
-    const Crew *crew = context;
-    MeshCutting *c = &crew->cutting[at];
-    const MeshBuilder *builder = c->builder;
+static void cut_face(const Crew *crew, MeshCutting *c, Arena *arena) {
     const Face *face = c->face;
-    c->arena = &crew->arenas[thread];
+    c->arena = arena;
     Vec3 *outline = ARENA_ARRAY(c->arena, Vec3, face->vertex_count);
     for (int i = 0; i < face->vertex_count; i++) {
-        int place = builder->mesh->outline[face->first_vertex + i];
-        outline[i] = vec3_sub(builder->places.points[place], face->origin);
+        int place = c->builder->mesh->outline[face->first_vertex + i];
+        outline[i] = vec3_sub(crew->points[place], face->origin);
     }
     c->outline = outline;
     c->count = face->vertex_count;
@@ -160,22 +179,54 @@ static void cut_face(void *context, int at, int thread) {
     find_pieces(c);
 }
 
-void mesh_cut_faces(MeshBuilder *builder) {
-    Mesh *mesh = builder->mesh;
-    Arena scratch = {0};
-    int threads = parallel_threads(mesh->options.threads);
-    Crew crew = {ARENA_ARRAY(&scratch, MeshCutting, FACES_AT_A_TIME), ARENA_ARRAY(&scratch, Arena, threads)};
-    for (int first = 0, count; first < mesh->face_count; first += count) {
-        arena_reset(&builder->scratch);
-        for (int t = 0; t < threads; t++) arena_reset(&crew.arenas[t]);
-        int squares = 0;
-        for (count = 0; first + count < mesh->face_count && count < FACES_AT_A_TIME; count++) {
-            if (squares > SQUARES_AT_A_TIME) break;
-            squares += begin_face(builder, first + count, &crew.cutting[count]);
-        }
-        parallel_for(threads, count, cut_face, &crew);
-        for (int i = 0; i < count; i++) mesh_add_patches(&crew.cutting[i]);
+// Numbers the elements of one batch, and cuts the faces of the other.
+static void number_or_cut(void *context, int index, int thread) {
+    const Crew *crew = context;
+    if (index > 0) {
+        cut_face(crew, &crew->cut->cutting[index - 1], &crew->cut->arenas[thread]);
+        return;
     }
-    for (int t = 0; t < threads; t++) arena_free(&crew.arenas[t]);
+    for (int i = 0; i < crew->numbered->count; i++) mesh_add_patches(&crew->numbered->cutting[i]);
+}
+
+static void give_squares(void *context, int index, int thread) {
+    const Crew *crew = context;
+    mesh_give_squares(&crew->numbered->cutting[index], &crew->numbered->arenas[thread]);
+}
+
+static double count_squares(const MeshBuilder *builder) {
+    double count = 0;
+    for (int f = 0; f < builder->mesh->face_count; f++) {
+        Face face = builder->mesh->faces[f];
+        mesh_refine_grid(builder, f, &face);
+        count += (double)face.nx * face.ny;
+    }
+    return count;
+}
+
+bool mesh_cut_faces(MeshBuilder *builder) {
+    double squares = count_squares(builder);
+    if (squares > MOST_SQUARES) return false;
+    builder->mesh->squares = ARENA_ARRAY(builder->arena, int, squares);
+    Arena scratch = {0};
+    Crew crew = {.builder = builder,
+                 .points = builder->places.points,
+                 .threads = parallel_threads(builder->mesh->options.threads)};
+    for (int b = 0; b < 2; b++) {
+        crew.batches[b].cutting = ARENA_ARRAY(&scratch, MeshCutting, FACES_AT_A_TIME);
+        crew.batches[b].arenas = ARENA_ARRAY(&scratch, Arena, crew.threads);
+    }
+    for (int b = 0; b == 0 || crew.cut->count > 0; b++) {
+        crew.cut = &crew.batches[b % 2];
+        crew.numbered = &crew.batches[(b + 1) % 2];
+        begin_batch(&crew, crew.cut);
+        parallel_for(crew.threads, crew.cut->count + 1, number_or_cut, &crew);
+        parallel_for(crew.threads, crew.numbered->count, give_squares, &crew);
+    }
+    for (int b = 0; b < 2; b++) {
+        for (int t = 0; t < crew.threads; t++) arena_free(&crew.batches[b].arenas[t]);
+        arena_free(&crew.batches[b].arena);
+    }
     arena_free(&scratch);
+    return true;
 }

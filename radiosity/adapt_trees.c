@@ -53,36 +53,60 @@ static void add_steps(const AdaptField *f, int here, int there, int axis, Steps 
     add_step(&steps[there][axis], slope, 1);
 }
 
-static Steps (*find_steps(const AdaptField *f, Arena *arena))[2] {
-    const Mesh *mesh = f->mesh;
-    Steps(*steps)[2] = arena_alloc(arena, (size_t)mesh->element_count, sizeof *steps);
-    for (int k = 0; k < mesh->face_count; k++) {
-        const Face *face = &mesh->faces[k];
-        for (int j = 0; j < face->ny; j++) {
-            for (int i = 0; i < face->nx; i++) {
-                int at = face->first_square + j * face->nx + i, here = seen_in(f, at);
-                if (i + 1 < face->nx) add_steps(f, here, seen_in(f, at + 1), 0, steps);
-                if (j + 1 < face->ny) add_steps(f, here, seen_in(f, at + face->nx), 1, steps);
-            }
+static void find_steps(const AdaptField *f, const Face *face, Steps (*steps)[2]) {
+    for (int j = 0; j < face->ny; j++) {
+        for (int i = 0; i < face->nx; i++) {
+            int at = face->first_square + j * face->nx + i, here = seen_in(f, at);
+            if (i + 1 < face->nx) add_steps(f, here, seen_in(f, at + 1), 0, steps);
+            if (j + 1 < face->ny) add_steps(f, here, seen_in(f, at + face->nx), 1, steps);
         }
     }
-    return steps;
+}
+
+static void take_steps(const AdaptField *f, int e, const Steps steps[2]) {
+    const Mesh *mesh = f->mesh;
+    for (int axis = 0; axis < 2; axis++) {
+        const Steps *s = &steps[axis];
+        if (s->weight == 0) continue;
+        double edge = edge_along(mesh, &mesh->elements[e], axis);
+        f->slope[e][axis] = s->sum / s->weight;
+        f->error[e][axis] = mesh->elements[e].area * s->squares / s->weight * edge * edge / 12;
+    }
+}
+
+// Faces that a thread takes at a time: light on one says nothing of the next.
+enum { FACES_A_GROUP = 64 };
+
+static int group_count(const Mesh *mesh) { return (mesh->face_count + FACES_A_GROUP - 1) / FACES_A_GROUP; }
+
+static int end_of_group(const Mesh *mesh, int group) {
+    int end = (group + 1) * FACES_A_GROUP;
+    return end < mesh->face_count ? end : mesh->face_count;
+}
+
+typedef struct Measuring {
+    const AdaptField *field;
+    Steps (*steps)[2];  // [element_count]
+} Measuring;
+
+static void measure_group(void *context, int group, int thread) {
+    (void)thread;
+    const Measuring *m = context;
+    const Mesh *mesh = m->field->mesh;
+    for (int k = group * FACES_A_GROUP; k < end_of_group(mesh, group); k++) {
+        const Face *face = &mesh->faces[k];
+        find_steps(m->field, face, m->steps);
+        for (int e = face->first_element; e < face->first_element + face->element_count; e++)
+            take_steps(m->field, e, m->steps[e]);
+    }
 }
 
 AdaptField adapt_field(const Mesh *mesh, const double *light, Arena *arena) {
     AdaptField f = {mesh, light, arena_alloc(arena, (size_t)mesh->element_count, sizeof *f.slope),
                     arena_alloc(arena, (size_t)mesh->element_count, sizeof *f.error)};
     Arena scratch = {0};
-    Steps(*steps)[2] = find_steps(&f, &scratch);
-    for (int e = 0; e < mesh->element_count; e++) {
-        for (int axis = 0; axis < 2; axis++) {
-            const Steps *s = &steps[e][axis];
-            if (s->weight == 0) continue;
-            double edge = edge_along(mesh, &mesh->elements[e], axis);
-            f.slope[e][axis] = s->sum / s->weight;
-            f.error[e][axis] = mesh->elements[e].area * s->squares / s->weight * edge * edge / 12;
-        }
-    }
+    Measuring m = {&f, arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *m.steps)};
+    parallel_for(parallel_threads(mesh->options.threads), group_count(mesh), measure_group, &m);
     arena_free(&scratch);
     return f;
 }
@@ -110,14 +134,26 @@ typedef struct Node {
     double count;  // leaves below it
 } Node;
 
+// Those of a group of faces.
 typedef struct Trees {
     const AdaptField *field;
     const AdaptLimits *limits;
     Node *nodes;  // children after their parents
     int count, capacity;
     int *roots, root_count, root_capacity;
+    double *below;  // [count] the least sum of squares and costs of each as it was pruned last
     Arena arena;
 } Trees;
+
+typedef struct Forest {
+    const Mesh *mesh;
+    Trees *groups;  // [group_count]
+    double cost;    // of a leaf, while it is pruned
+} Forest;
+
+static void each_group(Forest *forest, void (*body)(void *context, int group, int thread)) {
+    parallel_for(parallel_threads(forest->mesh->options.threads), group_count(forest->mesh), body, forest);
+}
 
 static Moments join(Moments a, const Moments *b) {
     if (b->area == 0) return a;
@@ -187,9 +223,12 @@ static void fill_node(Trees *t, int at, const Face *face, Block b, int depth) {
     t->nodes[at] = sum;
 }
 
-static void plant(Trees *t) {
-    const Mesh *mesh = t->field->mesh;
-    for (int f = 0; f < mesh->face_count; f++) {
+static void plant(void *context, int group, int thread) {
+    (void)thread;
+    const Forest *forest = context;
+    const Mesh *mesh = forest->mesh;
+    Trees *t = &forest->groups[group];
+    for (int f = group * FACES_A_GROUP; f < end_of_group(mesh, group); f++) {
         const Face *face = &mesh->faces[f];
         for (int j = 0; j < face->ny; j += face->root) {
             for (int i = 0; i < face->nx; i += face->root) {
@@ -199,6 +238,7 @@ static void plant(Trees *t) {
             }
         }
     }
+    t->below = ARENA_ARRAY(&t->arena, double, t->count);
 }
 
 // ---- pruning
@@ -223,10 +263,10 @@ static double prune_element(const Trees *t, Node *n, double cost) {
 }
 
 // The half of a square: one, or its two squares.
-static double prune_half(const Trees *t, const Node *n, int axis, int half, const double *below, double cost,
-                         bool *again, double *count) {
+static double prune_half(const Trees *t, const Node *n, int axis, int half, double cost, bool *again,
+                         double *count) {
     const Node *child[2] = {child_of(t, n, axis, half, 0), child_of(t, n, axis, half, 1)};
-    double split = below[child[0] - t->nodes] + below[child[1] - t->nodes];
+    double split = t->below[child[0] - t->nodes] + t->below[child[1] - t->nodes];
     bool there = n->half[axis][half] >= 0;
     double whole = there ? n->half[axis][half] + cost : 0;
     *again = !t->limits->halves || split < whole;
@@ -235,7 +275,7 @@ static double prune_half(const Trees *t, const Node *n, int axis, int half, cons
 }
 
 // Returns the least sum of squares and costs of a node whose children are pruned.
-static double prune_node(const Trees *t, Node *n, const double *below, double cost) {
+static double prune_node(const Trees *t, Node *n, double cost) {
     n->count = 0;
     if (n->first_child < 0) return n->element < 0 ? 0 : prune_element(t, n, cost);
     double best = n->all.error + cost;
@@ -245,7 +285,7 @@ static double prune_node(const Trees *t, Node *n, const double *below, double co
         bool again[2];
         double sum = 0, count[2];
         for (int half = 0; half < 2; half++)
-            sum += prune_half(t, n, axis, half, below, cost, &again[half], &count[half]);
+            sum += prune_half(t, n, axis, half, cost, &again[half], &count[half]);
         if (sum >= best) continue;
         best = sum;
         n->axis = axis;
@@ -256,30 +296,22 @@ static double prune_node(const Trees *t, Node *n, const double *below, double co
     return best;
 }
 
-// A round of pruning, in groups of roots that threads take.
-typedef struct Pruning {
-    const Trees *trees;
-    double *below;  // [node_count]
-    double cost;
-} Pruning;
-
-enum { ROOTS_A_GROUP = 256 };
-
 static void prune_group(void *context, int group, int thread) {
     (void)thread;
-    const Pruning *p = context;
-    const Trees *t = p->trees;
-    int end = (group + 1) * ROOTS_A_GROUP, first = t->roots[group * ROOTS_A_GROUP];
-    for (int i = (end < t->root_count ? t->roots[end] : t->count) - 1; i >= first; i--)
-        p->below[i] = prune_node(t, &t->nodes[i], p->below, p->cost);
+    const Forest *forest = context;
+    const Trees *t = &forest->groups[group];
+    for (int i = t->count - 1; i >= 0; i--) t->below[i] = prune_node(t, &t->nodes[i], forest->cost);
 }
 
-static double prune(const Trees *t, double *below, double cost) {
-    Pruning p = {t, below, cost};
-    int groups = (t->root_count + ROOTS_A_GROUP - 1) / ROOTS_A_GROUP;
-    parallel_for(parallel_threads(t->field->mesh->options.threads), groups, prune_group, &p);
+// Returns how many leaves are left.
+static double prune(Forest *forest, double cost) {
+    forest->cost = cost;
+    each_group(forest, prune_group);
     double count = 0;
-    for (int r = 0; r < t->root_count; r++) count += t->nodes[t->roots[r]].count;
+    for (int g = 0; g < group_count(forest->mesh); g++) {
+        const Trees *t = &forest->groups[g];
+        for (int r = 0; r < t->root_count; r++) count += t->nodes[t->roots[r]].count;
+    }
     return count;
 }
 
@@ -291,20 +323,23 @@ enum { MOST_TRIES = 24 };
 static const double INSIDE = 0.05;
 
 // So that there are at most so many. Counts go about as powers of costs: guesses lie on the line between what is known, as logarithms.
-static void prune_to(const Trees *t, double *below) {
-    double high = 0, most = fmax(t->limits->most, 1);
-    for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
-    double low = LEAST_COST * high, many = prune(t, below, low);
+static void prune_to(Forest *forest, double limit) {
+    double high = 0, most = fmax(limit, 1);
+    for (int g = 0; g < group_count(forest->mesh); g++) {
+        const Trees *t = &forest->groups[g];
+        for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
+    }
+    double low = LEAST_COST * high, many = prune(forest, low);
     if (many <= most) return;
-    double few = prune(t, below, high);
+    double few = prune(forest, high);
     for (int i = 0; i < MOST_TRIES && few < NEAR_ENOUGH * most; i++) {
         double along = few > 0 ? log(many / most) / log(many / few) : 0.5;
         double guess = low * pow(high / low, fmin(fmax(along, INSIDE), 1 - INSIDE));
-        double count = prune(t, below, guess);
+        double count = prune(forest, guess);
         *(count > most ? &low : &high) = guess;
         *(count > most ? &many : &few) = count;
     }
-    prune(t, below, high);
+    prune(forest, high);
 }
 
 static void give_depth(const Trees *t, const Node *n, MeshDepth depth, MeshDepth *out) {
@@ -338,11 +373,18 @@ static void take_depths(const Trees *t, const Node *n, int depth, MeshDepth *out
 }
 
 MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limits, Arena *arena) {
-    Trees t = {.field = field, .limits = limits};
+    Arena scratch = {0};
+    int groups = group_count(field->mesh);
+    Forest forest = {.mesh = field->mesh, .groups = ARENA_ARRAY(&scratch, Trees, groups)};
+    for (int g = 0; g < groups; g++) forest.groups[g] = (Trees){.field = field, .limits = limits};
+    each_group(&forest, plant);
+    prune_to(&forest, limits->most);
     MeshDepth *depth = ARENA_ARRAY(arena, MeshDepth, field->mesh->element_count);
-    plant(&t);
-    prune_to(&t, ARENA_ARRAY(&t.arena, double, t.count));
-    for (int r = 0; r < t.root_count; r++) take_depths(&t, &t.nodes[t.roots[r]], 0, depth);
-    arena_free(&t.arena);
+    for (int g = 0; g < groups; g++) {
+        Trees *t = &forest.groups[g];
+        for (int r = 0; r < t->root_count; r++) take_depths(t, &t->nodes[t->roots[r]], 0, depth);
+        arena_free(&t->arena);
+    }
+    arena_free(&scratch);
     return depth;
 }

@@ -2,6 +2,7 @@
 #include "engine/app/bake.h"
 
 #include <errno.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -358,7 +359,15 @@ static void print_result(Bake *bake) {
     print_warnings(bake);
 }
 
+// Meshes and what is solved on them are made and let go one after the other: their memory is kept for the next, as to ask the
+// system for it takes longer than to fill it.
+static void keep_memory(void) {
+    mallopt(M_MMAP_THRESHOLD, 64 << 20);
+    mallopt(M_TRIM_THRESHOLD, 128 << 20);
+}
+
 int bake(BakeArguments *arguments) {
+    keep_memory();
     Bake b = {.a = arguments};
     Arena arena = {0};
     Error error;

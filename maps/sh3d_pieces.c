@@ -195,7 +195,8 @@ static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
 // Where the piece shows its backs they are faces of their own.
 static void add_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
                      int material) {
-    for (int side = 0; side <= p->both_sides; side++) {
+    int sides = p->both_sides ? 2 : 1;
+    for (int side = 0; side < sides; side++) {
         bool turned = p->mirrored != side;
         Vec3 few[MAX_FAN];
         for (int i = 0; i < count; i++) few[turned ? count - 1 - i : i] = placed[corner[i]];

@@ -22,6 +22,7 @@ typedef struct Drawing {
     float nearest;  // 1 / distance of nowhere on the face is above this
     float tie;      // 1 / distances that differ by less may be the same, or the other way round
     int face;
+    bool by_depth;  // what lies behind what was drawn is passed over
     const SamplerView *of;
     const Form *edges;  // [edge_count]
     int edge_count, crossing_count;
@@ -245,7 +246,7 @@ static inline int draw_group(Sampler *s, int group, Drawing *d) {
     for (; reached; reached &= reached - 1) {
         unsigned bit = reached & -reached;
         int i = __builtin_ctz(reached), block = s->first_block[group] + __builtin_popcount(used & (bit - 1));
-        float *far = (float *)&boxes[i / LANES].far + i % LANES;
+        float unused, *far = d->by_depth ? (float *)&boxes[i / LANES].far + i % LANES : &unused;
         d->crossing_count = choose_edges(d, i);
         if (s->flat)
             draw_block(&s->blocks[block], &s->items[block], d, far, true);
@@ -263,6 +264,7 @@ static void draw_face(Sampler *s, Drawing *d, FormFactorWork *work) {
             int blocks = draw_group(s, group, d);
             if (blocks == 0) continue;
             work->tests += blocks * SAMPLER_BLOCK * LANES;
+            if (!d->by_depth) continue;
             const SampleBoxes *boxes = &s->block_boxes[group * 2];
             groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
         }
@@ -293,6 +295,7 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
         Drawing d = {.near = near,
                      .nearest = nearest_of(view, face),
                      .tie = tie,
+                     .by_depth = view->by_depth,
                      .of = &of,
                      .edges = s->edges,
                      .edge_count = make_edges(s, &s->frame, view, face),

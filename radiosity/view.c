@@ -9,7 +9,7 @@
 
 #include "engine/core/error.h"
 
-const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS] = {"none", "cells", "plan", "portals"};
+const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS] = {"none", "depth", "cells", "plan", "portals"};
 
 // An eye nearer than this to a plane is on it, metres: the rounding of coordinates up to some km; a sheet at 2e-7 stays.
 static const double ON_PLANE = 1e-9;
@@ -270,8 +270,9 @@ const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culli
     view->x = look.x;
     view->y = look.y;
     view->z = look.z;
+    view->by_depth = culling != CULL_NOTHING;
     view->vertex_count = viewer->key_count = 0;
-    if (from->cell < 0 || culling == CULL_NOTHING) {
+    if (from->cell < 0 || culling == CULL_NOTHING || culling == CULL_DEPTH) {
         for (int f = 0; f < viewer->mesh->face_count; f++) take_face(&look, f);
     } else if (culling == CULL_CELLS) {
         take_cells(&look, from->cell);

@@ -21,6 +21,7 @@ typedef struct View {
     // Metres from the eye, in the view's axes: dot(x, v - eye) and so on, to the last bit. There is room for one more.
     Vec3 *vertices;
     int face_count, vertex_count;
+    bool by_depth;  // what lies wholly behind what was drawn may be passed over
 } View;
 
 // Where to look from.
@@ -30,13 +31,14 @@ typedef struct ViewPoint {
 } ViewPoint;
 
 typedef enum ViewCulling {
-    CULL_NOTHING,  // every face above the horizon
+    CULL_NOTHING,  // every face above the horizon is drawn
+    CULL_DEPTH,    // but for what the depths of those before it hide: as all that follow
     CULL_CELLS,    // faces of the cells in the stab tree (cell-to-cell)
     CULL_PLAN,     // stab tree and Oki's horizontal angle (section 3.1), squares of the mesh in each cell
     CULL_PORTALS,  // stab tree, portals clipped in three dimensions
     VIEW_CULLINGS
 } ViewCulling;
-extern const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS];  // "none", "cells", "plan", "portals"
+extern const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS];  // "none", "depth", "cells", "plan", "portals"
 
 // One thread's.
 typedef struct Viewer Viewer;

@@ -275,7 +275,7 @@ const Bench BENCH_FORMFACTORS = {
             "hemicube-NAME\n"
             "                        is the hemicube whose sides a hidden-surface method fills\n"
             "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
-            "    --cullings A,..     of none, cells, plan, portals (default none,portals)\n"
+            "    --cullings A,..     of none, depth, cells, plan, portals (default none,depth,portals)\n"
             "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
             "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
             "    --seed N            of the reference\n"

@@ -278,7 +278,7 @@ int cmd_bench(int argc, char **argv) {
                         .steps = 100000,
                         .seed = 1,
                         .samples = 12,
-                        .cullings = "none,portals",
+                        .cullings = "none,depth,portals",
                         .resolutions = {50, 71, 100, 141, 200},
                         .resolution_count = 5,
                         .shooters = 60,

@@ -3,10 +3,10 @@
 # usage: gnuplot -e "csv='build/bench/rooms.csv'; out='build/pictures/rooms'" tests/plots/rooms.gp
 # writes OUT.svg and OUT.png
 set datafile separator ','
-cullings = "none cells plan portals"
-titles = '"nothing culled" "cell-to-cell" "stab tree in plan" "stab tree, portals clipped"'
-colours = "#909090 #d08020 #3080c0 #b02020"
-marks = "7 9 5 13"
+cullings = "none depth cells plan portals"
+titles = '"nothing culled" "by depth alone" "cell-to-cell" "stab tree in plan" "stab tree, portals clipped"'
+colours = "#909090 #208040 #d08020 #3080c0 #b02020"
+marks = "7 11 9 5 13"
 # A row's figure where it is of the buildings and the culling, by the hemisphere; else nothing.
 of(kind, culling, figure) = (strcol(1)[1:strlen(kind)] eq kind && strcol(6) eq 'hemisphere' && strcol(7) eq culling) ? figure : NaN
 set grid lc rgb '#dddddd'
@@ -24,13 +24,13 @@ do for [format in "svg png"] {
     set key top left samplen 2
     set ylabel 'ms a shot, hemisphere of 100'
     set title 'filled: doorways anywhere; dashed: all doorways in line'
-    plot for [c=1:4] csv every ::1 using 2:(of('rooms', word(cullings, c), $9)) with linespoints pt int(word(marks, c)) lw 2 lc rgb word(colours, c) title word(titles, c), \
-         for [c=1:4] csv every ::1 using 2:(of('enfilade', word(cullings, c), $9)) with linespoints pt int(word(marks, c)) ps 0.6 dt 2 lc rgb word(colours, c) notitle
+    plot for [c=1:5] csv every ::1 using 2:(of('rooms', word(cullings, c), $9)) with linespoints pt int(word(marks, c)) lw 2 lc rgb word(colours, c) title word(titles, c), \
+         for [c=1:5] csv every ::1 using 2:(of('enfilade', word(cullings, c), $9)) with linespoints pt int(word(marks, c)) ps 0.6 dt 2 lc rgb word(colours, c) notitle
     unset key
     set title ' '
     set ylabel 'polygons looked at'
-    plot for [c=1:4] csv every ::1 using 2:(of('rooms', word(cullings, c), $11)) with linespoints pt int(word(marks, c)) lw 2 lc rgb word(colours, c), \
-         for [c=1:4] csv every ::1 using 2:(of('enfilade', word(cullings, c), $11)) with linespoints pt int(word(marks, c)) ps 0.6 dt 2 lc rgb word(colours, c)
+    plot for [c=1:5] csv every ::1 using 2:(of('rooms', word(cullings, c), $11)) with linespoints pt int(word(marks, c)) lw 2 lc rgb word(colours, c), \
+         for [c=1:5] csv every ::1 using 2:(of('enfilade', word(cullings, c), $11)) with linespoints pt int(word(marks, c)) ps 0.6 dt 2 lc rgb word(colours, c)
     unset multiplot
     unset output
 }

@@ -24,14 +24,14 @@ set logscale xy
 set format '%g'
 # Errors lie within a power of ten or so: tics where they are wanted, between its ends.
 set ytics (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 8, 10, 12, 15, 20, 30)
-set xtics (3, 5, 10, 20, 50, 100, 200)
+set xtics (1, 2, 3, 5, 10, 20, 50, 100)
 do for [format in "svg png"] {
     if (format eq "svg") { set terminal svg size 1100,900 font 'DejaVu Sans,11' background '#ffffff' }
     if (format eq "png") { set terminal pngcairo size 1100,900 font 'DejaVu Sans,10' background '#ffffff' }
     set output sprintf('%s.%s', out, format)
     set multiplot layout 2,2
     set key top right samplen 2 opaque
-    set xrange [2.5:300]
+    set xrange [1:100]
     set yrange [9:22]
     set xlabel 'CPU seconds of the bake, of all threads'
     set ylabel 'RMS of elements, percent of the mean'

@@ -246,7 +246,7 @@ static inline int draw_group(Sampler *s, int group, Drawing *d) {
     for (; reached; reached &= reached - 1) {
         unsigned bit = reached & -reached;
         int i = __builtin_ctz(reached), block = s->first_block[group] + __builtin_popcount(used & (bit - 1));
-        float unused, *far = d->by_depth ? (float *)&boxes[i / LANES].far + i % LANES : &unused;
+        float unused = 0, *far = d->by_depth ? (float *)&boxes[i / LANES].far + i % LANES : &unused;
         d->crossing_count = choose_edges(d, i);
         if (s->flat)
             draw_block(&s->blocks[block], &s->items[block], d, far, true);

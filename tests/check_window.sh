@@ -18,7 +18,8 @@ python3 tests/window_driver.py || die 'the driver fails against its fake'
 
 # The server says which display it took, and keeps its screen in a file that the driver reads.
 mkfifo "$work/display"
-Xvfb -displayfd 3 -screen 0 1400x900x24 -fbdir "$work" -nolisten tcp 3>"$work/display" 2>"$work/server" &
+# Without a reset when the last client leaves: the next one may come in the middle of it, and be refused.
+Xvfb -noreset -displayfd 3 -screen 0 1400x900x24 -fbdir "$work" -nolisten tcp 3>"$work/display" 2>"$work/server" &
 server=$!
 read -r -t 20 display <"$work/display" || skip 'Xvfb does not start'
 export DISPLAY=:$display

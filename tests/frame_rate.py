@@ -21,7 +21,7 @@ def start_screen(work):
     """An X server of our own; it says which display it took."""
     reads, writes = os.pipe()
     with open(os.path.join(work, "server"), "w", encoding="utf-8") as said:
-        server = subprocess.Popen(["Xvfb", "-displayfd", str(writes), "-screen", "0", "1400x900x24", "-nolisten", "tcp"],
+        server = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(writes), "-screen", "0", "1400x900x24", "-nolisten", "tcp"],
                                   stderr=said, pass_fds=[writes])
     os.environ["DISPLAY"] = ":" + os.read(reads, 16).decode().strip()
     os.environ.pop("WAYLAND_DISPLAY", None)

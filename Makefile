@@ -49,7 +49,7 @@ library := $(filter-out $(dir)/engine/app/main.o,$(objects))
 public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c $(only_asan),$(wildcard tests/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c tests/make_hostile.c $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)
@@ -92,6 +92,8 @@ $(dir)/tests/fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
 $(dir)/tests/try_fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
+$(dir)/tests/make_hostile: $(dir)/tests/hostile.o $(dir)/tests/make_hostile.o
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
@@ -143,7 +145,7 @@ walk:
 	fi
 test soak:
 	$(call install,$(to_build) $(to_test))
-	$(submake) program maps $(dir)/tests/all $(fuzzers:fuzz_%=$(dir)/tests/try_fuzz_%)
+	$(submake) program maps $(dir)/tests/all $(dir)/tests/make_hostile $(fuzzers:fuzz_%=$(dir)/tests/try_fuzz_%)
 	@ENFILADE_SOAK=$(if $(filter soak,$@),1) ENFILADE_SOAK_MINUTES=2 tests/run.sh $(dir)
 	$(if $(filter soak,$@),$(submake) config=asan soaked)
 # Twenty minutes of everything that a walk can do, under the sanitizers.
@@ -259,6 +261,6 @@ docs:
 clean:
 	rm -rf build
 
--include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz)
+-include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz make_hostile)
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -35,6 +35,8 @@ flags_release := -O2
 flags_debug := -O0
 flags_asan := $(sanitize) -fsanitize=address,undefined
 flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
+# Counts what runs, edge by edge: tests/hostile_cost.c alone.
+flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
@@ -49,7 +51,7 @@ library := $(filter-out $(dir)/engine/app/main.o,$(objects))
 public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c tests/make_hostile.c $(only_asan),$(wildcard tests/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c tests/make_hostile.c tests/hostile_cost.c $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)
@@ -94,6 +96,10 @@ $(dir)/tests/try_fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o $(dir)/te
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/make_hostile: $(dir)/tests/hostile.o $(dir)/tests/make_hostile.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
+# What opens a building, without what draws or lights it.
+counted := $(patsubst %.c,$(dir)/%.o,$(foreach l,engine/core maps visibility visibility/pairs visibility/rays,$(wildcard $(l)/*.c)))
+$(dir)/tests/hostile_cost: $(counted) $(dir)/tests/hostile.o $(dir)/tests/hostile_cost.o
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
@@ -261,6 +267,6 @@ docs:
 clean:
 	rm -rf build
 
--include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz make_hostile)
+-include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz make_hostile hostile_cost)
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -207,6 +207,7 @@ typedef struct Building {
     const char *source;  // the path it was read from
     const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
     uint64_t hash;    // of the file's content, and of `map`
+    double file_size;  // bytes; 0: not read from a file. What may be spent on a building grows with it
     Material *materials;
     Storey *storeys;
     Region *regions;

@@ -14,18 +14,20 @@
 
 // What all threads share.
 typedef struct Growth {
-    const TreeSource *source;
+    TreeGrower **growers;  // [threads]
     StabForest *forest;
     Tree *trees;
+    int first;          // cell of this run
+    long long allowed;  // work for one tree of it
     const Progress *progress;
     pthread_mutex_t lock;  // of `progress`, `done` and `stopped`
     int done;
     bool stopped;
 } Growth;
 
-static void grow_next(void *context, int cell, int thread) {
+static void grow_next(void *context, int index, int thread) {
     Growth *growth = context;
-    (void)thread;
+    int cell = growth->first + index;
     pthread_mutex_lock(&growth->lock);
     double done = (double)growth->done++ / growth->forest->cell_count;
     if (!growth->stopped && !progress_report(growth->progress, "stab trees", done)) growth->stopped = true;
@@ -33,8 +35,26 @@ static void grow_next(void *context, int cell, int thread) {
     pthread_mutex_unlock(&growth->lock);
     if (stopped) return;
     StabForest *forest = growth->forest;
-    growth->trees[cell] =
-        tree_grow(growth->source, cell, forest->seen + (size_t)cell * (size_t)forest->words);
+    growth->trees[cell] = tree_grow(growth->growers[thread], cell, growth->allowed,
+                                    forest->seen + (size_t)cell * (size_t)forest->words);
+}
+
+// In runs, so that what trees take is known before the next are grown: one may take much more than its share of what is left, since
+// most take less.
+static void grow_all(Growth *growth, const TreeSource *source, int threads, Arena *scratch) {
+    enum { RUN = 64, TIMES = 64, MOST = 8 };
+    int count = growth->forest->cell_count;
+    growth->growers = ARENA_ARRAY(scratch, TreeGrower *, threads);
+    for (int i = 0; i < threads; i++) growth->growers[i] = tree_grower_new(source, scratch);
+    long long left = tree_work(source);
+    for (growth->first = 0; growth->first < count && !growth->stopped; growth->first += RUN) {
+        int rest = count - growth->first, run = rest < RUN ? rest : RUN;
+        long long share = left / rest * TIMES;
+        growth->allowed = share < left / MOST ? share : left / MOST;
+        parallel_for(threads, run, grow_next, growth);
+        for (int i = 0; i < run; i++) left -= growth->trees[growth->first + i].spent;
+    }
+    for (int i = 0; i < threads; i++) tree_grower_end(growth->growers[i]);
 }
 
 static void make_symmetric(StabForest *forest, uint64_t *transpose) {
@@ -134,12 +154,12 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
     out->root = ARENA_ARRAY(arena, int, count + 1);
     out->bounded = ARENA_ARRAY(arena, unsigned char, count);
     out->seen = ARENA_ARRAY(arena, uint64_t, (size_t)count * (size_t)out->words);
-    Growth growth = {.source = tree_source_new(graph, options, &scratch),
-                     .forest = out,
+    Growth growth = {.forest = out,
                      .trees = ARENA_ARRAY(&scratch, Tree, count),
                      .progress = progress,
                      .lock = PTHREAD_MUTEX_INITIALIZER};
-    parallel_for(parallel_threads(options->threads), count, grow_next, &growth);
+    grow_all(&growth, tree_source_new(graph, options, &scratch), parallel_threads(options->threads),
+             &scratch);
     if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
     for (int c = 0; c < count; c++) free(growth.trees[c].nodes);
     arena_free(&scratch);

@@ -12,10 +12,19 @@ typedef struct Tree {
     StabNode *nodes;  // malloc'd; of this tree alone, depth-first, numbered from 0
     int count;
     bool bounded;
+    long long spent;  // work
 } Tree;
 
-// Returns the tree of a cell, or the root alone where it is too large, and marks in `row` [words] the cells that may be
-// seen from it.
-Tree tree_grow(const TreeSource *source, int cell, uint64_t *row);
+// What one thread grows trees with.
+typedef struct TreeGrower TreeGrower;
+TreeGrower *tree_grower_new(const TreeSource *source, Arena *arena);
+void tree_grower_end(TreeGrower *grower);
+
+// How much work all trees may take (ways_work).
+long long tree_work(const TreeSource *source);
+
+// Returns the tree of a cell, or the root alone where it is too large or takes more work than `allowed`, and marks in `row`
+// [words] the cells that may be seen from it.
+Tree tree_grow(TreeGrower *grower, int cell, long long allowed, uint64_t *row);
 
 #endif

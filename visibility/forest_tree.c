@@ -80,7 +80,8 @@ typedef struct Level {
     double share;   // of all choices, that lie beyond this way
 } Level;
 
-typedef struct Grower {
+typedef struct TreeGrower Grower;
+struct TreeGrower {
     const TreeSource *source;
     StabNode *nodes;  // malloc'd: it grows in a thread of its own
     int count, capacity;
@@ -89,8 +90,15 @@ typedef struct Grower {
     Level **levels;          // [cell_count] levels[0] is after the first way
     double done;             // share of all choices that was decided
     bool exhausted;
+    long long spent, allowed;  // see ways_work
+    uint64_t *reached, *all;   // [words] of tree_grow
+    int *stack;                // [cell_count]
     Arena arena;
-} Grower;
+};
+
+// What steps take, see ways_work: a way tried, one narrowed by planes, and a node besides its words.
+enum { WORK_WAY = 30, WORK_NARROW = 300, WORK_NODE = 100 };
+static const double WORK = 2e9;  // of all trees
 
 static Level *level_at(Grower *g, int depth) {
     if (!g->levels[depth]) {
@@ -108,7 +116,8 @@ static bool hopeless(const Grower *g) {
 }
 
 static int add_node(Grower *g, int cell, int portal, int parent) {
-    if (g->count == g->source->limit || hopeless(g)) {
+    g->spent += WORK_NODE + g->source->ways.words;
+    if (g->count > 0 && (g->count == g->source->limit || hopeless(g) || g->spent >= g->allowed)) {
         g->exhausted = true;
         return -1;
     }
@@ -143,8 +152,10 @@ static bool narrow(const Grower *g, Level *from, int way, Level *to) {
 static bool cross(Grower *g, Level *from, int way, Level *to, SightlineUndo *undo) {
     const PlanWay *plan = &g->source->plan[way];
     int cell = g->source->ways.ways[way].to;
+    g->spent += WORK_WAY;
     if (g->on_path[cell] || !row_has(from->may, cell) || from->rise * plan->rise < 0) return false;
     if (plan->upright && !sightline_push(&g->line, plan->left, plan->right, undo)) return false;
+    g->spent += WORK_NARROW;
     if (narrow(g, from, way, to)) {
         to->rise = plan->rise ? plan->rise : from->rise;
         to->spread = false;
@@ -172,6 +183,7 @@ static void grow(Grower *g, int node, int depth) {
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && !g->exhausted; i++) {
         int way = ways->list[i], to = ways->ways[way].to;
         SightlineUndo undo;
+        if (g->spent >= g->allowed) g->exhausted = true;
         if (way == (level->beam.way ^ 1)) continue;
         next->share = level->share / choices;
         if (!cross(g, level, way, next, &undo)) {
@@ -208,41 +220,56 @@ static void grow_branch(Grower *g, int way, double share, const uint64_t *reache
     leave(g, way, &undo);
 }
 
-static Grower grower_new(const TreeSource *source) {
-    Grower g = {.source = source};
+TreeGrower *tree_grower_new(const TreeSource *source, Arena *arena) {
+    Grower *grower = ARENA_ARRAY(arena, Grower, 1), g = {.source = source};
     size_t most = (size_t)source->ways.cell_count + 1;
     g.line = (Sightline){.left = ARENA_ARRAY(&g.arena, Vec2, most),
                          .right = ARENA_ARRAY(&g.arena, Vec2, most),
                          .capacity = (int)most};
     g.on_path = ARENA_ARRAY(&g.arena, unsigned char, most);
     g.levels = ARENA_ARRAY(&g.arena, Level *, most);
-    return g;
+    g.reached = ARENA_ARRAY(&g.arena, uint64_t, source->ways.words);
+    g.all = ARENA_ARRAY(&g.arena, uint64_t, source->ways.words);
+    g.stack = ARENA_ARRAY(&g.arena, int, most);
+    *grower = g;
+    return grower;
 }
 
-Tree tree_grow(const TreeSource *source, int cell, uint64_t *row) {
+void tree_grower_end(TreeGrower *grower) { arena_free(&grower->arena); }
+
+long long tree_work(const TreeSource *source) { return ways_work(&source->ways, WORK); }
+
+Tree tree_grow(TreeGrower *g, int cell, long long allowed, uint64_t *row) {
+    const TreeSource *source = g->source;
     const WayGraph *ways = &source->ways;
     size_t words = (size_t)ways->words;
-    Grower g = grower_new(source);
-    uint64_t *reached = ARENA_ARRAY(&g.arena, uint64_t, words), *all = ARENA_ARRAY(&g.arena, uint64_t, words);
-    int *stack = ARENA_ARRAY(&g.arena, int, ways->cell_count);
     int first = ways->first[cell], end = ways->first[cell + 1];
-    g.on_path[cell] = 1;
-    add_node(&g, cell, -1, -1);
+    g->nodes = NULL;
+    g->count = g->capacity = 0;
+    g->done = 0;
+    g->exhausted = false;
+    g->spent = 0;
+    g->allowed = allowed;
+    memset(g->all, 0, words * sizeof *g->all);
+    g->on_path[cell] = 1;
+    add_node(g, cell, -1, -1);
     for (int i = first; i < end; i++) {
         if (source->known) {
-            memcpy(reached, source->known + (size_t)cell * words, words * sizeof *reached);
+            memcpy(g->reached, source->known + (size_t)cell * words, words * sizeof *g->reached);
         } else {
-            memset(reached, 0, words * sizeof *reached);
-            ways_flood(ways, ways->list[i], reached, stack);
+            memset(g->reached, 0, words * sizeof *g->reached);
+            ways_flood(ways, ways->list[i], g->reached, g->stack);
         }
-        for (size_t k = 0; k < words; k++) all[k] |= reached[k];
-        if (!g.exhausted) grow_branch(&g, ways->list[i], 1.0 / (end - first), reached);
+        for (size_t k = 0; k < words; k++) g->all[k] |= g->reached[k];
+        if (!g->exhausted) grow_branch(g, ways->list[i], 1.0 / (end - first), g->reached);
     }
-    if (g.exhausted) {
-        g.count = 1;
-        for (size_t k = 0; k < words; k++) row[k] |= all[k];
+    g->on_path[cell] = 0;
+    if (g->exhausted) {
+        g->count = 1;
+        for (size_t k = 0; k < words; k++) row[k] |= g->all[k];
     }
-    for (int i = 0; i < g.count; i++) row_add(row, g.nodes[i].cell);
-    arena_free(&g.arena);
-    return (Tree){g.nodes, g.count, g.exhausted};
+    for (int i = 0; i < g->count; i++) row_add(row, g->nodes[i].cell);
+    StabNode *fitted = realloc(g->nodes, (size_t)g->count * sizeof *g->nodes);
+    if (fitted) g->nodes = fitted;
+    return (Tree){g->nodes, g->count, g->exhausted, g->spent};
 }

@@ -56,6 +56,12 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
     way->facet.tilt = 2 * way->facet.bend * way->radius / fmax(area, 1e-300);
 }
 
+static double work_scale(const Building *building) {
+    static const double SMALL = 1e6;
+    double times = building ? building->file_size / SMALL : 1;
+    return times > 1 ? times * times : 1;
+}
+
 void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
     int ways = 2 * graph->portal_count, cells = graph->cell_count;
     double size = vec3_length(vec3_sub(graph->box.max, graph->box.min));
@@ -65,6 +71,7 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
                       .cell_count = cells,
                       .way_count = ways,
                       .words = (cells + 63) / 64,
+                      .scale = work_scale(graph->building),
                       .ways = ARENA_ARRAY(arena, Way, ways),
                       .first = ARENA_ARRAY(arena, int, cells + 1),
                       .list = ARENA_ARRAY(arena, int, ways),
@@ -108,13 +115,19 @@ static bool reaches(const Way *way, Plane plane, int side, double slack) {
 }
 
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
+    // Of all floods together; a try takes 10 ns.
+    static const double TRIES = 1.5e8;
     const Way *first = &graph->ways[way];
-    long long tried = 0;
+    long long tried = 0, most = ways_work(graph, TRIES) / graph->way_count;
     int depth = 0;
     stack[depth++] = first->to;
     row_add(row, first->to);
     while (depth > 0) {
         int cell = stack[--depth];
+        if (tried > most) {
+            for (int c = 0; c < graph->cell_count; c++) row_add(row, c);
+            break;
+        }
         for (int i = graph->first[cell]; i < graph->first[cell + 1]; i++) {
             int index = graph->list[i];
             const Way *next = &graph->ways[index];

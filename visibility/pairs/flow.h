@@ -17,6 +17,7 @@ typedef struct CellList {
 typedef struct FlowStep {
     Beam beam;
     CellList wanted;  // cells in doubt that the beam may reach
+    bool recorded;    // of sight_record: the pairs of the chain as far as this step are in the finding
     Vec3 place;       // of sight_record: on a sightline, in the cell that the way leaves
 } FlowStep;
 
@@ -33,6 +34,7 @@ typedef struct Flow {
     Vec3 point;          // of flow_look
     long long patience;  // chains that one search may follow; it leaves what is in doubt then in `unknown`
     long long left;      // of the patience
+    long long spent, allowed;  // work of one search (ways_work), and how much it may do
     PairWork work;
     Arena arena;
 } Flow;
@@ -40,7 +42,8 @@ typedef struct Flow {
 void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might);
 void flow_end(Flow *flow);
 
-// Follows all chains that begin with `way`, as long as `unknown` is not empty. Returns false when it lost patience.
+// Follows all chains that begin with `way`, as long as `unknown` is not empty. Returns false when it lost patience,
+// or has done all the work that it may.
 bool flow_search(Flow *flow, int way);
 
 // The same for lines from `flow->point`, a point of the way's portal, only: exact, so that each cell reached is seen from there. Calls

@@ -4,8 +4,13 @@
 // already decided are not looked for, and a chain is given up as soon as no cell in doubt touches its beam.
 #include "visibility/pairs/flow.h"
 
+// What steps take, see ways_work.
+enum { WORK_BOX = 10, WORK_WAY = 5, WORK_NARROW = 100, WORK_PLANES = 400 };
+
+static bool has_work(const Flow *flow) { return flow->spent < flow->allowed; }
+
 void flow_start(Flow *flow, const WayGraph *ways, const uint64_t *might) {
-    *flow = (Flow){.ways = ways, .might = might};
+    *flow = (Flow){.ways = ways, .might = might, .allowed = INT64_MAX};
     flow->unknown = ARENA_ARRAY(&flow->arena, uint64_t, ways->words);
     flow->steps = ARENA_ARRAY(&flow->arena, FlowStep *, ways->cell_count + 1);
     flow->on_path = ARENA_ARRAY(&flow->arena, unsigned char, ways->cell_count);
@@ -34,13 +39,15 @@ static bool box_in_beam(Box box, const FlowStep *step) {
 }
 
 // Drops the cells that are decided by now or outside the beam; false when none is left.
-static bool keep_in_beam(const Flow *flow, FlowStep *step) {
+static bool keep_in_beam(Flow *flow, FlowStep *step) {
     CellList *wanted = &step->wanted;
     int kept = 0;
+    flow->spent += 2 * wanted->count;
     for (int i = 0; i < wanted->count; i++) {
         uint64_t left = wanted->bits[i] & flow->unknown[wanted->word[i]];
         for (uint64_t bits = left; bits; bits &= bits - 1) {
             int cell = wanted->word[i] * 64 + __builtin_ctzll(bits);
+            flow->spent += WORK_BOX;
             if (!box_in_beam(flow->ways->boxes[cell], step)) left &= ~(bits & -bits);
         }
         wanted->word[kept] = wanted->word[i];
@@ -52,9 +59,10 @@ static bool keep_in_beam(const Flow *flow, FlowStep *step) {
 }
 
 // Of what is wanted beyond `from`, what may be seen through `way`; false when that is nothing.
-static bool want(const Flow *flow, const CellList *from, int way, CellList *to) {
+static bool want(Flow *flow, const CellList *from, int way, CellList *to) {
     const uint64_t *might = flow->might + (size_t)way * (size_t)flow->ways->words;
     to->count = 0;
+    flow->spent += WORK_WAY + 2 * from->count;
     for (int i = 0; i < from->count; i++) {
         int word = from->word[i];
         uint64_t left = from->bits[i] & flow->unknown[word] & might[word];
@@ -79,6 +87,8 @@ static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     uint64_t cutting;
     if (beam_ball(&flow->ways->ways[way], from->beam.planes, from->beam.plane_count, &cutting) < 0)
         return false;
+    flow->spent += WORK_NARROW;
+    step->recorded = false;
     BeamWork work = {0};
     bool left = beam_narrow(flow->ways, &flow->steps[0]->beam, &from->beam, way, cutting, &step->beam, &work);
     flow->work.clips += work.clips;
@@ -94,10 +104,11 @@ static void follow(Flow *flow, int depth) {
     Beam *beam = &step->beam;
     if (depth > 0) beam->plane_count = beam_planes(&beam->source, &beam->pass, ways->epsilon, beam->planes);
     flow->work.separators += beam->plane_count;
+    flow->spent += WORK_PLANES;
     if (!keep_in_beam(flow, step)) return;
     FlowStep *next = step_at(flow, depth + 1);
     flow->on_path[cell] = 1;
-    for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0; i++) {
+    for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0 && has_work(flow); i++) {
         int way = ways->list[i];
         if (flow->on_path[ways->ways[way].to]) continue;
         if (!want(flow, &step->wanted, way, &next->wanted)) continue;
@@ -111,18 +122,20 @@ static void follow(Flow *flow, int depth) {
 static FlowStep *first_step(Flow *flow, int way) {
     FlowStep *step = step_at(flow, 0);
     beam_begin(flow->ways, way, &step->beam);
+    step->recorded = false;
     want_unknown(flow, &step->wanted);
     return step;
 }
 
 bool flow_search(Flow *flow, int way) {
     int from = flow->ways->ways[way].from;
+    if (!has_work(flow)) return false;
     first_step(flow, way);
     flow->left = flow->patience;
     flow->on_path[from] = 1;
     follow(flow, 0);
     flow->on_path[from] = 0;
-    return flow->left > 0;
+    return flow->left > 0 && has_work(flow);
 }
 
 int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) {
@@ -136,12 +149,14 @@ int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) 
 }
 
 // What of the portal of the way is seen from the point; false when that is nothing.
-static bool narrow_cone(const Flow *flow, const FlowStep *from, int way, FlowStep *step) {
+static bool narrow_cone(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     const Way *here = &flow->ways->ways[way];
     double epsilon = flow->ways->epsilon;
     Vec3 point = flow->point;
     Beam *beam = &step->beam;
     beam->way = way;
+    step->recorded = false;
+    flow->spent += WORK_NARROW;
     if (plane_distance(here->facet.plane, point) > -epsilon - facet_doubt(&here->facet, point)) return false;
     uint64_t cutting;
     if (beam_ball(here, from->beam.planes, from->beam.plane_count, &cutting) < 0) return false;
@@ -161,7 +176,7 @@ static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
     if (!keep_in_beam(flow, step)) return;
     FlowStep *next = step_at(flow, depth + 1);
     flow->on_path[cell] = 1;
-    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) {
+    for (int i = ways->first[cell]; i < ways->first[cell + 1] && has_work(flow); i++) {
         int way = ways->list[i];
         if (flow->on_path[ways->ways[way].to]) continue;
         if (!want(flow, &step->wanted, way, &next->wanted)) continue;
@@ -173,6 +188,7 @@ static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
 
 void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth)) {
     int from = flow->ways->ways[way].from;
+    if (!has_work(flow)) return;
     first_step(flow, way);
     flow->on_path[from] = 1;
     look(flow, 0, arrive);

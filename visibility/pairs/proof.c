@@ -8,6 +8,8 @@
 #include "visibility/pairs/sight.h"
 
 static void arrive(Flow *flow, int depth) {
+    enum { WORK_SIGHT = 500 };  // a portal, see ways_work
+    flow->spent += WORK_SIGHT * (depth + 1);
     Sight sight;
     if (sight_through(flow, depth, &flow->steps[depth]->beam.source, &sight)) {
         sight_record(flow, depth, sight);
@@ -40,10 +42,10 @@ static void prove_neighbours(Rounds *r) {
         Vec3 step = vec3_scale(way->facet.plane.n, r->ways.epsilon);
         Sight across = {vec3_sub(way->facet.middle, step), vec3_add(way->facet.middle, step)};
         if (way->coarse || !sight_passes(way, across, r->ways.epsilon)) continue;  // a hair's breadth wide
-        PairWitness pair = {way->from, way->to, vec3_sub(way->facet.middle, step),
-                            vec3_add(way->facet.middle, step)};
-        if (way->from > way->to) pair = (PairWitness){pair.b, pair.a, pair.to, pair.from};
-        rounds_prove(r, &pair, 1);
+        bool turn = way->from > way->to;
+        PairEnds pair = turn ? (PairEnds){way->to, way->from} : (PairEnds){way->from, way->to};
+        Sight line = turn ? (Sight){across.to, across.from} : across;
+        rounds_prove(r, &pair, &line, 1);
     }
 }
 

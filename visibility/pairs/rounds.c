@@ -12,20 +12,24 @@
 // Sorting anew costs a pass over all that may be seen; the order hardly changes from one round to the next.
 enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 24, SORT_EVERY = 8 };
 
-static void push(PairWitness **list, int *count, int *capacity, PairWitness pair) {
-    if (*count == *capacity) {
-        *capacity = *capacity ? *capacity * 2 : 64;
-        *list = realloc(*list, (size_t)*capacity * sizeof **list);
-        CORE_ASSERT(*list);
-    }
-    (*list)[(*count)++] = pair;
+// Room for one more than `count`.
+static void *grown(void *list, int count, int *capacity, size_t size) {
+    if (count < *capacity) return list;
+    *capacity = *capacity ? *capacity * 2 : 64;
+    list = realloc(list, (size_t)*capacity * size);
+    CORE_ASSERT(list);
+    return list;
 }
 
 void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to) {
     const PairSet *set = finding->rounds->set;
     if (a == b || pair_bit(set->proven, set->words, a, b)) return;
-    PairWitness pair = a < b ? (PairWitness){a, b, from, to} : (PairWitness){b, a, to, from};
-    push(&finding->pairs, &finding->pair_count, &finding->pair_capacity, pair);
+    int count = finding->pair_count++;
+    finding->pairs = grown(finding->pairs, count, &finding->pair_capacity, sizeof *finding->pairs);
+    finding->pairs[count] = a < b ? (PairEnds){a, b} : (PairEnds){b, a};
+    if (!finding->rounds->options->witnesses) return;
+    finding->lines = grown(finding->lines, count, &finding->line_capacity, sizeof *finding->lines);
+    finding->lines[count] = a < b ? (Sight){from, to} : (Sight){to, from};
 }
 
 static uint64_t *might_row(const Rounds *r, int way) {
@@ -127,6 +131,7 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     }
     if (!any) return;
     flow->work = (PairWork){0};
+    flow->spent = 0;
     flow->context = finding;
     if (r->prepare) r->prepare(flow, index);
     if (!flow_search(flow, index)) {
@@ -134,19 +139,27 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
         for (int k = 0; k < ways->words; k++) finding->kept[k] |= flow->unknown[k];
     }
     finding->work = flow->work;
+    finding->spent = flow->spent;
 }
 
 static void take(Rounds *r, int way, Finding *finding) {
     int words = r->ways.words;
-    rounds_prove(r, finding->pairs, finding->pair_count);
-    free(finding->pairs);
+    rounds_take_proofs(r, finding);
     uint64_t *might = might_row(r, way);
     for (int k = 0; k < words; k++) might[k] &= finding->kept[k];
     lend(r, r->ways.ways[way].from);
     pair_work_add(&r->set->work, finding->work);
 }
 
-void rounds_prove(Rounds *r, const PairWitness *pairs, int count) {
+void rounds_take_proofs(Rounds *r, Finding *finding) {
+    rounds_prove(r, finding->pairs, finding->lines, finding->pair_count);
+    free(finding->pairs);
+    free(finding->lines);
+    finding->pairs = NULL;
+    finding->lines = NULL;
+}
+
+void rounds_prove(Rounds *r, const PairEnds *pairs, const Sight *lines, int count) {
     for (int i = 0; i < count; i++) {
         int a = pairs[i].a, b = pairs[i].b;
         uint64_t *proven = r->set->proven;
@@ -156,7 +169,9 @@ void rounds_prove(Rounds *r, const PairWitness *pairs, int count) {
         // Proof goes before what rounding may have excluded elsewhere.
         row_add(set_row(r, r->set->seen, a), b);
         row_add(set_row(r, r->set->seen, b), a);
-        if (r->options->witnesses) push(&r->witnesses, &r->witness_count, &r->witness_capacity, pairs[i]);
+        if (!r->options->witnesses) continue;
+        r->witnesses = grown(r->witnesses, r->witness_count, &r->witness_capacity, sizeof *r->witnesses);
+        r->witnesses[r->witness_count++] = (PairWitness){a, b, lines[i].from, lines[i].to};
     }
 }
 
@@ -174,6 +189,7 @@ typedef struct Round {
     Turn *order;               // [size] the same, by how much is in doubt; `way` is the place in turns
     uint64_t *kept;            // [size * words]
     int count, before, total;  // searches of this round, of earlier ones, and of all
+    long long left;            // of the work that all of them may do
     atomic_int done;
 } Round;
 
@@ -214,10 +230,19 @@ static void search_round(Round *round, int count) {
     memset(round->findings, 0, (size_t)count * sizeof *round->findings);
     round->count = count;
     atomic_store(&round->done, 0);
+    for (int i = 0; i < round->rounds->threads; i++)
+        round->flows[i].allowed = rounds_share(round->left, round->total - round->before);
     parallel_for(round->rounds->threads, count, search_turn, round);
     for (int i = 0; i < count; i++) {
+        round->left -= round->findings[i].spent;
         if (round->findings[i].done) take(round->rounds, round->turns[i].way, &round->findings[i]);
     }
+}
+
+long long rounds_share(long long left, int searches) {
+    static const long long TIMES = 64, MOST = 8;
+    long long share = left / (searches > 0 ? searches : 1) * TIMES, most = left / MOST;
+    return share < most ? share : most;
 }
 
 // So many chains take five minutes of one core.
@@ -226,6 +251,8 @@ static long long patience(int searches) {
     long long share = ALL / (searches + 1);
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }
+
+static const double WORK = 2e9;  // of all searches, see ways_work
 
 void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;
@@ -237,7 +264,8 @@ void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arriv
                    .findings = ARENA_ARRAY(&scratch, Finding, size),
                    .order = ARENA_ARRAY(&scratch, Turn, size),
                    .kept = ARENA_ARRAY(&scratch, uint64_t, (size_t)size * (size_t)ways->words),
-                   .total = count};
+                   .total = count,
+                   .left = ways_work(ways, WORK)};
     for (int i = 0; i < count; i++) turns[i].way = i;
     for (int i = 0; i < r->threads; i++) {
         flow_start(&round.flows[i], ways, r->might);

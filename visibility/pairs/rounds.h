@@ -25,14 +25,26 @@ typedef struct Rounds {
     Arena scratch;
 } Rounds;
 
+// Two cells, a < b.
+typedef struct PairEnds {
+    int a, b;
+} PairEnds;
+
+// A line: of a chain from `from`, on its first portal, to `to`, on its last.
+typedef struct Sight {
+    Vec3 from, to;
+} Sight;
+
 // What one search found.
 typedef struct Finding {
     const Rounds *rounds;
-    int source;          // cell the lines start from
-    uint64_t *kept;      // [words] cells reached, or left undecided
-    PairWitness *pairs;  // malloc'd: proven now, not before the round
-    int pair_count, pair_capacity;
+    int source;       // cell the lines start from
+    uint64_t *kept;   // [words] cells reached, or left undecided
+    PairEnds *pairs;  // malloc'd [pair_count]: proven now, not before the round
+    Sight *lines;     // malloc'd [pair_count] their sightlines, where witnesses are kept
+    int pair_count, pair_capacity, line_capacity;
     PairWork work;
+    long long spent;  // of the work that it might do
     bool done;
 } Finding;
 
@@ -43,11 +55,15 @@ void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *opt
                   const Progress *progress, Arena *arena, PairSet *set);
 // One search from every way. `arrive` is that of Flow, whose context is a Finding; `prepare` (may be NULL) is called
 // before each search, to decide what is easy. In closed buildings a search follows thousands of chains; in the open, where
-// there are millions, it is given up and what is in doubt then stays so.
+// there are millions, it is given up and what is in doubt then stays so; as it does when all the work is done that may be.
 void rounds_search(Rounds *rounds, void (*prepare)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
-// Takes pairs as proven.
-void rounds_prove(Rounds *rounds, const PairWitness *pairs, int count);
+// Takes pairs as proven; `lines` are asked for where witnesses are kept.
+void rounds_prove(Rounds *rounds, const PairEnds *pairs, const Sight *lines, int count);
+// Takes what a finding has proven, and frees it.
+void rounds_take_proofs(Rounds *rounds, Finding *finding);
+// How much work the next of `searches` may do when `left` is left for them all: much more than its share, since most take less.
+long long rounds_share(long long left, int searches);
 // Completes the set.
 void rounds_end(Rounds *rounds);
 

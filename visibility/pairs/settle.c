@@ -12,6 +12,9 @@
 enum { MOST_PIECES = 96 };
 // A piece takes as long as so many chains.
 enum { PIECE_CHAINS = 15 };
+// And so much work a portal, see ways_work; of all cases together.
+enum { WORK_PIECE = 1000 };
+static const double WORK = 1e9;
 // A piece shorter than this many epsilons, or narrower in the mean, lies within what rounding leaves open: lines that only
 // touch an edge on their way leave a strip of the source that is never used up.
 static const double SHORTEST_PIECE = 1e4;
@@ -101,8 +104,11 @@ static Verdict try_halves(Cutter *cutter, int level, const Winding *piece) {
 }
 
 static Verdict try_piece(Cutter *cutter, int level, Winding *piece) {
-    if (cutter->pieces++ >= MOST_PIECES || cutter->flow->left <= 0) return OPEN;
+    if (cutter->pieces++ >= MOST_PIECES || cutter->flow->left <= 0 ||
+        cutter->flow->spent >= cutter->flow->allowed)
+        return OPEN;
     cutter->flow->left -= PIECE_CHAINS;
+    cutter->flow->spent += WORK_PIECE * (cutter->depth + 1);
     if (!cutter->portals[level])
         cutter->portals[level] = ARENA_ARRAY(&cutter->arena, Winding, cutter->depth + 1);
     if (!shrink(cutter, level, piece)) return EXCLUDED;
@@ -138,6 +144,7 @@ static void arrive(Flow *flow, int depth) {
 static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
     const WayGraph *ways = &r->ways;
     long long patience = flow->patience;
+    flow->spent = 0;
     flow->context = &c->finding;
     for (int i = ways->first[from]; i < ways->first[from + 1]; i++) {
         int way = ways->list[i];
@@ -152,20 +159,23 @@ static void settle(Flow *flow, const Rounds *r, int from, Case *c) {
         flow->patience = flow->left;  // of the whole case
     }
     flow->patience = patience;
+    c->finding.spent = flow->spent;
 }
 
 typedef struct Doubt {
     int a, b;
 } Doubt;
 
-// All pairs seen but not proven.
+// Pairs seen but not proven: in the open there are millions, of which the first are tried.
 static Doubt *list_doubts(const PairSet *set, Arena *arena, int *count) {
     long long both_ways = pair_count(set->seen, set->cell_count, set->words) -
                           pair_count(set->proven, set->cell_count, set->words);
-    Doubt *doubts = ARENA_ARRAY(arena, Doubt, both_ways / 2 + 1);
+    enum { MOST_DOUBTS = 1 << 21 };
+    long long most = both_ways / 2 < MOST_DOUBTS ? both_ways / 2 : MOST_DOUBTS;
+    Doubt *doubts = ARENA_ARRAY(arena, Doubt, most + 1);
     *count = 0;
     for (int a = 0; a < set->cell_count; a++) {
-        for (int b = a + 1; b < set->cell_count; b++) {
+        for (int b = a + 1; b < set->cell_count && *count < most; b++) {
             bool doubt = pair_bit(set->seen, set->words, a, b) && !pair_bit(set->proven, set->words, a, b);
             if (doubt) doubts[(*count)++] = (Doubt){a, b};
         }
@@ -179,8 +189,7 @@ static void exclude(PairSet *set, int a, int b) {
 }
 
 static void take(Rounds *r, const Doubt *doubt, Case *c) {
-    rounds_prove(r, c->finding.pairs, c->finding.pair_count);
-    free(c->finding.pairs);
+    rounds_take_proofs(r, &c->finding);
     if (c->finding.done && c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
 }
 
@@ -192,6 +201,7 @@ typedef struct Cases {
     Flow *flows;               // [threads]
     uint64_t *kept;            // [threads * words]
     int count, before, total;  // in this run, in earlier ones, in all
+    long long left;            // of the work that all may do
     atomic_int done;
 } Cases;
 
@@ -212,8 +222,13 @@ static void settle_case(void *context, int index, int thread) {
 static void settle_run(Cases *run) {
     memset(run->cases, 0, (size_t)run->count * sizeof *run->cases);
     atomic_store(&run->done, 0);
+    for (int i = 0; i < run->rounds->threads; i++)
+        run->flows[i].allowed = rounds_share(run->left, run->total - run->before);
     parallel_for(run->rounds->threads, run->count, settle_case, run);
-    for (int i = 0; i < run->count; i++) take(run->rounds, &run->doubts[i], &run->cases[i]);
+    for (int i = 0; i < run->count; i++) {
+        run->left -= run->cases[i].finding.spent;
+        take(run->rounds, &run->doubts[i], &run->cases[i]);
+    }
 }
 
 // Chains that one case may follow: so many in all take half a minute of one core.
@@ -224,9 +239,9 @@ static long long patience(int cases) {
 }
 
 void settle_pairs(Rounds *r) {
-    enum { MOST_CASES = 1 << 15 };  // at once: in the open there are a million
+    enum { MOST_CASES = 256 };  // at once
     Arena scratch = {0};
-    Cases run = {.rounds = r};
+    Cases run = {.rounds = r, .left = ways_work(&r->ways, WORK)};
     const Doubt *doubts = list_doubts(r->set, &scratch, &run.total);
     run.cases = ARENA_ARRAY(&scratch, Case, run.total < MOST_CASES ? run.total : MOST_CASES);
     run.flows = ARENA_ARRAY(&scratch, Flow, r->threads);
@@ -236,7 +251,7 @@ void settle_pairs(Rounds *r) {
         run.flows[i].arrive = arrive;
         run.flows[i].patience = patience(run.total);
     }
-    for (run.before = 0; run.before < run.total && !r->stopped; run.before += run.count) {
+    for (run.before = 0; run.before < run.total && !r->stopped && run.left > 0; run.before += run.count) {
         int left = run.total - run.before;
         run.doubts = doubts + run.before;
         run.count = left < MOST_CASES ? left : MOST_CASES;

@@ -93,11 +93,16 @@ static void set_places(Flow *flow, int depth, Sight sight) {
     }
 }
 
+enum { WORK_PAIR = 40 };  // see ways_work
+
 void sight_record(Flow *flow, int depth, Sight sight) {
     const Way *ways = flow->ways->ways;
     Finding *finding = flow->context;
     set_places(flow, depth, sight);
     for (int j = 0; j <= depth; j++) {
+        if (flow->steps[j]->recorded) continue;  // with those before it, on an earlier line of the same chain
+        flow->steps[j]->recorded = true;
+        flow->spent += WORK_PAIR * (j + 1);
         int last = ways[flow->steps[j]->beam.way].to;
         row_add(finding->kept, last);
         row_drop(flow->unknown, last);

@@ -4,11 +4,6 @@
 
 #include "visibility/pairs/rounds.h"
 
-// A line from `from`, on the chain's first portal, to `to`, on its last.
-typedef struct Sight {
-    Vec3 from, to;
-} Sight;
-
 // Does the line pass the portal by SIGHT_MARGIN epsilons or more from its edges, and not flatter than SIGHT_FLATTEST? Both
 // are several times what a check by other means would ask for, so that rounding stands between neither and its proof.
 #define SIGHT_MARGIN 4

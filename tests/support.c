@@ -1,10 +1,14 @@
 // support.c - paths, temporary folders and commands for tests.
 #include "tests/support.h"
 
+#include <fcntl.h>
 #include <ftw.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -81,4 +85,63 @@ int support_run(Arena *arena, char **output, const char *format, ...) {
     if (output) *output = arena_string(arena, text);
     free(text);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+// ---- kills
+
+static bool changes_files(const struct __ptrace_syscall_info *info) {
+    switch (info->entry.nr) {
+    case SYS_openat:
+        return info->entry.args[2] & (O_WRONLY | O_RDWR);
+    case SYS_write:
+    case SYS_pwrite64:
+    case SYS_writev:
+    case SYS_sendto:  // to ffmpeg, which writes
+    case SYS_ftruncate:
+    case SYS_fallocate:
+    case SYS_fchmod:
+    case SYS_fchown:
+    case SYS_fsetxattr:
+    case SYS_fsync:
+    case SYS_linkat:
+    case SYS_rename:
+    case SYS_unlink:
+    case SYS_mkdir:
+    case SYS_exit_group:
+        return true;
+    default:
+        return false;
+    }
+}
+
+_Noreturn static void be_traced(void (*work)(void *context), void *context) {
+    enum { NOT_ALLOWED = 125 };
+    if (ptrace(PTRACE_TRACEME, 0, NULL, NULL) != 0) _exit(NOT_ALLOWED);
+    raise(SIGSTOP);
+    work(context);
+    _exit(0);
+}
+
+int support_kill(int moment, void (*work)(void *context), void *context) {
+    pid_t child = fork();
+    cr_assert(child >= 0);
+    if (child == 0) be_traced(work, context);
+    int status, passed = 0, signal = 0;
+    cr_assert_eq(waitpid(child, &status, 0), child);
+    if (!WIFSTOPPED(status)) cr_skip_test("processes cannot be traced");
+    ptrace(PTRACE_SETOPTIONS, child, NULL, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL);
+    for (bool counts = false;;) {
+        struct __ptrace_syscall_info info;
+        ptrace(PTRACE_SYSCALL, child, NULL, signal);
+        cr_assert_eq(waitpid(child, &status, 0), child);
+        if (!WIFSTOPPED(status)) return passed;
+        bool call = WSTOPSIG(status) == (SIGTRAP | 0x80);
+        signal = call || WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
+        if (!call || ptrace(PTRACE_GET_SYSCALL_INFO, child, sizeof info, &info) <= 0) continue;
+        if (info.op == PTRACE_SYSCALL_INFO_ENTRY) counts = changes_files(&info);
+        if (!counts || passed++ != moment) continue;
+        kill(child, SIGKILL);
+        waitpid(child, &status, 0);
+        return -1;
+    }
 }

@@ -25,4 +25,9 @@ Bytes support_read(Arena *arena, const char *path);
 // status, 128 + the signal's number when a signal ended it.
 int support_run(Arena *arena, char **output, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+// Runs `work` in a process of its own, and kills it at the given moment: 0, 1 are before and after its first system call that may
+// change a file, 2, 3 of its second, ...; only calls of its first thread count. Returns how many moments there were, or -1 when it
+// was killed. Skips the running test where processes cannot be traced.
+int support_kill(int moment, void (*work)(void *context), void *context);
+
 #endif

@@ -3,6 +3,7 @@
 #include <criterion/criterion.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "engine/walk/image.h"
 #include "engine/walk/tour.h"
@@ -218,7 +219,7 @@ Test(walk, png) {
     arena_free(&arena);
 }
 
-// Proves that a video of odd size is made; and that without ffmpeg, or when it fails, one sentence says so, an earlier
+// Proves that a video of odd size is made, through no link that lies in wait beside it; and that without ffmpeg, or when it fails, one sentence says so, an earlier
 // file stays as it was, and nothing is left beside it.
 Test(walk, video, .timeout = 60) {
     enum { WIDTH = 65, HEIGHT = 33 };
@@ -228,7 +229,13 @@ Test(walk, video, .timeout = 60) {
     Error error = {""};
     if (support_run(&arena, NULL, "command -v ffmpeg >/dev/null") != 0) cr_skip_test("ffmpeg is not here");
     const char *folder = support_folder(&arena), *usual = arena_string(&arena, getenv("PATH"));
-    char *path = arena_format(&arena, "%s/film.mp4", folder);
+    char *path = arena_format(&arena, "%s/film.mp4", folder),
+         *others = arena_format(&arena, "%s/others", folder);
+    // Where a link may lie in wait.
+    const char *traps[] = {arena_format(&arena, "%s.enfilade-0", path),
+                           arena_format(&arena, "%s.%d.part", path, (int)getpid())};
+    cr_assert(file_write(others, "mine", 4, &error), "%s", error.text);
+    for (int i = 0; i < 2; i++) cr_assert_eq(symlink(others, traps[i]), 0);
     Video *video = video_begin(path, WIDTH, HEIGHT, 10, &arena, &error);
     cr_assert(video, "%s", error.text);
     for (int i = 0; i < 5; i++) {
@@ -238,6 +245,8 @@ Test(walk, video, .timeout = 60) {
     cr_assert(video_end(video, &error), "%s", error.text);
     Bytes film = support_read(&arena, path);
     cr_assert(film.size > 8 && memcmp(film.data + 4, "ftyp", 4) == 0, "not an MP4");
+    cr_expect_eq(support_read(&arena, others).size, 4, "a planted link was written through");
+    cr_assert(unlink(traps[0]) == 0 && unlink(traps[1]) == 0 && unlink(others) == 0);
 
     setenv("PATH", folder, 1);
     cr_assert_null(video_begin(path, WIDTH, HEIGHT, 10, &arena, &error));

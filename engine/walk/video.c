@@ -1,11 +1,11 @@
 // video.c - raw frames piped to ffmpeg, started without a shell. The pipe is a socket, whose write can be told not to
-// raise SIGPIPE when ffmpeg dies.
+// raise SIGPIPE when ffmpeg dies. What ffmpeg writes is a draft that it inherits open: it opens no name, which others could have
+// made a link, and a draft without a name goes with the last of both programs.
 #include "engine/walk/video.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <spawn.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -13,29 +13,40 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/core/file.h"
+
 extern char **environ;
 
 struct Video {
-    const char *path, *temporary;
+    const char *path;
+    FileDraft draft;
     int socket, log;  // ffmpeg's input; what it says, for the error message
     pid_t process;
     size_t frame_size;
 };
 
+// Of the draft, in ffmpeg; it seeks in it and reads it again, which it does in files alone.
+enum { DRAFT = 3 };
+#define DRAFT_PATH "/proc/self/fd/3"
+
 static bool start(Video *video, int input, int width, int height, int frames_per_second, Arena *arena) {
     char *size = arena_format(arena, "%dx%d", width, height),
          *rate = arena_format(arena, "%d", frames_per_second);
+    // Without /proc the draft has a name, which it made itself.
+    bool inherits = access("/proc/self/fd", F_OK) == 0;
+    char *out = arena_format(arena, "file:%s", inherits ? DRAFT_PATH : video->draft.beside);
     char *arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo",
                          "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "pipe:0", "-an",
                          // The codec's colours are stored two by two: odd sizes get a border.
                          "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
                          "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y",
-                         (char *)(uintptr_t)video->temporary, NULL};
+                         out, NULL};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, input, 0);
     posix_spawn_file_actions_adddup2(&actions, video->log, 1);
     posix_spawn_file_actions_adddup2(&actions, video->log, 2);
+    posix_spawn_file_actions_adddup2(&actions, video->draft.fd, DRAFT);
     int failure = posix_spawnp(&video->process, "ffmpeg", &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     errno = failure;
@@ -46,13 +57,14 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
                    Error *error) {
     Video *video = ARENA_ARRAY(arena, Video, 1);
     video->path = arena_string(arena, path);
-    video->temporary = arena_format(arena, "%s.%ld.part", path, (long)getpid());
     video->frame_size = (size_t)width * (size_t)height * 3;
+    if (!file_begin(video->path, &video->draft, error)) return NULL;
     int pair[2];
     video->log = memfd_create("ffmpeg", MFD_CLOEXEC);
     if (video->log < 0 || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) {
         error_set(error, "%s: no pipe to ffmpeg: %s", path, strerror(errno));
         if (video->log >= 0) close(video->log);
+        file_drop(&video->draft);
         return NULL;
     }
     bool started = start(video, pair[1], width, height, frames_per_second, arena);
@@ -64,6 +76,7 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
               strerror(failure));
     close(pair[0]);
     close(video->log);
+    file_drop(&video->draft);
     return NULL;
 }
 
@@ -97,19 +110,14 @@ bool video_add(Video *video, const uint8_t *rgb, Error *error) {
 
 bool video_end(Video *video, Error *error) {
     char said[512];
-    if (!finish(video, said, sizeof said)) {
-        unlink(video->temporary);
-        return error_set(error, "%s: ffmpeg failed: %s", video->path, said[0] ? said : "it does not say why");
-    }
-    if (rename(video->temporary, video->path) == 0) return true;
-    error_set(error, "%s: cannot be written: %s", video->path, strerror(errno));
-    unlink(video->temporary);
-    return false;
+    if (finish(video, said, sizeof said)) return file_keep(&video->draft, error);
+    file_drop(&video->draft);
+    return error_set(error, "%s: ffmpeg failed: %s", video->path, said[0] ? said : "it does not say why");
 }
 
 void video_abandon(Video *video) {
     if (!video) return;
     char said[512];
     finish(video, said, sizeof said);
-    unlink(video->temporary);
+    file_drop(&video->draft);
 }

@@ -9,7 +9,7 @@
 
 typedef struct Video Video;
 
-// The file is written beside `path` and renamed by video_end: an earlier file survives any failure.
+// The file appears when video_end has it whole: an earlier one survives any failure.
 Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena,
                    Error *error);
 bool video_add(Video *video, const uint8_t *rgb,

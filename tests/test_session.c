@@ -268,6 +268,97 @@ Test(session, takes_pictures) {
     end(&d);
 }
 
+// Proves that a walk is not recorded where it could not be written, and that one that cannot be written in the end is told of.
+Test(session, recordings_that_cannot_be_kept) {
+    Driven d;
+    Error error = {""};
+    begin(&d, "build/maps/two-rooms.plan");
+    d.session->options.pictures = "/dev/null/pictures";
+    strike(&d, 'R');
+    expect_message(&d, "/dev/null/pictures: cannot be made");
+    cr_expect_null(d.session->recording);
+    d.session->options.pictures = d.folder;
+    strike(&d, 'R');
+    pass(&d, 0.5);
+    cr_expect(d.session->recording);
+    d.session->options.pictures = "/dev/null/pictures";
+    cr_expect_not(session_keep_recording(d.session, &error));
+    cr_expect(strstr(error.text, "/dev/null/pictures: cannot be made"), "%s", error.text);
+    end(&d);
+}
+
+// ---- killed while it writes
+
+typedef struct Kept {
+    Driven *walk;
+    const char *path;
+} Kept;
+
+static void end_recording(void *context) { strike(((Kept *)context)->walk, 'R'); }
+
+// Proves that a walk that is killed while it writes what it recorded leaves no path or the whole of it, and that the next one that is
+// written leaves nothing else.
+Test(session, killed_while_it_keeps_a_recording, .timeout = 600) {
+    Driven d;
+    Error error;
+    begin(&d, "build/maps/two-rooms.plan");
+    Kept kept = {&d, arena_format(&d.arena, "%s/enfilade-0001.path", d.folder)};
+    strike(&d, 'R');
+    down(&d, 'W');
+    pass(&d, 2);
+    const Building *building = d.session->shown->scene.graph->building;
+    int frames = d.session->recording->frame_count, moments = support_kill(-1, end_recording, &kept);
+    cr_assert(frames > 100 && moments > 10);
+    Bytes whole = support_read(&d.arena, kept.path);
+    for (int i = 0; i < support_count(moments, 1000); i++) {
+        Arena scratch = {0};
+        unlink(kept.path);
+        cr_assert_eq(support_kill(i % moments, end_recording, &kept), -1);
+        if (access(kept.path, F_OK) == 0) {
+            Bytes now = support_read(&scratch, kept.path);
+            cr_expect(now.size == whole.size && memcmp(now.data, whole.data, now.size) == 0, "killed at %d",
+                      i % moments);
+            Recording *read = recording_load(kept.path, building, &scratch, &error);
+            cr_expect(read && read->frame_count == frames, "%s", error.text);
+        }
+        cr_assert(recording_save(d.session->recording, kept.path, &error), "%s", error.text);
+        char *others;
+        support_run(&scratch, &others, "ls -A %s | grep -vx -e two-rooms.plan -e enfilade-0001.path",
+                    d.folder);
+        cr_expect_str_eq(others, "", "killed at %d", i % moments);
+        arena_free(&scratch);
+    }
+    end(&d);
+}
+
+static void walk_on(void *context) { pass(((Kept *)context)->walk, 1); }
+
+// Proves that whatever a killed walk wrote of its trace are whole lines.
+Test(session, killed_while_it_traces, .timeout = 600) {
+    Driven d;
+    Error error;
+    begin(&d, "build/maps/two-rooms.plan");
+    const char *path = d.session->options.trace = arena_format(&d.arena, "%s/trace", d.folder);
+    Kept kept = {&d, path};
+    cr_assert(session_open_trace(d.session, &error), "%s", error.text);
+    int moments = support_kill(-1, walk_on, &kept), lines = 0;
+    cr_assert_gt(moments, 10);
+    for (int i = 0; i < support_count(moments, 1000); i++) {
+        Arena scratch = {0};
+        cr_assert_eq(ftruncate(d.session->trace, 0) + (int)lseek(d.session->trace, 0, SEEK_SET), 0);
+        cr_assert_eq(support_kill(i % moments, walk_on, &kept), -1);
+        Bytes text = support_read(&scratch, path);
+        for (size_t at = 0; at < text.size; lines++) {
+            const char *line = (char *)text.data + at, *stop = memchr(line, '\n', text.size - at);
+            cr_assert(stop && *line == '{' && stop[-1] == '}', "killed at %d: %s", i % moments, line);
+            at += (size_t)(stop + 1 - line);
+        }
+        arena_free(&scratch);
+    }
+    cr_expect_gt(lines, moments);
+    end(&d);
+}
+
 static void write_text(Driven *d, const char *text) {
     Error error;
     cr_assert(file_write(d->file, text, strlen(text), &error), "%s", error.text);

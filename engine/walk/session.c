@@ -1,6 +1,7 @@
 // session.c - time, and what is said.
 #include <stdarg.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include <glad/gl.h>
 
@@ -41,8 +42,7 @@ static bool open_session(Session *s, Error *error) {
     if (s->shown->scene.light && !s->look_chosen) s->look = WALK_BAKED;
     s->overlay = overlay_new(s->arena, error);
     if (!s->overlay) return false;
-    if (s->options.trace && !(s->trace = fopen(s->options.trace, "w")))
-        return error_set(error, "%s: cannot be written", s->options.trace);
+    if (!session_open_trace(s, error)) return false;
     session_start(s);
     if (s->options.view && !session_jump_to(s, s->options.view, error)) return false;
     return !s->options.replay || session_follow(s, s->options.replay, error);
@@ -61,6 +61,7 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
                    .statistics = true,
                    .full_screen = options->full_screen,
                    .now = -1,
+                   .trace = -1,
                    .watch = file_watch_begin(options->file)};
     s->sketched = usual_look();
     s->look_chosen = options->look != WALK_LOOKS;
@@ -73,7 +74,7 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
 void session_free(Session *s) {
     if (!s) return;
     if (s->recording) session_record(s);
-    if (s->trace) fclose(s->trace);
+    if (s->trace >= 0) close(s->trace);
     overlay_free(s->overlay);
     // A bake that does not stop at once goes down with the program, and keeps what it stands on until then.
     shown_free(s->shown, LEAVE_SECONDS);

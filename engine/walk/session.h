@@ -41,6 +41,8 @@ typedef struct Session Session;
 // In the current OpenGL context, in which it is freed too. Fails when the building cannot be read.
 Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error);
 void session_free(Session *session);  // NULL is allowed; a recording under way is kept
+// Ends a recording under way, where there is one, for those who tell what becomes of it.
+bool session_keep_recording(Session *session, Error *error);
 
 void session_event(Session *session, const DisplayEvent *event);
 // Time goes on, in ticks of a hundredth of a second or so; a long stall counts as a short one. `now` is of a clock that

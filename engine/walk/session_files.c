@@ -1,6 +1,9 @@
 // session_files.c - what a walk leaves behind: pictures, recorded paths, a trace.
+#include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "engine/core/clock.h"
@@ -37,21 +40,37 @@ void session_write_picture(Session *s, int width, int height) {
 
 // ---- recorded paths
 
+#define PATH_NAME "enfilade-%04d.path"
+
 void session_record(Session *s) {
     const CellGraph *graph = s->shown->scene.graph;
     if (!s->recording) {
+        // Before a walk that would be lost, not after it.
+        Error error;
+        int next = s->paths;
+        if (!file_make_folder(s->options.pictures, &error) ||
+            !file_check(free_name(s, PATH_NAME, &next), 0, &error)) {
+            session_say(s, true, "%s", error.text);
+            return;
+        }
         arena_reset(&s->recording_arena);
         s->recording = recording_new(graph->building, &s->recording_arena);
         session_say(s, false, "recording; R ends it");
         return;
     }
     Error error;
-    const char *path = free_name(s, "enfilade-%04d.path", &s->paths);
+    const char *path = free_name(s, PATH_NAME, &s->paths);
     bool good = file_make_folder(s->options.pictures, &error) && recording_save(s->recording, path, &error);
     s->recording = NULL;
     session_say(s, !good, "%s", good ? path : error.text);
     if (!good) return;
     snprintf(s->last_path, sizeof s->last_path, "%s", path);
+}
+
+bool session_keep_recording(Session *s, Error *error) {
+    if (!s->recording) return true;
+    session_record(s);
+    return !s->message_is_error || error_set(error, "%s", s->message);
 }
 
 void session_record_tick(Session *s) {
@@ -137,8 +156,30 @@ static json_t *trace_periods(Session *s) {
     return periods;
 }
 
+bool session_open_trace(Session *s, Error *error) {
+    const char *path = s->options.trace;
+    if (!path) return true;
+    s->trace = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, 0666);
+    return s->trace >= 0 || error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+// In one piece: whoever reads beside it, or after this program was killed, finds whole lines.
+static void write_line(Session *s, const json_t *line) {
+    Arena scratch = {0};
+    size_t size = json_dumpb(line, NULL, 0, JSON_COMPACT);
+    char *text = arena_alloc(&scratch, size + 1, 1);
+    json_dumpb(line, text, size, JSON_COMPACT);
+    text[size++] = '\n';
+    if (write(s->trace, text, size) != (ssize_t)size) {
+        session_say(s, true, "%s: cannot be written: %s; the trace ends", s->options.trace, strerror(errno));
+        close(s->trace);
+        s->trace = -1;
+    }
+    arena_free(&scratch);
+}
+
 void session_trace(Session *s) {
-    if (!s->trace || s->now < s->trace_due) return;
+    if (s->trace < 0 || s->now < s->trace_due) return;
     s->trace_due = s->now + TRACE_PERIOD;
     const Building *b = s->shown->scene.graph->building;
     const Person *p = &s->person;
@@ -155,8 +196,6 @@ void session_trace(Session *s) {
         s->visible.cell_count, "polygons_drawn", s->visible.polygon_count, "door",
         door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s), "flags", flags, "message",
         s->message, "look", WALK_LOOK_NAMES[s->look], "light", trace_light(s));
-    json_dumpf(line, s->trace, JSON_COMPACT);
-    fputc('\n', s->trace);
-    fflush(s->trace);
+    write_line(s, line);
     json_decref(line);
 }

@@ -2,8 +2,6 @@
 #ifndef WALK_SESSION_STATE_H
 #define WALK_SESSION_STATE_H
 
-#include <stdio.h>
-
 #include "engine/walk/doors.h"
 #include "engine/walk/file_watch.h"
 #include "engine/walk/hud.h"
@@ -83,7 +81,7 @@ struct Session {
     int pictures, paths;  // the numbers of the last ones written
     char last_path[1024];
     bool picture_wanted;  // of the next frame
-    FILE *trace;
+    int trace;            // -1: none
     double trace_due;
 };
 
@@ -115,7 +113,8 @@ void session_replay(Session *s);                                // follows the l
 void session_stop_replay(Session *s);
 bool session_follow(Session *s, const char *path, Error *error);
 void session_record_tick(Session *s);
-bool session_replay_tick(Session *s);  // false: nothing is being replayed
+bool session_replay_tick(Session *s);               // false: nothing is being replayed
+bool session_open_trace(Session *s, Error *error);  // true where none is asked for
 void session_trace(Session *s);
 
 // ---- session_light.c

@@ -33,7 +33,7 @@ bool walk_window(const WindowOptions *options, const SessionLoader *loader, Aren
     Display *display = display_open(options->back_end, &options->display, arena, error);
     if (!display) return false;
     Session *session = session_new(&options->session, loader, arena, error);
-    bool good = session && run(options, display, session, error);
+    bool good = session && run(options, display, session, error) && session_keep_recording(session, error);
     session_free(session);
     display_close(display);
     return good;

@@ -164,4 +164,120 @@ awk -F, 'NR == 2 { l1 = $8 } NR > 2 && ($8 > 1.1 * l1 || $8 < 0.9 * l1) { exit 1
 # The plan is well-formed SVG with the tree's rooms.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5
 grep -q '</svg>' "$work/plan.svg" || fail 'the plan is no SVG'
+
+# Without a place for a cache, in a read-only one, on a full disk, all commands work and say so once, before the work; only `vis`, which
+# stores and does nothing else, fails. What a bake makes is shown and drawn all the same.
+two=$maps/two-rooms.plan
+rough='--element 1 --close 0 --reach 0 --refine 0 --residual 0.05 --resolution 50'
+touch "$work/file"
+without_cache() { # how many of the commands, what is said, a way to run one without a cache
+    local most=$1 said=$2
+    shift 2
+    rm -rf "$work/none"
+    while read -r status command; do
+        expect "$status" "$@" "$program" ${command//OUT/$work/none}
+        says err "$said"
+        [ "$(grep -c -e 'not kept' -e 'cannot be stored' "$work/err")" -eq 1 ] || fail "$*: $command: says $(cat "$work/err")"
+    done < <(head -n "$most" <<END
+0 info $two
+1 vis $two
+0 bake $two $rough
+0 bake $two $rough -o OUT.rad
+0 plan $two -o OUT.svg
+0 walk $two --offscreen OUT --tour window --size 64x36 --bake
+0 render $two --size 32x18 --samples 1 -o OUT.png
+0 bench collision $two --steps 10
+END
+)
+    expect 0 "$@" "$program" vis $two -o "$work/none.vis" && quiet
+    expect 1 "$@" "$program" bake $two --resume && says err 'give -o OUT.rad\|cannot be opened'
+}
+without_cache 8 'neither XDG_CACHE_HOME nor HOME is set' env -u HOME -u XDG_CACHE_HOME
+for file in .svg .rad .png /frame-00000.png; do [ -s "$work/none$file" ] || fail "none$file was not written"; done
+cp "$work/none/frame-00000.png" "$work/lit.png"
+expect 0 env -u HOME -u XDG_CACHE_HOME "$program" walk $two --offscreen "$work/none" --tour window --size 64x36
+cmp -s "$work/none/frame-00000.png" "$work/lit.png" && fail 'a walk that bakes without a cache is unlit'
+expect 0 env -u XDG_CACHE_HOME HOME="$work/home" "$program" info $two && quiet
+[ -d "$work/home/.cache/enfilade" ] || fail 'no cache in HOME'
+expect 0 env XDG_CACHE_HOME=relative HOME="$work/home" "$program" info $two && quiet
+[ ! -e relative ] || fail 'a relative XDG_CACHE_HOME was used'
+without_cache 3 'file/enfilade: cannot be made: Not a directory' env XDG_CACHE_HOME="$work/file"
+if unshare -rm true 2>/dev/null; then
+    # What lies in a read-only cache is used; on a full one there is no room.
+    mkdir -p "$work/still/enfilade"
+    in_mount() { unshare -rm bash -c 'mount -t tmpfs -o "$1" none "$2" && shift 2 && exec "$@"' mount "$@"; }
+    without_cache 3 'Read-only file system' in_mount ro "$work/still" env XDG_CACHE_HOME="$work/still"
+    without_cache 3 'No space left' in_mount size=4k,nr_inodes=2 "$work/still" env XDG_CACHE_HOME="$work/still"
+    cp "$work"/home/.cache/enfilade/* "$work/still/enfilade"
+    read_only() { unshare -rm bash -c 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"' mount "$@"; }
+    expect 0 read_only "$work/still" env XDG_CACHE_HOME="$work/still" "$program" info $two && quiet
+fi
+
+# What is no regular file is refused at once, wherever it is named; standard input, too.
+mkfifo "$work/pipe"
+mkdir "$work/side"
+mkfifo "$work/side/pipe" "$work/side/pipe.png"
+printf 'mtllib pipe\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$work/side/library.obj"
+printf 'mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n' >"$work/side/texture.obj"
+printf 'newmtl m\nmap_Kd pipe.png\n' >"$work/side/t.mtl"
+printf '{"asset":{"version":"2.0"},"buffers":[{"uri":"pipe","byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],%s}' \
+    '"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0' \
+    >"$work/side/buffer.gltf"
+at_once() { expect 1 timeout 20 "$program" "$@" && says err 'is a pipe (allowed: a regular file)'; }
+for command in info vis plan bake "walk --offscreen $work/x" "render -o $work/x.png" 'bench collision'; do at_once $command "$work/pipe"; done
+at_once info "$work/side/buffer.gltf"
+at_once bake $two --probes "$work/pipe"
+at_once walk $two --offscreen "$work/x" --replay "$work/pipe"
+at_once walk $two --offscreen "$work/x" --light "$work/pipe"
+at_once render $two -o "$work/x.png" --light "$work/pipe"
+at_once vis $two --against "$work/pipe"
+for file in library texture; do
+    timeout 20 "$program" info "$work/side/$file.obj" >/dev/null 2>"$work/err"
+    [ $? -lt 2 ] || fail "$file.obj hangs"
+    says err 'could not be read'
+done
+expect 1 "$program" info /dev/zero && says err 'is a device'
+expect 1 "$program" info - && says err 'standard input is not read'
+expect 0 bash -c "cat $two | $program info /dev/stdin; [ \$? -eq 1 ]" && says err 'is a pipe'
+
+# Where nothing can be written, that is said before the work: missing and unwritable folders, folders for files, what is read itself.
+cp $two "$work/own.plan"
+while read -r said command; do
+    expect 1 "$program" ${command//OUT/$work} && says err "${said//_/ }" && sentence
+done <<END
+No_such_file bake $maps/office.plan -o OUT/no/x.rad
+No_such_file render $maps/office.plan -o OUT/no/x.png
+No_such_file plan $two -o OUT/no/x.svg
+No_such_file walk $two --offscreen OUT/x --stats OUT/no/x.csv
+No_such_file walk $two --offscreen OUT/x --video OUT/no/x.mp4
+No_such_file bench visibility $two --csv OUT/no/x.csv
+Not_a_directory walk $maps/office.plan --bake --offscreen OUT/file/frames
+Is_a_directory bake $maps/office.plan -o OUT
+Is_a_directory vis $two -o OUT/side
+is_read,_and_would bake OUT/own.plan -o OUT/own.plan
+is_read,_and_would plan OUT/own.plan -o OUT/own.plan
+is_read,_and_would vis OUT/own.plan -o OUT/own.plan
+is_read,_and_would render OUT/own.plan -o OUT/own.plan
+is_read,_and_would vis OUT/own.plan --pairs OUT/1.seen --against OUT/1.seen
+is_read,_and_would walk OUT/own.plan --offscreen OUT/x --stats OUT/own.plan
+written_twice walk OUT/own.plan --offscreen OUT/x --stats OUT/x.mp4 --video OUT/x.mp4
+END
+same $two "$work/own.plan" 'the building that was read is overwritten'
+
+# What is printed arrives, or the exit status tells: on a full disk, to a closed standard output, which no file takes the place of, and
+# to a reader that has gone, by the signal or without it. A file that the shell opened is written into.
+expect 1 bash -c "$program info $two >/dev/full" && says err 'standard output: cannot be written: No space left' && sentence
+expect 1 bash -c "$program info $two >&-" && says err 'standard output: cannot be written: Bad file' && sentence
+expect 1 bash -c "$program --help >/dev/full"
+"$program" vis $two -o "$work/closed.vis" <&- >&- 2>&-
+"$program" vis $two -o "$work/open.vis" >"$work/out" 2>"$work/err"
+same "$work/closed.vis" "$work/open.vis" 'without standard streams a file is another'
+expect 0 bash -c "{ sleep 0.3; $program info $two; echo \$? >$work/status; } | true" && quiet
+[ "$(cat "$work/status")" -eq 141 ] || fail "a closed pipe ends the program with $(cat "$work/status")"
+expect 0 bash -c "trap '' PIPE; { sleep 0.3; $program info $two; echo \$? >$work/status; } | true" && says err 'Broken pipe'
+[ "$(cat "$work/status")" -eq 1 ] || fail "a closed pipe, its signal ignored, ends the program with $(cat "$work/status")"
+expect 0 bash -c "{ echo head; $program plan $two -o /dev/stdout; echo tail; } >$work/piece.svg"
+[ "$(sed -n '1p;$p' "$work/piece.svg")" = "head
+tail" ] && grep -q '</svg>' "$work/piece.svg" || fail 'a redirected /dev/stdout is replaced, not written into'
+[ -L /dev/stdout ] || fail '/dev/stdout is no link any more'
 exit $bad

@@ -40,7 +40,7 @@ static bool pull(void *context, const LightHooks *hooks, Arena *arena, WalkLight
 }
 
 static LightThread *begin(Puppet *puppet, Arena *arena) {
-    LightBaker baker = {pull, puppet};
+    LightBaker baker = {.bake = pull, .context = puppet};
     LightThread *thread = light_thread_start(&baker, arena);
     cr_assert(thread);
     return thread;
@@ -149,11 +149,11 @@ typedef struct Walked {
     double now;
 } Walked;
 
-static void walk_in(Walked *w, const char *building, WalkLook look) {
+static void walk_in(Walked *w, const char *building, WalkLook look, const char *cache) {
     Error error;
     *w = (Walked){.arena = {0}};
     w->folder = support_folder(&w->arena);
-    setenv("XDG_CACHE_HOME", w->folder, 1);
+    setenv("XDG_CACHE_HOME", cache ? cache : w->folder, 1);
     w->file = arena_format(&w->arena, "%s/%s", w->folder, strrchr(building, '/') + 1);
     Bytes bytes = support_read(&w->arena, building);
     cr_assert(file_write(w->file, bytes.data, bytes.size, &error), "%s", error.text);
@@ -196,7 +196,7 @@ static bool same_files(Arena *arena, const char *a, const char *b) {
 Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
     Walked w;
     char *output;
-    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS);
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, NULL);
     frame(&w);
     cr_expect_eq(w.session->look, WALK_FAST);
     walk_until_lit(&w);
@@ -222,10 +222,23 @@ Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
     leave(&w);
 }
 
+// Proves that light that has no place to be kept arrives all the same, and is not said to be kept.
+Test(light_thread, arrives_without_a_cache, .timeout = 300) {
+    Walked w;
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, "/dev/null");
+    while (session_light_arriving(w.session)) frame(&w);
+    frame(&w);
+    cr_expect(strstr(w.session->message, "no cache to keep it in"), "%s", w.session->message);
+    for (int i = 0; i < 120; i++) frame(&w);
+    cr_expect_eq(w.session->look, WALK_BAKED);
+    cr_expect(session_light_shown(w.session));
+    leave(&w);
+}
+
 // Proves that who chose a look keeps it while light arrives.
 Test(light_thread, a_chosen_look_stays, .timeout = 300) {
     Walked w;
-    walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST);
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL);
     walk_until_lit(&w);
     cr_expect_eq(w.session->look, WALK_FAST);
     cr_expect(walk_renderer_lit(w.session->shown->renderer));
@@ -238,7 +251,7 @@ Test(light_thread, a_walk_is_left_at_once, .timeout = 300) {
     for (int k = 0; k < 8; k += support_count(2, 1)) {
         Walked w;
         char *output;
-        walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST);
+        walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL);
         for (double until = clock_seconds() + 0.1 * k * k; clock_seconds() < until;) frame(&w);
         double start = clock_seconds();
         session_free(w.session);
@@ -259,7 +272,7 @@ Test(light_thread, a_walk_is_left_at_once, .timeout = 300) {
 Test(light_thread, a_changed_file_is_baked_anew, .timeout = 300) {
     Walked w;
     Error error;
-    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS);
+    walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, NULL);
     const char *text = (char *)support_read(&w.arena, w.file).data;
     for (int k = 0; k < 4; k++) {
         for (int i = 0; i < 4 * k; i++) frame(&w);
@@ -277,7 +290,7 @@ Test(light_thread, a_changed_file_is_baked_anew, .timeout = 300) {
 // Proves that a building without any light is walked in as ever, and nothing is said.
 Test(light_thread, no_lamps_no_light, .timeout = 60) {
     Walked w;
-    walk_in(&w, "tests/seeds/room.obj", WALK_LOOKS);
+    walk_in(&w, "tests/seeds/room.obj", WALK_LOOKS, NULL);
     cr_assert_null(w.session->shown->baking);
     *w.session->message = '\0';
     for (int i = 0; i < 10; i++) frame(&w);

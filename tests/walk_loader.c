@@ -10,7 +10,8 @@ bool walk_loader_lit(void *context, const char *path, Arena *arena, WalkScene *o
     options.lamps = true;
     if (!app_load(path, &options, arena, scene, error)) return false;
     AppBake *bake = app_bake_new(path, scene, arena);
-    *out = (WalkScene){
-        .graph = &scene->graph, .forest = &scene->forest, .baker = {bake ? app_bake : NULL, bake}};
+    *out = (WalkScene){.graph = &scene->graph,
+                       .forest = &scene->forest,
+                       .baker = {bake ? app_bake : NULL, bake, bake && bake->out}};
     return true;
 }

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "engine/core/clock.h"
@@ -58,6 +59,56 @@ void app_progress_end(void) {
     if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
 }
 
+// ---- files
+
+char *app_cache_path(Arena *arena, const char *name) {
+    char *folder;
+    return file_cache_folder(arena, &folder, NULL) ? arena_format(arena, "%s/%s", folder, name) : NULL;
+}
+
+bool app_cache_check(const char *path, size_t size, Error *error) {
+    Arena scratch = {0};
+    char *folder;
+    struct stat info;
+    bool good = file_cache_folder(&scratch, &folder, error) && file_make_folder(folder, error);
+    if (good && stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        good = error_set(error, "%s: is in the way: it is no regular file", path);
+    good = good && file_check(path, size, error);
+    arena_free(&scratch);
+    return good;
+}
+
+bool app_cache_takes(const char *path, size_t size) {
+    // Whatever is kept in a process, it has one cache.
+    static bool said;
+    Error reason;
+    if (app_cache_check(path, size, &reason)) return true;
+    if (!said)
+        fprintf(stderr,
+                "enfilade: %s: visibility and light are not kept (bake -o OUT.rad stores light elsewhere)\n",
+                reason.text);
+    said = true;
+    return false;
+}
+
+bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
+                     Error *error) {
+    for (int i = 0; i < write_count; i++) {
+        if (!written[i]) continue;
+        for (int k = 0; k < read_count; k++)
+            if (read[k] && file_same(written[i], read[k]))
+                return error_set(error, "%s: is read, and would be overwritten (allowed: another file)",
+                                 written[i]);
+        for (int k = 0; k < i; k++)
+            if (written[k] && file_same(written[i], written[k]))
+                return error_set(error, "%s: would be written twice (allowed: different files)", written[i]);
+        if (!file_check(written[i], 0, error)) return false;
+    }
+    return true;
+}
+
+// ---- loading
+
 // Which cells see each other by the finest method, then the trees within that. Stopped on the way, trees are roots alone
 // and visible sets all that was not excluded.
 static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene) {
@@ -80,23 +131,22 @@ static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene)
 }
 
 static void find_or_make_trees(const AppOptions *options, Arena *arena, AppScene *scene) {
-    char *folder = NULL, *path = NULL;
     Error reason;
-    if ((options->keep || !options->fresh) && file_cache_folder(arena, &folder, &reason)) {
-        // Of a soup, every polygon takes part in the making of cells.
-        bool other = scene->lamp_faces > 0 && scene->building.form == FORM_SOUP;
-        path = arena_format(arena, "%s/%016llx%s.vis", folder, (unsigned long long)scene->building.hash,
-                            other ? "-lamps" : "");
-    }
+    // Of a soup, every polygon takes part in the making of cells.
+    bool other = scene->lamp_faces > 0 && scene->building.form == FORM_SOUP;
+    char *path =
+        app_cache_path(arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)scene->building.hash,
+                                           other ? "-lamps" : ""));
     if (path && !options->fresh && access(path, R_OK) == 0) {
-        scene->cached = vis_load(path, &scene->graph, arena, &scene->forest, &reason);
+        scene->cached = scene->kept = vis_load(path, &scene->graph, arena, &scene->forest, &reason);
         if (scene->cached) return;
         fprintf(stderr, "enfilade: %s; it is made anew\n", reason.text);
     }
+    bool keep = options->keep && app_cache_takes(path, 0);
     make_trees(options, arena, scene);
-    if (path && options->keep && !scene->stopped && !vis_save(path, &scene->graph, &scene->forest, &reason)) {
-        fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
-    }
+    if (!keep || scene->stopped) return;
+    scene->kept = vis_save(path, &scene->graph, &scene->forest, &reason);
+    if (!scene->kept) fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
 }
 
 bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {

@@ -41,6 +41,7 @@ typedef struct AppScene {
     double read_seconds, cells_seconds, trees_seconds;
     int lamp_faces;  // objects added for lights
     bool cached;     // the trees came from the cache
+    bool kept;       // the cache has them
     bool stopped;    // early, as AppOptions allows
     long long
         undecided;  // pairs of cells, both ways round, that are neither proven to see each other nor excluded
@@ -58,6 +59,18 @@ bool app_emits(const AppScene *scene);
 
 // As much of it: reads the building and makes its cells.
 bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error);
+
+// A file in the user's cache, or NULL: there is no cache.
+char *app_cache_path(Arena *arena, const char *name);
+// Can it be written there, `size` bytes and more? Makes the cache's folder.
+bool app_cache_check(const char *path, size_t size, Error *error);
+// The same for those who do without: where it cannot, one sentence says so on standard error, once in a process.
+bool app_cache_takes(const char *path, size_t size);
+
+// Before the work: can each of the files be written, and is it none of those that are read, nor another of these? NULLs are passed
+// over.
+bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
+                     Error *error);
 
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);

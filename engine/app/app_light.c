@@ -4,15 +4,11 @@
 #include <unistd.h>
 
 #include "engine/app/bake.h"
-#include "engine/core/file.h"
 #include "maps/maps.h"
 #include "radiosity/fine_mesh.h"
 
-bool app_light_place(const Building *building, Arena *arena, const char **out, Error *error) {
-    char *folder;
-    if (!file_cache_folder(arena, &folder, error)) return false;
-    *out = arena_format(arena, "%s/%016llx.rad", folder, (unsigned long long)building->hash);
-    return true;
+const char *app_light_place(const Building *building, Arena *arena) {
+    return app_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));
 }
 
 int app_find_lights(const char *file, const char *map, const char *given, Arena *arena,
@@ -27,9 +23,10 @@ int app_find_lights(const char *file, const char *map, const char *given, Arena 
     out[0] = arena_format(arena, "%.*s.rad", length, file);
     count += access(out[0], F_OK) == 0;
     // A file that cannot be read is told of by those who load it.
-    if (maps_read_map(file, map, arena, &building, &error) &&
-        app_light_place(&building, arena, &out[count], &error))
-        count += access(out[count], F_OK) == 0;
+    if (maps_read_map(file, map, arena, &building, &error)) {
+        out[count] = app_light_place(&building, arena);
+        count += out[count] && access(out[count], F_OK) == 0;
+    }
     return count;
 }
 
@@ -67,7 +64,9 @@ AppBake *app_bake_new(const char *file, const AppScene *scene, Arena *arena) {
     Error error;
     *bake = (AppBake){.scene = scene, .file = file};
     if (!app_emits(scene) || !app_has_walls(scene, &error)) return NULL;
-    return app_light_place(&scene->building, arena, &bake->out, &error) ? bake : NULL;
+    bake->out = app_light_place(&scene->building, arena);
+    if (!app_cache_takes(bake->out, APP_LIGHT_ROOM)) bake->out = NULL;
+    return bake;
 }
 
 typedef struct Shower {
@@ -106,7 +105,7 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     RadReport report = rad_shoot(mesh, &bake->scene->forest, doors, &a.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");
     *error = (Error){""};
-    rad_save(bake->out, mesh, doors, solution, error);
+    if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
     *out = shown_of(shower.fine, solution, doors, arena);
     return true;
 }

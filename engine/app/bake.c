@@ -1,15 +1,14 @@
 // bake.c - a bake from a building's file to a .rad or .glb file: cells and stab trees, mesh, shooting, what to say of it.
 #include "engine/app/bake.h"
 
-#include <errno.h>
 #include <malloc.h>
 #include <stdio.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include "engine/app/app_light.h"
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
+#include "engine/core/file.h"
 #include "radiosity/final_gather.h"
 #include "radiosity/fine_mesh.h"
 #include "radiosity/sky.h"
@@ -33,7 +32,7 @@ typedef struct Bake {
     RadSolution shown;  // on it
     RadOptions rad;     // as asked for, or as fits the mesh
     RadReport report;
-    const char *out;  // the .rad file, NULL: none
+    const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double mesh_seconds, sky_seconds, gather_seconds, seconds;
 } Bake;
 
@@ -126,38 +125,42 @@ bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resume
 
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
-    const char *resumed = bake->a->resume ? bake->out : NULL;
-    bool good = bake_mesh(bake->a, &bake->scene, resumed, NULL, arena, &bake->doors, &bake->mesh, error);
+    bool good =
+        bake_mesh(bake->a, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->rad;
     if (good) rad_fit(&bake->mesh, &bake->rad);
     return good;
 }
 
-// Known to be writable as far as one can tell, before hours of work rather than after them.
-static bool check_place(const char *path, Arena *arena, Error *error) {
-    const char *slash = strrchr(path, '/');
-    const char *folder = slash ? arena_format(arena, "%.*s/", (int)(slash - path), path) : ".";
-    if (access(folder, W_OK | X_OK) == 0) return true;
-    return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
-}
-
-// What is resumed is in the cache where no .rad file is named.
+// What is resumed is in the cache where no .rad file is named. Light that has no place there is made all the same.
 static bool find_places(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     bake->out = a->out;
     bool cached = !a->out && (!a->model || a->resume);
-    if (cached && !app_light_place(&bake->scene.building, arena, &bake->out, error)) return false;
-    return (!bake->out || check_place(bake->out, arena, error)) &&
-           (!a->model || check_place(a->model, arena, error));
+    if (cached) bake->out = app_light_place(&bake->scene.building, arena);
+    if (a->resume && !(bake->earlier = bake->out))
+        return error_set(error, "%s: there is no cache to resume from: give -o OUT.rad", a->file);
+    if (cached && !app_cache_takes(bake->out, APP_LIGHT_ROOM)) bake->out = NULL;
+    return true;
+}
+
+// Is there room for the light? It is asked before hours of work rather than after them.
+static bool check_room(Bake *bake, Error *error) {
+    const Mesh *mesh = &bake->mesh;
+    size_t bytes = (size_t)mesh->element_count * sizeof *bake->solution.radiosity +
+                   (size_t)mesh->patch_count * sizeof *bake->solution.unshot;
+    if (bake->a->out) return file_check(bake->a->out, bytes, error);
+    if (bake->out && !app_cache_takes(bake->out, bytes)) bake->out = NULL;
+    return true;
 }
 
 // A file tells under which sky it was made.
 static bool check_sky(const Bake *bake, Error *error) {
     const double *had = bake->solution.sky, *sky = bake->a->sky;
     if (memcmp(had, sky, sizeof bake->solution.sky) == 0) return true;
-    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)", bake->out,
-                     had[0], had[1], had[2], sky[0], sky[1], sky[2]);
+    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)",
+                     bake->earlier, had[0], had[1], had[2], sky[0], sky[1], sky[2]);
 }
 
 static bool shine(Bake *bake, Error *error) {
@@ -174,7 +177,7 @@ static bool shine(Bake *bake, Error *error) {
 
 static bool begin(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
-        return rad_load(bake->out, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
+        return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
                check_sky(bake, error);
     bool day = sum3(bake->a->sky) > 0;
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
@@ -235,8 +238,10 @@ static bool store(const Bake *bake, Error *error) {
 
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
-    if (!app_load(a->file, &a->load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
-        !make_mesh(bake, arena, error) || !begin(bake, arena, error))
+    const char *written[] = {a->out, a->model}, *read[] = {a->file, a->probe_file};
+    if (!app_check_files(written, 2, read, 2, error) ||
+        !app_load(a->file, &a->load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
+        !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
     Progress progress = {report_timed, &timed};

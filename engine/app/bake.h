@@ -20,6 +20,7 @@ typedef struct BakeArguments {
     double sky[3];            // radiance, W/m^2/sr a channel; 0: night
     bool final_gather, resume, json;
     Probes probes;
+    const char *probe_file;  // that they were read from, the last one; NULL: none
 } BakeArguments;
 BakeArguments bake_default_arguments(void);
 

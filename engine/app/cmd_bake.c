@@ -144,6 +144,7 @@ static int parse_whole(const char *option, int low, int high, int *out) {
 
 static int parse_probes(bool file, Arguments *a) {
     Error error;
+    if (file) a->bake.probe_file = optarg;
     bool good = file ? bake_probes_read(optarg, &a->arena, &a->bake.probes, &error)
                      : bake_probe_parse(optarg, &a->arena, &a->bake.probes, &error);
     if (good) return APP_GOOD;

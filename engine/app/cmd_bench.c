@@ -245,7 +245,9 @@ static int run(const Bench *bench, BenchArguments *a, char **files, int file_cou
     }
     a->files = files;
     a->file_count = file_count;
-    return bench->run(a, &error) ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+    bool good =
+        app_check_files(&a->csv, 1, (const char *const *)files, file_count, &error) && bench->run(a, &error);
+    return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
 }
 
 int cmd_bench(int argc, char **argv) {

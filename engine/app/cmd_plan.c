@@ -150,7 +150,8 @@ int cmd_plan(int argc, char **argv) {
     AppOptions load = app_default_options();
     load.map = a.map;
     const char *text = NULL;
-    bool good = app_load(a.file, &load, &arena, &scene, &error) && app_has_walls(&scene, &error) &&
+    bool good = app_check_files(&a.out, 1, &a.file, 1, &error) &&
+                app_load(a.file, &load, &arena, &scene, &error) && app_has_walls(&scene, &error) &&
                 draw_figure(&a, &scene, &arena, &text, &error);
     if (good && a.out) good = file_write(a.out, text, strlen(text), &error);
     if (good && !a.out) fputs(text, stdout);

@@ -185,6 +185,15 @@ static void print_result(const Arguments *a, const AppScene *scene) {
            scene->cells_seconds, scene->trees_seconds);
 }
 
+// Storing is all that this command is for.
+static bool check_place(const Arguments *a, Arena *arena, Error *error) {
+    Error reason;
+    if (a->out) return app_check_files(&a->out, 1, &a->file, 1, error);
+    if (app_cache_check(app_cache_path(arena, "trees.vis"), 0, &reason)) return true;
+    return error_set(error, "%.900s: the stab trees cannot be stored (-o OUT.vis stores them elsewhere)",
+                     reason.text);
+}
+
 int cmd_vis(int argc, char **argv) {
     Arguments a = {.load = app_default_options()};
     int code = parse(argc, argv, &a);
@@ -207,12 +216,15 @@ int cmd_vis(int argc, char **argv) {
     Arena arena = {0};
     AppScene scene;
     Error error;
-    bool good = app_load(a.file, &a.load, &arena, &scene, &error) &&
+    bool good = check_place(&a, &arena, &error) && app_load(a.file, &a.load, &arena, &scene, &error) &&
                 (!a.out || vis_save(a.out, &scene.graph, &scene.forest, &error));
     if (good) {
         print_result(&a, &scene);
         app_print_notes(&scene.building, 10);
     }
+    // Where they could not be kept, that was said.
+    bool stored = good && (a.out || scene.kept || scene.stopped);
     arena_free(&arena);
-    return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+    if (!good) app_fail(APP_BAD_INPUT, "%s", error.text);
+    return stored ? APP_GOOD : APP_BAD_INPUT;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "engine/app/app_light.h"
+#include "engine/core/file.h"
 #include "engine/walk/walk_offscreen.h"
 #include "engine/walk/walk_window.h"
 
@@ -377,11 +378,17 @@ static bool bake_first(Arguments *a, AppBake *bake, Arena *arena, Error *error) 
     return true;
 }
 
+// Frames are written after the light was baked, which may take long.
+static bool check_folder(const Arguments *a, Arena *arena, Error *error) {
+    return file_make_folder(a->walk.folder, error) &&
+           file_check(arena_format(arena, "%s/frame-00000.png", a->walk.folder), 0, error);
+}
+
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppScene scene;
     AppBake *bake;
     if (!load_lit(a, a->file, arena, &scene, &a->walk.light, &bake, error) ||
-        (bake && !bake_first(a, bake, arena, error)))
+        !check_folder(a, arena, error) || (bake && !bake_first(a, bake, arena, error)))
         return false;
     if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
     if (a->walk.look == WALK_BAKED && !a->walk.light)
@@ -405,7 +412,8 @@ static bool load_scene(void *context, const char *path, Arena *arena, WalkScene 
     const WalkLight *light;
     AppBake *bake;
     if (!load_lit(a, path, arena, scene, &light, &bake, error)) return false;
-    *out = (WalkScene){&scene->graph, &scene->forest, light, {bake ? app_bake : NULL, bake}};
+    *out =
+        (WalkScene){&scene->graph, &scene->forest, light, {bake ? app_bake : NULL, bake, bake && bake->out}};
     return true;
 }
 
@@ -446,8 +454,12 @@ int cmd_walk(int argc, char **argv) {
     Arena arena = {0};
     WalkTotals totals = {0};
     Error error;
-    bool good;
-    if (a.off_screen) {
+    const char *written[] = {a.walk.video, a.walk.stats, a.window.session.trace},
+               *read[] = {a.file, a.light, a.walk.replay};
+    bool good = app_check_files(written, 3, read, 3, &error);
+    if (!good) {
+        // Said below.
+    } else if (a.off_screen) {
         if (a.walk.verify && !a.sized) a.walk.width = 640, a.walk.height = 360;
         if (a.walk.doors == WALK_DOORS) a.walk.doors = WALK_DOORS_OPEN;
         good = draw_tour(&a, &arena, &totals, &error);

@@ -1,6 +1,10 @@
 // main.c - the program `enfilade`: picks the subcommand.
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "engine/app/app.h"
 #include "maps/maps.h"
@@ -26,7 +30,23 @@ static void print_help(void) {
     puts("\n`enfilade COMMAND --help` tells more. Exit status: 0 good, 1 bad input, 2 wrong use.");
 }
 
-int main(int argc, char **argv) {
+// Else the first files that are opened would take their places, and get what is printed. What is printed to a closed one fails.
+static void open_standard_streams(void) {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+            _exit(APP_BAD_INPUT);
+}
+
+// A result that did not arrive is none.
+static int check_printed(int code) {
+    bool lost = ferror(stdout) != 0;
+    errno = 0;
+    if (fclose(stdout) == 0 && !lost) return code;
+    app_fail(0, "standard output: cannot be written%s%s", errno ? ": " : "", errno ? strerror(errno) : "");
+    return code == APP_GOOD ? APP_BAD_INPUT : code;
+}
+
+static int run(int argc, char **argv) {
     if (argc < 2) {
         fputs("enfilade: no command given\nTry `enfilade --help`.\n", stderr);
         return APP_BAD_USE;
@@ -46,4 +66,11 @@ int main(int argc, char **argv) {
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(stderr, " %s", COMMANDS[i].name);
     fputs(")\nTry `enfilade --help`.\n", stderr);
     return APP_BAD_USE;
+}
+
+int main(int argc, char **argv) {
+    open_standard_streams();
+    // A limit of files' sizes is told of as a full disk is.
+    signal(SIGXFSZ, SIG_IGN);
+    return check_printed(run(argc, argv));
 }

@@ -6,7 +6,6 @@
 
 #include "engine/app/app_light.h"
 #include "engine/core/clock.h"
-#include "engine/core/file.h"
 #include "engine/walk/image.h"
 
 // Where neither the command nor a view of the building says, radians.
@@ -105,20 +104,16 @@ static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *
 
 // ---- what lamps send straight
 
-static const char *lamps_place(const Render *r, Arena *arena) {
-    char *folder;
-    if (!file_cache_folder(arena, &folder, NULL)) return NULL;
-    return arena_format(arena, "%s/%016llx-lamps.rad", folder, (unsigned long long)r->scene.building.hash);
-}
-
 // Found in the cache, or made as the bake does it and kept there. One that was made on another mesh is made anew.
 static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
                        Error *error) {
     Error reason;
-    const char *place = lamps_place(r, arena);
+    const char *place = app_cache_path(
+        arena, arena_format(arena, "%016llx-lamps.rad", (unsigned long long)r->scene.building.hash));
     if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light.door_open, arena, out, &reason))
         return true;
     if (!rad_start_dark(mesh, arena, out, error)) return false;
+    bool keep = app_cache_takes(place, APP_LIGHT_ROOM);
     RadOptions options = rad_default_options();
     options.residual = options.form_factor.resolution = 0;
     rad_fit(mesh, &options);
@@ -127,7 +122,7 @@ static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Ar
     options.threads = r->a->still.threads;
     RadReport report = rad_shoot(mesh, &r->scene.forest, r->light.door_open, &options, progress, out);
     if (report.stopped) return error_set(error, "stopped");
-    if (place && !rad_save(place, mesh, r->light.door_open, out, &reason))
+    if (keep && !rad_save(place, mesh, r->light.door_open, out, &reason))
         fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
     return true;
 }
@@ -201,8 +196,9 @@ int render(const RenderArguments *arguments) {
     Arena arena = {0};
     Error error = {""};
     Progress progress = app_progress_stoppable(0);
-    bool good =
-        load(&r, &arena, &error) && find_camera(&r, &error) && get_light(&r, &progress, &arena, &error);
+    const char *read[] = {arguments->file, arguments->light};
+    bool good = app_check_files(&arguments->out, 1, read, 2, &error) && load(&r, &arena, &error) &&
+                find_camera(&r, &error) && get_light(&r, &progress, &arena, &error);
     if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light.mesh);
     if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
     good = good && draw(&r, &progress, &arena, &error);

@@ -45,7 +45,10 @@ static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
 
 static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *error) {
     uint64_t *bound = NULL;
-    if (!app_load_cells(a->file, &a->load, arena, &o->scene, error)) return false;
+    const char *read[] = {a->file, a->against};
+    if (!app_check_files(&a->out, 1, read, 2, error) ||
+        !app_load_cells(a->file, &a->load, arena, &o->scene, error))
+        return false;
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
     find(a, arena, o);

@@ -47,7 +47,7 @@ void file_drop(FileDraft *draft);
 // Makes the folder and those above it.
 bool file_make_folder(const char *path, Error *error);
 
-// `$XDG_CACHE_HOME/enfilade` or `~/.cache/enfilade`, made if missing. Fails where neither variable is set.
+// `$XDG_CACHE_HOME/enfilade` or `~/.cache/enfilade`, which need not be there. Fails where neither variable is set.
 bool file_cache_folder(Arena *arena, char **path, Error *error);
 
 uint64_t file_hash(const void *data, size_t size, uint64_t seed);  // XXH3, 64 bits

@@ -20,6 +20,7 @@ typedef struct LightHooks {
 typedef struct LightBaker {
     bool (*bake)(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error);
     void *context;
+    bool keeps;  // the next walk finds the light
 } LightBaker;
 
 typedef struct LightThread LightThread;

@@ -17,7 +17,9 @@ static void tell_end(Session *s) {
     if (*note)
         session_say(s, true, "%s", note);
     else if (end == LIGHT_READY)
-        session_say(s, false, "all light has arrived, and is kept for the next walk");
+        session_say(s, false,
+                    shown->scene.baker.keeps ? "all light has arrived, and is kept for the next walk"
+                                             : "all light has arrived; there is no cache to keep it in");
 }
 
 void session_receive_light(Session *s) {

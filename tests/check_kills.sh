@@ -1,6 +1,7 @@
 #!/bin/bash
 # check_kills.sh - every writer of a file, killed at random moments, on a disk that fills up at a random byte, and on one that is full:
-# the file is then the earlier one or the new one, whole, byte for byte. `make soak` kills each 200 times, `make test` a few.
+# the file is then the earlier one or the new one, whole, byte for byte, and the next run leaves nothing beside it. `make soak` kills each
+# 200 times, `make test` a few. Killed at chosen system calls, 1,000 times at soak, they are in test_kills.c.
 . tests/checks.sh
 times=${ENFILADE_SOAK:+200}
 times=${times:-2}
@@ -33,6 +34,9 @@ check() {
         wait $! 2>/dev/null
         cmp -s "$file" "$work/earlier" || cmp -s "$file" "$work/later" || die "$name: killed after $wait ns: a broken file"
     done
+    "$program" "${later[@]}" >/dev/null 2>&1
+    cmp -s "$file" "$work/later" || die "$name: cannot write after kills"
+    [ -z "$(find "$(dirname "$file")" -name "$(basename "$file").*")" ] || die "$name: a kill left a part of a file"
     for ((i = 0; i < times; i++)); do
         cp "$work/earlier" "$file"
         # One at least, which the sentence that tells of it needs: the limit is of every file.

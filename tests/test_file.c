@@ -174,6 +174,30 @@ Test(file, sweeps_its_own_alone) {
     arena_free(&arena);
 }
 
+// Proves that more writers of one path than there are names for it wait for each other: all succeed, the file is that of one of them,
+// and nothing is left.
+Test(file, writers_of_one_path, .timeout = 120) {
+    enum { WRITERS = 24, TIMES = 4, SIZE = 5000 };
+    Arena arena = {0};
+    const char *folder = support_folder(&arena), *path = arena_format(&arena, "%s/a", folder);
+    char *data = arena_alloc(&arena, SIZE, 1);
+    for (int i = 0; i < WRITERS; i++) {
+        if (fork() != 0) continue;
+        memset(data, 'a' + i, SIZE);
+        bool good = true;
+        // Without /proc a writer holds its name as long as it writes.
+        if (i % 2 && chroot(folder) == 0) path = "/a";
+        for (int k = 0; k < TIMES; k++) good = file_write(path, data, SIZE, NULL) && good;
+        _exit(good ? 0 : 1);
+    }
+    for (int status; wait(&status) > 0;) cr_expect(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    Bytes now = support_read(&arena, path);
+    memset(data, now.data[0], SIZE);
+    cr_expect(now.size == SIZE && memcmp(now.data, data, SIZE) == 0);
+    cr_expect_eq(files_in(folder), 1);
+    arena_free(&arena);
+}
+
 // ---- rights
 
 static bool write_as_nobody(void *context) {

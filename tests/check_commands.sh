@@ -276,8 +276,10 @@ expect 0 bash -c "{ sleep 0.3; $program info $two; echo \$? >$work/status; } | t
 [ "$(cat "$work/status")" -eq 141 ] || fail "a closed pipe ends the program with $(cat "$work/status")"
 expect 0 bash -c "trap '' PIPE; { sleep 0.3; $program info $two; echo \$? >$work/status; } | true" && says err 'Broken pipe'
 [ "$(cat "$work/status")" -eq 1 ] || fail "a closed pipe, its signal ignored, ends the program with $(cat "$work/status")"
-expect 0 bash -c "{ echo head; $program plan $two -o /dev/stdout; echo tail; } >$work/piece.svg"
-[ "$(sed -n '1p;$p' "$work/piece.svg")" = "head
+if [ -L /dev/stdout ]; then
+    expect 0 bash -c "{ echo head; $program plan $two -o /dev/stdout; echo tail; } >$work/piece.svg"
+    [ "$(sed -n '1p;$p' "$work/piece.svg")" = "head
 tail" ] && grep -q '</svg>' "$work/piece.svg" || fail 'a redirected /dev/stdout is replaced, not written into'
-[ -L /dev/stdout ] || fail '/dev/stdout is no link any more'
+    [ -L /dev/stdout ] || fail '/dev/stdout is no link any more'
+fi
 exit $bad

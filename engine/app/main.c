@@ -27,7 +27,8 @@ static void print_help(void) {
     puts("\nbuilding files:");
     for (int i = 0; MAPS_READERS[i]; i++)
         printf("  %-12s %s\n", MAPS_READERS[i]->suffixes, MAPS_READERS[i]->summary);
-    puts("\n`enfilade COMMAND --help` tells more. Exit status: 0 good, 1 bad input, 2 wrong use.");
+    puts("\nFiles are regular ones: standard input and pipes are not read; /dev/stdout may be written.");
+    puts("`enfilade COMMAND --help` tells more. Exit status: 0 good, 1 bad input, 2 wrong use.");
 }
 
 // Else the first files that are opened would take their places, and get what is printed. What is printed to a closed one fails.

@@ -2,7 +2,6 @@
 #ifndef CORE_FILE_H
 #define CORE_FILE_H
 
-#include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -32,12 +31,13 @@ bool file_same(const char *a, const char *b);
 
 // A file while it is written, for those who write piece by piece: it has no name, or, where the file system knows only files with
 // names, one beside its own. What a killed program leaves under that name goes when the same path is written again.
+enum { FILE_LONGEST_PATH = 4096 };  // as the system takes, with a zero
 typedef struct FileDraft {
     int fd;
-    const char *path;       // as given
-    char target[PATH_MAX];  // with links followed
-    char beside[PATH_MAX];  // the name until it is kept; "": none
-    bool stream;            // a device or a pipe: what is written has left
+    const char *path;                // as given
+    char target[FILE_LONGEST_PATH];  // with links followed
+    char beside[FILE_LONGEST_PATH];  // the name until it is kept; "": none
+    bool stream;                     // a device or a pipe: what is written has left
 } FileDraft;
 bool file_begin(const char *path, FileDraft *out, Error *error);
 bool file_keep(FileDraft *draft,

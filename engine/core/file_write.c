@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,8 +41,8 @@ static int own_descriptor(const char *path) {
 }
 
 // The end of a chain of symbolic links, `target` its beginning; nothing need be there. False with errno.
-static bool follow_links(char target[PATH_MAX]) {
-    char link[PATH_MAX], joined[PATH_MAX];
+static bool follow_links(char target[FILE_LONGEST_PATH]) {
+    char link[FILE_LONGEST_PATH], joined[FILE_LONGEST_PATH];
     for (int i = 0; i < MOST_LINKS; i++) {
         ssize_t length = own_descriptor(target) >= 0 ? -1 : readlink(target, link, sizeof link - 1);
         if (length < 0) return true;
@@ -67,7 +68,7 @@ static bool is_writable_descriptor(int fd) {
 
 static bool name_fits(const char *target) {
     const char *slash = strrchr(target, '/');
-    if (strlen(target) + BESIDE_BYTES <= PATH_MAX &&
+    if (strlen(target) + BESIDE_BYTES <= FILE_LONGEST_PATH &&
         strlen(slash ? slash + 1 : target) + BESIDE_BYTES <= NAME_MAX)
         return true;
     errno = ENAMETOOLONG;
@@ -96,8 +97,8 @@ static bool find_target(const char *path, FileDraft *draft, bool *exists) {
     return draft->stream || name_fits(draft->target);
 }
 
-static void put_folder(const char *path, char folder[PATH_MAX]) {
-    snprintf(folder, PATH_MAX, "%s", path);
+static void put_folder(const char *path, char folder[FILE_LONGEST_PATH]) {
+    snprintf(folder, FILE_LONGEST_PATH, "%s", path);
     char *slash = strrchr(folder, '/');
     if (slash) {
         slash[slash == folder] = 0;
@@ -108,7 +109,7 @@ static void put_folder(const char *path, char folder[PATH_MAX]) {
 
 // A rename is on disk only when the folder is.
 static void sync_folder(const char *path) {
-    char folder[PATH_MAX];
+    char folder[FILE_LONGEST_PATH];
     put_folder(path, folder);
     int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0) return;
@@ -118,14 +119,14 @@ static void sync_folder(const char *path) {
 
 // ---- names on the way
 
-static void name_beside(const char *target, int i, char beside[PATH_MAX]) {
-    CORE_ASSERT(snprintf(beside, PATH_MAX, BESIDE, target, i % NAMES) < PATH_MAX);
+static void name_beside(const char *target, int i, char beside[FILE_LONGEST_PATH]) {
+    CORE_ASSERT(snprintf(beside, FILE_LONGEST_PATH, BESIDE, target, i % NAMES) < FILE_LONGEST_PATH);
 }
 
 // What a killed writer left. Whoever writes holds a lock on the file, which no dead program does, on whatever machine.
 static void sweep(const char *target) {
     for (int i = 0; i < NAMES; i++) {
-        char beside[PATH_MAX];
+        char beside[FILE_LONGEST_PATH];
         name_beside(target, i, beside);
         // Over a network a lock takes the right to write; elsewhere a file that is read-only will do.
         const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
@@ -144,7 +145,7 @@ static void sweep(const char *target) {
 // A file without a name: a program that ends while it writes leaves nothing. False where the file system knows none, or where
 // none could be named later, which takes /proc.
 static bool open_nameless(FileDraft *draft, mode_t mode) {
-    char folder[PATH_MAX], own[64];
+    char folder[FILE_LONGEST_PATH], own[64];
     put_folder(draft->target, folder);
     draft->fd = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
     if (draft->fd < 0) return false;

@@ -2,8 +2,8 @@
 #include "maps/building.h"
 
 #include <stdarg.h>
-#include <stdlib.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/polygon.h"
 
 static bool same_material(const Material *a, const Material *b) {
@@ -63,8 +63,7 @@ static bool is_ear(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
 // goes.
 static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
-    int *ring = malloc(sizeof(int) * (size_t)count), added = 0;
-    CORE_ASSERT(ring);
+    int *ring = memory_new(sizeof(int) * (size_t)count), added = 0;
     for (int i = 0; i < count; i++) ring[i] = i;
     for (int left = count; left > 2; left--) {
         int ear = 0;
@@ -77,14 +76,13 @@ static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Ve
         }
         for (int i = ear; i + 1 < left; i++) ring[i] = ring[i + 1];
     }
-    free(ring);
+    memory_free(ring);
     return added;
 }
 
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
     if (count < 3) return 0;
-    Vec3 few[64], *v = count <= 64 ? few : malloc(sizeof(Vec3) * (size_t)count);
-    CORE_ASSERT(v);
+    Vec3 few[64], *v = count <= 64 ? few : memory_new(sizeof(Vec3) * (size_t)count);
     int kept = 0, added = 0;
     for (int i = 0; i < count; i++) {
         Vec3 p = vertices[i];
@@ -102,7 +100,7 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
             added = add_triangles(arena, b, v, kept, plane.n, material);
         }
     }
-    if (v != few) free(v);
+    if (v != few) memory_free(v);
     return added;
 }
 

@@ -5,17 +5,19 @@
 #include <limits.h>
 #include <stdlib.h>
 
+#include "engine/core/memory.h"
+
 // The most memory that decoding may ask for at once, bytes: all pixels of the largest image in four channels of 16 bits, and
 // as much again since buffers grow by doubling. A piece of a damaged PNG may call itself longer than the file, and a small
 // file unpack to gigabytes.
 static const size_t LARGEST_BUFFER = (size_t)TEXTURE_MAX_PIXELS * 4 * 2 * 2;
 
 static void *bounded_realloc(void *old, size_t size) {
-    return size <= LARGEST_BUFFER ? realloc(old, size) : NULL;
+    return size <= LARGEST_BUFFER ? memory_grow(old, size) : NULL;
 }
 #define STBI_MALLOC(size) bounded_realloc(NULL, size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
-#define STBI_FREE(old) free(old)
+#define STBI_FREE(old) memory_free(old)
 
 // GIF, PSD and the like are left out: homes have PNG and JPEG, and every decoder is one more thing to attack.
 #define STBI_ONLY_PNG

@@ -7,10 +7,10 @@
 // through each other.
 #include "radiosity/analytic.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/core/polygon.h"
 
 // What lies less than this behind a polygon touches it and is not hidden by it, metres: above the noise of coordinates
@@ -98,8 +98,7 @@ static bool may_hide(const AnalyticOccluder *o, const Vec3 *polygon, int count, 
 static void *grown(void *array, const void *few, size_t size, int used, int needed, int *capacity) {
     if (needed <= *capacity) return array;
     while (*capacity < needed) *capacity *= 2;
-    void *larger = realloc(array == few ? NULL : array, (size_t)*capacity * size);
-    CORE_ASSERT(larger);
+    void *larger = memory_grow(array == few ? NULL : array, (size_t)*capacity * size);
     return array == few ? memcpy(larger, few, (size_t)used * size) : larger;
 }
 
@@ -172,8 +171,8 @@ long long analytic_visible(const Vec3 *polygon, int count, int rank, const Analy
     int left = polygon_clip(polygon, count, (Plane){vec3(0, 0, 1), 0}, 0, above);
     if (left >= 3) keep_waiting(&s, above, left, 0);
     while (s.waiting_count > 0) subtract(&s);
-    if (s.corner != s.few_corners) free(s.corner);
-    if (s.waiting != s.few) free(s.waiting);
+    if (s.corner != s.few_corners) memory_free(s.corner);
+    if (s.waiting != s.few) memory_free(s.waiting);
     return s.cuts;
 }
 

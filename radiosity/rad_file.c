@@ -3,10 +3,10 @@
 // Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
 // gathered. The mesh is not stored: it is made again from
 // the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
-#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/derived.h"
+#include "engine/core/memory.h"
 #include "radiosity/nodes.h"
 #include "radiosity/shoot.h"
 
@@ -118,7 +118,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
     memcpy(file, &header, sizeof header);
     write_body(file + sizeof header, &header, mesh, door_open, solution);
     bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, total, error);
-    free(file);
+    memory_free(file);
     return good;
 }
 

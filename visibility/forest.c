@@ -4,10 +4,9 @@
 // are intersected with their transpose, and the trees cut accordingly. A cell that has more sequences than allowed keeps
 // no tree, and the cells that may be seen as the caller knows are its visible set.
 #include <pthread.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 #include "visibility/forest.h"
 #include "visibility/ways.h"
@@ -161,7 +160,7 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
     grow_all(&growth, tree_source_new(graph, options, &scratch), parallel_threads(options->threads),
              &scratch);
     if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
-    for (int c = 0; c < count; c++) free(growth.trees[c].nodes);
+    for (int c = 0; c < count; c++) memory_free(growth.trees[c].nodes);
     arena_free(&scratch);
     return !growth.stopped;
 }

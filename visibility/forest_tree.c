@@ -12,9 +12,8 @@
 // In open buildings there are too many sequences that lines do cross. Such a tree is given up early: depth-first search
 // knows which share of all choices it has been through, and so how large the tree will be (P. C. Chen's estimate of 1992,
 // without its random choices).
-#include <stdlib.h>
 
-#include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "visibility/beam.h"
 #include "visibility/forest.h"
 #include "visibility/sightline.h"
@@ -83,7 +82,7 @@ typedef struct Level {
 typedef struct TreeGrower Grower;
 struct TreeGrower {
     const TreeSource *source;
-    StabNode *nodes;  // malloc'd: it grows in a thread of its own
+    StabNode *nodes;  // of memory_grow: it grows in a thread of its own
     int count, capacity;
     Sightline line;
     unsigned char *on_path;  // [cell_count] a straight line enters a convex cell once
@@ -123,8 +122,7 @@ static int add_node(Grower *g, int cell, int portal, int parent) {
     }
     if (g->count == g->capacity) {
         g->capacity = g->capacity ? g->capacity * 2 : 256;
-        g->nodes = realloc(g->nodes, (size_t)g->capacity * sizeof *g->nodes);
-        CORE_ASSERT(g->nodes);
+        g->nodes = memory_grow(g->nodes, (size_t)g->capacity * sizeof *g->nodes);
     }
     g->nodes[g->count] = (StabNode){cell, portal, parent, -1};
     return g->count++;

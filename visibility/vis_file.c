@@ -2,10 +2,10 @@
 //
 // Layout: header (derived.h), roots, bounded flags, visible sets, nodes. The cells are not stored: they are made again
 // from the building, and `geometry`, the hash of cells and portals, says whether they came out the same.
-#include <stdlib.h>
 #include <string.h>
 
 #include "engine/core/derived.h"
+#include "engine/core/memory.h"
 #include "visibility/vis.h"
 
 enum { VERSION = 2 };
@@ -63,7 +63,7 @@ bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest
     memcpy(at += s.bounded, forest->seen, s.seen);
     memcpy(at += s.seen, forest->nodes, s.nodes);
     bool good = derived_write(path, &KIND, graph->building->hash, geometry_hash(graph), file, s.total, error);
-    free(file);
+    memory_free(file);
     return good;
 }
 

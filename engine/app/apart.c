@@ -12,11 +12,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/core/memory.h"
+
 void *apart_memory(size_t size) {
     void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory != MAP_FAILED) return memory;
-    fprintf(stderr, "enfilade: no memory for %zu bytes\n", size);
-    exit(EXIT_FAILURE);
+    memory_end(size);
 }
 
 void apart_memory_free(void *memory, size_t size) { munmap(memory, size); }

@@ -6,6 +6,7 @@
 #include "engine/app/app.h"
 #include "engine/app/export_parts.h"
 #include "engine/core/file.h"
+#include "engine/core/memory.h"
 
 // What a place of middling brightness becomes in linear light: as in a walk, behind its curve.
 static const double MIDDLE = 0.52;
@@ -162,8 +163,7 @@ static bool write_container(const char *path, const Export *e, const char *text,
     if (total > LARGEST)
         return error_set(error, "%s: would have %zu bytes (a .glb has at most %zu): take larger elements",
                          path, total, LARGEST);
-    unsigned char *file = calloc(total, 1), *at = file;
-    if (!file) return error_set(error, "%s: no memory for its %zu bytes", path, total);
+    unsigned char *file = memory_new(total), *at = file;
     uint32_t head[2] = {2, (uint32_t)total};
     at = put(put(at, "glTF", 4), head, sizeof head);
     at = put(put_head(at, whole(length), "JSON"), text, length);
@@ -173,7 +173,7 @@ static bool write_container(const char *path, const Export *e, const char *text,
     at = put(at, e->colour, view_size(e, EXPORT_COLOURS));
     put(at, e->index, view_size(e, EXPORT_INDICES));
     bool good = file_write(path, file, total, error);
-    free(file);
+    memory_free(file);
     return good;
 }
 

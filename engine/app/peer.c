@@ -14,6 +14,7 @@
 
 #include "engine/app/bsp29.h"
 #include "engine/core/clock.h"
+#include "engine/core/memory.h"
 
 enum { MOST_BYTES = 1 << 28, MOST_CELLS = 1 << 16, OPEN_FOLDERS = 8 };
 
@@ -72,6 +73,8 @@ static bool run(const char *program, int threads, const char *folder, Arena *are
     return error_set(error, "%s: exit status %d: %s", program, WEXITSTATUS(status), last_line(log, arena));
 }
 
+static void remove_folder(void *folder) { nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS); }
+
 bool peer_run(const char *program, const char *file, int threads, Arena *arena, PeerRun *out, Error *error) {
     Bytes portals;
     if (!file_read(file, MOST_BYTES, arena, &portals, error)) return false;
@@ -80,10 +83,13 @@ bool peer_run(const char *program, const char *file, int threads, Arena *arena, 
     const char *base = getenv("TMPDIR");
     char *folder = arena_format(arena, "%s/enfilade-peer-XXXXXX", base && *base ? base : "/tmp");
     if (!mkdtemp(folder)) return error_set(error, "%s: cannot be made: %s", folder, strerror(errno));
+    MemoryEnd end = {.undo = remove_folder, .context = folder};
+    memory_add_end(&end);
     Bytes level = bsp29_make(out->cell_count, arena);
     bool good = file_write(arena_format(arena, "%s/map.prt", folder), portals.data, portals.size, error) &&
                 file_write(arena_format(arena, "%s/map.bsp", folder), level.data, level.size, error) &&
                 run(program, threads, folder, arena, out, error);
-    nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS);
+    memory_remove_end(&end);
+    remove_folder(folder);
     return good;
 }

@@ -3,7 +3,8 @@
 
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
+
+#include "engine/core/memory.h"
 
 enum { ALIGNMENT = 64 };
 static const size_t FIRST_BLOCK = 64 * 1024;
@@ -16,25 +17,19 @@ struct ArenaBlock {
 
 static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 
-static void out_of_memory(size_t bytes) {
-    fprintf(stderr, "enfilade: no memory for %zu bytes\n", bytes);
-    exit(1);
-}
-
 static ArenaBlock *add_block(Arena *arena, size_t least) {
     size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
     if (size < least) size = least;
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    ArenaBlock *block = aligned_alloc(ALIGNMENT, HEADER + size);
-    if (!block) out_of_memory(size);
+    ArenaBlock *block = memory_new_aligned(HEADER + size);
     *block = (ArenaBlock){arena->head, size, 0};
     arena->head = block;
     return block;
 }
 
 void *arena_alloc(Arena *arena, size_t count, size_t size) {
-    if (size && count > (SIZE_MAX / 2 - HEADER) / size) out_of_memory(SIZE_MAX);
+    if (size && count > (SIZE_MAX / 2 - HEADER) / size) memory_end(SIZE_MAX);
     size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     if (bytes == 0) bytes = ALIGNMENT;
     ArenaBlock *block = arena->head;
@@ -50,7 +45,7 @@ void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t siz
         memset((char *)array + (size_t)count * size, 0, size);
         return array;
     }
-    if (count > INT32_MAX / 2) out_of_memory((size_t)count * size);
+    if (count > INT32_MAX / 2) memory_end((size_t)count * size);
     *capacity = *capacity < 8 ? 16 : *capacity * 2;
     void *larger = arena_alloc(arena, (size_t)*capacity, size);
     if (count) memcpy(larger, array, (size_t)count * size);
@@ -83,7 +78,7 @@ char *arena_format(Arena *arena, const char *format, ...) {
 void arena_free(Arena *arena) {
     while (arena->head) {
         ArenaBlock *next = arena->head->next;
-        free(arena->head);
+        memory_free(arena->head);
         arena->head = next;
     }
     arena->used = 0;
@@ -95,10 +90,10 @@ void arena_reset(Arena *arena) {
         ArenaBlock *block = arena->head;
         arena->head = block->next;
         if (!largest || block->size > largest->size) {
-            free(largest);
+            memory_free(largest);
             largest = block;
         } else {
-            free(block);
+            memory_free(block);
         }
     }
     if (largest) {

@@ -15,7 +15,7 @@ typedef struct Arena {
     size_t used;  // bytes handed out, for reports
 } Arena;
 
-// Zeroed, aligned to 64 bytes. Never returns NULL: no memory prints the size and exits.
+// Zeroed, aligned to 64 bytes. Never returns NULL: no memory ends the program (memory.h).
 void *arena_alloc(Arena *arena, size_t count, size_t size);
 char *arena_string(Arena *arena, const char *text);  // a copy
 // What printf would print, in the arena.

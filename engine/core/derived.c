@@ -1,15 +1,16 @@
 // derived.c - the common head of derived files: written, and held against kind, version, building and checksum.
 #include "engine/core/derived.h"
 
-#include <stdlib.h>
 #include <string.h>
+
+#include "engine/core/memory.h"
 
 static const uint32_t BYTE_ORDER_MARK = 0x01020304;
 
 _Static_assert(sizeof(DerivedHead) == 40, "the files that exist begin with 40 bytes");
 
 unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error) {
-    unsigned char *file = calloc(1, kind->header + body_size);
+    unsigned char *file = memory_try(kind->header + body_size);
     if (!file) error_set(error, "%s: no memory for %zu bytes", path, kind->header + body_size);
     return file;
 }

@@ -24,7 +24,7 @@ typedef struct DerivedKind {
     size_t largest;  // bytes of a file that is read
 } DerivedKind;
 
-// Zeroed memory for a file of this kind, to be freed. NULL, with a sentence, where there is none: what took hours to make is
+// Zeroed memory for a file of this kind, for memory_free. NULL, with a sentence, where there is none: what took hours to make is
 // not lost for lack of memory to store it.
 unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error);
 

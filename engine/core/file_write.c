@@ -13,6 +13,8 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
+#include "engine/core/memory.h"
+
 // Names on the way, for so many writers of one path at once. Most hold one for microseconds, so that waiting helps.
 enum { NAMES = 8, TRIES = 800, PAUSE = 1000 /* microseconds */ };
 enum { MOST_LINKS = 40 };  // as the system follows
@@ -277,7 +279,7 @@ static bool write_all(int fd, const char *data, size_t size) {
     return true;
 }
 
-bool file_write(const char *path, const void *data, size_t size, Error *error) {
+static bool write_whole(const char *path, const void *data, size_t size, Error *error) {
     // A file system may make files without names and yet refuse to name them. What else fails fails again.
     for (int named = 0; named < 2; named++) {
         FileDraft draft;
@@ -292,6 +294,13 @@ bool file_write(const char *path, const void *data, size_t size, Error *error) {
         if (!again) break;
     }
     return false;
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    memory_hold_end();
+    bool good = write_whole(path, data, size, error);
+    memory_release_end();
+    return good;
 }
 
 bool file_check(const char *path, size_t size, Error *error) {

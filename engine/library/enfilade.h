@@ -6,7 +6,7 @@
 //
 // Lengths are metres, z is up, angles radians, light W/m^2 a channel. What can fail returns false and one sentence in an Error; what
 // is made lies in the caller's Arena and goes with it. Options come from a function `..._default_options`. Nothing here prints, and
-// nothing is global: buildings may be worked on side by side.
+// nothing is global but a count of memory: buildings may be worked on side by side.
 #ifndef ENFILADE_H
 #define ENFILADE_H
 

@@ -2,7 +2,8 @@
 #include "engine/walk/image.h"
 
 #include <png.h>
-#include <stdlib.h>
+
+#include "engine/core/memory.h"
 
 // A frame of 16,384 x 16,384 pixels and no more.
 #define IMAGE_LIMIT ((size_t)1 << 30)
@@ -15,12 +16,11 @@ bool image_write_png(const char *path, const uint8_t *rgb, int width, int height
                        .format = PNG_FORMAT_RGB,
                        .flags = PNG_IMAGE_FLAG_FAST};
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-    void *memory = malloc(size);
-    if (!memory) return error_set(error, "%s: no memory for %zu bytes of PNG", path, (size_t)size);
+    void *memory = memory_new(size);
     bool good = png_image_write_to_memory(&image, memory, &size, 0, rgb, 0, NULL);
     good =
         good ? file_write(path, memory, size, error) : error_set(error, "%s: PNG: %s", path, image.message);
-    free(memory);
+    memory_free(memory);
     return good;
 }
 

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/core/file.h"
+#include "engine/core/memory.h"
 
 extern char **environ;
 
@@ -23,11 +25,19 @@ struct Video {
     int socket, log;  // ffmpeg's input; what it says, for the error message
     pid_t process;
     size_t frame_size;
+    MemoryEnd end;
 };
 
 // Of the draft, in ffmpeg; it seeks in it and reads it again, which it does in files alone.
 enum { DRAFT = 3 };
 #define DRAFT_PATH "/proc/self/fd/3"
+
+// Where the walk ends for lack of memory: no film, rather than half of one.
+static void undo(void *context) {
+    const Video *video = context;
+    if (video->process > 0) kill(video->process, SIGKILL);
+    if (*video->draft.beside) unlink(video->draft.beside);
+}
 
 static bool start(Video *video, int input, int width, int height, int frames_per_second, Arena *arena) {
     char *size = arena_format(arena, "%dx%d", width, height),
@@ -67,8 +77,12 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
         file_drop(&video->draft);
         return NULL;
     }
+    memory_hold_end();
     bool started = start(video, pair[1], width, height, frames_per_second, arena);
     int failure = errno;
+    video->end = (MemoryEnd){.undo = undo, .context = video};
+    if (started) memory_add_end(&video->end);
+    memory_release_end();
     close(pair[1]);
     video->socket = pair[0];
     if (started) return video;
@@ -84,7 +98,12 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
 static bool finish(Video *video, char *said, size_t size) {
     close(video->socket);
     int status = 0;
+    siginfo_t ended;
+    while (waitid(P_PID, (id_t)video->process, &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) continue;
+    memory_hold_end();  // from here on its number may be another's
     while (waitpid(video->process, &status, 0) < 0 && errno == EINTR) continue;
+    video->process = 0;
+    memory_release_end();
     char text[512];
     ssize_t length = pread(video->log, text, sizeof text - 1, 0);
     close(video->log);
@@ -110,7 +129,9 @@ bool video_add(Video *video, const uint8_t *rgb, Error *error) {
 
 bool video_end(Video *video, Error *error) {
     char said[512];
-    if (finish(video, said, sizeof said)) return file_keep(&video->draft, error);
+    bool good = finish(video, said, sizeof said);
+    memory_remove_end(&video->end);
+    if (good) return file_keep(&video->draft, error);
     file_drop(&video->draft);
     return error_set(error, "%s: ffmpeg failed: %s", video->path, said[0] ? said : "it does not say why");
 }
@@ -119,5 +140,6 @@ void video_abandon(Video *video) {
     if (!video) return;
     char said[512];
     finish(video, said, sizeof said);
+    memory_remove_end(&video->end);
     file_drop(&video->draft);
 }

@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 
 // Sorting anew costs a pass over all that may be seen; the order hardly changes from one round to the next.
@@ -16,9 +16,7 @@ enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 24, SORT_EVERY = 8 };
 static void *grown(void *list, int count, int *capacity, size_t size) {
     if (count < *capacity) return list;
     *capacity = *capacity ? *capacity * 2 : 64;
-    list = realloc(list, (size_t)*capacity * size);
-    CORE_ASSERT(list);
-    return list;
+    return memory_grow(list, (size_t)*capacity * size);
 }
 
 void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to) {
@@ -153,8 +151,8 @@ static void take(Rounds *r, int way, Finding *finding) {
 
 void rounds_take_proofs(Rounds *r, Finding *finding) {
     rounds_prove(r, finding->pairs, finding->lines, finding->pair_count);
-    free(finding->pairs);
-    free(finding->lines);
+    memory_free(finding->pairs);
+    memory_free(finding->lines);
     finding->pairs = NULL;
     finding->lines = NULL;
 }
@@ -301,6 +299,6 @@ void rounds_end(Rounds *r) {
             set->witnesses[i].to = vec3_add(set->witnesses[i].to, r->ways.origin);
         }
     }
-    free(r->witnesses);
+    memory_free(r->witnesses);
     arena_free(&r->scratch);
 }

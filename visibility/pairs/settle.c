@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 #include "visibility/pairs/sight.h"
 

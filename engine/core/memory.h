@@ -1,0 +1,44 @@
+// memory.h - all memory of our own comes from here: handed out, grown, given back and counted in one place, which also ends the
+// program where there is no more. Any thread may ask.
+//
+// No memory is one sentence on standard error, `enfilade: no memory for N bytes`, and exit status 1. The program ends at once,
+// whatever other threads do: no handlers of libraries run. Standard output is flushed, MemoryEnds are told, and a file that is
+// just getting its name gets it first (memory_hold_end).
+#ifndef CORE_MEMORY_H
+#define CORE_MEMORY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+void *memory_new(size_t bytes);          // never NULL; not zeroed
+void *memory_new_aligned(size_t bytes);  // the same, aligned to 64 bytes, of which `bytes` is a multiple
+void *memory_grow(void *old,
+                  size_t bytes);  // as realloc, but never NULL; `old` is not from memory_new_aligned
+void *memory_try(size_t bytes);   // zeroed; NULL where there is none, for callers with something better to do
+void memory_free(void *memory);   // NULL is allowed
+_Noreturn void memory_end(size_t bytes);  // there is none for so many bytes: ends the program
+
+// Bytes in use, and the most that were. Memory that libraries ask for themselves is not counted.
+size_t memory_used(void);
+size_t memory_peak(void);
+
+// Between the two the program does not end for lack of memory: another thread waits with it. For moments in which a file has a
+// name that is not its own. They nest; take no memory in between.
+void memory_hold_end(void);
+void memory_release_end(void);
+
+// What is to be undone where the program ends for lack of memory: a child process, its file. The owner's, listed from
+// memory_add_end to memory_remove_end. `undo` runs in any thread, under the hold, and takes no memory.
+typedef struct MemoryEnd {
+    void (*undo)(void *context);
+    void *context;
+    struct MemoryEnd *next;
+} MemoryEnd;
+void memory_add_end(MemoryEnd *end);
+void memory_remove_end(MemoryEnd *end);
+
+// For tests: from now on the nth request, 1 the next one, finds no memory; 0: none does. Returns how many requests there were since
+// the last call.
+long memory_fail_at(long nth);
+
+#endif

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "engine/core/memory.h"
 #include "maps/enclose.h"
 
 // Closing small gaps must enclose at least this much more to be worth it, mm^2.
@@ -15,6 +16,7 @@ static const double LEAST_GAIN = 2.5e5;
 
 static void on_geos_error(const char *message, void *context) {
     Enclosure *e = context;
+    if (strcmp(message, "std::bad_alloc") == 0) memory_end_library("GEOS");
     snprintf(e->geos_message, sizeof e->geos_message, "%s", message);
 }
 
@@ -56,11 +58,12 @@ static void find_world_box(Building *b) {
 static bool enclose(Enclosure *e) {
     if (!enclose_prepare(e) || !enclose_implicit_walls(e)) return false;
     holes_fit(e);
-    if (!find_indoors(e)) return false;
+    if (!find_indoors(e) || !memory_within(e->error)) return false;
     indoor_report(e);
     leaks_report(e);
     columns_build(e);
     columns_drop_unseen_outdoors(e);
+    if (!memory_within(e->error)) return false;
     openings_append(e);
     regions_trace(e);
     if (e->b->region_count == 0) return error_set(e->error, "nothing of the plan is free space");

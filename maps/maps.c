@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "engine/core/memory.h"
 #include "maps/soup_doors.h"
 #include "maps/soup_split.h"
 
@@ -65,14 +66,15 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
                          path, map);
     }
     out->map = map;
-    if (!reader->read(path, content, arena, out, error)) return false;
+    if (!reader->read(path, content, arena, out, error) || !memory_within(error)) return false;
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, out->hash);
     out->file_size = (double)content.size;
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
     if (out->form == FORM_SOUP) {
         soup_find_doors(arena, out);
-        soup_split(arena, out);
+        if (memory_within(error)) soup_split(arena, out);
+        if (!memory_within(error)) return false;
     }
     const char *fault;
     int faults = building_check(out, arena, &fault, 1);

@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <string.h>
 
+#include "engine/core/memory.h"
 typedef struct Parser {
     XML_Parser expat;
     Arena *arena;
@@ -68,7 +69,8 @@ static void XMLCALL end(void *context, const XML_Char *name) {
 
 bool xml_parse(Bytes content, const char *where, Arena *arena, const XmlNode **root, Error *error) {
     if (content.size > INT_MAX) return error_set(error, "%s: the file is larger than 2 GB", where);
-    Parser p = {XML_ParserCreate(NULL), arena, where, NULL, NULL, 0, 0, error, false};
+    static const XML_Memory_Handling_Suite memory = {memory_new, memory_grow, memory_free};
+    Parser p = {XML_ParserCreate_MM(NULL, &memory, NULL), arena, where, NULL, NULL, 0, 0, error, false};
     CORE_ASSERT(p.expat);
     XML_SetUserData(p.expat, &p);
     XML_SetElementHandler(p.expat, start, end);

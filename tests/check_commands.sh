@@ -17,6 +17,11 @@ expect 2 "$program" nonsense && says err 'there is no command `nonsense`'
 expect 2 "$program" info && says err '--help'
 expect 2 "$program" info --nonsense $maps/two-rooms.plan && says err '`--nonsense`'
 expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 to 256'
+for command in info vis plan walk bake render "bench walk"; do
+    for wrong in 15 1000001 12x ''; do
+        expect 2 "$program" $command $maps/two-rooms.plan --memory "$wrong" && says err "allowed 16 to 1000000"
+    done
+done
 expect 2 "$program" vis --square 1e9 $maps/two-rooms.plan && says err 'allowed 0.25 to 100'
 expect 2 "$program" plan --from 1,2 $maps/two-rooms.plan && says err 'X,Y,Z'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --size 0x0
@@ -73,6 +78,25 @@ expect 0 "$program" info --json $maps/house.plan
 for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
 expect 0 "$program" vis --json $maps/house.plan
 for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
+
+# Too little memory: one sentence that names the file, the stage and the way out; nothing is written.
+over() {
+    expect 1 "$program" "$@" && sentence
+    says err "^enfilade: $maps/[a-z.]*: $stage takes more than [0-9]* MB of memory (--memory MB allows more)\$"
+    [ ! -e "$work/over" ] || fail "$* left something"
+}
+stage='making cells'
+over info $maps/office.plan --memory 16
+over vis $maps/office.plan --memory 16 -o "$work/over"
+over vis $maps/office.plan --memory 16 --pairs "$work/over"
+over plan $maps/office.plan --memory 16 -o "$work/over"
+over render $maps/office.plan --memory 16 -o "$work/over"
+over bench walk $maps/office.plan --memory 16
+stage=reading  # twice, to look for its light first
+over walk $maps/office.plan --memory 16 --offscreen "$work/over"
+stage=baking
+over bake $maps/house.plan --memory 40 --element 0.1 -o "$work/over"
+expect 0 "$program" info $maps/office.plan --memory 1000
 
 # The same bytes on 1, 2 and 7 threads, on every sample.
 # Not all that lies there: `make bench` leaves rows of a thousand rooms.

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/app/app.h"
 #include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 #include "tests/support.h"
@@ -115,6 +116,103 @@ Test(memory, ends_in_any_thread) {
 
 // Who gives a file its name is let end first.
 Test(memory, waits_for_names) { run(fail_while_held, "said beforeenfilade: no memory for 123 bytes\n"); }
+
+static const MemoryBudget SMALL = {
+    "a.plan", "--memory MB allows more", 10 << 20, 1 << 20, 10, 12 << 20, false, false};
+
+static void fail_by_budget(char *path) {
+    touch(path);
+    memory_set_budget(&SMALL);
+    memory_set_stage("making cells");
+    memory_note_read(1 << 20);
+    cr_assert(memory_fits(9 << 20) && memory_within(NULL));
+    memory_free(memory_new(9 << 20));
+    memory_free(memory_new(11 << 20));
+}
+
+// A budget ends the program with its own sentence.
+Test(memory, ends_beyond_a_budget) {
+    run(fail_by_budget,
+        "enfilade: a.plan: making cells takes more than 10 MB of memory (--memory MB allows more)\n");
+}
+
+static void fail_at_the_fence(char *path) {
+    MemoryBudget budget = SMALL;
+    budget.fence = true;
+    touch(path);
+    memory_set_budget(&budget);
+    memory_set_stage("reading");
+    // What libraries take: less than the slack goes, and much more does not.
+    char *volatile some = malloc(20 << 20), *volatile more = malloc(100 << 20);
+    if (!some || more) _exit(2);
+    memory_lower_fence();
+    more = malloc(100 << 20);
+    if (!more) _exit(3);
+    free(more);
+    memory_set_budget(&budget);
+    memory_end_library("GEOS");
+}
+
+// Libraries find no more than is left of a budget, with a fence; when they say so, the sentence is that of the budget.
+Test(memory, fences_libraries_in) {
+#ifdef __SANITIZE_ADDRESS__
+    cr_skip_test("no fence stands under the sanitizer, whose own memory is data too");
+#endif
+    run(fail_at_the_fence,
+        "enfilade: a.plan: reading takes more than 10 MB of memory (--memory MB allows more)\n");
+}
+
+// More bytes read allow more, up to the most there may be; a gentle budget that was exceeded, if only for a moment, says so when
+// asked, and a new one begins anew.
+Test(memory, allows_more_for_larger_files) {
+    Error error = {""};
+    MemoryBudget budget = SMALL;
+    budget.gentle = true;
+    size_t before = memory_used();
+    cr_assert_leq(before, 1 << 20);
+    memory_set_budget(&budget);
+    memory_set_stage("reading");
+    cr_expect(memory_fits(9 << 20) && !memory_fits((10 << 20) + 1));
+    memory_note_read(1 << 20);
+    cr_expect(!memory_fits((10 << 20) + 1), "the first megabyte is covered");
+    memory_note_read(1 << 17);
+    cr_expect(memory_fits(10 << 20) && !memory_fits((12 << 20) + 1), "an eighth of a megabyte allows 1.25");
+    memory_note_read(1 << 30);
+    cr_expect(memory_fits(11 << 20) && !memory_fits((12 << 20) + 1), "more than the most");
+    memory_set_budget(&budget);
+    cr_expect(memory_within(&error));
+    memory_free(memory_new(11 << 20));
+    cr_expect_not(memory_within(&error));
+    cr_expect_str_eq(error.text, "a.plan: reading takes more than 10 MB of memory (--memory MB allows more)");
+    memory_set_budget(NULL);
+    cr_expect(memory_within(&error) && memory_fits((size_t)1 << 40));
+}
+
+// What `enfilade walk` does with a file that has changed: what fits no more is given up with a sentence, and what was there before goes
+// on. Of all that may be used, three quarters are for it, so that the rest is left to find out.
+Test(memory, gives_up_a_larger_building) {
+    AppOptions options = app_default_options();
+    Arena arena = {0}, other = {0};
+    AppScene scene, changed;
+    Error error = {""};
+    char megabytes[16];
+    options.fresh = true;
+    options.keep = false;
+    cr_assert(app_load("build/maps/office.plan", &options, &arena, &scene, &error), "%s", error.text);
+    snprintf(megabytes, sizeof megabytes, "%zu", (memory_peak() >> 20) + 2);
+    arena_free(&arena);
+    cr_assert_eq(app_take_memory("walk", megabytes), APP_GOOD);
+    cr_assert(app_load("build/maps/two-rooms.plan", &options, &arena, &scene, &error), "%s", error.text);
+    app_memory_gently();
+    cr_expect_not(app_load("build/maps/office.plan", &options, &other, &changed, &error));
+    cr_expect(strstr(error.text, "build/maps/office.plan: making cells takes more than "), "%s", error.text);
+    arena_free(&other);
+    cr_expect(app_load("build/maps/house.plan", &options, &other, &changed, &error), "%s", error.text);
+    cr_expect_eq(scene.graph.cell_count, scene.forest.cell_count);
+    arena_free(&other);
+    arena_free(&arena);
+    memory_set_budget(NULL);
+}
 
 // More than any machine has, asked of the C library itself. 64: the head of an arena's block.
 Test(memory, ends_where_the_machine_has_none) {

@@ -1,5 +1,6 @@
 // cells.c - a building's free space as convex cells: each region's plan that is not convex is cut into convex pieces,
 // each piece is a prism between the region's floor and ceiling.
+#include "engine/core/memory.h"
 #include "visibility/build.h"
 #include "visibility/convex.h"
 
@@ -92,6 +93,7 @@ static bool make_cells(CellBuilder *builder, Error *error) {
     builder->graph->box = box_empty();
     for (int r = 0; r < b->region_count; r++) {
         const Region *region = &b->regions[r];
+        if (!memory_within(error)) return false;
         if (region_is_convex(b, region)) {
             add_whole(builder, r, &capacity);
             continue;

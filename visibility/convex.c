@@ -8,8 +8,10 @@
 #include <geos_c.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 #include <xxhash.h>
 
+#include "engine/core/memory.h"
 #include "engine/core/predicates.h"
 #include "maps/building.h"
 
@@ -44,8 +46,8 @@ static int orient(const Vec2 *points, int a, int b, int c) {
 }
 
 static void silent(const char *message, void *context) {
-    (void)message;
     (void)context;
+    if (strcmp(message, "std::bad_alloc") == 0) memory_end_library("GEOS");
 }
 
 static GEOSGeometry *ring_geometry(const Triangulator *t, int ring) {

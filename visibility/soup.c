@@ -7,6 +7,7 @@
 #include "visibility/soup.h"
 
 #include "engine/core/error.h"
+#include "engine/core/memory.h"
 
 bool build_soup(CellBuilder *builder, Error *error) {
     const Building *b = builder->building;
@@ -14,9 +15,11 @@ bool build_soup(CellBuilder *builder, Error *error) {
     Soup soup = {.builder = builder, .scratch = builder->scratch};
     soup_find_planes(&soup);
     soup_part(&soup);
+    if (!memory_within(error)) return false;
     soup_join(&soup);
     soup_write_cells(&soup);
     soup_write_portals(&soup);
+    if (!memory_within(error)) return false;
     soup_write_objects(&soup);
     soup_close_seams(&soup);
     builder->graph->touch = 4 * SOUP_SNAP * soup.size;

@@ -11,6 +11,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
+#include "engine/core/memory.h"
 #include "maps/lamp_faces.h"
 #include "maps/maps.h"
 #include "visibility/pairs/pairs.h"
@@ -109,16 +110,24 @@ bool app_check_files(const char *const *written, int write_count, const char *co
 
 // ---- loading
 
+// Ends what takes more memory than there is for it; app_load says so.
+static bool report_within(void *context, const char *stage, double done) {
+    return progress_report(context, stage, done) && memory_within(NULL);
+}
+
 // Which cells see each other by the finest method, then the trees within that. Stopped on the way, trees are roots alone
 // and visible sets all that was not excluded.
 static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene) {
     Arena scratch = {0};
-    Progress progress = options->stoppable ? app_progress_stoppable(0) : app_progress();
+    Progress bar = options->stoppable ? app_progress_stoppable(0) : app_progress(),
+             progress = {report_within, &bar};
+    memory_set_stage("finding which cells see each other");
     PairOptions pairs = {.threads = options->vis.threads};
     PairSet set;
     pair_method_finest()->find(&scene->graph, &pairs, &progress, &scratch, &set);
     VisOptions vis = options->vis;
     vis.known = set.seen;
+    memory_set_stage("making stab trees");
     scene->stopped = set.stopped || !vis_build_forest(&scene->graph, &vis, &progress, arena, &scene->forest);
     if (scene->stopped) {
         vis.max_nodes = 1;
@@ -152,10 +161,14 @@ static void find_or_make_trees(const AppOptions *options, Arena *arena, AppScene
 bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, AppScene *out, Error *error) {
     *out = (AppScene){0};
     double start = clock_seconds();
+    app_open_budget(path);
     if (!maps_read_map(path, options->map, arena, &out->building, error)) return false;
     if (options->lamps) out->lamp_faces = lamp_faces_add(arena, &out->building);
     double read = clock_seconds();
-    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error)) return false;
+    memory_set_stage("making cells");
+    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error) || !memory_within(error))
+        return false;
+    memory_lower_fence();
     out->read_seconds = read - start;
     out->cells_seconds = clock_seconds() - read;
     return true;
@@ -165,6 +178,8 @@ bool app_load(const char *path, const AppOptions *options, Arena *arena, AppScen
     if (!app_load_cells(path, options, arena, out, error)) return false;
     double cells = clock_seconds();
     find_or_make_trees(options, arena, out);
+    if (!memory_within(error)) return false;
+    app_work_budget(path, options->work ? options->work : "working on it");
     out->trees_seconds = clock_seconds() - cells;
     return true;
 }

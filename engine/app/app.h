@@ -31,6 +31,8 @@ typedef struct AppOptions {
     bool lamps;       // give lights faces that emit (lamp_faces.h)
     bool stoppable;   // Ctrl-C ends the search early with sets that are too large, never with ones too small
     const char *map;  // of a file that holds several; NULL: the first
+    const char
+        *work;  // what is done with the building, where it may take too much memory: "baking"; NULL: working
 } AppOptions;
 AppOptions app_default_options(void);
 
@@ -71,6 +73,19 @@ bool app_cache_takes(const char *path, size_t size);
 // over.
 bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
                      Error *error);
+
+// ---- memory (app_memory.c)
+
+void app_count_libraries(void);  // from now on what libraries ask of us counts, too: before anything else
+// The value of --memory; returns the exit code.
+int app_take_memory(const char *command, const char *text);
+// What may be used while a building is opened, from here on, and what while something is done with it (`work`: "baking"). All who
+// load begin with the first; app_load ends with the second. `file` lasts.
+void app_open_budget(const char *file);
+void app_work_budget(const char *file, const char *work);
+// From now on, a building that takes too much is given up with a sentence as long as that is possible, for there is another to
+// go on with.
+void app_memory_gently(void);
 
 // A bar on standard error, on a terminal only.
 Progress app_progress(void);

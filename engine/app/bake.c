@@ -44,6 +44,7 @@ BakeArguments bake_default_arguments(void) {
                        .adapt = adapt_default_options(),
                        .rad = rad_default_options()};
     a.load.lamps = true;
+    a.load.work = "baking";
     a.mesh.element = 0;
     a.rad.residual = 0;
     a.rad.form_factor.resolution = 0;

@@ -62,6 +62,10 @@ static const char HELP[] =
     "                    (Oki's), portals (default); the result is the same\n"
     "  --no-cull         --culling none\n"
     "  --threads N       1 to 256 (default: all cores)\n"
+    "  --memory MB       memory that may be used, 16 to 1000000 (default: what fits the file to open it, "
+    "then "
+    "three\n"
+    "                    quarters of the machine's)\n"
     "  --row-memory MB   rows of form factors kept for patches that shoot again, 0 to 1000000 (default 128)\n"
     "  --probe P         X,Y,Z,NX,NY,NZ: the light at a point, on a line `x y z nx ny nz HR HG HB BR BG BB`: "
     "what\n"
@@ -92,6 +96,7 @@ enum {
     CLOSE,
     NO_CULL,
     ROW_MEMORY,
+    MEMORY,
     PROBE,
     PROBES,
     SKY,
@@ -121,6 +126,7 @@ static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"proxies", required_argument, NULL, PROXIES},
                                         {"no-cull", no_argument, NULL, NO_CULL},
                                         {"row-memory", required_argument, NULL, ROW_MEMORY},
+                                        {"memory", required_argument, NULL, MEMORY},
                                         {"probe", required_argument, NULL, PROBE},
                                         {"probes", required_argument, NULL, PROBES},
                                         {"sky", required_argument, NULL, SKY},
@@ -255,6 +261,8 @@ static int parse_option(int c, char **argv, Arguments *a) {
     case SKY:
         if (app_parse_sky(optarg, b->sky)) return APP_GOOD;
         return app_misuse("bake", "bake: --sky is `%s` (allowed L or R,G,B, 0 to 1e6 each)", optarg);
+    case MEMORY:
+        return app_take_memory("bake", optarg);
     case PROBE:
     case PROBES:
         return parse_probes(c == PROBES, a);

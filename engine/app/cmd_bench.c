@@ -180,6 +180,8 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
     case 'm':
         a->map = optarg;
         return APP_GOOD;
+    case 'y':
+        return app_take_memory("bench", optarg);
     case 's':
         if (app_parse_size(optarg, &a->width, &a->height)) return APP_GOOD;
         return app_misuse("bench", "bench: --size is `%s` (allowed WxH, 16 to 8192 each)", optarg);
@@ -204,7 +206,10 @@ static int parse_option(int c, char **argv, BenchArguments *a) {
 static bool print_help(void) {
     printf("usage: enfilade bench NAME [FILE ...] [options]\n\n"
            "Measures, and writes CSV with a header on standard output (default FILE: %s).\n"
-           "--map NAME chooses among the maps of files that hold several (default: the first).\n",
+           "--map NAME chooses among the maps of files that hold several (default: the first); --memory MB "
+           "sets what may "
+           "be used,\n16 to 1000000 (default: what fits a file to open it, then three quarters of the "
+           "machine's).\n",
            USUAL_FILES);
     for (int i = 0; i < BENCH_COUNT; i++) {
         printf("\n%s", BENCHES[i]->help);
@@ -222,13 +227,13 @@ static int misuse_name(const char *what) {
     return app_misuse("bench", "bench: %s (allowed: %s)", what, names);
 }
 
-// An option is a benchmark's if its help tells of it; --map is any's.
+// An option is a benchmark's if its help tells of it; --map and --memory are any's.
 static bool has_option(const Bench *bench, const char *name) {
     char option[40];
     size_t length = (size_t)snprintf(option, sizeof option, "--%s", name);
     for (const char *at = bench->help; (at = strstr(at, option)); at += length)
         if (!isalpha((unsigned char)at[length]) && at[length] != '-') return true;
-    return strcmp(name, "map") == 0;
+    return strcmp(name, "map") == 0 || strcmp(name, "memory") == 0;
 }
 
 static int run(const Bench *bench, BenchArguments *a, char **files, int file_count) {
@@ -262,6 +267,7 @@ int cmd_bench(int argc, char **argv) {
                                             {"seconds", required_argument, NULL, SECONDS},
                                             {"peer", required_argument, NULL, PEER},
                                             {"map", required_argument, NULL, 'm'},
+                                            {"memory", required_argument, NULL, 'y'},
                                             {"csv", required_argument, NULL, CSV},
                                             {"resolutions", required_argument, NULL, RESOLUTIONS},
                                             {"cullings", required_argument, NULL, CULLINGS},

@@ -4,12 +4,14 @@
 
 #include "engine/app/app.h"
 
-static const char HELP[] = "usage: enfilade info FILE [--map NAME] [--json]\n\n"
-                           "Tells what is in a building: storeys, rooms, cells, portals, doors and what they "
-                           "join, polygons, and what was\n"
-                           "not enclosed, left out or changed on reading.\n\n"
-                           "  --map NAME   which one of a file that holds several maps (default: the first)\n"
-                           "  --json       one JSON object on standard output\n";
+static const char HELP[] =
+    "usage: enfilade info FILE [--map NAME] [--memory MB] [--json]\n\n"
+    "Tells what is in a building: storeys, rooms, cells, portals, doors and what they "
+    "join, polygons, and what was\n"
+    "not enclosed, left out or changed on reading.\n\n"
+    "  --map NAME   which one of a file that holds several maps (default: the first)\n"
+    "  --memory MB  memory that may be used, 16 to 1000000 (default: what fits the file)\n"
+    "  --json       one JSON object on standard output\n";
 
 static void print_doors(const Building *b) {
     for (int i = 0; i < b->opening_count; i++) {
@@ -38,6 +40,7 @@ int cmd_info(int argc, char **argv) {
     static const struct option options[] = {{"json", no_argument, NULL, 'j'},
                                             {"help", no_argument, NULL, 'h'},
                                             {"map", required_argument, NULL, 'm'},
+                                            {"memory", required_argument, NULL, 'y'},
                                             {0}};
     AppOptions load = app_default_options();
     bool json = false;
@@ -46,6 +49,9 @@ int cmd_info(int argc, char **argv) {
         switch (c) {
         case 'm':
             load.map = optarg;
+            break;
+        case 'y':
+            if (app_take_memory("info", optarg) != APP_GOOD) return APP_BAD_USE;
             break;
         case 'j':
             json = true;

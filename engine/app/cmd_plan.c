@@ -9,7 +9,8 @@
 
 static const char HELP[] =
     "usage: enfilade plan FILE [--map NAME] [-o OUT.svg] [--from X,Y,Z] [--storey N] [--depth N] [--width "
-    "PIXELS]\n\n"
+    "PIXELS]\n"
+    "                     [--memory MB]\n\n"
     "Draws the plan of a storey: cells, walls, portals, doors with their swing, windows. With --from, also "
     "the stab\n"
     "tree of the cell at that place (metres): the cells it may see, shaded by depth, a sightline into each "
@@ -20,7 +21,8 @@ static const char HELP[] =
     "  --from X,Y,Z    the place to look from\n"
     "  --storey N      which storey, from 0 (default: that of --from, or 0)\n"
     "  --depth N       levels of the tree to draw, 1 to 64 (default 8)\n"
-    "  --width PIXELS  of the drawing, 100 to 10000 (default 1200)\n";
+    "  --width PIXELS  of the drawing, 100 to 10000 (default 1200)\n"
+    "  --memory MB     memory that may be used, 16 to 1000000 (default: what fits the file)\n";
 
 typedef struct Arguments {
     const char *file, *out, *map;
@@ -30,13 +32,11 @@ typedef struct Arguments {
 } Arguments;
 
 static int parse(int argc, char **argv, Arguments *a) {
-    static const struct option options[] = {{"help", no_argument, NULL, 'h'},
-                                            {"from", required_argument, NULL, 'f'},
-                                            {"storey", required_argument, NULL, 's'},
-                                            {"depth", required_argument, NULL, 'd'},
-                                            {"width", required_argument, NULL, 'w'},
-                                            {"map", required_argument, NULL, 'm'},
-                                            {0}};
+    static const struct option options[] = {
+        {"help", no_argument, NULL, 'h'},         {"from", required_argument, NULL, 'f'},
+        {"storey", required_argument, NULL, 's'}, {"depth", required_argument, NULL, 'd'},
+        {"width", required_argument, NULL, 'w'},  {"map", required_argument, NULL, 'm'},
+        {"memory", required_argument, NULL, 'y'}, {0}};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
         switch (c) {
@@ -45,6 +45,9 @@ static int parse(int argc, char **argv, Arguments *a) {
             return APP_GOOD;
         case 'm':
             a->map = optarg;
+            break;
+        case 'y':
+            if (app_take_memory("plan", optarg) != APP_GOOD) return APP_BAD_USE;
             break;
         case 'o':
             a->out = optarg;

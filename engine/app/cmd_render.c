@@ -30,14 +30,34 @@ static const char HELP[] =
     "  --light FILE.rad  the light that `enfilade bake` stored (default: FILE with the suffix .rad, or what "
     "`enfilade\n"
     "                    bake FILE` left in the user's cache)\n"
+    "  --memory MB       memory that may be used, 16 to 1000000 (default: what fits the file to open it, "
+    "then "
+    "three\n"
+    "                    quarters of the machine's)\n"
     "  --threads N       1 to 256 (default: all cores)\n"
     "  --json            one JSON object on standard output\n";
 
-enum { MAP = 256, VIEW, EYE, LOOK, FOV, SIZE, SAMPLES, DEPTH, DIRECT, TREE, EXPOSURE, LIGHT, THREADS };
+enum {
+    MAP = 256,
+    MEMORY,
+    VIEW,
+    EYE,
+    LOOK,
+    FOV,
+    SIZE,
+    SAMPLES,
+    DEPTH,
+    DIRECT,
+    TREE,
+    EXPOSURE,
+    LIGHT,
+    THREADS
+};
 
 static const struct option OPTIONS[] = {{"json", no_argument, NULL, 'j'},
                                         {"help", no_argument, NULL, 'h'},
                                         {"map", required_argument, NULL, MAP},
+                                        {"memory", required_argument, NULL, MEMORY},
                                         {"view", required_argument, NULL, VIEW},
                                         {"eye", required_argument, NULL, EYE},
                                         {"look", required_argument, NULL, LOOK},
@@ -130,6 +150,8 @@ static int take(int c, char **argv, Arguments *a) {
     case MAP:
         a->render.map = optarg;
         return APP_GOOD;
+    case MEMORY:
+        return app_take_memory("render", optarg);
     case LIGHT:
         a->render.light = optarg;
         return APP_GOOD;

@@ -6,10 +6,12 @@
 #include "engine/app/vis_pairs.h"
 
 static const char HELP[] =
-    "usage: enfilade vis FILE [--map NAME] [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--json]\n"
+    "usage: enfilade vis FILE [--map NAME] [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--memory "
+    "MB]\n"
+    "                    [--json]\n"
     "       enfilade vis FILE [--map NAME] [--method NAME] [--pairs OUT.seen] [--against IN.seen] [--peer "
     "PROGRAM]\n"
-    "                    [--seconds S] [--threads N] [--json]\n\n"
+    "                    [--seconds S] [--threads N] [--memory MB] [--json]\n\n"
     "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the user's cache, "
     "where\n"
     "the other commands find them (-o is needed where that cannot be written). The same bytes come out on\n"
@@ -20,6 +22,7 @@ static const char HELP[] =
     "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
     "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 5000); a larger one keeps its "
     "visible set\n"
+    "  --memory MB     memory that may be used, 16 to 1000000 (default: what fits the file)\n"
     "  --json          one JSON object on standard output\n\n"
     "With one of the following, no trees: a method finds which cells see each other. It can be stopped at "
     "any\n"
@@ -75,6 +78,8 @@ static int parse_option(int c, char **argv, Arguments *a) {
     case 'm':
         a->load.map = optarg;
         return APP_GOOD;
+    case 'y':
+        return app_take_memory("vis", optarg);
     case 'o':
         a->out = optarg;
         return APP_GOOD;
@@ -96,6 +101,7 @@ static int parse(int argc, char **argv, Arguments *a) {
     static const struct option options[] = {{"json", no_argument, NULL, 'j'},
                                             {"help", no_argument, NULL, 'h'},
                                             {"map", required_argument, NULL, 'm'},
+                                            {"memory", required_argument, NULL, 'y'},
                                             {"threads", required_argument, NULL, 't'},
                                             {"square", required_argument, NULL, 's'},
                                             {"max-nodes", required_argument, NULL, 'n'},

@@ -17,6 +17,10 @@ static const char HELP[] =
     "window.\n\n"
     "In both:\n"
     "  --map NAME         which one of a file that holds several maps (default: the first)\n"
+    "  --memory MB        memory that may be used, 16 to 1000000 (default: what fits the file to open it, "
+    "then "
+    "three quarters\n"
+    "                     of the machine's); OpenGL's own is not counted\n"
     "  --size WxH         pixels, 16 to 8192 each (window 1280x720; off-screen 960x540, with --verify "
     "640x360)\n"
     "  --look NAME        fast, fine or baked (default: baked where there is light, else off-screen fine; in "
@@ -88,6 +92,7 @@ enum {
     NO_VSYNC,
     TRACE,
     MAP,
+    MEMORY,
     LIGHT,
     FALSE_COLOUR,
     BAKE,
@@ -196,6 +201,8 @@ static int take(Arguments *a, int c, char **argv) {
     case MAP:
         a->map = optarg;
         return APP_GOOD;
+    case MEMORY:
+        return app_take_memory("walk", optarg);
     case LIGHT:
         a->light = optarg;
         return APP_GOOD;
@@ -277,6 +284,7 @@ static int parse(int argc, char **argv, Arguments *a) {
                                             {"no-vsync", no_argument, NULL, NO_VSYNC},
                                             {"trace", required_argument, NULL, TRACE},
                                             {"map", required_argument, NULL, MAP},
+                                            {"memory", required_argument, NULL, MEMORY},
                                             {"light", required_argument, NULL, LIGHT},
                                             {"false-colour", required_argument, NULL, FALSE_COLOUR},
                                             {"bake", no_argument, NULL, BAKE},
@@ -344,9 +352,11 @@ static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScen
                      const WalkLight **light, AppBake **bake, Error *error) {
     AppOptions load = app_default_options();
     const char *lights[APP_LIGHTS];
+    app_open_budget(path);
     int count = a->walk.verify ? 0 : app_find_lights(path, a->map, a->light, arena, lights);
     bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
     load.map = a->map;
+    load.work = "walking";
     load.lamps = count > 0 || bakes;
     *light = NULL;
     *bake = NULL;
@@ -414,6 +424,7 @@ static bool load_scene(void *context, const char *path, Arena *arena, WalkScene 
     if (!load_lit(a, path, arena, scene, &light, &bake, error)) return false;
     *out =
         (WalkScene){&scene->graph, &scene->forest, light, {bake ? app_bake : NULL, bake, bake && bake->out}};
+    app_memory_gently();  // should the file change
     return true;
 }
 

@@ -1,8 +1,6 @@
 // export_glb.c - the document and its container (Khronos, glTF 2.0 Specification, 2021, 3.4 and 4.4; KHR_materials_unlit).
 #include "engine/app/export_glb.h"
 
-#include <stdlib.h>
-
 #include "engine/app/app.h"
 #include "engine/app/export_parts.h"
 #include "engine/core/file.h"
@@ -187,7 +185,9 @@ bool export_glb(const char *path, const Mesh *mesh, const RadSolution *solution,
     json_decref(json);
     bool good = text ? write_container(path, &e, text, binary, error)
                      : error_set(error, "%s: no memory for its description", path);
-    free(text);
+    json_free_t give_back;
+    json_get_alloc_funcs(NULL, &give_back);
+    give_back(text);
     arena_free(&e.arena);
     return good;
 }

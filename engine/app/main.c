@@ -48,6 +48,7 @@ static int check_printed(int code) {
 }
 
 static int run(int argc, char **argv) {
+    app_count_libraries();
     if (argc < 2) {
         fputs("enfilade: no command given\nTry `enfilade --help`.\n", stderr);
         return APP_BAD_USE;

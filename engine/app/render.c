@@ -165,6 +165,7 @@ static bool load(Render *r, Arena *arena, Error *error) {
     AppOptions load = app_default_options();
     load.map = r->a->map;
     load.lamps = true;
+    load.work = "drawing";
     load.vis.threads = r->a->still.threads;
     return app_load(r->a->file, &load, arena, &r->scene, error) && app_has_walls(&r->scene, error);
 }

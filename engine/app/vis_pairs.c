@@ -5,6 +5,7 @@
 
 #include "engine/app/peer.h"
 #include "engine/core/clock.h"
+#include "engine/core/memory.h"
 #include "visibility/pairs/compare.h"
 #include "visibility/pairs/seen_file.h"
 
@@ -51,6 +52,7 @@ static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *err
         return false;
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
+    memory_set_stage("finding which cells see each other");
     find(a, arena, o);
     if (a->out && !seen_write(a->out, o->set.seen, o->set.cell_count, error)) return false;
     if (bound) compare(bound, o);

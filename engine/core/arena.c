@@ -20,6 +20,8 @@ static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * 
 static ArenaBlock *add_block(Arena *arena, size_t least) {
     size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
+    // Close to a limit no more than is needed.
+    while (size / 2 > least && !memory_fits(size)) size /= 2;
     if (size < least) size = least;
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     ArenaBlock *block = memory_new_aligned(HEADER + size);

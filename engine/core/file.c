@@ -50,6 +50,7 @@ bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *
         error_set(error, "%s: has %lld bytes (at most %zu are read)", path, (long long)info.st_size, limit);
     } else {
         out->size = (size_t)info.st_size;
+        memory_note_read(out->size);
         out->data = arena_alloc(arena, out->size + 1, 1);
         size_t got = 0;
         ssize_t step = 1;

@@ -1,62 +1,201 @@
 // memory.c - the C library's memory, counted by what it really hands out.
 #include "engine/core/memory.h"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 enum { ALIGNMENT = 64 };
+static const size_t MEGABYTE = (size_t)1 << 20;
+// What a fence leaves to libraries beyond the budget: for heaps in pieces.
+static const size_t FENCE_SLACK = (size_t)32 << 20;
 
 // One memory a process: what is global here belongs to it.
 static atomic_size_t used, peak;
 static atomic_long requests, failing;
-// Held by whoever ends the program, and never given back.
+static atomic_bool injected;
+// Held by whoever ends the program, and never given back. Guards all below.
 static pthread_mutex_t ending = PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP;
 static MemoryEnd *ends;
+static MemoryBudget budget = {.file = "", .base = SIZE_MAX, .most = SIZE_MAX};
+static size_t bytes_read;  // since then
+static const char *stage = "working";
+static atomic_size_t allowed = SIZE_MAX, most = SIZE_MAX;  // bytes in use
+static atomic_bool exceeded;                               // what is allowed
+static size_t fence_base;  // bytes of data not counted here; 0: no fence stands
+static struct rlimit unfenced;
+
+// Of all that this process has in data, and how many threads; takes no memory. False where the system does not tell.
+static bool measure_data(size_t *bytes, long *threads) {
+    char text[4096];
+    int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
+    ssize_t length = fd < 0 ? -1 : read(fd, text, sizeof text - 1);
+    if (fd >= 0) close(fd);
+    text[length > 0 ? length : 0] = 0;
+    const char *data = strstr(text, "\nVmData:"), *count = strstr(text, "\nThreads:");
+    if (!data || !count) return false;
+    *bytes = strtoul(data + sizeof "\nVmData:" - 1, NULL, 10) * 1024;
+    *threads = strtol(count + sizeof "\nThreads:" - 1, NULL, 10);
+    return true;
+}
 
 // ---- the end
+
+void memory_hold_end(void) { pthread_mutex_lock(&ending); }
+void memory_release_end(void) { pthread_mutex_unlock(&ending); }
 
 // Flushing may wait for whoever writes just now, who may never go on.
 static void flush_output(void) {
     if (ftrylockfile(stdout) == 0) fflush_unlocked(stdout);
 }
 
-void memory_end(size_t bytes) {
-    char sentence[80];
-    int length = snprintf(sentence, sizeof sentence, "enfilade: no memory for %zu bytes\n", bytes);
-    memory_hold_end();
-    for (const MemoryEnd *end = ends; end; end = end->next) end->undo(end->context);
+// Never gives back the hold: what other threads find missing too is not said again.
+static _Noreturn void end(const char *sentence) {
+    char line[sizeof(Error) + 16];
+    int length = snprintf(line, sizeof line, "enfilade: %s\n", sentence);
+    for (const MemoryEnd *one = ends; one; one = one->next) one->undo(one->context);
     flush_output();
     // Where nobody reads the sentence there is nothing left to do about it.
-    if (write(STDERR_FILENO, sentence, (size_t)length) != length) _exit(EXIT_FAILURE);
+    if (write(STDERR_FILENO, line, (size_t)length) != length) _exit(EXIT_FAILURE);
     _exit(EXIT_FAILURE);
 }
 
-void memory_hold_end(void) { pthread_mutex_lock(&ending); }
-void memory_release_end(void) { pthread_mutex_unlock(&ending); }
+static bool set_over(Error *error) {
+    return error_set(error, "%s: %s takes more than %zu MB of memory (%s)", budget.file, stage,
+                     atomic_load(&allowed) / MEGABYTE, budget.remedy);
+}
 
-void memory_add_end(MemoryEnd *end) {
+static _Noreturn void end_over(void) {
+    Error error;
     memory_hold_end();
-    end->next = ends;
-    ends = end;
+    set_over(&error);
+    end(error.text);
+}
+
+// Is it the fence that left no memory for a request, and not the machine, nor a test?
+static bool at_fence(size_t bytes) {
+    size_t data;
+    long threads;
+    return fence_base > 0 && !atomic_load(&injected) && measure_data(&data, &threads) &&
+           data + bytes > fence_base + atomic_load(&most);
+}
+
+void memory_end(size_t bytes) {
+    char sentence[80];
+    memory_hold_end();
+    if (at_fence(bytes)) end_over();
+    snprintf(sentence, sizeof sentence, "no memory for %zu bytes", bytes);
+    end(sentence);
+}
+
+void memory_end_library(const char *name) {
+    char sentence[80];
+    memory_hold_end();
+    if (fence_base) end_over();
+    snprintf(sentence, sizeof sentence, "no memory for %s", name);
+    end(sentence);
+}
+
+void memory_add_end(MemoryEnd *one) {
+    memory_hold_end();
+    one->next = ends;
+    ends = one;
     memory_release_end();
 }
 
-void memory_remove_end(MemoryEnd *end) {
+void memory_remove_end(MemoryEnd *one) {
     memory_hold_end();
     MemoryEnd **at = &ends;
-    while (*at && *at != end) at = &(*at)->next;
-    if (*at) *at = end->next;
+    while (*at && *at != one) at = &(*at)->next;
+    if (*at) *at = one->next;
     memory_release_end();
+}
+
+// ---- budgets
+
+static void move_fence(void) {
+    struct rlimit limit = unfenced;
+    size_t place = fence_base + atomic_load(&most);
+    if (limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > place) limit.rlim_cur = place;
+    setrlimit(RLIMIT_DATA, &limit);
+}
+
+static void raise_fence(void) {
+// The sanitizers' own memory is data too.
+#ifndef __SANITIZE_ADDRESS__
+    size_t data;
+    long threads;
+    // Threads must not meet a fence: their stacks are data too.
+    if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure_data(&data, &threads) || threads != 1 ||
+        data <= memory_used())
+        return;
+    fence_base = data - memory_used() + FENCE_SLACK;
+    move_fence();
+#endif
+}
+
+void memory_lower_fence(void) {
+    memory_hold_end();
+    if (fence_base) setrlimit(RLIMIT_DATA, &unfenced);
+    fence_base = 0;
+    memory_release_end();
+}
+
+static void allow(void) {
+    size_t beyond = bytes_read > budget.covered ? bytes_read - budget.covered : 0;
+    size_t bytes = budget.base + budget.per_byte * beyond;
+    if (bytes > budget.most) bytes = budget.most;
+    atomic_store(&allowed, bytes);
+    atomic_store(&most, budget.gentle ? budget.most : bytes);
+}
+
+void memory_set_budget(const MemoryBudget *wanted) {
+    memory_hold_end();
+    memory_lower_fence();
+    budget = wanted ? *wanted : (MemoryBudget){.file = "", .base = SIZE_MAX, .most = SIZE_MAX};
+    bytes_read = 0;
+    atomic_store(&exceeded, false);
+    allow();
+    if (budget.fence) raise_fence();
+    memory_release_end();
+}
+
+void memory_set_stage(const char *now) {
+    memory_hold_end();
+    stage = now;
+    memory_release_end();
+}
+
+void memory_note_read(size_t bytes) {
+    memory_hold_end();
+    bytes_read += bytes;
+    allow();
+    if (fence_base) move_fence();
+    memory_release_end();
+}
+
+bool memory_within(Error *error) {
+    if (!atomic_load(&exceeded)) return true;
+    memory_hold_end();
+    set_over(error);
+    memory_release_end();
+    return false;
 }
 
 // ---- counting
 
+size_t memory_used(void) { return atomic_load(&used); }
+size_t memory_peak(void) { return atomic_load(&peak); }
+
 long memory_fail_at(long nth) {
+    atomic_store(&injected, false);
     atomic_store(&failing, nth);
     return atomic_exchange(&requests, 0);
 }
@@ -64,14 +203,26 @@ long memory_fail_at(long nth) {
 // Is there to be memory for this request?
 static bool granted(void) {
     long nth = atomic_fetch_add_explicit(&requests, 1, memory_order_relaxed) + 1;
-    return nth != atomic_load_explicit(&failing, memory_order_relaxed);
+    if (nth != atomic_load_explicit(&failing, memory_order_relaxed)) return true;
+    atomic_store(&injected, true);
+    return false;
+}
+
+bool memory_fits(size_t bytes) {
+    return memory_used() + bytes <= atomic_load_explicit(&allowed, memory_order_relaxed);
+}
+
+static bool affordable(size_t bytes) {
+    if (memory_fits(bytes)) return true;
+    atomic_store(&exceeded, true);
+    return memory_used() + bytes <= atomic_load_explicit(&most, memory_order_relaxed);
 }
 
 static void *count(void *memory) {
     size_t size = malloc_usable_size(memory);
     size_t now = atomic_fetch_add_explicit(&used, size, memory_order_relaxed) + size;
-    size_t most = atomic_load_explicit(&peak, memory_order_relaxed);
-    while (now > most && !atomic_compare_exchange_weak(&peak, &most, now)) continue;
+    size_t highest = atomic_load_explicit(&peak, memory_order_relaxed);
+    while (now > highest && !atomic_compare_exchange_weak(&peak, &highest, now)) continue;
     return memory;
 }
 
@@ -79,18 +230,17 @@ static void uncount(void *memory) {
     atomic_fetch_sub_explicit(&used, malloc_usable_size(memory), memory_order_relaxed);
 }
 
-size_t memory_used(void) { return atomic_load(&used); }
-size_t memory_peak(void) { return atomic_load(&peak); }
-
 // ---- requests
 
 void *memory_new(size_t bytes) {
+    if (!affordable(bytes)) end_over();
     void *memory = granted() ? malloc(bytes ? bytes : 1) : NULL;
     if (!memory) memory_end(bytes);
     return count(memory);
 }
 
 void *memory_new_aligned(size_t bytes) {
+    if (!affordable(bytes)) end_over();
     void *memory = granted() ? aligned_alloc(ALIGNMENT, bytes) : NULL;
     if (!memory) memory_end(bytes);
     return count(memory);
@@ -98,6 +248,7 @@ void *memory_new_aligned(size_t bytes) {
 
 void *memory_grow(void *old, size_t bytes) {
     size_t before = malloc_usable_size(old);
+    if (bytes > before && !affordable(bytes - before)) end_over();
     void *memory = granted() ? realloc(old, bytes ? bytes : 1) : NULL;
     if (!memory) memory_end(bytes);
     atomic_fetch_sub_explicit(&used, before, memory_order_relaxed);
@@ -105,7 +256,7 @@ void *memory_grow(void *old, size_t bytes) {
 }
 
 void *memory_try(size_t bytes) {
-    void *memory = granted() ? calloc(1, bytes ? bytes : 1) : NULL;
+    void *memory = affordable(bytes) && granted() ? calloc(1, bytes ? bytes : 1) : NULL;
     return memory ? count(memory) : NULL;
 }
 

@@ -1,0 +1,75 @@
+// app_memory.c - how much memory a command may use: while a building is opened as much as fits its file, then a share of the
+// machine's, or what --memory says. What libraries ask of us is counted too.
+#include <jansson.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "engine/app/app.h"
+#include "engine/core/memory.h"
+
+static const size_t MEGABYTE = (size_t)1 << 20;
+// While a building is opened: what a file of so many bytes may take, all it refers to included, so that it stays below a gigabyte
+// with all that libraries need; and so much more for each byte beyond. What grows fastest are sets of visible cells, with the
+// square of their number: a plan of 2.6 MB, 60,000 rooms, takes 2.8 GB.
+static const size_t OPENING_BASE = (size_t)768 << 20, OPENING_COVERED = (size_t)1 << 20;
+enum { OPENING_PER_BYTE = 2048, LEAST_MEGABYTES = 16, MOST_MEGABYTES = 1000000 };
+// Of the machine's memory, for what is done with the building.
+static const double SHARE = 0.75;
+
+// One command a process.
+static size_t given;  // by --memory; 0: not
+static bool gentle;   // there is a building to go back to
+
+// The least of what the machine has and what this process may have of it (cgroups 2 and 1).
+static size_t machine_memory(void) {
+    size_t least = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
+    const char *const groups[] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
+    for (int i = 0; i < 2; i++) {
+        unsigned long long limit;
+        FILE *file = fopen(groups[i], "re");
+        if (file && fscanf(file, "%llu", &limit) == 1 && limit < least) least = (size_t)limit;
+        if (file) fclose(file);
+    }
+    return least;
+}
+
+static size_t working_limit(void) { return given > 0 ? given : (size_t)(SHARE * (double)machine_memory()); }
+
+void app_count_libraries(void) { json_set_alloc_funcs(memory_new, memory_free); }
+
+int app_take_memory(const char *command, const char *text) {
+    int megabytes;
+    if (!app_parse_int(text, LEAST_MEGABYTES, MOST_MEGABYTES, &megabytes))
+        return app_misuse(command, "%s: --memory is `%s` (allowed %d to %d)", command, text, LEAST_MEGABYTES,
+                          MOST_MEGABYTES);
+    given = (size_t)megabytes * MEGABYTE;
+    return APP_GOOD;
+}
+
+static void set_budget(const char *file, const MemoryBudget *limits, const char *stage) {
+    MemoryBudget budget = *limits;
+    budget.file = file;
+    budget.remedy = "--memory MB allows more";
+    memory_set_budget(&budget);
+    memory_set_stage(stage);
+}
+
+void app_open_budget(const char *file) {
+    size_t most = working_limit();
+    MemoryBudget budget = {.base = given, .most = most, .gentle = gentle, .fence = !gentle};
+    if (given == 0) {
+        budget.base = memory_used() + OPENING_BASE;
+        budget.covered = OPENING_COVERED;
+        budget.per_byte = OPENING_PER_BYTE;
+    } else if (gentle) {
+        budget.base = most / 4 * 3;
+    }
+    set_budget(file, &budget, "reading");
+}
+
+void app_work_budget(const char *file, const char *work) {
+    size_t most = working_limit();
+    set_budget(file, &(MemoryBudget){.base = most, .most = most}, work);
+}
+
+void app_memory_gently(void) { gentle = true; }

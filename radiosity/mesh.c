@@ -120,6 +120,26 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
 
 // ---- cells of patches
 
+// A patch whose centre lies in a wall that its polygon goes through - a roof over a gable, the frame of a door - looks from its
+// largest part that is in a cell: there its light comes from.
+static void find_part(Mesh *mesh, Patch *patch) {
+    Vec3 front = vec3_scale(mesh->faces[patch->face].plane.n, IN_FRONT), middle;
+    Arena scratch = {0};
+    double largest = 0, area;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
+        for (int i = 0; i < element->corner_count; i++)
+            v[i] = vec3_add(mesh->vertices[mesh->corners[element->first_corner + i]], front);
+        int cell = vis_locate_part(mesh->graph, v, element->corner_count, &scratch, &middle, &area);
+        if (cell < 0 || area <= largest) continue;
+        largest = area;
+        patch->cell = cell;
+        patch->centre = vec3_sub(middle, front);
+    }
+    arena_free(&scratch);
+}
+
 static void find_cells(Mesh *mesh) {
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
@@ -134,10 +154,11 @@ static void find_cells(Mesh *mesh) {
         if (patch->cell < 0)
             patch->cell =
                 vis_locate(graph, vec3_add(patch->centre, vec3_scale(face->plane.n, IN_FRONT)), hint);
-        if (patch->cell < 0)
-            mesh->lost_patches++;
-        else
+        if (patch->cell >= 0)
             hint = patch->cell;
+        else
+            find_part(mesh, patch);
+        mesh->lost_patches += patch->cell < 0;
     }
     arena_free(&scratch);
 }

@@ -75,7 +75,7 @@ typedef struct Patch {
     int face, first_element, element_count;
     int cell;     // of the graph, that its front looks into; -1: none (inside a wall)
     double area;  // m^2
-    Vec3 centre;  // of its area, a point of the polygon
+    Vec3 centre;  // of its area, a point of the polygon; where that is inside a wall, of what is in `cell`
 } Patch;
 
 // All of it.
@@ -96,7 +96,7 @@ typedef struct Mesh {
     // What was not taken as it is, for reports.
     int dropped_faces;    // without area
     int merged_elements;  // slivers that became part of their neighbours
-    int lost_patches;     // whose centres lie in no cell
+    int lost_patches;     // of which no part lies in a cell
 } Mesh;
 
 // `vertices` are the graph's as the doors stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.

@@ -164,6 +164,39 @@ Test(mesh, office_plain_has_the_counts_of_the_reference_figures) {
     arena_free(&s.arena);
 }
 
+// Proves that a patch looks from where it can be seen: of shelves that go through the wall at x = 4 m, their middles inside it, one
+// ends in the room, one in the next room, one in both, one in neither.
+Test(mesh, patches_through_walls_look_from_their_rooms) {
+    static const char PLAN[] =
+        "plan 1\nstorey ground floor 0 height 2.6\nroom a 0,0 4,0 4,3 0,3 wall 0.6\n"
+        "room b 4.6,0 8,0 8,3 4.6,3 wall 0.6\nmodel shelves\n"
+        "  poly plain 3.90,0.5,1 4.5,0.5,1 4.5,0.8,1 3.90,0.8,1\n"
+        "  poly plain 4.15,1.0,1 4.7,1.0,1 4.7,1.3,1 4.15,1.3,1\n"
+        "  poly plain 3.95,1.5,1 4.7,1.5,1 4.7,1.8,1 3.95,1.8,1\n"
+        "  poly plain 4.05,2.0,1 4.5,2.0,1 4.5,2.3,1 4.05,2.3,1\nend\nplace shelves 0,0\n";
+    static const double PLACES[] = {3.95, 4.65, 4.65,
+                                    4.275};  // the middles of what is free, and of the last one
+    Sheets s = {0};
+    Error error = {""};
+    char *path = arena_format(&s.arena, "%s/shelves.plan", support_folder(&s.arena));
+    MeshOptions coarse = {.element = 1, .per_patch = 1};
+    VisOptions options = vis_default_options();
+    cr_assert(file_write(path, PLAN, sizeof PLAN - 1, &error), "%s", error.text);
+    cr_assert(maps_read(path, &s.arena, &s.building, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&s.building, &options, &s.arena, &s.graph, &error), "%s", error.text);
+    cr_assert(mesh_build(&s.graph, NULL, NULL, &coarse, &s.arena, &s.mesh, &error), "%s", error.text);
+    cr_assert_eq(s.mesh.lost_patches, 1);
+    for (int i = 0; i < 4; i++) {
+        const Patch *patch = &s.mesh.patches[s.mesh.faces[s.mesh.face_of[i]].first_patch];
+        // Tolerance: the micrometre in front of its face from which a patch is looked for.
+        cr_expect_float_eq(patch->centre.x, PLACES[i], 1e-6, "shelf %d looks from x = %g", i,
+                           patch->centre.x);
+        cr_expect_float_eq(patch->centre.z, 1, 1e-9);
+        cr_expect_eq(patch->cell, vis_locate(&s.graph, patch->centre, -1), "shelf %d", i);
+    }
+    arena_free(&s.arena);
+}
+
 Test(mesh, a_house_is_covered_by_its_elements) {
     Sheets s = {0};
     load(&s, "build/maps/house.plan", mesh_default_options().close);

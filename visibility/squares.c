@@ -115,31 +115,31 @@ static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *pol
     }
 }
 
-// The part of a polygon inside a cell's plan grown by `touch`.
-static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
-                        Vec3 *buffer) {
+// The part of a polygon inside a cell's plan grown by `slack`.
+static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count,
+                        double slack, Vec3 *out, Vec3 *buffer) {
     memmove(out, polygon, (size_t)count * sizeof *out);
     for (int i = 0; i < cell->edge_count && count > 0; i++) {
         Vec2 a = graph->plan[cell->first_edge + i],
              b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
         Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
-        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, graph->touch, buffer);
+        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, slack, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
 }
 
-// The part of a polygon inside a cell grown by `touch`.
-static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count, Vec3 *out,
-                        Vec3 *buffer) {
+// The part of a polygon inside a cell grown by `slack`; `out` and `buffer` have room for as many vertices more as the cell has sides.
+static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count,
+                        double slack, Vec3 *out, Vec3 *buffer) {
     if (cell->face_count == 0) {
-        count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, graph->touch, buffer);
-        count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, graph->touch, out);
-        return clip_to_plan(graph, cell, out, count, out, buffer);
+        count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, slack, buffer);
+        count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, slack, out);
+        return clip_to_plan(graph, cell, out, count, slack, out, buffer);
     }
     memmove(out, polygon, (size_t)count * sizeof *out);
     for (int i = 0; i < cell->face_count && count > 0; i++) {
-        count = polygon_clip(out, count, graph->faces[cell->first_face + i], graph->touch, buffer);
+        count = polygon_clip(out, count, graph->faces[cell->first_face + i], slack, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
@@ -162,7 +162,7 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
                 if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
                 r->tried[c] = serial;
                 int count = (upright ? clip_to_plan : clip_to_cell)(graph, &graph->cells[c], v, vertex_count,
-                                                                    r->buffer[0], r->buffer[1]);
+                                                                    graph->touch, r->buffer[0], r->buffer[1]);
                 if (count > 0) register_squares(r, &graph->meshes[c], r->buffer[0], count, object);
             }
         }
@@ -306,6 +306,35 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
         if (cell_holds(graph, &graph->cells[c], point)) return c;
     }
     return -1;
+}
+
+int vis_locate_part(const CellGraph *graph, const Vec3 *polygon, int count, Arena *scratch, Vec3 *middle,
+                    double *area) {
+    const CellMesh *mesh = &graph->locator;
+    Box box = bounds(polygon, count);
+    Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
+    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
+    int found = -1;
+    *area = VIS_SLIVER;
+    for (int j = y.from; j <= y.to; j++) {
+        int last = graph->locator_first[j * mesh->nx + x.to + 1];
+        for (int k = graph->locator_first[j * mesh->nx + x.from]; k < last; k++) {
+            int c = graph->locator_cells[k];
+            const Cell *cell = &graph->cells[c];
+            if (!box_overlap(box, cell->box)) continue;
+            size_t room = (size_t)(count + cell->edge_count + cell->face_count + 2);
+            Vec3 *part = arena_alloc(scratch, room, sizeof *part),
+                 *buffer = arena_alloc(scratch, room, sizeof *part);
+            int corners = clip_to_cell(graph, cell, polygon, count, 0, part, buffer);
+            double size = corners > 2 ? polygon_area(part, corners) : 0;
+            if (size <= *area) continue;
+            found = c;
+            *area = size;
+            *middle = vec3(0, 0, 0);
+            for (int i = 0; i < corners; i++) *middle = vec3_add(*middle, vec3_scale(part[i], 1.0 / corners));
+        }
+    }
+    return found;
 }
 
 // ---- more of what objects are

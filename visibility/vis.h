@@ -144,6 +144,11 @@ const Region *vis_region(const CellGraph *graph, int cell);
 // neighbours; -1 for none.
 int vis_locate(const CellGraph *graph, Vec3 point, int hint);
 
+// The cell that holds the largest part of a convex polygon, -1 where none holds more than VIS_SLIVER of it; the middle of that
+// part's corners, a point of the cell, and its area, m^2. `scratch` grows by some kB.
+int vis_locate_part(const CellGraph *graph, const Vec3 *polygon, int count, Arena *scratch, Vec3 *middle,
+                    double *area);
+
 // Does the state of its door show this object? All but the plugs of open doors. `door_open` as for vis_query.
 bool vis_shown(const Object *object, const float *door_open);
 

@@ -56,7 +56,7 @@ tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c te
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
-        build/maps/office-plain.plan
+        build/maps/office-plain.plan build/maps/flat.Home.xml build/maps/hillside.sh3d build/maps/villa.sh3d
 
 to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
@@ -135,9 +135,10 @@ build/maps/%: maps/buildings/%
 	@mkdir -p $(@D)
 	cp $< $@
 
-# Only needed after a change of house.plan: the result is committed.
+# Only needed after a change of house.plan or of the scripts: the results are committed.
 house:
 	maps/buildings/house_sh3d.py maps/buildings/house.plan maps/buildings/house.sh3d
+	maps/buildings/homes.py maps/buildings
 
 walk:
 	$(call install,$(to_build) $(to_walk))

@@ -120,6 +120,7 @@ def options(words):
 class Obj:
     def __init__(self):
         self.vertices, self.faces, self.low, self.high = [], [], [1e9] * 3, [-1e9] * 3
+        self.ids = {}
 
     def face(self, corners, material, group="body"):
         ids = []
@@ -127,9 +128,10 @@ class Obj:
             v = (x, z, -y)
             self.low = [min(a, b) for a, b in zip(self.low, (x, y, z))]
             self.high = [max(a, b) for a, b in zip(self.high, (x, y, z))]
-            if v not in self.vertices:
+            if v not in self.ids:
                 self.vertices.append(v)
-            ids.append(self.vertices.index(v) + 1)
+                self.ids[v] = len(self.vertices)
+            ids.append(self.ids[v])
         self.faces.append((group, material, ids))
 
     def box(self, a, b, material, without=(), group="body"):
@@ -154,13 +156,13 @@ class Obj:
         if "bottom" not in without:
             self.face([(*p, z0) for p in ring[::-1]], material)
 
-    def turned(self, centre, profile, material):
+    def turned(self, centre, profile, material, around=AROUND):
         """A profile of (r, z) turned about the upright axis through `centre`; outside lies to its right."""
-        rings = [[(centre[0] + r * math.cos(2 * math.pi * i / AROUND), centre[1] + r * math.sin(2 * math.pi * i / AROUND),
-                   z) for i in range(AROUND + 1)] if r > 0 else [(centre[0], centre[1], z)] * (AROUND + 1)
+        rings = [[(centre[0] + r * math.cos(2 * math.pi * i / around), centre[1] + r * math.sin(2 * math.pi * i / around),
+                   z) for i in range(around + 1)] if r > 0 else [(centre[0], centre[1], z)] * (around + 1)
                  for r, z in profile]
         for low, high in zip(rings, rings[1:]):
-            for i in range(AROUND):
+            for i in range(around):
                 corners = [low[i], low[i + 1], high[i + 1], high[i]]
                 self.face([c for k, c in enumerate(corners) if c != corners[k - 1]], material)
 
@@ -529,19 +531,24 @@ class Home:
         return head + "".join("  %s\n" % line for line in self.lines) + "</home>\n"
 
 
+def write_home(path, xml, contents):
+    """The ZIP of a home; contents are text or bytes by the names of their entries."""
+    contents = {name: c if isinstance(c, bytes) else c.encode() for name, c in contents.items()}
+    digests = "ContentDigests-Version: 1.0\n\n"
+    for name, content in contents.items():
+        digests += "Name: %s\nSHA-1-Digest: %s\n\n" % (name, hashlib.sha1(content).hexdigest())
+    entries = {"Home.xml": xml.encode(), **contents, "ContentDigests": digests.encode()}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
+        for name, content in entries.items():
+            out.writestr(zipfile.ZipInfo(name, (2025, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED, 9)
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit("usage: house_sh3d.py HOUSE.plan HOUSE.sh3d")
     home = Home(House(sys.argv[1]))
-    entries = {"Home.xml": home.xml()}
-    entries.update(home.entries)
-    digests = "ContentDigests-Version: 1.0\n\n"
-    for name, text in home.entries.items():
-        digests += "Name: %s\nSHA-1-Digest: %s\n\n" % (name, hashlib.sha1(text.encode()).hexdigest())
-    entries["ContentDigests"] = digests
-    with zipfile.ZipFile(sys.argv[2], "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
-        for name, text in entries.items():
-            out.writestr(zipfile.ZipInfo(name, (2025, 1, 1, 0, 0, 0)), text.encode(), zipfile.ZIP_DEFLATED, 9)
+    write_home(sys.argv[2], home.xml(), home.entries)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -247,7 +247,7 @@ install: all
 	install -D -m 644 engine/library/enfilade.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/enfilade
 	install -D -m 644 engine/library/_enfilade $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_enfilade
 	install -d $(DESTDIR)$(PREFIX)/share/enfilade $(DESTDIR)$(PREFIX)/include
-	install -m 644 $(maps) maps/README.md LICENSE $(DESTDIR)$(PREFIX)/share/enfilade
+	install -m 644 $(maps) maps/README.md LICENSE engine/NOTICES $(DESTDIR)$(PREFIX)/share/enfilade
 	install -D -m 644 $(dir)/libenfilade.a $(DESTDIR)$(PREFIX)/lib/libenfilade.a
 	install -D -m 755 $(dir)/libenfilade.so $(DESTDIR)$(PREFIX)/lib/libenfilade.so.$(version)
 	ln -sf libenfilade.so.$(version) $(DESTDIR)$(PREFIX)/lib/$(soname)

@@ -14,6 +14,18 @@ for file in bin/enfilade share/man/man1/enfilade.1 share/enfilade/house.plan inc
     lib/libenfilade.so lib/pkgconfig/enfilade.pc share/bash-completion/completions/enfilade; do
     [ -s "$root/usr/$file" ] || die "$file is not installed"
 done
+for home in flat.Home.xml hillside.sh3d villa.sh3d; do
+    [ -s "$root/usr/share/enfilade/$home" ] || die "the sample $home is not installed"
+done
+# The terms of the font in the program: every line of its own notice, as the file of the font has it in UTF-16, is in the notices.
+strings -e b -n 20 /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf | grep -iE 'copyright|notice|software|permission' >"$work/font"
+[ "$(wc -l <"$work/font")" -ge 20 ] || die "the font's file tells no notice"
+while read -r line; do
+    grep -qF -- "$line" "$root/usr/share/enfilade/NOTICES" || die "the notices lack a line of the font's: $line"
+done <"$work/font"
+for name in cglm glad stb_truetype 'Khronos Group' 'Apache License'; do
+    grep -q -- "$name" "$root/usr/share/enfilade/NOTICES" || die "the notices do not speak of $name"
+done
 
 # The example of the README.
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' README.md >"$work/example.c"

@@ -11,6 +11,7 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2])), { maxI
 });
 END
 for file in build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d tests/seeds/room.glb tests/seeds/room.quads \
+    build/maps/flat.Home.xml build/maps/hillside.sh3d \
     ../shared/data/sh3d/2BedroomHouseWithBasement.Home.xml ../shared/data/radiosity/twoRoom.quads; do
     [ -e "$file" ] || continue
     for doors in drawn closed open; do

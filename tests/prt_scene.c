@@ -5,6 +5,7 @@
 
 #include "engine/core/text.h"
 #include "maps/maps.h"
+#include "tests/support.h"
 
 extern const MapsReader MAPS_READER_PRT;
 
@@ -19,6 +20,39 @@ CellGraph *prt_scene(Arena *arena, const char *text) {
     building->source = "scene.prt";
     cr_assert(vis_build_cells(building, &options, arena, graph, &error), "%s", error.text);
     return graph;
+}
+
+// What is convex or flat stays so under a shear.
+static Vec3 tilted(Vec3 v) {
+    static const double UNITS = 32;  // a metre
+    return vec3_scale(vec3(v.x + 0.11 * v.y + 0.17 * v.z, v.y - 0.13 * v.z, v.z + 0.07 * v.x + 0.05 * v.y),
+                      UNITS);
+}
+
+const char *prt_file(Arena *arena, const char *name, const char *building) {
+    char *shared = arena_format(arena, "prt/%s.prt", name);
+    if (support_has_shared(shared)) return arena_string(arena, support_shared(shared));
+    Building b;
+    CellGraph graph;
+    Error error = {""};
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read(building, arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, arena, &graph, &error), "%s", error.text);
+    Text text = {.arena = arena};
+    text_append(&text, "PRT1\n%d\n%d\n", graph.cell_count, graph.portal_count);
+    for (int p = 0; p < graph.portal_count; p++) {
+        const Portal *portal = &graph.portals[p];
+        text_append(&text, "%d %d %d", portal->vertex_count, portal->cell[0], portal->cell[1]);
+        // Counter-clockwise from the first cell becomes clockwise: the file's normal points out of it.
+        for (int i = portal->vertex_count - 1; i >= 0; i--) {
+            Vec3 v = tilted(graph.portal_vertices[portal->first_vertex + i]);
+            text_append(&text, " (%.12f %.12f %.12f )", v.x, v.y, v.z);
+        }
+        text_append(&text, "\n");
+    }
+    char *path = arena_format(arena, "%s/home.prt", support_folder(arena));
+    cr_assert(file_write(path, text.data, strlen(text.data), &error), "%s", error.text);
+    return path;
 }
 
 static void random_interval(Random *random, int interval[2]) {

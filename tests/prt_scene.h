@@ -8,6 +8,10 @@
 // The cells of a portal file's text. Fails the running test when it cannot be read.
 CellGraph *prt_scene(Arena *arena, const char *text);
 
+// A portal file: ../shared/data/prt/NAME.prt, else one made of the cells of a building, all tilted by one shear, so that no portal of
+// it is upright or level.
+const char *prt_file(Arena *arena, const char *name, const char *building);
+
 // Whole game units, 32 a metre: a doorway of a wall across x.
 typedef struct Doorway {
     int y[2], z[2];

@@ -90,8 +90,10 @@ Building *soup_fixture_house(Arena *arena, Random *random, int nx, int ny) {
     return b;
 }
 
-Building *soup_fixture_read(Arena *arena, const char *name) {
-    FILE *file = fopen(support_shared(arena_format(arena, "radiosity/%s", name)), "r");
+Building *soup_fixture_read(Arena *arena, const char *name, const char *own) {
+    FILE *file = fopen(
+        support_either(arena_format(arena, "radiosity/%s", name), arena_format(arena, "tests/seeds/%s", own)),
+        "r");
     cr_assert_not_null(file);
     Building *b = soup_fixture_new(arena);
     char line[1024];

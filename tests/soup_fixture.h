@@ -20,7 +20,7 @@ void soup_fixture_wall(Arena *arena, Building *b, int axis, double at, double fr
 Building *soup_fixture_house(Arena *arena, Random *random, int nx, int ny);
 
 // The quads of a reference scene; skips the running test where it is absent.
-Building *soup_fixture_read(Arena *arena, const char *name);
+Building *soup_fixture_read(Arena *arena, const char *name, const char *own);
 
 // The same soup, scaled, turned about an axis and shifted.
 typedef struct SoupPose {

@@ -19,11 +19,20 @@ enum { READ_LIMIT = 1 << 30, MAX_FOLDERS = 64, OPEN_FOLDERS = 16 };
 static char folders[MAX_FOLDERS][64];
 static int folder_count;
 
+static char shared_path[512];
+
+bool support_has_shared(const char *name) {
+    snprintf(shared_path, sizeof shared_path, "../shared/data/%s", name);
+    return access(shared_path, R_OK) == 0;
+}
+
 const char *support_shared(const char *name) {
-    static char path[512];
-    snprintf(path, sizeof path, "../shared/data/%s", name);
-    if (access(path, R_OK) != 0) cr_skip_test("%s is not here", path);
-    return path;
+    if (!support_has_shared(name)) cr_skip_test("%s is not here", shared_path);
+    return shared_path;
+}
+
+const char *support_either(const char *name, const char *own) {
+    return support_has_shared(name) ? shared_path : own;
 }
 
 const char *support_build(void) {

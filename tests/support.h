@@ -9,6 +9,10 @@
 // `../shared/data/NAME`; skips the running test, saying so, where it is absent.
 const char *support_shared(const char *name);
 
+// Whether that is there; and its path, or `own`, a path of the project, where it is absent: the same test on what every clone has.
+bool support_has_shared(const char *name);
+const char *support_either(const char *name, const char *own);
+
 // `build/release`, or the configuration under test: the program is `%s/enfilade`.
 const char *support_build(void);
 

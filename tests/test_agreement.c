@@ -3,6 +3,7 @@
 
 #include "maps/maps.h"
 #include "tests/fixture.h"
+#include "tests/prt_scene.h"
 #include "tests/support.h"
 #include "visibility/pairs/pairs.h"
 
@@ -91,8 +92,10 @@ Test(agreement, samples) {
 }
 
 Test(agreement, shared_maps) {
-    check(support_shared("prt/lqdm2_omitdetail.prt"), false);
-    check(support_shared("prt/dm4.prt"), false);
-    check(support_shared("doom/freedoom_dm07.wad"), true);
-    check(support_shared("radiosity/twoRoom.quads"), false);
+    Arena arena = {0};
+    check(prt_file(&arena, "lqdm2_omitdetail", "build/maps/hillside.sh3d"), false);
+    check(prt_file(&arena, "dm4", "build/maps/villa.sh3d"), false);
+    check(support_either("doom/freedoom_dm07.wad", "build/maps/flat.Home.xml"), true);
+    check(support_either("radiosity/twoRoom.quads", "tests/seeds/two-rooms.quads"), false);
+    arena_free(&arena);
 }

@@ -199,20 +199,21 @@ Test(body, two_rooms, .timeout = 1800) { expect_no_fault("build/maps/two-rooms.p
 Test(body, house, .timeout = 1800) { expect_no_fault("build/maps/house.plan", 40000, 41); }
 Test(body, office, .timeout = 3600) { expect_no_fault("build/maps/office-plain.plan", 40000, 97); }
 Test(body, home_with_basement, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"), 40000, 41);
+    expect_no_fault(support_either("sh3d/2BedroomHouseWithBasement.Home.xml", "build/maps/hillside.sh3d"),
+                    40000, 41);
 }
 Test(body, apartment, .timeout = 1800) {
-    expect_no_fault(support_shared("sh3d/3BedroomApartment.Home.xml"), 40000, 41);
+    expect_no_fault(support_either("sh3d/3BedroomApartment.Home.xml", "build/maps/flat.Home.xml"), 40000, 41);
 }
 Test(body, four_bedrooms, .timeout = 3600) {
-    expect_no_fault(support_shared("sh3d/4-BedroomHouse.sh3d"), 20000, 197);
+    expect_no_fault(support_either("sh3d/4-BedroomHouse.sh3d", "build/maps/villa.sh3d"), 20000, 197);
 }
 // Polygons alone, with a roof to stand on as far as the border of the world, which runs along the outer walls.
 Test(body, two_rooms_of_polygons, .timeout = 1800) {
-    expect_no_fault(support_shared("radiosity/twoRoom.quads"), 20000, 1);
+    expect_no_fault(support_either("radiosity/twoRoom.quads", "tests/seeds/two-rooms.quads"), 20000, 1);
 }
 Test(body, box_of_polygons, .timeout = 1800) {
-    expect_no_fault(support_shared("radiosity/boxA.quads"), 20000, 1);
+    expect_no_fault(support_either("radiosity/boxA.quads", "tests/seeds/boxes.quads"), 20000, 1);
 }
 
 // Proves that the check above can fail: a body that is moved into a wall, through a wall and into a leaf is noticed.

@@ -109,35 +109,36 @@ Test(pairs, nothing_sampled_is_missed) {
     }
 }
 
-// The same on a sealed map drawn by others, against the pairs proven by others too.
+// The same on a sealed map drawn by others, against the pairs proven by others too; without it, on the tilted cells of a home.
 Test(pairs, nothing_known_is_missed, .timeout = 300) {
-    char *prt = strdup(support_shared("prt/lqdm2_omitdetail.prt"));
     Arena arena = {0};
-    CellGraph *graph = read_graph(&arena, prt);
+    bool known_by_others = support_has_shared("prt/lqdm2_omitdetail.seen");
+    CellGraph *graph = read_graph(&arena, prt_file(&arena, "lqdm2_omitdetail", "build/maps/hillside.sh3d"));
     SampleSet samples = sample(graph, support_count(2, 120), 2, &arena);
     uint64_t *known;
     Error error = {""};
-    cr_assert(
-        seen_read(support_shared("prt/lqdm2_omitdetail.seen"), graph->cell_count, &arena, &known, &error),
-        "%s", error.text);
-    pairs_unite(known, graph->cell_count, samples.proven);
+    if (known_by_others) {
+        cr_assert(
+            seen_read(support_shared("prt/lqdm2_omitdetail.seen"), graph->cell_count, &arena, &known, &error),
+            "%s", error.text);
+        pairs_unite(known, graph->cell_count, samples.proven);
+    }
     expect_samples_seen(graph, &samples, &arena);
     expect_ordered(graph, &arena);
     PairSet best = find(graph, pair_method("proof"), 2, NULL, &arena);
     PairFigures f = pairs_compare(best.seen, samples.proven, graph->cell_count);
     // The bar for this map; what has a sightline of its own counts as proven below it.
-    cr_expect_lt(pairs_over(&f), 0.05, "over-estimate %.3f %%", pairs_over(&f));
+    cr_expect(!known_by_others || pairs_over(&f) < 0.05, "over-estimate %.3f %%", pairs_over(&f));
     arena_free(&arena);
-    free(prt);
 }
 
 // Maps with slopes, where cells touch along portals that lines graze: each sightline of the proof holds nevertheless.
 Test(pairs, sightlines_hold_among_slopes, .timeout = 300) {
     static const char *const MAPS[] = {"lq_e1m5_omitdetail", "e1m1", "lq_e2m2_nodetail", "lqdm13_omitdetail"};
+    static const char *const HOMES[] = {"build/maps/hillside.sh3d", "build/maps/flat.Home.xml"};
     for (int k = 0; k < support_count(2, 4); k++) {
         Arena arena = {0};
-        char *name = arena_format(&arena, "prt/%s.prt", MAPS[k]);
-        CellGraph *graph = read_graph(&arena, arena_format(&arena, "%s", support_shared(name)));
+        CellGraph *graph = read_graph(&arena, prt_file(&arena, MAPS[k], HOMES[k % 2]));
         PairSet set = find(graph, pair_method("proof"), 2, NULL, &arena);
         cr_expect_gt(set.witness_count, 10 * graph->cell_count);
         expect_sound(graph, pair_method("proof"), &set);

@@ -86,11 +86,13 @@ Test(path_tracer, furnace) {
     check_furnace(0.95f, 3e-3);
 }
 
-static void check_reference(const char *name, int channel) {
+static void check_reference(const char *name, const char *own, int channel) {
     Arena arena = {0};
     Error error = {""};
-    char *path = arena_string(&arena, support_shared(arena_format(&arena, "radiosity/%s.quads", name)));
-    Bytes text = support_read(&arena, support_shared(arena_format(&arena, "radiosity/%s.ref", name)));
+    char *path = arena_string(&arena, support_either(arena_format(&arena, "radiosity/%s.quads", name),
+                                                     arena_format(&arena, "tests/seeds/%s.quads", own)));
+    Bytes text = support_read(&arena, support_either(arena_format(&arena, "radiosity/%s.ref", name),
+                                                     arena_format(&arena, "tests/seeds/%s.ref", own)));
     Lit *lit = lit_new();
     *lit->building = (Building){0};
     cr_assert(maps_read(path, &lit->arena, lit->building, &error), "%s", error.text);
@@ -119,8 +121,8 @@ static void check_reference(const char *name, int channel) {
 }
 
 // Prove that light is right at the points where two other random-walk programs agree.
-Test(path_tracer, box_with_two_boxes) { check_reference("boxA", 1); }
-Test(path_tracer, two_rooms) { check_reference("twoRoom", 1); }
+Test(path_tracer, box_with_two_boxes) { check_reference("boxA", "boxes", 1); }
+Test(path_tracer, two_rooms) { check_reference("twoRoom", "two-rooms", 1); }
 
 // Proves that the result does not depend on the number of threads.
 Test(path_tracer, same_on_any_number_of_threads) {

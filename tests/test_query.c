@@ -5,6 +5,7 @@
 
 #include "maps/maps.h"
 #include "tests/fixture.h"
+#include "tests/prt_scene.h"
 #include "tests/soup_fixture.h"
 #include "tests/support.h"
 #include "visibility/query.h"
@@ -383,14 +384,15 @@ Test(query_oracle, soups) {
 
 // Proves it of given cells, whose walls nobody knows: eyes in portals are in the cell they are said to be in.
 Test(query_oracle, given_cells, .timeout = 120) {
-    static const char *const files[] = {"prt/lqdm2_omitdetail.prt", "prt/dm4.prt"};
+    static const char *const files[] = {"lqdm2_omitdetail", "dm4"};
+    static const char *const homes[] = {"build/maps/hillside.sh3d", "build/maps/villa.sh3d"};
     for (int f = 0; f < 2; f++) {
         Made m = {0};
         Tally tally = {0};
         Random random = {(uint64_t)f + 1};
         Building b;
         Error error = {""};
-        cr_assert(maps_read(support_shared(files[f]), &m.arena, &b, &error), "%s", error.text);
+        cr_assert(maps_read(prt_file(&m.arena, files[f], homes[f]), &m.arena, &b, &error), "%s", error.text);
         make(&m, &b, 100);
         const CellGraph *g = &m.graph;
         for (int i = 0; i < support_count(150, 2000); i++) {

@@ -165,7 +165,7 @@ static void check_soup(const CellGraph *g, const Building *b, uint64_t seed, int
 // Proves that the scene of two rooms comes out as two rooms and a doorway, as they were drawn.
 Test(soup, two_rooms) {
     Arena arena = {0};
-    const Building *b = soup_fixture_read(&arena, "twoRoom.quads");
+    const Building *b = soup_fixture_read(&arena, "twoRoom.quads", "two-rooms.quads");
     CellGraph g = make(&arena, b);
     static const Box expected[3] = {
         {{0, 0, 0}, {4, 3, 2.5}}, {{4, 1, 0}, {4.2, 1.9, 2}}, {{4.2, 0, 0}, {8.2, 3, 2.5}}};
@@ -191,7 +191,7 @@ Test(soup, two_rooms) {
 // Proves that furniture stays in the room it stands in.
 Test(soup, room_with_boxes) {
     Arena arena = {0};
-    const Building *b = soup_fixture_read(&arena, "boxA.quads");
+    const Building *b = soup_fixture_read(&arena, "boxA.quads", "boxes.quads");
     CellGraph g = make(&arena, b);
     unsigned char indoors[4096];
     int cell = vis_locate(&g, vec3(2, 1.5, 1.8), -1);
@@ -229,7 +229,7 @@ Test(soup, has_no_t_vertices) {
     for (uint64_t seed = 0; seed <= 4; seed++) {
         Arena arena = {0};
         Random random = {seed};
-        const Building *b = seed == 0 ? soup_fixture_read(&arena, "twoRoom.quads")
+        const Building *b = seed == 0 ? soup_fixture_read(&arena, "twoRoom.quads", "two-rooms.quads")
                                       : soup_fixture_house(&arena, &random, 2, 2);
         CellGraph g = make(&arena, b);
         cr_assert_gt(g.vertex_count, b->vertex_count, "there were some");
@@ -552,8 +552,8 @@ Test(soup, is_stable) {
     for (uint64_t seed = 0; seed <= 12; seed++) {
         Arena arena = {0};
         Random random = {seed};
-        const Building *drawn = seed == 0   ? soup_fixture_read(&arena, "twoRoom.quads")
-                                : seed == 1 ? soup_fixture_read(&arena, "boxA.quads")
+        const Building *drawn = seed == 0   ? soup_fixture_read(&arena, "twoRoom.quads", "two-rooms.quads")
+                                : seed == 1 ? soup_fixture_read(&arena, "boxA.quads", "boxes.quads")
                                             : soup_fixture_house(&arena, &random, 3, 2);
         const Building *b = one_by_one(&arena, drawn);
         for (int i = 0; i < 2; i++) {

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "maps/maps.h"
+#include "tests/prt_scene.h"
 #include "tests/support.h"
 #include "visibility/pairs/pairs.h"
 
@@ -107,6 +108,8 @@ Test(stability, plans) {
 }
 
 Test(stability, portal_files) {
-    check(support_shared("prt/lqdm2_omitdetail.prt"));
-    check(support_shared("prt/dm4.prt"));
+    Arena arena = {0};
+    check(prt_file(&arena, "lqdm2_omitdetail", "build/maps/flat.Home.xml"));
+    check(prt_file(&arena, "dm4", "build/maps/hillside.sh3d"));
+    arena_free(&arena);
 }

@@ -98,9 +98,12 @@ Test(trees, hold_every_line_of_plans) {
 }
 
 Test(trees, hold_every_line_of_portal_files, .timeout = 120) {
-    check_lines(support_shared("prt/lqdm2_omitdetail.prt"), true);
-    check_lines(support_shared("prt/lqdm2_omitdetail.prt"), false);
-    check_lines(support_shared("prt/dm4.prt"), true);
+    Arena arena = {0};
+    const char *small = prt_file(&arena, "lqdm2_omitdetail", "build/maps/hillside.sh3d");
+    check_lines(small, true);
+    check_lines(small, false);
+    check_lines(prt_file(&arena, "dm4", "build/maps/villa.sh3d"), true);
+    arena_free(&arena);
 }
 
 Test(trees, hold_every_line_of_doom_maps, .timeout = 120) {
@@ -156,7 +159,7 @@ Test(trees, know_a_row_of_rooms) {
 Test(trees, are_the_same_on_any_number_of_threads, .timeout = 120) {
     static const int THREADS[] = {1, 7, 2};
     Grown g;
-    read_cells(support_shared("prt/dm4.prt"), &g);
+    read_cells(prt_file(&g.arena, "dm4", "build/maps/villa.sh3d"), &g);
     StabForest first = {0};
     for (int i = 0; i < support_count(2, 3); i++) {
         grow(&g, THREADS[i], true);

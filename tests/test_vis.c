@@ -218,10 +218,14 @@ Test(cells, of_samples_are_closed) {
     expect_building_closed("build/maps/office-plain.plan");
 }
 Test(cells, of_homes_are_closed) {
-    expect_building_closed(support_shared("sh3d/2BedroomHouseWithBasement.Home.xml"));
-    expect_building_closed(support_shared("sh3d/3BedroomApartment.Home.xml"));
-    expect_building_closed(support_shared("sh3d/4-BedroomHouse.sh3d"));
-    expect_building_closed(support_shared("sh3d/edoardo90_myHomeHas2Stairs.Home.xml"));
+    static const char *const HOMES[] = {"sh3d/2BedroomHouseWithBasement.Home.xml",
+                                        "sh3d/3BedroomApartment.Home.xml", "sh3d/4-BedroomHouse.sh3d",
+                                        "sh3d/edoardo90_myHomeHas2Stairs.Home.xml"};
+    expect_building_closed("build/maps/flat.Home.xml");
+    expect_building_closed("build/maps/hillside.sh3d");
+    expect_building_closed("build/maps/villa.sh3d");
+    for (int i = 0; i < 4; i++)
+        if (support_has_shared(HOMES[i])) expect_building_closed(support_shared(HOMES[i]));
 }
 
 // Proves that no vertex of a surface lies inside an edge of another: nothing shows through the seams.

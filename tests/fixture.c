@@ -164,9 +164,14 @@ static double inside_by(const Vec3 *v, int count, Vec3 n, Vec3 p) {
     return least;
 }
 
-// How far along the line the cell's prism ends.
+// How far along the line the cell ends: its prism, or the planes that bound it.
 static double exit_distance(const CellGraph *graph, const Cell *cell, Vec3 from, Vec3 direction) {
     double t = INFINITY;
+    for (int i = cell->first_face; i < cell->first_face + cell->face_count; i++) {
+        double rate = vec3_dot(graph->faces[i].n, direction);
+        if (rate < 0) t = fmin(t, fmax(0, plane_distance(graph->faces[i], from) / -rate));
+    }
+    if (t < INFINITY) return t;
     if (direction.z > 0) t = (cell->z1 - from.z) / direction.z;
     if (direction.z < 0) t = (cell->z0 - from.z) / direction.z;
     const Vec2 *plan = graph->plan + cell->first_edge;
@@ -193,7 +198,9 @@ bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, 
             if (fabs(plane_distance(portal->plane, hit)) > 1e-7) continue;
             double inside = inside_by(graph->portal_vertices + portal->first_vertex, portal->vertex_count,
                                       portal->plane.n, hit);
-            if (fabs(inside) < DOUBTFUL) return false;
+            // Along an edge, or in the plane of the portal.
+            if (fabs(inside) < DOUBTFUL || fabs(vec3_dot(portal->plane.n, direction)) < DOUBTFUL)
+                return false;
             if (inside > 0) through = i;
         }
         int portal = through >= 0 ? graph->contacts[through].portal : -1;

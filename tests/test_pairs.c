@@ -124,7 +124,8 @@ Test(pairs, nothing_known_is_missed, .timeout = 300) {
         pairs_unite(known, graph->cell_count, samples.proven);
     }
     expect_samples_seen(graph, &samples, &arena);
-    expect_ordered(graph, &arena);
+    // Of tilted cells `height` may see what `plan` excludes: neither knows slopes.
+    if (known_by_others) expect_ordered(graph, &arena);
     PairSet best = find(graph, pair_method("proof"), 2, NULL, &arena);
     PairFigures f = pairs_compare(best.seen, samples.proven, graph->cell_count);
     // The bar for this map; what has a sightline of its own counts as proven below it.

@@ -159,7 +159,8 @@ Test(trees, know_a_row_of_rooms) {
 Test(trees, are_the_same_on_any_number_of_threads, .timeout = 120) {
     static const int THREADS[] = {1, 7, 2};
     Grown g;
-    read_cells(prt_file(&g.arena, "dm4", "build/maps/villa.sh3d"), &g);
+    Arena arena = {0};
+    read_cells(prt_file(&arena, "dm4", "build/maps/villa.sh3d"), &g);
     StabForest first = {0};
     for (int i = 0; i < support_count(2, 3); i++) {
         grow(&g, THREADS[i], true);
@@ -171,5 +172,6 @@ Test(trees, are_the_same_on_any_number_of_threads, .timeout = 120) {
                             sizeof *first.seen * (size_t)first.cell_count * (size_t)first.words),
                      0);
     }
+    arena_free(&arena);
     arena_free(&g.arena);
 }

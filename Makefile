@@ -1,6 +1,6 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
-#   make [config=release|debug|asan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | fuzz | bench | pictures | charts | lint | docs |
+#   make [config=release|debug|asan|tsan] [CC=gcc|clang]   program and sample buildings
+#   make test | soak | asan | tsan | fuzz | bench | pictures | charts | lint | docs |
 #        install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
@@ -34,6 +34,8 @@ sanitize := -O1 -fno-omit-frame-pointer -fno-sanitize-recover=undefined
 flags_release := -O2
 flags_debug := -O0
 flags_asan := $(sanitize) -fsanitize=address,undefined
+# By clang: of gcc's OpenMP the thread sanitizer does not know who waits for whom.
+flags_tsan := -O1 -fno-omit-frame-pointer -fsanitize=thread
 flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 # Counts what runs, edge by edge: tests/hostile_cost.c alone.
 flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
@@ -75,7 +77,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak soaked asan fuzz bench pictures charts lint libraries install \
+.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz bench pictures charts lint libraries install \
         docs clean FORCE
 all:
 	$(submake) program maps
@@ -161,6 +163,10 @@ soaked: all $(dir)/tests/all
 	    ASAN_OPTIONS=quarantine_size_mb=32 $(dir)/tests/all --filter 'soak/*'
 asan:
 	$(submake) config=asan test
+tsan:
+	$(call install,$(to_build) $(to_test) $(to_fuzz))
+	$(submake) config=tsan CC=clang all
+	@ENFILADE_BUILD=build/tsan bash tests/tsan.sh
 fuzz:
 	$(call install,$(to_build) $(to_fuzz))
 	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)

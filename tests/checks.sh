@@ -32,3 +32,17 @@ sentence() { [ "$(wc -l <"$work/err")" -eq 1 ] || fail "not one sentence: $(head
 same() { cmp -s "$1" "$2" || fail "$3"; }
 # full_disk BLOCKS COMMAND...: files end after so many kB, as on a disk that is full.
 full_disk() { (trap '' XFSZ; ulimit -f "$1"; shift; exec "$@") >/dev/null 2>"$work/err"; }
+# start_screen: a virtual screen, named by DISPLAY, whose pixels are in "$work/Xvfb_screen0"; it goes when the script ends.
+start_screen() {
+    command -v Xvfb >/dev/null || skip 'Xvfb is not installed'
+    mkfifo "$work/display"
+    # Without a reset when the last client leaves: the next one may come in the middle of it, and be refused.
+    Xvfb -noreset -displayfd 3 -screen 0 1400x900x24 -fbdir "$work" -nolisten tcp 3>"$work/display" 2>"$work/server" &
+    screen=$!
+    trap '{ kill $screen; wait $screen; } 2>/dev/null; rm -rf "$work"' EXIT
+    trap 'exit 1' INT TERM
+    # The server says which display it took.
+    read -r -t 20 display <"$work/display" || skip 'Xvfb does not start'
+    export DISPLAY=:$display PYTHONDONTWRITEBYTECODE=1
+    unset WAYLAND_DISPLAY
+}

@@ -3,7 +3,8 @@
 keys and mouse: doors, stairs, windows, every debug view, screenshots that are held against references.
 
 WORK is a folder for what is written, SCREEN the file in which Xvfb keeps its screen (-fbdir). With --keep the
-screenshots become the references, with --lit only the walk in baked light is done. Prints a line for each part of the walk; exit status 1 when anything is wrong."""
+screenshots become the references, with --lit only the walk in baked light is done, and with --threads only what several threads
+do at once: in any building with lamps, and in WORK/closet.plan, whose light comes soon. Prints a line for each part of the walk; exit status 1 when anything is wrong."""
 import math
 import os
 import shutil
@@ -299,16 +300,20 @@ def sizes(v):
     v.expect((back.width, back.height) == SIZE, f"back from full screen it is {back.width}x{back.height}")
 
 
+def change_file(v, text, says):
+    with open(v.house + ".new", "w", encoding="utf-8") as file:
+        file.write(text)
+    os.replace(v.house + ".new", v.house)
+    v.walker.until(lambda now: says in now["message"], f"message `{says}` after a change of the file", 10)
+
+
 def changed_file(v):
     """The file is read again when it was changed; what cannot be read is said, and the walk goes on."""
     w = v.walker
     whole = open(v.house, encoding="utf-8").read()
     for text, says in ((whole + "# changed\n", "read again"), ("nonsense\n", ":1:"), (whole, "read again")):
         place = w.now["eye"]
-        with open(v.house + ".new", "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(v.house + ".new", v.house)
-        w.until(lambda now, says=says: says in now["message"], f"message `{says}` after a change of the file", 10)
+        change_file(v, text, says)
         v.expect(math.dist(w.now["eye"], place) < 0.05, f"the change of the file moved the eye to {w.place()}")
         # The next change's message is not to be taken for this one.
         w.key("m")
@@ -462,6 +467,22 @@ def light_arrives(v):
     v.press_all(["minus", "minus", "u"])
 
 
+def small(v):
+    """Frames that cost little, where the question is what goes on beside them."""
+    v.resize(64, 36)
+
+
+def changed_while_lit(v):
+    """The file changes while its light arrives, to one that cannot be read and back; then the walk is left with a bake under way."""
+    w = v.walker
+    whole = open(v.house, encoding="utf-8").read()
+    for text, says in ((whole + "# changed\n", "read again"), ("nonsense\n", ":1:"), (whole + "# back\n", "read again")):
+        w.until(lambda now: now["light"]["shown"], "light", 60)
+        v.expect(w.now["light"]["done"] < 1, "all light has arrived already")
+        change_file(v, text, says)
+    w.key("F5")
+
+
 def lit_pictures(v):
     """The light of the lamps, and a view in each of the false colours with its scale."""
     w = v.walker
@@ -502,10 +523,14 @@ def visit(arguments, keep, options, parts):
 
 
 def main():
-    arguments = [a for a in sys.argv[1:] if a not in ("--keep", "--lit")]
+    arguments = [a for a in sys.argv[1:] if a not in ("--keep", "--lit", "--threads")]
     if len(arguments) != 5:
         sys.exit(__doc__)
     keep = "--keep" in sys.argv
+    if "--threads" in sys.argv:
+        good = visit(arguments, keep, [], [small, changed_while_lit])
+        arguments[1] = os.path.join(arguments[2], "closet.plan")
+        sys.exit(not (visit(arguments, keep, [], [small, light_arrives]) and good))
     good = "--lit" in sys.argv or visit(arguments, keep, ["--no-bake"], PARTS)
     # In the end a walk that is lit as it goes on; with --lit this one alone.
     good = visit(arguments, keep, [], [light_arrives, lit_pictures]) and good

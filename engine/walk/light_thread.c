@@ -154,3 +154,5 @@ bool light_thread_free(LightThread *t, double seconds) {
     arena_free(&t->arena);
     return true;
 }
+
+void light_thread_abandon(LightThread *t) { pthread_detach(t->handle); }

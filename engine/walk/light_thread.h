@@ -48,5 +48,7 @@ void light_thread_stop(LightThread *thread);
 // Waits until the thread has ended, up to so many seconds after it was asked to stop, and frees what it made. False: it is
 // still at work.
 bool light_thread_free(LightThread *thread, double seconds);
+// Lets one that is still at work go down with the program; all that it uses stays until then.
+void light_thread_abandon(LightThread *thread);
 
 #endif

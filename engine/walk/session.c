@@ -77,8 +77,9 @@ void session_free(Session *s) {
     if (s->trace >= 0) close(s->trace);
     overlay_free(s->overlay);
     // A bake that does not stop at once goes down with the program, and keeps what it stands on until then.
-    shown_free(s->shown, LEAVE_SECONDS);
+    if (!shown_free(s->shown, LEAVE_SECONDS)) light_thread_abandon(s->shown->baking);
     session_let_go(s);
+    for (Shown *shown = s->leaving; shown; shown = shown->next) light_thread_abandon(shown->baking);
     arena_free(&s->recording_arena);
     arena_free(&s->replay_arena);
     arena_free(&s->frame_arena);

@@ -165,7 +165,7 @@ asan:
 	$(submake) config=asan test
 tsan:
 	$(call install,$(to_build) $(to_test) $(to_fuzz))
-	$(submake) config=tsan CC=clang all
+	$(submake) config=tsan CC=clang all build/maps/rooms-300.plan
 	@ENFILADE_BUILD=build/tsan bash tests/tsan.sh
 fuzz:
 	$(call install,$(to_build) $(to_fuzz))

@@ -130,6 +130,21 @@ kill -INT $!
 wait $! || fail 'an interrupted bake fails'
 says out '"stopped": '
 expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01
+# At any moment: what there is goes on to the same end; before there is any, Ctrl-C ends it as any program, and leaves nothing.
+RANDOM=${ENFILADE_SEED:-$(date +%s)}
+for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
+    rm -f "$work/early.rad"
+    wait=$((RANDOM % 16))  # of about 15
+    "$program" bake $maps/two-rooms.plan -o "$work/early.rad" --element 0.5 --resolution 50 --residual 0.05 >/dev/null 2>"$work/err" &
+    while [ "$(cpu $!)" -lt $wait ]; do sleep 0.01; done
+    kill -INT $! 2>/dev/null
+    wait $!
+    case $? in
+    0) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;;
+    130) [ ! -e "$work/early.rad" ] || fail "interrupted after $wait hundredths, before there was light, it leaves a file" ;;
+    *) fail "interrupted after $wait hundredths it ends with $?: $(head -2 "$work/err")" ;;
+    esac
+done
 # Lamps of a home give light.
 expect 0 "$program" bake $maps/house.sh3d -o "$work/x.rad" --element 1 --resolution 50 --residual 0.2
 expect 0 "$program" bake $maps/two-rooms.plan --element 1

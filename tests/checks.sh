@@ -32,6 +32,8 @@ sentence() { [ "$(wc -l <"$work/err")" -eq 1 ] || fail "not one sentence: $(head
 same() { cmp -s "$1" "$2" || fail "$3"; }
 # full_disk BLOCKS COMMAND...: files end after so many kB, as on a disk that is full.
 full_disk() { (trap '' XFSZ; ulimit -f "$1"; shift; exec "$@") >/dev/null 2>"$work/err"; }
+# cpu PID: hundredths of a second of CPU that a process has taken so far. What waits for them waits longer on a busy machine.
+cpu() { awk '{ print $14 + $15 }' "/proc/$1/stat" 2>/dev/null || echo 100000; }
 # start_screen: a virtual screen, named by DISPLAY, whose pixels are in "$work/Xvfb_screen0"; it goes when the script ends.
 start_screen() {
     command -v Xvfb >/dev/null || skip 'Xvfb is not installed'

@@ -1,6 +1,7 @@
 // test_light_thread.c - light that arrives while one walks: states of it one by one, the whole in the end, the file of
 // `enfilade bake`; and however a walk is left, at once.
 #include <criterion/criterion.h>
+#include <dirent.h>
 #include <unistd.h>
 
 #include "engine/app/app_light.h"
@@ -285,6 +286,40 @@ Test(light_thread, a_changed_file_is_baked_anew, .timeout = 300) {
     cr_expect(session_light_shown(w.session));
     cr_expect_null(w.session->leaving, "what was shown before is gone");
     leave(&w);
+}
+
+typedef struct Watched {
+    int asked, most;  // how often; threads of this process
+} Watched;
+
+// Breaks off soon.
+static bool watch_threads(void *context, const char *stage, double done) {
+    Watched *w = context;
+    int count = 0;
+    (void)stage, (void)done;
+    DIR *threads = opendir("/proc/self/task");
+    while (readdir(threads)) count++;
+    closedir(threads);
+    if (count > w->most) w->most = count;
+    return ++w->asked < 20;
+}
+
+// Proves that a bake takes as many threads as it was given, for its mesh too: in the background of a walk, one core is the walk's.
+// Where there is one core nothing can show.
+Test(light_thread, takes_no_more_threads_than_given) {
+    Arena arena = {0};
+    Error error;
+    WalkScene scene;
+    WalkLight light;
+    Watched before = {0}, given = {0};
+    setenv("XDG_CACHE_HOME", support_folder(&arena), 1);
+    cr_assert(walk_loader_lit(NULL, "build/maps/two-rooms.plan", &arena, &scene, &error), "%s", error.text);
+    watch_threads(&before, "", 0);
+    LightHooks hooks = {.progress = {watch_threads, &given}, .threads = 1};
+    cr_expect_not(scene.baker.bake(scene.baker.context, &hooks, &arena, &light, &error));
+    cr_expect_gt(given.asked, 10);
+    cr_expect_eq(given.most, before.most, "%d threads more than there were", given.most - before.most);
+    arena_free(&arena);
 }
 
 // Proves that a building without any light is walked in as ever, and nothing is said.

@@ -90,12 +90,12 @@ bool app_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *o
     Shower shower = {hooks, NULL};
     float *doors;
     a.file = bake->file;
+    a.rad.threads = hooks->threads;
     if (!bake_mesh(&a, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
         return false;
     shower.fine = fine_mesh_new(mesh, arena);
     rad_fit(mesh, &a.rad);
-    a.rad.threads = hooks->threads;
     if (hooks->show) {
         show(&shower, solution);
         a.rad.show = show;

@@ -397,6 +397,11 @@ Test(session, reloads_what_changed) {
     pass(&d, 1);
     expect_message(&d, "read again");
     cr_expect_eq(d.session->shown->scene.graph->polygon_count, polygons);
+    write_text(&d, arena_format(&d.arena, "%s# changed\n", text));
+    strike(&d, DISPLAY_KEY_F5);
+    const Shown *by_hand = d.session->shown;
+    pass(&d, 1);
+    cr_expect_eq(d.session->shown, by_hand, "what F5 has read is read once more");
     end(&d);
 }
 

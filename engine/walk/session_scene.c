@@ -83,6 +83,8 @@ static void keep_doors(Doors *to, const Doors *from, const Building *now, const 
 
 void session_reload(Session *s) {
     Error error;
+    // Begun anew before it is read: what F5 reads is not read once more because it had changed.
+    s->watch = file_watch_begin(s->options.file);
     Shown *next = shown_load(s, &error);
     if (!next) {
         session_say(s, true, "%s", error.text);

@@ -4,6 +4,7 @@
 #include <getopt.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -35,18 +36,18 @@ Progress app_progress(void) {
     return isatty(STDERR_FILENO) ? (Progress){report, NULL} : (Progress){NULL, NULL};
 }
 
-// What asks a stage to stop. The signal comes from outside: there is one flag a process.
-static volatile sig_atomic_t interrupted;
+// What asks a stage to stop. The signal comes from outside: there is one flag a process, which any of its threads may set or read.
+static atomic_bool interrupted;
 static double deadline;  // on the clock; 0: none
 
 static void interrupt(int signal) {
     (void)signal;
-    interrupted = 1;
+    atomic_store(&interrupted, true);
 }
 
 static bool report_stoppable(void *context, const char *stage, double done) {
     if (isatty(STDERR_FILENO)) report(context, stage, done);
-    return !interrupted && (deadline == 0 || clock_seconds() < deadline);
+    return !atomic_load(&interrupted) && (deadline == 0 || clock_seconds() < deadline);
 }
 
 Progress app_progress_stoppable(double seconds) {

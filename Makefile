@@ -1,10 +1,11 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan|tsan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | tsan | fuzz | bench | pictures | charts | lint | docs |
+#   make test | soak | asan | tsan | fuzz | mutants | bench | pictures | charts | lint | docs |
 #        install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 60
+mutants ?=
 bench ?= walk
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
 rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
@@ -77,7 +78,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz bench pictures charts lint libraries install \
+.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz mutants bench pictures charts lint libraries install \
         docs clean FORCE
 all:
 	$(submake) program maps
@@ -172,6 +173,10 @@ fuzz:
 	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
 	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
 	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
+# Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
+mutants: maps $(dir)/enfilade $(dir)/tests/all
+	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
+	    $(mutants)
 bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv

@@ -51,6 +51,10 @@ wait $child
 grep -q 'was not written' "$work/err" || fail "Ctrl-C says $(cat "$work/err")"
 [ "$(ls "$work" | grep -c 'x.png')" -eq 0 ] || fail 'Ctrl-C left a file'
 
+# What holds pictures against others sees what an eye sees.
+python3 tests/compare_pictures.py --check tests/references/hall.png tests/references/lit-house-stairs.png ||
+    fail 'pictures are compared wrongly'
+
 # The pictures, on one thread and on seven, by the hierarchy and by the grid.
 camera() {
     case $1 in
@@ -73,7 +77,7 @@ done
 # say. Edges, which one sample cannot smooth, and shadows are 1 % of this picture; if lamps were taken at random, a
 # quarter of it would be off.
 draw $maps/office-plain.plan --light "$work/office-plain.rad" --size 208x117 --samples 1 $(camera office-plain) -o "$work/noise.png"
-python3 tests/compare_pictures.py "$work/noise.png" "$work/office-plain.png" 0.03 || fail 'one sample a pixel is noise'
+python3 tests/compare_pictures.py "$work/noise.png" "$work/office-plain.png" --share 0.03 || fail 'one sample a pixel is noise'
 picture="$maps/house.plan --light $work/house.rad --size 64x36 --samples 3 --view still"
 draw $picture -o "$work/one.png" --threads 1
 draw $picture -o "$work/seven.png" --threads 7

@@ -16,6 +16,7 @@ typedef struct Made {
     CellGraph graph;
     StabForest forest;
     VisQuery *query;
+    float *doors;  // [opening_count] or NULL: all open
 } Made;
 
 static void make(Made *m, const Building *b, int max_nodes) {
@@ -80,7 +81,8 @@ static int cell_planes(const CellGraph *g, int c, Plane *out) {
 
 typedef struct Line {
     Vec3 from, way;
-    int cells[512];  // that it enters, in order
+    const float *doors;  // closed ones end it
+    int cells[512];      // that it enters, in order
     int count;
 } Line;
 
@@ -101,6 +103,10 @@ static double leaves_at(const CellGraph *g, int c, const Line *line, double afte
     return out > in + 10 * DOUBTFUL && in < after + DOUBTFUL ? out : -1;
 }
 
+static bool is_closed(const Portal *portal, const float *doors) {
+    return portal->door >= 0 && doors && doors[portal->door] == 0;
+}
+
 // Follows the line through cells as they are bounded, from whichever holds its beginning. False: given up.
 static bool follow(const CellGraph *g, Line *line) {
     double at = 0;
@@ -119,7 +125,7 @@ static bool follow(const CellGraph *g, Line *line) {
         int next = -1;
         for (int i = here->first_contact; i < here->first_contact + here->contact_count; i++) {
             const Portal *portal = &g->portals[g->contacts[i].portal];
-            if (fabs(plane_distance(portal->plane, p)) > DOUBTFUL) continue;
+            if (fabs(plane_distance(portal->plane, p)) > DOUBTFUL || is_closed(portal, line->doors)) continue;
             int inside = soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count,
                                              p, 2 * DOUBTFUL);
             if (inside < 0) return false;
@@ -199,6 +205,7 @@ static Vec3 at_corner(const CellGraph *g, int cell, Random *random) {
 
 typedef struct Tally {
     long lines, cells, eyes, outside;
+    long shut;  // pairs of a cell and one that only closed doors hide from it
 } Tally;
 
 // Is the cell in the visible set of the eye's cell, or of another that it is in to a rasteriser's precision, 2e-5 m?
@@ -211,22 +218,47 @@ static bool may_see(const Made *m, int eye_cell, Vec3 eye, int cell) {
     return false;
 }
 
+// Cells that a way without closed doors leads to from those which the eye is in.
+static unsigned char *reachable(const Made *m, Vec3 eye, Arena *arena) {
+    const CellGraph *g = &m->graph;
+    unsigned char *reached = ARENA_ARRAY(arena, unsigned char, g->cell_count);
+    for (int c = 0; c < g->cell_count; c++) reached[c] = box_contains(box_grow(g->cells[c].box, 2e-5), eye);
+    for (bool more = true; more;) {
+        more = false;
+        for (int p = 0; p < g->portal_count; p++) {
+            const int *cell = g->portals[p].cell;
+            if (is_closed(&g->portals[p], m->doors) || reached[cell[0]] == reached[cell[1]]) continue;
+            reached[cell[0]] = reached[cell[1]] = more = true;
+        }
+    }
+    return reached;
+}
+
 // All cells that lines from the eye enter are found, and none but those that the eye's cell may see.
 static void check_eye(Made *m, int cell, Vec3 position, VisMethod method, bool given, Random *random,
                       Tally *tally) {
     const CellGraph *g = &m->graph;
     Eye eye = {.position = position};
-    VisResult result = vis_query(m->query, &eye, cell, NULL, method);
+    VisResult result = vis_query(m->query, &eye, cell, m->doors, method);
     tally->eyes++;
     tally->outside += result.eye_cell < 0;
     if (result.eye_cell < 0) return;  // all is drawn
     for (int i = 0; i < result.cell_count && method != VIS_PORTALS; i++)
         cr_assert(may_see(m, cell, position, result.cells[i].cell), "cell %d is not in the visible set of %d",
                   result.cells[i].cell, cell);
+    Arena scratch = {0};
+    const unsigned char *reached = reachable(m, position, &scratch);
+    for (int i = 0; i < result.cell_count; i++)
+        cr_assert(reached[result.cells[i].cell], "%s: cell %d is found from %d behind closed doors",
+                  VIS_METHOD_NAMES[method], result.cells[i].cell, cell);
+    for (int c = 0; c < g->cell_count; c++) tally->shut += !reached[c] && vis_sees(&m->forest, cell, c);
+    arena_free(&scratch);
     for (int k = 0; k < 60; k++) {
-        Line line = {.from = position, .way = fixture_direction(random)};
+        Line line = {.from = position, .way = fixture_direction(random), .doors = m->doors};
         line.way.z *= given ? 1 : 0.2;
         if (!(given ? pierce(g, cell, &line) : follow(g, &line))) continue;
+        // From another cell that the eye is in to a hair, a closed door may lie between.
+        if (m->doors && line.count > 0 && line.cells[0] != cell) continue;
         tally->lines++;
         tally->cells += line.count;
         for (int i = 0; i < line.count; i++)
@@ -279,6 +311,68 @@ Test(query_cone, edge_on_holds_all_of_the_portal) {
                               beside);
     }
     cr_assert_gt(kept, 10000);
+}
+
+// The portal's corners, moved outwards by half the slack, are in the wedge; and no farther than twice all slack lies its edge from
+// the outermost of them.
+static void check_wedge(const Cone *cone, Vec3 eye, const Vec3 *corner, int count, int seed) {
+    double aside[2] = {INFINITY, INFINITY}, nearest = INFINITY;
+    Vec2 edge[2] = {vec2_scale(cone->from, 1 / vec2_length(cone->from)),
+                    vec2_scale(cone->to, -1 / vec2_length(cone->to))};
+    for (int k = 0; k < count; k++) {
+        Vec2 d = vec2(corner[k].x - eye.x, corner[k].y - eye.y);
+        nearest = fmin(nearest, vec2_length(d));
+        for (int side = 0; side < 2; side++) {
+            double off = vec2_cross(edge[side], d);
+            cr_assert_geq(off, POSITION_SLACK / 2 + ANGLE_SLACK / 2 * vec2_length(d),
+                          "seed %d: corner %d, side %d", seed, k, side);
+            aside[side] = fmin(aside[side], off / vec2_length(d));
+        }
+    }
+    for (int side = 0; side < 2; side++)
+        cr_assert_leq(aside[side], 2 * (ANGLE_SLACK + POSITION_SLACK / nearest),
+                      "seed %d: side %d is too wide", seed, side);
+}
+
+// Proves that the volume beyond a portal of any outline holds all of it and the slack around, in plan and in space, and no more
+// than twice the slack.
+Test(query_cone, part_holds_the_portal_and_its_slack) {
+    int wedges = 0, planes = 0;
+    for (int seed = 1; seed <= 20000; seed++) {
+        Random random = {(uint64_t)seed};
+        Vec3 eye = {5, -7, 1.6}, middle = {0, 0, 0}, ahead = fixture_direction(&random), corner[8];
+        Vec3 x = vec3_normalize(vec3_cross(ahead, fixture_direction(&random))), y = vec3_cross(ahead, x);
+        double size = pow(10, random_between(&random, -1.5, 0.5)),
+               far = random_between(&random, 1.2, 20) * size;
+        int count = 3 + random_index(&random, 6);
+        for (int k = 0; k < count; k++) {
+            double turn = 2 * M_PI * (k + random_between(&random, -0.3, 0.3)) / count;
+            Vec3 off = vec3_add(vec3_scale(x, size * cos(turn)), vec3_scale(y, size * sin(turn)));
+            corner[k] = vec3_add(vec3_add(eye, vec3_scale(ahead, far)), off);
+            middle = vec3_add(middle, vec3_scale(vec3_sub(corner[k], eye), 1.0 / count));
+        }
+        CellView nothing_listed = {0};
+        VisQuery query = {.eye = &(Eye){.position = eye}, .of_cell = &nothing_listed};
+        Gate gate = {.plane = {ahead, vec3_dot(ahead, corner[0])}, .ahead = far};
+        ViewPart part = {.polygon = corner, .count = count, .middle = middle, .distance = far};
+        Cone before = {.count = 0}, beyond;
+        query.method = VIS_PLAN;
+        query_beyond(&query, &before, PASSAGE_PART, &gate, &part, &beyond);
+        wedges += !beyond.all_around;
+        if (!beyond.all_around) check_wedge(&beyond, eye, corner, count, seed);
+        cr_assert_eq(beyond.count, beyond.all_around ? 0 : 2);
+        query.method = VIS_STAB;
+        query_beyond(&query, &before, PASSAGE_PART, &gate, &part, &beyond);
+        cr_assert_eq(beyond.count, count, "a plane for each edge");
+        for (int i = 0; i < beyond.count; i++, planes++) {
+            double least = INFINITY;
+            for (int k = 0; k < count; k++) least = fmin(least, plane_distance(beyond.plane[i], corner[k]));
+            double slack = POSITION_SLACK + ANGLE_SLACK * far;
+            cr_assert(least > slack / 2 && least < 4 * slack, "seed %d: %g from plane %d, slack %g", seed,
+                      least, i, slack);
+        }
+    }
+    cr_assert(wedges > 8000 && planes > 60000, "%d wedges, %d planes", wedges, planes);
 }
 
 // An eye on a portal, to a rasteriser's precision, sees what the cell beyond may see, even where its own may not.
@@ -337,6 +431,24 @@ Test(query_oracle, rooms) {
         arena_free(&m.arena);
     }
     cr_assert_gt(tally.lines, 10000);
+}
+
+// Proves that closed doors end the view, with trees and without: behind them nothing is found, before them nothing is lost.
+Test(query_oracle, closed_doors) {
+    Tally tally = {0};
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        Made m = {0};
+        Random random = {seed};
+        const Building *b = fixture_rooms(&m.arena, &random, 3, 3, 1 + (int)(seed % 2));
+        make(&m, b, seed % 2 ? 3 : 5000);
+        m.doors = ARENA_ARRAY(&m.arena, float, b->opening_count);
+        for (int i = 0; i < b->opening_count; i++) m.doors[i] = random_index(&random, 3) ? 0 : 0.5f;
+        check_eyes(&m, 100, false, &random, &tally);
+        for (int c = 0; c < m.graph.cell_count; c++)
+            check_eye(&m, c, soup_fixture_point(&m.graph, &random, c), VIS_PORTALS, false, &random, &tally);
+        arena_free(&m.arena);
+    }
+    cr_assert(tally.lines > 10000 && tally.shut > 1000, "%ld lines, %ld pairs", tally.lines, tally.shut);
 }
 
 // Proves that an eye where four cells meet, with no wall near, is in one of them and sees all four.

@@ -190,6 +190,87 @@ Test(doors, wait_for_one_another) {
     arena_free(&m.arena);
 }
 
+// Metres between leaves 0 and 1, which do not overlap: at a corner of one of them.
+static double leaf_gap(const Made *m) {
+    double gap = INFINITY;
+    for (int i = 0; i < 2; i++) {
+        const Leaf *one = &m->building.leaves[i], *other = &m->building.leaves[1 - i];
+        Vec2 box[4];
+        leaf_box(one, (double)m->doors.open[one->opening], box);
+        for (int k = 0; k < 4; k++)
+            gap = fmin(gap, distance_to_leaf(other, (double)m->doors.open[other->opening], box[k]));
+    }
+    return gap;
+}
+
+// Proves that leaves halt a centimetre before one another and before a body, and no farther off than a step of another centimetre,
+// in frames of any length: what is in the way of a long one is not passed over. 1e-6: shares are floats.
+Test(doors, halt_a_centimetre_off) {
+    static const double FRAMES[] = {1.0 / 240, 1.0 / 30, 0.2, 3};
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 8; k++) {
+            Made m;
+            make(&m, "door a 4.075,1.0 angle 90 width 0.9 height 2 hinge left swing -88\n"
+                     "door b 4.8,-0.075 width 0.9 height 2 hinge left swing 88\n");
+            doors_set(&m.doors, 0, 0.65f + 0.05f * (float)k);
+            doors_toggle(&m.doors, 1);
+            for (double t = 0; t < 3; t += FRAMES[i]) doors_advance(&m.doors, FRAMES[i], NULL);
+            double gap = leaf_gap(&m);
+            cr_expect_eq(m.doors.halt[1], DOOR_MEETS_DOOR);
+            cr_expect(gap > 0.01 - 1e-6 && gap < 0.02 + 1e-6, "%g m to the other leaf, frames of %g s, %d",
+                      gap, FRAMES[i], k);
+            arena_free(&m.arena);
+
+            make(&m, "door d 4.075,1.5 angle 90 width 0.9 height 2 hinge left swing -88\n");
+            doors_set(&m.doors, 0, 1);
+            cr_assert(body_place_near(&m.body, &m.world, vec3(3.95 + 0.02 * k, 1.55, 0)));
+            doors_toggle(&m.doors, 0);
+            for (double t = 0; t < 3; t += FRAMES[i]) doors_advance(&m.doors, FRAMES[i], &m.body);
+            Vec2 at = vec2(m.body.foot.x, m.body.foot.y);
+            gap = distance_to_leaf(&m.building.leaves[0], (double)m.doors.open[0], at) - BODY_RADIUS;
+            cr_expect_eq(m.doors.halt[0], DOOR_MEETS_BODY);
+            cr_expect(gap > 0.01 - 1e-6 && gap < 0.02 + 1e-6, "%g m to the body, frames of %g s, %d", gap,
+                      FRAMES[i], k);
+            arena_free(&m.arena);
+        }
+    }
+}
+
+// Proves that an opening takes the time it should, in frames of any length.
+Test(doors, open_in_nine_tenths_of_a_second) {
+    for (int frames = 1; frames <= 100; frames *= 10) {
+        Made m;
+        make(&m, "door d 4.075,1.5 angle 90 width 0.9 height 2\n");
+        doors_toggle(&m.doors, 0);
+        for (int i = 0; i < frames; i++) doors_advance(&m.doors, 0.45 / frames, NULL);
+        cr_expect_float_eq(m.doors.open[0], 0.5, 1e-4, "halfway in half the time, %d frames", frames);
+        doors_toggle(&m.doors, 0);
+        doors_toggle(&m.doors, 0);
+        doors_advance(&m.doors, 0.4501, NULL);
+        cr_expect_eq(m.doors.open[0], 1.0f);
+        arena_free(&m.arena);
+    }
+}
+
+// Proves that no door is used through a window, which lets sight through but no hand; through a passage it is.
+Test(doors, are_not_used_through_windows) {
+    static const char DOOR[] = "door b 8.225,1.5 angle 90 width 0.9 height 2\n";
+    static const char *const BETWEEN[] = {"window w 4.075,1.5 angle 90 width 1 sill 0.5 height 1.8\n",
+                                          "passage p 4.075,1.5 angle 90 width 1 height 2.3\n"};
+    for (int i = 0; i < 2; i++) {
+        Made m;
+        Arena arena = {0};
+        make(&m, arena_format(&arena, "%s%s", BETWEEN[i], DOOR));
+        arena_free(&arena);
+        for (int k = -4; k <= 4; k++) {
+            Vec3 eye = vec3(2.5, 1.5 + 0.05 * k, 1.6);
+            int found = doors_looked_at(&m.doors, eye, vis_locate(&m.graph, eye, -1), vec3(1, 0, 0), 10);
+            cr_expect_eq(found, i == 0 ? -1 : 1, "opening %d is meant, %d", found, k);
+        }
+        arena_free(&m.arena);
+    }
+}
+
 // Proves which door is meant: the one looked at within reach, not the one behind a wall or behind one's back.
 Test(doors, looked_at) {
     Made m;

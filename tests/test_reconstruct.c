@@ -396,3 +396,47 @@ Test(reconstruct, slivers_are_not_believed) {
     }
     arena_free(&hand.arena);
 }
+
+// Proves what a peak looks like: of equal squares, one of 100 W/m^2 among dark ones, its corners are the mean of the four around them
+// and of what that leaves over no more than a fifth.
+Test(reconstruct, a_peak_in_closed_form) {
+    Hand hand;
+    hand_start(&hand);
+    for (int i = 0; i < 64; i++) hand_square(&hand, i % 8, i / 8, 1, 0);
+    hand_finish(&hand);
+    RadSolution s = dark(&hand.mesh, &hand.arena);
+    set(&s, 27, 100);
+    VertexLight light = reconstruct_light(&hand.mesh, &s, &hand.arena);
+    for (int i = 0; i < hand.mesh.corner_count; i++) {
+        Vec3 p = hand.mesh.vertices[hand.mesh.corners[i]];
+        bool own = (p.x == 3 || p.x == 4) && (p.y == 3 || p.y == 4);
+        cr_expect_float_eq(light.corner[i][0], own ? 25 * 1.2 : 0, 1e-9, "%g at %g,%g", light.corner[i][0],
+                           p.x, p.y);
+    }
+    arena_free(&hand.arena);
+}
+
+// Proves that elements count by 1 / distance^2: where three squares of side 1 and one of side 2 meet, their offsets along the diagonal
+// are -1, 0, 0 and 2 half diagonals, and their weights 2, 2, 2 and 1/2. A plane laid through 100, 0, 0 and 0 is 24 at the node; a
+// fifth more is what of the rest may lie on top.
+Test(reconstruct, nearer_elements_count_more) {
+    Hand hand;
+    hand_start(&hand);
+    for (int i = 0; i < 100; i++)
+        if (i % 10 < 4 || i % 10 > 5 || i / 10 < 4 || i / 10 > 5) hand_square(&hand, i % 10, i / 10, 1, 0);
+    hand_square(&hand, 4, 4, 2, 0);
+    hand_finish(&hand);
+    RadSolution s = dark(&hand.mesh, &hand.arena);
+    set(&s, 33, 100);
+    VertexLight light = reconstruct_light(&hand.mesh, &s, &hand.arena);
+    int met = 0;
+    for (int i = 0; i < hand.mesh.corner_count; i++) {
+        Vec3 p = hand.mesh.vertices[hand.mesh.corners[i]];
+        bool own = (p.x == 3 || p.x == 4) && (p.y == 3 || p.y == 4), at_large = p.x == 4 && p.y == 4;
+        double want = at_large ? 24 * 1.2 : own ? 25 * 1.2 : 0;
+        cr_expect_float_eq(light.corner[i][0], want, 1e-9, "%g at %g,%g", light.corner[i][0], p.x, p.y);
+        met += own;
+    }
+    cr_assert_eq(met, 16);
+    arena_free(&hand.arena);
+}

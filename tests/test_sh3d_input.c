@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <stdio.h>
 #include <string.h>
+#include <zip.h>
 
 #include "engine/core/random.h"
 #include "maps/maps.h"
@@ -109,6 +110,50 @@ Test(sh3d, refuses_bad_archives) {
     Bytes empty = home_zip(&arena, &(HomeEntry){"Home.xml", "<home/>", 7}, 1);
     cr_assert_not(read_file(&arena, "empty.sh3d", empty, &error));
     cr_assert(strstr(error.text, "the home is empty"), "%s", error.text);
+    arena_free(&arena);
+}
+
+// Proves that all entries together are limited, each time one is read: 1 GiB in 32 readings, and not a byte more; a missing entry and
+// one beyond the caller's limit cost nothing. Stored, not packed: the test is to take no longer than copying.
+Test(sh3d, limits_what_is_unpacked_in_all) {
+    enum { SIZE = 32 << 20 };
+    Arena arena = {0}, scratch = {0};
+    Error error;
+    Archive *archive;
+    Bytes out;
+    unsigned char *large = arena_alloc(&arena, SIZE, 1);
+    for (int i = 0; i < SIZE; i += 4096) large[i] = (unsigned char)(i / 4096 * 7);
+    zip_error_t reason;
+    zip_source_t *store = zip_source_buffer_create(NULL, 0, 0, &reason);
+    zip_source_keep(store);
+    zip_t *zip = zip_open_from_source(store, ZIP_TRUNCATE, &reason);
+    zip_int64_t index = zip_file_add(zip, "large", zip_source_buffer(zip, large, SIZE, 0), 0);
+    cr_assert_eq(zip_set_file_compression(zip, (zip_uint64_t)index, ZIP_CM_STORE, 0), 0);
+    cr_assert(zip_file_add(zip, "small", zip_source_buffer(zip, "x", 1, 0), 0) >= 0);
+    cr_assert_eq(zip_close(zip), 0);
+    zip_stat_t stat;
+    zip_source_stat(store, &stat);
+    Bytes content = {arena_alloc(&arena, stat.size, 1), stat.size};
+    zip_source_open(store);
+    cr_assert_eq(zip_source_read(store, content.data, content.size), (zip_int64_t)content.size);
+    zip_source_close(store);
+    zip_source_free(store);
+    cr_assert(archive_open(content, "all.zip", &arena, &archive, &error), "%s", error.text);
+    for (size_t read = 0; read < ARCHIVE_MAX_TOTAL; read += SIZE) {
+        arena_reset(&scratch);
+        cr_assert_not(archive_read(archive, "absent", SIZE, &scratch, &out, &error));
+        cr_assert_not(archive_read(archive, "large", SIZE - 1, &scratch, &out, &error));
+        cr_assert(strstr(error.text,
+                         "all.zip: entry large unpacks to 33554432 bytes (at most 33554431 are allowed)"),
+                  "%s", error.text);
+        cr_assert(archive_read(archive, "large", SIZE, &scratch, &out, &error), "%s", error.text);
+        cr_assert(out.size == SIZE && memcmp(out.data, large, SIZE) == 0);
+    }
+    cr_assert_not(archive_read(archive, "small", SIZE, &scratch, &out, &error));
+    cr_assert(strstr(error.text, "all.zip: its entries unpack to more than 1073741824 bytes"), "%s",
+              error.text);
+    archive_close(archive);
+    arena_free(&scratch);
     arena_free(&arena);
 }
 

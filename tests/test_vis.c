@@ -1,5 +1,6 @@
 // test_vis.c - cells, portals, stab trees and queries against straight lines traced through them.
 #include <criterion/criterion.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include "engine/core/predicates.h"
 #include "maps/maps.h"
 #include "tests/fixture.h"
+#include "tests/prt_scene.h"
 #include "tests/support.h"
 #include "visibility/sightline.h"
 
@@ -157,6 +159,94 @@ Test(sightline, holds_for_any_segments) {
 }
 
 // Cells convex, each contact on both its cells; portals and surfaces together have the area of the cell's boundary.
+// In the cell, or no more than a micrometre beyond.
+static bool is_in(const CellGraph *g, int c, Vec3 p) {
+    const Cell *cell = &g->cells[c];
+    if (p.z < cell->z0 - 1e-6 || p.z > cell->z1 + 1e-6) return false;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = g->plan[cell->first_edge + i], b = g->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        Vec2 edge = vec2_sub(b, a);
+        if (vec2_cross(edge, vec2_sub(vec2(p.x, p.y), a)) < -1e-6 * vec2_length(edge)) return false;
+    }
+    return true;
+}
+
+static Vec3 middle_of(const Vec3 *v, int count) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < count; i++) sum = vec3_add(sum, vec3_scale(v[i], 1.0 / count));
+    return sum;
+}
+
+// Portals lie between their cells, surfaces face into theirs.
+static void expect_placed(const CellGraph *g, const char *name) {
+    for (int p = 0; p < g->portal_count; p++) {
+        const Portal *portal = &g->portals[p];
+        const Vec3 *v = g->portal_vertices + portal->first_vertex;
+        Vec3 middle = middle_of(v, portal->vertex_count), off = vec3_scale(portal->plane.n, 1e-4);
+        cr_assert(is_in(g, portal->cell[0], vec3_add(middle, off)), "%s: portal %d", name, p);
+        cr_assert(is_in(g, portal->cell[1], vec3_sub(middle, off)), "%s: portal %d", name, p);
+        cr_assert_gt(vec3_dot(plane_of_polygon(v, portal->vertex_count).n, portal->plane.n), 0.99);
+        cr_assert_eq(portal->horizontal, fabs(portal->plane.n.z) > 0.5);
+    }
+    for (int c = 0; c < g->cell_count; c++) {
+        for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
+            const Polygon *p = &g->polygons[g->objects[i].first_polygon];
+            const Vec3 *v = g->vertices + p->first_vertex;
+            Vec3 n = plane_of_polygon(v, p->vertex_count).n, middle = middle_of(v, p->vertex_count);
+            cr_assert(is_in(g, c, middle), "%s: surface %d of cell %d", name, i, c);
+            cr_assert(is_in(g, c, vec3_add(middle, vec3_scale(n, 1e-4))), "%s: surface %d of cell %d", name,
+                      i, c);
+        }
+    }
+}
+
+// Could two cells be one, with the cut between them left out? Convex at both ends of the cut, then, by the sign alone.
+static bool could_be_one(const CellGraph *g, const Cell *a, const Cell *b) {
+    const Vec2 *p = g->plan + a->first_edge, *q = g->plan + b->first_edge;
+    int n = a->edge_count, m = b->edge_count;
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < m; k++) {
+            if (!vec2_equal(p[i], q[(k + 1) % m]) || !vec2_equal(p[(i + 1) % n], q[k])) continue;
+            return orient2d(p[(i + n - 1) % n], p[i], q[(k + 2) % m]) >= 0 &&
+                   orient2d(q[(k + m - 1) % m], q[k], p[(i + 2) % n]) >= 0;
+        }
+    }
+    return false;
+}
+
+// The cells of a region fill it, from its floor to its ceiling, and none is cut in two for nothing (Hertel & Mehlhorn). Tolerance of
+// areas: rounding.
+static void expect_filled(const CellGraph *g, const char *name) {
+    const Building *b = g->building;
+    for (int r = 0; r < b->region_count; r++) {
+        double area = 0, whole = 0;
+        for (int i = 0; i < b->regions[r].ring_count; i++) {
+            const Ring *ring = &b->rings[b->regions[r].first_ring + i];
+            const Vec2 *p = b->points + ring->first_point;
+            double turned = 0;
+            for (int k = 1; k + 1 < ring->point_count; k++)
+                turned += vec2_cross(vec2_sub(p[k], p[0]), vec2_sub(p[k + 1], p[0])) / 2;
+            whole += i == 0 ? fabs(turned) : -fabs(turned);
+        }
+        for (int c = 0; c < g->cell_count; c++) {
+            const Cell *cell = &g->cells[c];
+            if (cell->region != r) continue;
+            cr_assert(cell->z0 == b->regions[r].z0 && cell->z1 == b->regions[r].z1);
+            const Vec2 *p = g->plan + cell->first_edge;
+            for (int i = 1; i + 1 < cell->edge_count; i++)
+                area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0])) / 2;
+            for (int d = 0; d < c; d++) {
+                const Cell *other = &g->cells[d];
+                if (other->region != r || cell->edge_count + other->edge_count > 64) continue;
+                cr_assert_not(could_be_one(g, cell, other), "%s: cells %d and %d of region %d could be one",
+                              name, d, c, r);
+            }
+        }
+        cr_assert_float_eq(area, whole, 1e-9 * (1 + whole), "%s: region %d: %.9f of %.9f m2", name, r, area,
+                           whole);
+    }
+}
+
 static void expect_closed(const CellGraph *g, int c, const char *name, double tolerance) {
     const Cell *cell = &g->cells[c];
     double boundary = 0, covered = 0, plan = 0;
@@ -189,6 +279,8 @@ Test(cells, are_closed) {
         make(&m, seed, 3, 3, 2, 1, 0);
         snprintf(name, sizeof name, "seed %llu", (unsigned long long)seed);
         for (int c = 0; c < m.graph.cell_count; c++) expect_closed(&m.graph, c, name, 1e-9);
+        expect_filled(&m.graph, name);
+        expect_placed(&m.graph, name);
         arena_free(&m.arena);
     }
 }
@@ -206,6 +298,8 @@ static void expect_building_closed(const char *path) {
     for (int c = 0; c < g.cell_count; c++) {
         if (b.regions[g.cells[c].region].kind != REGION_OUTDOORS) expect_closed(&g, c, path, 1e-6);
     }
+    expect_filled(&g, path);
+    expect_placed(&g, path);
     arena_free(&arena);
 }
 
@@ -249,6 +343,138 @@ Test(cells, have_no_t_vertices) {
         }
     }
     arena_free(&m.arena);
+}
+
+// Of the mesh of squares of a cell: the square that holds a place, by one of its 2 x 2 nearest if it lies on their border.
+static bool is_registered(const CellGraph *g, int c, Vec3 p, int object) {
+    const CellMesh *mesh = &g->meshes[c];
+    int x = (int)fmin(fmax((p.x - mesh->origin.x) / mesh->size, 0), mesh->nx - 1);
+    int y = (int)fmin(fmax((p.y - mesh->origin.y) / mesh->size, 0), mesh->ny - 1);
+    int square = mesh->first_square + y * mesh->nx + x;
+    for (int k = g->square_first[square]; k < g->square_first[square + 1]; k++)
+        if (g->square_objects[k] == object) return true;
+    return false;
+}
+
+// Of an object as drawn: some polygon that comes near a box.
+static bool comes_near(const CellGraph *g, const Object *object, Box box) {
+    for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+        Box bounds = box_empty();
+        for (int k = 0; k < g->polygons[p].vertex_count; k++)
+            bounds = box_add(bounds, g->vertices[g->polygons[p].first_vertex + k]);
+        if (box_overlap(bounds, box)) return true;
+    }
+    return false;
+}
+
+// Proves that objects are registered in every square of every cell in which a point of them lies, or lies no farther off than
+// VIS_TOUCH; that no square lists what does not come near it; and that a place is found in the one cell which holds it.
+static void expect_registered(const CellGraph *g, Random *random, int points, const char *name) {
+    int held = 0;
+    for (int o = 0; o < g->surface_first[0]; o++) {
+        const Object *object = &g->objects[o];
+        if (object->leaf >= 0 || object->polygon_count == 0) continue;
+        for (int i = 0; i < points; i++) {
+            const Polygon *p =
+                &g->polygons[object->first_polygon + random_index(random, object->polygon_count)];
+            Vec3 at = {0, 0, 0};
+            double weights = 0;
+            for (int k = 0; k < p->vertex_count; k++) {
+                double w = -log(1 - random_unit(random));
+                at = vec3_add(at, vec3_scale(g->vertices[p->first_vertex + k], w));
+                weights += w;
+            }
+            at = vec3_add(vec3_scale(at, 1 / weights),
+                          vec3_scale(fixture_direction(random), 0.5 * VIS_TOUCH * (i % 2)));
+            for (int c = 0; c < g->cell_count; c++) {
+                if (!is_in(g, c, at)) continue;
+                held++;
+                cr_assert(is_registered(g, c, at, o),
+                          "%s: object %d at %g,%g,%g is not registered in cell %d", name, o, at.x, at.y, at.z,
+                          c);
+            }
+        }
+    }
+    cr_assert_gt(held, points);
+    for (int c = 0; c < g->cell_count; c++) {
+        const CellMesh *mesh = &g->meshes[c];
+        for (int s = 0; s < mesh->nx * mesh->ny; s++) {
+            Vec3 low = {mesh->origin.x + s % mesh->nx * mesh->size,
+                        mesh->origin.y + s / mesh->nx * mesh->size, g->cells[c].z0};
+            Box box = {low, {low.x + mesh->size, low.y + mesh->size, g->cells[c].z1}};
+            for (int k = g->square_first[mesh->first_square + s];
+                 k < g->square_first[mesh->first_square + s + 1]; k++) {
+                const Object *object = &g->objects[g->square_objects[k]];
+                cr_assert(object->leaf >= 0 || comes_near(g, object, box_grow(box, 3 * VIS_TOUCH)),
+                          "%s: cell %d, square %d", name, c, s);
+            }
+        }
+    }
+    for (int i = 0; i < 20 * points; i++) {
+        Vec3 size = vec3_sub(g->box.max, g->box.min), at = g->box.min;
+        at = vec3_add(at, vec3(size.x * random_unit(random), size.y * random_unit(random),
+                               size.z * random_unit(random)));
+        int hint = random_index(random, g->cell_count + 1) - 1, found = vis_locate(g, at, hint);
+        for (int c = 0; c < g->cell_count; c++) {
+            const Cell *cell = &g->cells[c];
+            Vec3 middle = {0, 0, (cell->z0 + cell->z1) / 2};
+            for (int k = 0; k < cell->edge_count; k++) {
+                middle.x += g->plan[cell->first_edge + k].x / cell->edge_count;
+                middle.y += g->plan[cell->first_edge + k].y / cell->edge_count;
+            }
+            // Well inside: a little farther from the middle too.
+            Vec3 out = vec3_add(at, vec3_scale(vec3_sub(at, middle), 1e-3));
+            if (is_in(g, c, out))
+                cr_assert_eq(found, c, "%s: (%g, %g, %g) is in %d", name, at.x, at.y, at.z, c);
+            if (found == c)
+                cr_assert(is_in(g, c, at), "%s: (%g, %g, %g) is not in %d", name, at.x, at.y, at.z, c);
+        }
+    }
+}
+Test(squares, hold_what_touches_them) {
+    Random random = {3};
+    for (uint64_t seed = 1; seed <= 6; seed++) {
+        Made m;
+        make(&m, seed, 3, 2, 2, 1, 0);
+        CellGraph g;
+        VisOptions options = vis_default_options();
+        options.square = 0.25 + 0.5 * (double)seed;
+        Error error;
+        cr_assert(vis_build_cells(m.building, &options, &m.arena, &g, &error), "%s", error.text);
+        expect_registered(&g, &random, 40, "rooms");
+        arena_free(&m.arena);
+    }
+    Arena arena = {0};
+    Building b;
+    CellGraph g;
+    Error error;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read("build/maps/house.plan", &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+    expect_registered(&g, &random, 10, "house");
+    arena_free(&arena);
+}
+
+// Proves that given cells are bounded by the corners of their portals and nothing else.
+Test(cells, given_ones_have_the_box_of_their_portals) {
+    Random random = {2};
+    for (int k = 0; k < 20; k++) {
+        Arena arena = {0};
+        Row row = row_random(&random, 4 + k % 6);
+        const CellGraph *g = row_graph(&arena, &row);
+        for (int c = 0; c < g->cell_count; c++) {
+            const Cell *cell = &g->cells[c];
+            Box box = box_empty();
+            for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+                const Portal *portal = &g->portals[g->contacts[i].portal];
+                for (int v = 0; v < portal->vertex_count; v++)
+                    box = box_add(box, g->portal_vertices[portal->first_vertex + v]);
+            }
+            cr_assert(vec3_equal(cell->box.min, box.min) && vec3_equal(cell->box.max, box.max),
+                      "row %d, cell %d", k, c);
+        }
+        arena_free(&arena);
+    }
 }
 
 // Proves that stab trees are conservative: whatever way a straight line takes through portals is a path of the tree,
@@ -337,6 +563,78 @@ Test(vis_file, refuses_what_is_not_whole) {
     unlink(path);
     arena_free(&m.arena);
     arena_free(&other.arena);
+}
+
+// Proves that trees are taken for their own cells alone, of which any part may be another, and not when they lead astray: a file
+// whose sum is right may be forged.
+Test(vis_file, refuses_other_cells_and_forged_trees) {
+    Arena arena = {0};
+    Error error;
+    StabForest back;
+    char *path = arena_format(&arena, "%s/trees.vis", support_folder(&arena));
+    Random random = {5};
+    Row row = row_random(&random, 8);
+    CellGraph *given = row_graph(&arena, &row);
+    Made m;
+    make(&m, 3, 2, 2, 1, 1, 0);
+    StabForest forest;
+    VisOptions options = vis_default_options();
+    cr_assert(vis_build_forest(given, &options, NULL, &arena, &forest));
+    const CellGraph *graphs[2] = {given, &m.graph};
+    const StabForest *forests[2] = {&forest, &m.forest};
+    for (int k = 0; k < 2; k++) {
+        const CellGraph *g = graphs[k];
+        double *const PARTS[] = {g->face_count ? &g->faces[g->face_count - 1].d : &g->plan[0].x,
+                                 &g->plan[g->plan_count - 1].y, &g->cells[g->cell_count - 1].z1,
+                                 &g->portals[g->portal_count - 1].plane.d,
+                                 &g->portal_vertices[g->portal_vertex_count - 1].z};
+        cr_assert(vis_save(path, g, forests[k], &error), "%s", error.text);
+        for (int i = 0; i < 5; i++) {
+            double before = *PARTS[i];
+            *PARTS[i] += 1;
+            cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: part %d may be another", k, i);
+            *PARTS[i] = before;
+        }
+        g->contacts[g->contact_count - 1].cell++;
+        cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: contacts may be others", k);
+        g->contacts[g->contact_count - 1].cell--;
+        cr_assert(vis_load(path, g, &arena, &back, &error), "%s", error.text);
+        StabForest forged = *forests[k];
+        int last = forged.root[1] - 1, nodes = forged.node_count;
+        cr_assert_gt(last, 1);
+        int *const FIELDS[] = {&forged.nodes[last].cell,
+                               &forged.nodes[last].parent,
+                               &forged.nodes[last].portal,
+                               &forged.nodes[last].next,
+                               &forged.nodes[0].parent,
+                               &forged.nodes[0].cell,
+                               &forged.root[0],
+                               &forged.root[1],
+                               &forged.root[forged.cell_count],
+                               &forged.nodes[0].next};
+        const int WRONG[][3] = {{-1, forged.cell_count, INT_MAX},
+                                {-1, last, nodes},
+                                {-1, g->portal_count, INT_MAX},
+                                {last, nodes, 0},
+                                {0, 1, -2},
+                                {1, -1, forged.cell_count},
+                                {1, -1, 2},
+                                {0, nodes + 1, -1},
+                                {nodes - 1, nodes + 1, 0},
+                                {0, nodes, -2}};
+        for (int i = 0; i < 10; i++) {
+            for (int w = 0; w < 3; w++) {
+                int before = *FIELDS[i];
+                *FIELDS[i] = WRONG[i][w];
+                cr_assert(vis_save(path, g, &forged, &error), "%s", error.text);
+                *FIELDS[i] = before;
+                cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: field %d is %d", k, i,
+                              WRONG[i][w]);
+            }
+        }
+    }
+    arena_free(&m.arena);
+    arena_free(&arena);
 }
 
 static Eye random_eye(const Made *m, Random *random, int *cell) {

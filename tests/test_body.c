@@ -459,6 +459,31 @@ Test(body, falls) {
     arena_free(&w.arena);
 }
 
+// Proves that a long fall follows g t^2 / 2 until 50 m/s are reached, and goes on at that speed: by small ticks, and by such as a
+// stalled machine has.
+Test(body, falls_no_faster_than_in_air) {
+    static const double TICKS[2] = {1.0 / 60, 5};
+    Walker w;
+    open_plan(&w,
+              "plan 1\nmaterial m #808080\nstorey s floor 0 height 900\nroom a 0,0 4,0 4,4 0,4 wall 0.2\n");
+    for (int k = 0; k < 2; k++) {
+        stand(&w, 2, 2, 0);
+        w.body.foot.z = 880;
+        w.body.standing = false;
+        double t = 0, reached = 50 / 9.81;
+        for (int i = 0; t < 14.9; i++) {
+            double before = w.body.foot.z;
+            body_step(&w.body, &w.world, vec2(0, 0), TICKS[k]);
+            t += TICKS[k];
+            double fallen = t < reached ? 9.81 * t * t / 2 : 25 * reached + 50 * (t - reached);
+            cr_assert_leq(before - w.body.foot.z, 50 * TICKS[k] + 1e-9, "tick %d of %g s", i, TICKS[k]);
+            // The tick in which the speed is reached: half of the speed that it would gain.
+            cr_assert_float_eq(880 - w.body.foot.z, fallen, 9.81 * TICKS[k] * TICKS[k], "after %g s", t);
+        }
+    }
+    arena_free(&w.arena);
+}
+
 // Proves that a window is no way out, though nothing is drawn in it.
 Test(body, does_not_climb_out_of_windows) {
     Walker w;

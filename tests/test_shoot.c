@@ -79,6 +79,50 @@ Test(shoot, loses_no_power) {
     }
 }
 
+// Proves that what nobody asked for is fitted to the mesh, finer the fewer patches there are, and what was asked for stays.
+Test(shoot, fits_what_is_left_open) {
+    static const int PATCHES[] = {1, 4000, 4001, 10000, 10001, 1000000};
+    double residual = 0;
+    int resolution = 1 << 20;
+    for (int i = 0; i < 6; i++) {
+        Mesh mesh = {.patch_count = PATCHES[i]};
+        for (int asked = 0; asked < 4; asked++) {
+            RadOptions o = rad_default_options();
+            o.residual = asked & 1 ? 0.5 : 0;
+            o.form_factor.resolution = asked & 2 ? 17 : 0;
+            rad_fit(&mesh, &o);
+            cr_expect(asked & 1 ? o.residual == 0.5
+                                : o.residual >= residual && o.residual > 0 && o.residual <= 1e-3);
+            cr_expect(asked & 2 ? o.form_factor.resolution == 17
+                                : o.form_factor.resolution <= resolution && o.form_factor.resolution >= 80);
+            if (asked == 0) residual = o.residual, resolution = o.form_factor.resolution;
+        }
+    }
+    cr_expect(residual == 1e-3 && resolution == 80);
+}
+
+// Proves that the report counts what was done: shots by their solution, a row for each shot where none is kept, fewer where they
+// are, and of all faces and elements no more than there are.
+Test(shoot, reports_what_was_done) {
+    Lit *lit = furnished(0);
+    for (int kept = 0; kept < 2; kept++) {
+        RadOptions options = options_to(1e-4);
+        options.threads = 1;
+        options.row_bytes = kept ? (size_t)1 << 26 : 0;
+        RadSolution s;
+        RadReport report = lit_shoot(lit, &options, &s);
+        cr_expect(report.shots == s.shots && report.shots > lit->mesh.patch_count);
+        cr_expect(kept ? report.rows_made < report.shots && report.rows_made >= report.rows_kept &&
+                             report.rows_kept > 0
+                       : report.rows_made >= report.shots && report.rows_kept == 0,
+                  "%lld shots, %lld rows, %lld kept", report.shots, report.rows_made, report.rows_kept);
+        cr_expect(report.faces_drawn_mean > 1 && report.faces_drawn_mean <= lit->mesh.face_count, "%g",
+                  report.faces_drawn_mean);
+        cr_expect(kept ? report.row_bytes > 0 : report.row_bytes == 0);
+    }
+    lit_free(lit);
+}
+
 // Proves that no light leaks into a sealed room beside a lit one: exactly 0 everywhere, by every method, culled and not,
 // with a wall of 10 cm between them, and with two walls in one plane. There a dark ceiling ends on the lit wall: of what is as
 // near, floats cannot tell which is seen (Embree's do not), and the depths of polylines are wrong.

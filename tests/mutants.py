@@ -8,6 +8,7 @@ not counted, and so is one that does not compile.
 
 Which lines are changed depends on the seed and on the text of the line alone, so that an edit elsewhere keeps the others. PLANTED
 are faults that the tests once let pass; they always run. tests/mutants.md lists the survivors with the reason for each.
+With config=asan the survivors run once more under the sanitizers, which see what is read beyond the end of an array.
 Results go to build/mutants/results.csv; a second run goes on where the first ended (--again runs the survivors anew).
 """
 import argparse, collections, concurrent.futures, csv, glob, hashlib, json, os, re, resource, shlex, shutil, signal, subprocess
@@ -178,9 +179,10 @@ def sources():
 
 # ---- compiling and running
 
-def limits(cpu):
+def limits(cpu, sanitized):
     resource.setrlimit(resource.RLIMIT_CPU, (cpu, cpu + 5))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    if not sanitized:  # the address sanitizer maps terabytes
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -200,7 +202,9 @@ def kept(command):
                 shutil.copy2(word, copy)
             word = copy
         out.append(word)
-    return out + (["-fuse-ld=gold"] if shutil.which("ld.gold") else [])
+    # The sanitizers are at odds with the faster linker.
+    fast = shutil.which("ld.gold") and not any(word.startswith("-fsanitize=") for word in out)
+    return out + (["-fuse-ld=gold"] if fast else [])
 
 
 class Bench:
@@ -209,6 +213,7 @@ class Bench:
     def __init__(self, options, link, number):
         self.folder = os.path.abspath("%s/%d" % (WORK, number))
         self.compile = options.compile.split()
+        self.sanitized = any(word.startswith("-fsanitize=") for word in self.compile)
         self.link = link
         self.base = {}
 
@@ -260,7 +265,7 @@ class Bench:
         with open(log, "w") as f:
             child = subprocess.Popen([binary, "-j1", "--fail-fast", "--color=never", "--filter", stage], stdout=f, stderr=f,
                                      env=environment, stdin=subprocess.DEVNULL, start_new_session=True,
-                                     preexec_fn=lambda: limits(cpu))
+                                     preexec_fn=lambda: limits(cpu, self.sanitized))
         pid, status, used, end = 0, None, None, time.time() + wall
         while not pid and time.time() < end:
             time.sleep(0.02)

@@ -602,3 +602,54 @@ Test(enclose, bad_input) {
         }
     }
 }
+
+// Proves that each number of a sketch, and each run of points, is looked at before anything is computed with it, and that the
+// sentence says which one is wrong.
+Test(enclose, each_number_is_checked) {
+    enum { NUMBERS = 19, RUNS = 8 };
+    for (int i = 0; i < NUMBERS + RUNS; i++) {
+        Draft d = draft_new(2);
+        Error error = {""};
+        draft_box_walls(&d, 0, 0, 0, 4, 3);
+        draft_room(&d, 0, 0, 0, 4, 3);
+        SketchOpening *o = draft_opening(&d, OPENING_DOOR, 0, 2, -0.1, 0, 0.9, 0.2);
+        draft_cutout(&d, 1, 1, 1, 2, 2);
+        SketchWall *w = &d.s.walls[1];
+        SketchRoom *r = &d.s.rooms[0];
+        Storey *s = &d.b.storeys[1];
+        const struct {
+            double *number;
+            const char *said;
+        } NUMBER[NUMBERS] = {
+            {&w->z0, "wall-2: its foot is "},         {&w->z1, "wall-1: its top is "},
+            {&w->angle, "wall-2: its angle is "},     {&r->z0, "room-0: its floor is "},
+            {&r->z1, "room-0: its ceiling is "},      {&r->wall, "room-0: its wall thickness is "},
+            {&o->centre.x, "opening-0: its x is "},   {&o->centre.y, "opening-0: its y is "},
+            {&o->angle, "opening-0: its angle is "},  {&o->width, "opening-0: its width is "},
+            {&o->depth, "opening-0: its depth is "},  {&o->sill, "opening-0: its sill is "},
+            {&o->head, "opening-0: its head is "},    {&o->swing, "opening-0: its swing is "},
+            {&o->slide, "opening-0: its slide is "},  {&d.s.ground, "the ground: its height is "},
+            {&s->floor, "storey 1 (storey): floor "}, {&s->height, "storey 1 (storey): floor "},
+            {&s->slab, "storey 1 (storey): floor "}};
+        const struct {
+            int *number, by;
+            const char *said;
+        } RUN[RUNS] = {{&w->first_point, -5, "wall-2: points -1 to 2 of 24"},
+                       {&w->point_count, -9, "wall-2: points 4 to -2 of 24"},
+                       {&w->point_count, 17, "wall-2: points 4 to 24 of 24"},
+                       {&r->first_point, 5, "room-0: points 21 to 24 of 24"},
+                       {&r->point_count, 99, "room-0: points 16 to 118 of 24"},
+                       {&d.s.cutouts[0].point_count, 1, "points 20 to 24 of 24"},
+                       {&d.s.cutouts[0].first_point, 1, "points 21 to 24 of 24"},
+                       {&o->cutout_count, 99, "opening-0: points 0 to 98 of 24"}};
+        cr_assert_eq(d.s.point_count, 24);
+        const char *said = i < NUMBERS ? NUMBER[i].said : RUN[i - NUMBERS].said;
+        if (i < NUMBERS)
+            *NUMBER[i].number = i % 2 ? INFINITY : -1e9;
+        else
+            *RUN[i - NUMBERS].number += RUN[i - NUMBERS].by;
+        cr_expect_not(maps_enclose(&d.s, &d.b, &d.arena, &error), "%s is not refused", said);
+        cr_expect(strstr(error.text, said), "%s (expected: %s)", error.text, said);
+        draft_free(&d);
+    }
+}

@@ -621,7 +621,7 @@ Test(enclose, each_number_is_checked) {
             double *number;
             const char *said;
         } NUMBER[NUMBERS] = {
-            {&w->z0, "wall-2: its foot is "},         {&w->z1, "wall-1: its top is "},
+            {&w->z0, "wall-2: its foot is "},         {&w->z1, "wall-2: its top is "},
             {&w->angle, "wall-2: its angle is "},     {&r->z0, "room-0: its floor is "},
             {&r->z1, "room-0: its ceiling is "},      {&r->wall, "room-0: its wall thickness is "},
             {&o->centre.x, "opening-0: its x is "},   {&o->centre.y, "opening-0: its y is "},

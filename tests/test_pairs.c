@@ -248,6 +248,48 @@ Test(pairs, what_is_seen_through_a_thin_tube_stays_seen) {
     cr_expect(undecided[0] > 20 && undecided[1] == 0, "%d and %d", undecided[0], undecided[1]);
 }
 
+// Proves the same of round doorways of many corners, which searches replace by rectangles about them: along a line from circle to
+// circle, each turned and tilted another way, every room sees every other.
+Test(pairs, round_doorways_hide_nothing) {
+    Random random = {19};
+    for (int k = 0; k < 12; k++) {
+        enum { ROOMS = 5, MOST = 64 };
+        Arena arena = {0};
+        Text text = {.arena = &arena};
+        int corners = k % 3 == 0 ? MOST : 12 + random_index(&random, 30);
+        double rise[2] = {random_between(&random, -0.3, 0.3), random_between(&random, -0.3, 0.3)};
+        text_append(&text, "PRT1\n%d\n%d\n", ROOMS, ROOMS - 1);
+        for (int d = 0; d + 1 < ROOMS; d++) {
+            Vec3 n = vec3_normalize(
+                vec3(1, random_between(&random, -0.3, 0.3), random_between(&random, -0.3, 0.3)));
+            Vec3 u = vec3_normalize(vec3_cross(n, fixture_direction(&random))), v = vec3_cross(n, u);
+            // The line runs near the rim, in another direction each time.
+            double radius = random_between(&random, 20, 30), off = 0.9 * radius,
+                   turn = random_between(&random, 0, 2 * M_PI);
+            Vec3 middle = vec3(128 * d, 128 * d * rise[0], 128 * d * rise[1]);
+            middle =
+                vec3_add(middle, vec3_add(vec3_scale(u, off * cos(turn)), vec3_scale(v, off * sin(turn))));
+            text_append(&text, "%d %d %d", corners, d, d + 1);
+            for (int c = 0; c < corners; c++) {
+                double angle = 2 * M_PI * c / corners;
+                Vec3 p = vec3_add(
+                    middle, vec3_add(vec3_scale(u, radius * cos(angle)), vec3_scale(v, radius * sin(angle))));
+                text_append(&text, " (%.9g %.9g %.9g )", p.x, p.y, p.z);
+            }
+            text_append(&text, "\n");
+        }
+        CellGraph *graph = prt_scene(&arena, text.data);
+        for (int m = 0; PAIR_METHODS[m]; m++) {
+            PairSet set = find(graph, PAIR_METHODS[m], 1, NULL, &arena);
+            for (int a = 0; a < ROOMS; a++)
+                for (int b = 0; b < ROOMS; b++)
+                    cr_expect(sees(&set, a, b), "%s, row %d: %d does not see %d", PAIR_METHODS[m]->name, k, a,
+                              b);
+        }
+        arena_free(&arena);
+    }
+}
+
 // Through low slits one above the other heights alone decide: `height` loses none that is seen, by whatever little.
 Test(pairs, heights_lose_no_slit) {
     Random random = {13};

@@ -345,6 +345,45 @@ Test(cells, have_no_t_vertices) {
     arena_free(&m.arena);
 }
 
+// Proves that inlays are laid into floors and ceilings whole, across the cells of a room that bends: of three corners and of six, and
+// that what is left of floor and ceiling makes up the rest.
+Test(cells, inlays_keep_their_area) {
+    static const char PLAN[] =
+        "plan 1\nmaterial white #E8E8E8\nmaterial red #E02020\nmaterial blue #2020E0\nstorey s floor 1 "
+        "height 2.5\n"
+        "room a 0,0 6,0 6,3 3,3 3,6 0,6 floor white ceiling white walls white wall 0.2\n"
+        "inlay red floor 0.5,0.5 5.5,1.5 1.5,5.5\n"
+        "inlay blue ceiling 1,0.5 4,0.5 5,1.5 4,2.5 1,2.5 0.5,1.5\n";
+    Arena arena = {0};
+    Building b;
+    CellGraph g;
+    Error error;
+    VisOptions options = vis_default_options();
+    char *path = arena_format(&arena, "%s/inlays.plan", support_folder(&arena));
+    cr_assert(file_write(path, PLAN, sizeof PLAN - 1, &error), "%s", error.text);
+    cr_assert(maps_read(path, &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+    // By material and height: floor, ceiling.
+    double area[3][2] = {{0}};
+    for (int i = g.surface_first[0]; i < g.object_count; i++) {
+        const Polygon *p = &g.polygons[g.objects[i].first_polygon];
+        const Vec3 *v = g.vertices + p->first_vertex;
+        double up = plane_of_polygon(v, p->vertex_count).n.z;
+        if (fabs(up) < 0.5) continue;
+        cr_expect(v[0].z == (up > 0 ? 1 : 3.5), "a surface at %g", v[0].z);
+        const char *name = b.materials[p->material].name;
+        int m = strcmp(name, "white") == 0 ? 0 : strcmp(name, "red") == 0 ? 1 : 2;
+        area[m][up < 0] += polygon_area(v, p->vertex_count);
+    }
+    // The red triangle sticks out of the room where it bends: what is beyond is not laid.
+    double red = area[1][0], blue = 3 * 2 + 2 * 1 * 0.5 + 2 * 0.5 * 0.5 * 1;
+    cr_expect_float_eq(area[2][1], blue, 1e-9, "%g m^2 of blue", area[2][1]);
+    cr_expect(red > 7 && area[1][1] == 0 && area[2][0] == 0, "%g m^2 of red", red);
+    cr_expect_float_eq(area[0][0] + red, 27, 1e-9);
+    cr_expect_float_eq(area[0][1] + blue, 27, 1e-9);
+    arena_free(&arena);
+}
+
 // Of the mesh of squares of a cell: the square that holds a place, by one of its 2 x 2 nearest if it lies on their border.
 static bool is_registered(const CellGraph *g, int c, Vec3 p, int object) {
     const CellMesh *mesh = &g->meshes[c];

@@ -7,6 +7,25 @@
 #include "engine/core/memory.h"
 
 enum { ALIGNMENT = 64 };
+
+// Under the address sanitizer nobody may touch what was not handed out, nor the gap behind each piece that was.
+#ifdef __has_feature
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__ 1
+#endif
+#endif
+#ifdef __SANITIZE_ADDRESS__
+void __asan_poison_memory_region(const volatile void *from, size_t size);
+void __asan_unpoison_memory_region(const volatile void *from, size_t size);
+enum { GAP = ALIGNMENT };
+static void forbid(const void *from, size_t size) { __asan_poison_memory_region(from, size); }
+static void allow(const void *from, size_t size) { __asan_unpoison_memory_region(from, size); }
+#else
+enum { GAP = 0 };
+static void forbid(const void *from, size_t size) { (void)from, (void)size; }
+static void allow(const void *from, size_t size) { (void)from, (void)size; }
+#endif
+
 static const size_t FIRST_BLOCK = 64 * 1024;
 static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
 
@@ -26,20 +45,22 @@ static ArenaBlock *add_block(Arena *arena, size_t least) {
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     ArenaBlock *block = memory_new_aligned(HEADER + size);
     *block = (ArenaBlock){arena->head, size, 0};
+    forbid((char *)block + HEADER, size);
     arena->head = block;
     return block;
 }
 
 void *arena_alloc(Arena *arena, size_t count, size_t size) {
     if (size && count > (SIZE_MAX / 2 - HEADER) / size) memory_end(SIZE_MAX);
-    size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    size_t asked = count * size, bytes = (asked + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
     if (bytes == 0) bytes = ALIGNMENT;
     ArenaBlock *block = arena->head;
     if (!block || block->size - block->used < bytes) block = add_block(arena, bytes);
     void *memory = (char *)block + HEADER + block->used;
     block->used += bytes;
     arena->used += bytes;
-    return memset(memory, 0, bytes);
+    allow(memory, asked);
+    return memset(memory, 0, GAP ? asked : bytes);
 }
 
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size) {
@@ -100,6 +121,7 @@ void arena_reset(Arena *arena) {
     }
     if (largest) {
         largest->next = NULL;
+        forbid((char *)largest + HEADER, largest->used);
         largest->used = 0;
     }
     arena->head = largest;

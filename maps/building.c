@@ -60,6 +60,11 @@ static bool is_ear(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
     return true;
 }
 
+// Of a triangle as long as a country and as wide as a hair, doubles find no plane that holds its corners.
+static bool has_plane(const Vec3 triangle[3]) {
+    return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
+}
+
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
 // goes.
 static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
@@ -70,7 +75,7 @@ static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Ve
         while (ear < left && !is_ear(v, ring, left, ear, n)) ear++;
         if (ear == left) ear = 0;
         Vec3 t[3] = {v[ring[(ear + left - 1) % left]], v[ring[ear]], v[ring[(ear + 1) % left]]};
-        if (polygon_area(t, 3) > MAPS_SMALLEST_AREA) {
+        if (polygon_area(t, 3) > MAPS_SMALLEST_AREA && has_plane(t)) {
             push_polygon(arena, b, t, 3, material);
             added++;
         }

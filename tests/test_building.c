@@ -72,6 +72,9 @@ Test(building, polygons_are_made_convex) {
     cr_expect_eq(building_add_polygon(&arena, &b, line, 3, 0), 0);
     cr_expect_eq(building_add_polygon(&arena, &b, wild, 3, 0), 0);
     cr_expect_eq(building_add_polygon(&arena, &b, line, 2, 0), 0);
+    // A nanometre wide and 46 km long: its plane is off by 5 mm.
+    Vec3 hair[3] = {{0.999, -32734.233, 32735.232}, {3.996, -2.4975, 9.99e-10}, {3.996, -2.4975, 0}};
+    cr_expect_eq(building_add_polygon(&arena, &b, hair, 3, 0), 0);
     for (int seed = 1; seed <= 300; seed++) {
         Random r = {(uint64_t)seed};
         Vec3 star[90];

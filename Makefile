@@ -40,6 +40,8 @@ flags_tsan := -O1 -fno-omit-frame-pointer -fsanitize=thread
 flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 # Counts what runs, edge by edge: tests/hostile_cost.c alone.
 flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
+# Without sanitizers a reader is tried ten times as often. What is found so goes through config=fuzz, too.
+flags_swift := -O2 -fsanitize-coverage=inline-8bit-counters,pc-table
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
@@ -54,10 +56,12 @@ library := $(filter-out $(dir)/engine/app/main.o,$(objects))
 public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/try_fuzz.c tests/make_hostile.c tests/hostile_cost.c $(only_asan),$(wildcard tests/*.c))) \
+programs_of_tests := tests/try_fuzz.c tests/mutator.c tests/make_hostile.c tests/hostile_cost.c
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/target.c tests/store_target.c $(programs_of_tests) \
+         $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
 fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder)
+fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder home_fixture fixture)
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan build/maps/flat.Home.xml build/maps/hillside.sh3d build/maps/villa.sh3d
 
@@ -93,10 +97,14 @@ $(dir)/enfilade: $(objects)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
-$(dir)/tests/fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -o $@ $^ $(libs)
-$(dir)/tests/try_fuzz_%: $(library) $(fuzz_help) $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
+# From an archive, so that a target holds what it needs and no more: after every try libFuzzer looks at all counters.
+# Files come from the target where it serves them (tests/target.h).
+$(dir)/fuzzed.a: $(library) $(fuzz_help)
+	@rm -f $@ && ar rcs $@ $^
+$(dir)/tests/fuzz_%: $(dir)/tests/fuzz_%.o $(dir)/tests/mutator.o $(dir)/fuzzed.a
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -Wl,--wrap=file_read -o $@ $^ $(libs)
+$(dir)/tests/try_fuzz_%: $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o $(dir)/tests/mutator.o $(dir)/fuzzed.a
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -Wl,--wrap=file_read -o $@ $^ $(libs)
 $(dir)/tests/make_hostile: $(dir)/tests/hostile.o $(dir)/tests/make_hostile.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
 # What opens a building, without what draws or lights it.
@@ -170,9 +178,9 @@ tsan:
 	@ENFILADE_BUILD=build/tsan bash tests/tsan.sh
 fuzz:
 	$(call install,$(to_build) $(to_fuzz))
-	$(submake) config=fuzz CC=clang maps $(fuzzers:%=build/fuzz/tests/%)
-	@for f in $(fuzzers); do mkdir -p build/fuzz/corpus/$$f && build/fuzz/tests/$$f -max_total_time=$(fuzz_seconds) \
-	    -artifact_prefix=build/fuzz/$$f- build/fuzz/corpus/$$f maps/buildings tests/seeds || exit 1; done
+	$(submake) config=fuzz CC=clang $(fuzzers:%=build/fuzz/tests/%)
+	$(submake) config=swift CC=clang $(fuzzers:%=build/swift/tests/%)
+	@bash tests/fuzz.sh $(fuzz_seconds)
 # Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
 mutants: maps $(dir)/enfilade $(dir)/tests/all
 	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
@@ -279,6 +287,6 @@ docs:
 clean:
 	rm -rf build
 
--include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz make_hostile hostile_cost)
+-include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz mutator make_hostile hostile_cost)
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -1,6 +1,7 @@
 // fixture.c - grids of rooms, and a tracer of straight lines through cells.
 #include "tests/fixture.h"
 
+#include "engine/core/polygon.h"
 #include "engine/core/predicates.h"
 
 static const double ROOM = 4.0, PITCH = 4.2, HEIGHT = 2.7, DOOR_HEIGHT = 2.1, SLAB = 0.3;
@@ -254,6 +255,26 @@ double fixture_region_area(const Building *b, const Region *region) {
     for (int i = 1; i + 1 < ring->point_count; i++)
         area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0])) / 2;
     return area;
+}
+
+double fixture_uncovered(const CellGraph *g, int c) {
+    const Cell *cell = &g->cells[c];
+    double open = 0;
+    for (int i = 0; i < cell->edge_count; i++) {
+        const Vec2 *p = g->plan + cell->first_edge;
+        Vec2 a = p[i], b = p[(i + 1) % cell->edge_count];
+        open += vec2_length(vec2_sub(b, a)) * (cell->z1 - cell->z0);
+        open += vec2_cross(vec2_sub(a, p[0]), vec2_sub(b, p[0]));  // half of it, below and above
+    }
+    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
+        const Portal *portal = &g->portals[g->contacts[i].portal];
+        open -= polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
+    }
+    for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
+        const Polygon *p = &g->polygons[g->objects[i].first_polygon];
+        open -= polygon_area(g->vertices + p->first_vertex, p->vertex_count);
+    }
+    return open;
 }
 
 // What the exact tests of sightlines look at.

@@ -31,8 +31,7 @@ static void read_part(unsigned char kind, Bytes content, Arena *arena) {
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     if (size == 0) return 0;
     if (data[0] == '<' || data[0] == 'P') return target_reader(&MAPS_READER_SH3D, "fuzz.sh3d", data, size);
-    Arena arena = {0};
-    read_part(data[0], target_bytes(&arena, "", data + 1, size - 1), &arena);
-    arena_free(&arena);
+    Arena *arena = target_begin();
+    read_part(data[0], target_bytes(arena, "", data + 1, size - 1), arena);
     return 0;
 }

@@ -24,14 +24,15 @@ static void make(StoreTarget *t) {
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     static StoreTarget target = {.header = 56};  // of vis_file.c
     if (!target.valid.data) make(&target);
-    store_target_put(&target, data, size);
-    Arena arena = {0};
+    Arena *arena = target_begin();
+    store_target_put(&target, data, size, arena);
     StabForest forest;
     Error error = {""};
-    if (vis_load(target.path, &target.graph, &arena, &forest, &error))
-        walk(&target.graph, &forest, &arena);
-    else if (error.text[0] == 0)
+    if (vis_load(STORE_TARGET_PATH, &target.graph, arena, &forest, &error)) {
+        walk(&target.graph, &forest, arena);
+        target_count(TARGET_PASSED);
+    } else if (error.text[0] == 0) {
         abort();
-    arena_free(&arena);
+    }
     return 0;
 }

@@ -9,32 +9,18 @@
 
 extern const MapsReader MAPS_READER_WAD;
 
-// Each four bytes put two others in the small map's file.
-static Bytes spoilt_map(Arena *arena, const unsigned char *data, size_t size) {
-    static const char *const NAMES[] = {"MAP01"};
-    WadMaker maker = {.arena = arena};
-    wad_two_rooms(&maker);
-    Bytes file = wad_file(&maker, NAMES, 1, NULL);
-    for (size_t i = 0; i + 4 <= size; i += 4) {
-        size_t at = (size_t)(data[i] | data[i + 1] << 8) % (file.size - 1);
-        memcpy(file.data + at, data + i + 2, 2);
-    }
-    return file;
-}
-
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
-    Arena arena = {0};
+    Arena *arena = target_begin();
     Building b = {0};
     const char *fault;
-    Bytes content = target_bytes(&arena, "", data, size);
-    if (!MAPS_READER_WAD.recognise(content)) content = spoilt_map(&arena, data, size);
+    Bytes content = target_bytes(arena, "", data, size);
+    if (!MAPS_READER_WAD.recognise(content)) content = wad_spoilt(arena, data, size);
     // What many lines cross where they should meet may be refused by the check, as a file is.
-    if (target_read(&MAPS_READER_WAD, "fuzz.wad", content, &arena, &b) &&
-        building_check(&b, &arena, &fault, 1) == 0) {
+    if (target_read(&MAPS_READER_WAD, "fuzz.wad", content, arena, &b) &&
+        building_check(&b, arena, &fault, 1) == 0) {
         CellGraph graph;
         VisOptions options = vis_default_options();
-        if (!vis_build_cells(&b, &options, &arena, &graph, NULL)) abort();
+        if (!vis_build_cells(&b, &options, arena, &graph, NULL)) abort();
     }
-    arena_free(&arena);
     return 0;
 }

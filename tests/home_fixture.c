@@ -6,8 +6,6 @@
 #include <string.h>
 #include <zip.h>
 
-#include <criterion/criterion.h>
-
 Home home_of_bytes(Bytes xml, Archive *archive) {
     Home h = {0};
     h.good = sh3d_sketch(xml, archive, "Home.xml", &h.arena, &h.b, &h.sketch, &h.error);
@@ -30,18 +28,18 @@ Bytes home_zip(Arena *arena, const HomeEntry *entries, int count) {
     zip_error_init(&reason);
     zip_source_t *store = zip_source_buffer_create(NULL, 0, 0, &reason);
     zip_t *zip = zip_open_from_source(store, ZIP_TRUNCATE, &reason);
-    cr_assert(zip);
+    CORE_ASSERT(zip);
     zip_source_keep(store);
     for (int i = 0; i < count; i++) {
         zip_source_t *source = zip_source_buffer(zip, entries[i].data, entries[i].size, 0);
-        cr_assert(zip_file_add(zip, entries[i].name, source, ZIP_FL_ENC_UTF_8) >= 0);
+        CORE_ASSERT(zip_file_add(zip, entries[i].name, source, ZIP_FL_ENC_UTF_8) >= 0);
     }
-    cr_assert_eq(zip_close(zip), 0);
+    CORE_ASSERT(zip_close(zip) == 0);
     zip_stat_t stat;
-    cr_assert_eq(zip_source_stat(store, &stat), 0);
+    CORE_ASSERT(zip_source_stat(store, &stat) == 0);
     Bytes out = {ARENA_ARRAY(arena, unsigned char, stat.size + 1), stat.size};
-    cr_assert_eq(zip_source_open(store), 0);
-    cr_assert_eq(zip_source_read(store, out.data, out.size), (zip_int64_t)out.size);
+    CORE_ASSERT(zip_source_open(store) == 0);
+    CORE_ASSERT(zip_source_read(store, out.data, out.size) == (zip_int64_t)out.size);
     zip_source_close(store);
     zip_source_free(store);
     return out;
@@ -51,7 +49,7 @@ Home home_of_zip(const HomeEntry *entries, int count) {
     Home h = {0};
     Archive *archive = NULL;
     Bytes content = home_zip(&h.arena, entries, count), xml;
-    cr_assert(archive_open(content, "home.sh3d", &h.arena, &archive, &h.error), "%s", h.error.text);
+    CORE_ASSERT(archive_open(content, "home.sh3d", &h.arena, &archive, &h.error));
     h.good = archive_read(archive, "Home.xml", SH3D_MAX_XML, &h.arena, &xml, &h.error) &&
              sh3d_sketch(xml, archive, "Home.xml", &h.arena, &h.b, &h.sketch, &h.error);
     archive_close(archive);

@@ -7,10 +7,11 @@
 #include <unistd.h>
 
 #include "engine/core/clock.h"
-#include "engine/core/file.h"
 #include "engine/core/random.h"
+#include "tests/target.h"
 
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
+size_t LLVMFuzzerMutate(unsigned char *data, size_t size, size_t room);
+size_t LLVMFuzzerCustomMutator(unsigned char *data, size_t size, size_t room, unsigned seed);
 
 static const size_t LARGEST =
     64 * 1024;            // larger seeds are cut: many small tries find more than few large ones
@@ -24,8 +25,11 @@ static void died(int signal) {
 
 static unsigned below(Random *random, size_t count) { return (unsigned)(random_next(random) % count); }
 
+static Random random_bytes;
+
 // Changes, repeats, drops or swaps some bytes; returns the new size, at most `room`.
-static size_t damage(Random *random, unsigned char *data, size_t size, size_t room) {
+size_t LLVMFuzzerMutate(unsigned char *data, size_t size, size_t room) {
+    Random *random = &random_bytes;
     static const unsigned char TELLING[] = {0, 1, 0x7f, 0x80, 0xff, '-', '9', '.', ' ', '\n', '"', '{', '<'};
     for (unsigned n = 1 + below(random, 8); n > 0 && size > 0; n--) {
         size_t at = below(random, size), length = 1 + below(random, 16);
@@ -57,7 +61,7 @@ static size_t damage(Random *random, unsigned char *data, size_t size, size_t ro
 int main(int argc, char **argv) {
     if (argc < 4) return 2;
     double end = clock_seconds() + atof(argv[1]);
-    Random random = {(uint64_t)atoll(argv[2])};
+    random_bytes.state = (uint64_t)atoll(argv[2]);
     Arena arena = {0};
     unsigned char *data = arena_alloc(&arena, 2 * LARGEST, 1);
     signal(SIGABRT, died);
@@ -68,10 +72,12 @@ int main(int argc, char **argv) {
         for (int i = 3; i < argc && (first || clock_seconds() < end); i++) {
             Arena scratch = {0};
             Bytes seed;
+            target_serve(NULL, 0);
             if (!file_read(argv[i], (size_t)1 << 30, &scratch, &seed, NULL)) return 2;
             size_t size = seed.size < LARGEST ? seed.size : LARGEST;
             if (size > 0) memcpy(data, seed.data, size);
-            if (!first) size = damage(&random, data, size, 2 * LARGEST);
+            if (!first)
+                size = LLVMFuzzerCustomMutator(data, size, 2 * LARGEST, (unsigned)random_next(&random_bytes));
             snprintf(trying, sizeof trying, "try %ld, seed %s, of %s\n", tries++, argv[2], argv[i]);
             LLVMFuzzerTestOneInput(data, size);
             arena_free(&scratch);

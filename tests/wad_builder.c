@@ -162,3 +162,15 @@ long wad_lump(Bytes file, const char *name, long *size) {
     }
     return -1;
 }
+
+Bytes wad_spoilt(Arena *arena, const unsigned char *data, size_t size) {
+    static const char *const NAMES[] = {"MAP01"};
+    WadMaker maker = {.arena = arena};
+    wad_two_rooms(&maker);
+    Bytes file = wad_file(&maker, NAMES, 1, NULL);
+    for (size_t i = 0; i + 4 <= size; i += 4) {
+        size_t at = (size_t)(data[i] | data[i + 1] << 8) % (file.size - 1);
+        memcpy(file.data + at, data + i + 2, 2);
+    }
+    return file;
+}

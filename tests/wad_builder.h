@@ -28,4 +28,7 @@ Bytes wad_file(const WadMaker *maps, const char *const *names, int count, const 
 // The place of a lump's data in such a file, -1 without.
 long wad_lump(Bytes file, const char *name, long *size);
 
+// The file of those two rooms, in which each four bytes put two others somewhere.
+Bytes wad_spoilt(Arena *arena, const unsigned char *data, size_t size);
+
 #endif

@@ -184,6 +184,15 @@ Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: of a grid point w
 Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
 const char *enclose_text(const char *place);
 
+// Stands a wall among the furniture.
+void enclose_add_low_wall(Enclosure *e, int wall);
+// Counts a room as drawn and lost.
+void enclose_lose_room(Enclosure *e, int room);
+
+// ---- enclose_crossings.c
+void crossings_limit(Enclosure *e);        // of rooms, cut-outs and walls, once they are known
+void crossings_limit_holes(Enclosure *e);  // of openings, once they are fitted
+
 // ---- enclose_holes.c
 void holes_fit(Enclosure *e);
 

@@ -299,5 +299,6 @@ void holes_fit(Enclosure *e) {
             e->world_max = vec2(fmax(e->world_max.x, ceil(p.x + out)), fmax(e->world_max.y, ceil(p.y + out)));
         }
     }
+    crossings_limit_holes(e);
     index_holes(e);
 }

@@ -203,8 +203,9 @@ static void note_crossing(Enclosure *e, const Shape *shape, int storey, const ch
 
 // ---- walls that do not bound
 
-static void add_low_wall(Enclosure *e, const SketchWall *w) {
+void enclose_add_low_wall(Enclosure *e, int wall) {
     const Sketch *s = e->sketch;
+    const SketchWall *w = &s->walls[wall];
     Building *b = e->b;
     int n = w->point_count;
     const Vec2 *p = &s->points[w->first_point];
@@ -239,7 +240,7 @@ static void sort_walls(Enclosure *e) {
         if (w->z1 >= storey->floor + storey->height - CEILING_SLACK && w->z0 <= storey->floor + FLOOR_SLACK) {
             e->wall_bounds[i] = true;
         } else if (w->z1 - w->z0 >= MAPS_GRID) {
-            add_low_wall(e, w);
+            enclose_add_low_wall(e, i);
         } else {
             Vec3 p = enclose_place(e, e->walls[i].points[0], w->storey);
             building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: it has no height at (%.2f, %.2f)",
@@ -249,6 +250,12 @@ static void sort_walls(Enclosure *e) {
 }
 
 // ---- the rest
+
+void enclose_lose_room(Enclosure *e, int room) {
+    double area = shape_area(&e->rooms[room]) / (ENCLOSE_MM * ENCLOSE_MM);
+    e->b->drawn_area += area;
+    e->b->lost_area += area;
+}
 
 static void sort_rooms(Enclosure *e) {
     const Sketch *s = e->sketch;
@@ -264,9 +271,7 @@ static void sort_rooms(Enclosure *e) {
             building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: it reaches from %g m up to %g m",
                           enclose_text(r->place), z0, z1);
             e->room_used[i] = false;
-            double area = shape_area(&e->rooms[i]) / (ENCLOSE_MM * ENCLOSE_MM);
-            e->b->drawn_area += area;
-            e->b->lost_area += area;
+            enclose_lose_room(e, i);
             continue;
         }
         note_crossing(e, &e->rooms[i], r->storey, "room", r->place);
@@ -397,6 +402,7 @@ bool enclose_prepare(Enclosure *e) {
     find_heights(e);
     sort_walls(e);
     sort_rooms(e);
+    crossings_limit(e);
     index_input(e);
     return find_world(e);
 }

@@ -65,6 +65,7 @@ static void doors_apart(FILE *f, int count, Random *random) {
 
 static void walls_crossing(FILE *f, int count, Random *random) {
     begin_plan(f);
+    room(f, "a", 0, 0, 50, 50);
     for (int i = 0; i < count; i++)
         fprintf(f, "wall %.2f,%.2f %.2f,%.2f thickness 0.1\n", random_between(random, 0, 50),
                 random_between(random, 0, 50), random_between(random, 0, 50), random_between(random, 0, 50));
@@ -287,6 +288,7 @@ static void round_hall(FILE *f, int count, Random *random) {
     (void)random;
     begin_plan(f);
     double r = fmax(5, count * 0.1 / TURN);
+    room(f, "a", -r, -r, r, r);
     for (int i = 0; i < count; i++) {
         double a = TURN * i / count, b = TURN * (i + 1) / count;
         fprintf(f, "wall %.3f,%.3f %.3f,%.3f thickness 0.2\n", r * cos(a), r * sin(a), r * cos(b),

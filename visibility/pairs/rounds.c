@@ -250,7 +250,7 @@ static long long patience(int searches) {
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }
 
-static const double WORK = 2e9;  // of all searches, see ways_work
+static const double WORK = 1.5e9;  // of all searches, see ways_work
 
 void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;

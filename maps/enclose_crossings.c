@@ -1,0 +1,161 @@
+// enclose_crossings.c - outlines that cross so many others that the plan would fall into more pieces than a scene needs.
+//
+// n walls may cross at n^2 places, and each place is a vertex of the plan. Outlines are taken in their order, each as long as the places
+// where it meets those before it are not too many in all. A wall that is not taken stands as an object: it is drawn, it is met, it
+// throws shadows; it only parts no space, so more is visible than could be. Rooms, cut-outs and openings are left out, and noted.
+#include "maps/enclose.h"
+
+// Places where outlines may meet: so many, and so many for each edge. Walls of real buildings meet two or three others.
+static const long long MEETINGS = 20000, MEETINGS_AN_EDGE = 6;
+// Pairs of edges that may be looked at to find them, likewise.
+static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 64;
+// The plan is one for all storeys, and each has a table of its faces: faces times storeys.
+static const long long MOST_SPOTS = 8000000;
+// An end so near to another edge lies on it, mm.
+static const double ON_EDGE = 1;
+
+typedef struct PlanSegment {
+    Vec2 a, b;
+    int outline;
+} PlanSegment;
+
+// What outlines are tried against.
+typedef struct Crossings {
+    Enclosure *e;
+    PlanSegment *segments;
+    int segment_count, segment_capacity;
+    int *first;  // [outline_count + 1] segments of an outline
+    int outline_count, outline_capacity;
+    bool *taken;  // [outline_count]
+    BoxTree tree;
+    long long meetings, looks;  // so far
+} Crossings;
+
+static void add_outline(Crossings *c, const Shape *shape, bool use) {
+    Arena *a = c->e->scratch;
+    *ARENA_PUSH(a, c->first, c->outline_count, c->outline_capacity) = c->segment_count;
+    for (int r = 0; use && r < shape->ring_count; r++) {
+        for (int i = shape->ring[r], j = shape->ring[r + 1] - 1; i < shape->ring[r + 1]; j = i++)
+            *ARENA_PUSH(a, c->segments, c->segment_count, c->segment_capacity) =
+                (PlanSegment){shape->points[j], shape->points[i], c->outline_count - 1};
+    }
+}
+
+static Box segment_box(const PlanSegment *s) {
+    Vec2 low = vec2(fmin(s->a.x, s->b.x) - ON_EDGE, fmin(s->a.y, s->b.y) - ON_EDGE);
+    Vec2 high = vec2(fmax(s->a.x, s->b.x) + ON_EDGE, fmax(s->a.y, s->b.y) + ON_EDGE);
+    return enclose_box(low, high, 0);
+}
+
+static void index_segments(Crossings *c) {
+    Box *boxes = ARENA_ARRAY(c->e->scratch, Box, c->segment_count);
+    for (int i = 0; i < c->segment_count; i++) boxes[i] = segment_box(&c->segments[i]);
+    c->tree = box_tree_build(boxes, c->segment_count, c->e->scratch);
+    c->taken = ARENA_ARRAY(c->e->scratch, bool, c->outline_count);
+    *ARENA_PUSH(c->e->scratch, c->first, c->outline_count, c->outline_capacity) = c->segment_count;
+    c->outline_count--;
+}
+
+static bool lies_on(Vec2 p, const PlanSegment *s) {
+    Vec2 d = vec2_sub(s->b, s->a), ap = vec2_sub(p, s->a);
+    double length2 = vec2_dot(d, d), along = vec2_dot(ap, d), aside = vec2_cross(d, ap);
+    return along > 0 && along < length2 && aside * aside <= ON_EDGE * ON_EDGE * length2;
+}
+
+// How many vertices two edges give each other, ends that coincide aside.
+static int meetings_of(const PlanSegment *s, const PlanSegment *t) {
+    Vec2 d = vec2_sub(s->b, s->a), g = vec2_sub(t->b, t->a);
+    double p = vec2_cross(d, vec2_sub(t->a, s->a)), q = vec2_cross(d, vec2_sub(t->b, s->a));
+    double u = vec2_cross(g, vec2_sub(s->a, t->a)), v = vec2_cross(g, vec2_sub(s->b, t->a));
+    if (p * q < 0 && u * v < 0) return 1;
+    return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
+}
+
+// Takes an outline if it meets those taken before at few enough places.
+static bool take(Crossings *c, int outline) {
+    long long most = MEETINGS + MEETINGS_AN_EDGE * c->segment_count,
+              looks = LOOKS + LOOKS_AN_EDGE * c->segment_count,
+              spots = MOST_SPOTS / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1), count = 0;
+    if (most > spots) most = spots;
+    c->taken[outline] = true;
+    for (int i = c->first[outline]; i < c->first[outline + 1] && c->taken[outline]; i++) {
+        long long before = c->e->near.looked;
+        box_tree_find(&c->tree, c->tree.boxes[i], c->e->scratch, &c->e->near);
+        c->looks += c->e->near.looked - before;
+        for (int k = 0; k < c->e->near.count; k++) {
+            int j = c->e->near.items[k];
+            const PlanSegment *other = &c->segments[j];
+            if (c->taken[other->outline] && (other->outline != outline || j < i))
+                count += meetings_of(&c->segments[i], other);
+        }
+        c->taken[outline] = c->meetings + count <= most && c->looks <= looks;
+    }
+    if (c->taken[outline]) c->meetings += count;
+    return c->taken[outline];
+}
+
+// ---- walls, rooms and cut-outs
+
+static void leave_out(Enclosure *e, const Shape *shape, int storey, const char *what, const char *place) {
+    Vec3 p = enclose_place(e, shape->points[0], storey);
+    building_note(e->arena, e->b, NOTE_DROPPED, p,
+                  "%s %s left out: at (%.2f, %.2f) its outline would be one too many that cross others", what,
+                  enclose_text(place), p.x, p.y);
+}
+
+void crossings_limit(Enclosure *e) {
+    const Sketch *s = e->sketch;
+    Crossings c = {.e = e};
+    for (int i = 0; i < s->room_count; i++) add_outline(&c, &e->rooms[i], e->room_used[i]);
+    for (int i = 0; i < s->cutout_count; i++) add_outline(&c, &e->cutouts[i], e->cutout_used[i]);
+    for (int i = 0; i < s->wall_count; i++) add_outline(&c, &e->walls[i], e->wall_bounds[i]);
+    index_segments(&c);
+    for (int i = 0; i < s->room_count; i++) {
+        if (!e->room_used[i] || take(&c, i)) continue;
+        e->room_used[i] = false;
+        enclose_lose_room(e, i);
+        leave_out(e, &e->rooms[i], s->rooms[i].storey, "room", s->rooms[i].place);
+    }
+    for (int i = 0; i < s->cutout_count; i++) {
+        if (!e->cutout_used[i] || take(&c, s->room_count + i)) continue;
+        e->cutout_used[i] = false;
+        leave_out(e, &e->cutouts[i], s->cutouts[i].storey, "cut-out", s->cutouts[i].place);
+    }
+    int count = 0, first = -1;
+    for (int i = 0; i < s->wall_count; i++) {
+        if (!e->wall_bounds[i] || take(&c, s->room_count + s->cutout_count + i)) continue;
+        e->wall_bounds[i] = false;
+        enclose_add_low_wall(e, i);
+        if (count++ == 0) first = i;
+    }
+    if (count == 0) return;
+    Vec3 p = enclose_place(e, e->walls[first].points[0], s->walls[first].storey);
+    building_note(e->arena, e->b, NOTE_CHANGED, p,
+                  "%d walls cross so many others that they part no rooms and stand as objects, the first of "
+                  "them %s at (%.2f, %.2f)",
+                  count, enclose_text(s->walls[first].place), p.x, p.y);
+}
+
+// ---- openings
+
+void crossings_limit_holes(Enclosure *e) {
+    const Sketch *s = e->sketch;
+    Crossings c = {.e = e};
+    for (int i = 0; i < s->room_count; i++) add_outline(&c, &e->rooms[i], e->room_used[i]);
+    for (int i = 0; i < s->cutout_count; i++) add_outline(&c, &e->cutouts[i], e->cutout_used[i]);
+    for (int i = 0; i < s->wall_count; i++) add_outline(&c, &e->walls[i], e->wall_bounds[i]);
+    for (int k = 0; k < e->b->storey_count; k++) {
+        for (int i = 0; i < e->implicit[k].count; i++) add_outline(&c, &e->implicit[k].items[i], true);
+    }
+    int first = c.outline_count;
+    for (int i = 0; i < s->opening_count; i++) add_outline(&c, &e->holes[i].box, e->holes[i].used);
+    index_segments(&c);
+    for (int i = 0; i < first; i++) c.taken[i] = true;
+    for (int i = 0; i < s->opening_count; i++) {
+        Hole *h = &e->holes[i];
+        if (!h->used || take(&c, first + i)) continue;
+        h->used = false;
+        leave_out(e, &h->box, s->openings[i].storey, opening_kind_name(s->openings[i].kind),
+                  s->openings[i].place);
+    }
+}

@@ -5,10 +5,11 @@
 // throws shadows; it only parts no space, so more is visible than could be. Rooms, cut-outs and openings are left out, and noted.
 #include "maps/enclose.h"
 
-// Places where outlines may meet: so many, and so many for each edge. Walls of real buildings meet two or three others.
-static const long long MEETINGS = 20000, MEETINGS_AN_EDGE = 6;
+// Places where outlines may meet: so many, and so many for each outline. Walls of real buildings meet two
+// or three others.
+static const long long MEETINGS = 10000, MEETINGS_EACH = 12;
 // Pairs of edges that may be looked at to find them, likewise.
-static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 64;
+static const long long LOOKS = 2000000, LOOKS_AN_EDGE = 16;
 // The plan is one for all storeys, and each has a table of its faces: faces times storeys.
 static const long long MOST_SPOTS = 8000000;
 // An end so near to another edge lies on it, mm.
@@ -73,7 +74,7 @@ static int meetings_of(const PlanSegment *s, const PlanSegment *t) {
 
 // Takes an outline if it meets those taken before at few enough places.
 static bool take(Crossings *c, int outline) {
-    long long most = MEETINGS + MEETINGS_AN_EDGE * c->segment_count,
+    long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = LOOKS + LOOKS_AN_EDGE * c->segment_count,
               spots = MOST_SPOTS / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1), count = 0;
     if (most > spots) most = spots;

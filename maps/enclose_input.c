@@ -205,6 +205,7 @@ static void note_crossing(Enclosure *e, const Shape *shape, int storey, const ch
 
 void enclose_add_low_wall(Enclosure *e, int wall) {
     const Sketch *s = e->sketch;
+    enum { MOST_CORNERS = 128 };
     const SketchWall *w = &s->walls[wall];
     Building *b = e->b;
     int n = w->point_count;
@@ -224,7 +225,12 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
         top[i] = vec3(a.x, a.y, w->z1);
         bottom[n - 1 - i] = vec3(a.x, a.y, w->z0);
     }
-    building_add_polygon(e->arena, b, top, n, s->outer_material);
+    // Of two chains along an arc, quad by quad: as one polygon its triangles would take the cube of its corners.
+    for (int i = 0; n > MOST_CORNERS && n % 2 == 0 && i + 1 < n / 2; i++) {
+        Vec3 quad[4] = {top[i], top[i + 1], top[n - 2 - i], top[n - 1 - i]};
+        building_add_polygon(e->arena, b, quad, 4, s->outer_material);
+    }
+    if (n <= MOST_CORNERS || n % 2) building_add_polygon(e->arena, b, top, n, s->outer_material);
     if (w->z0 > b->storeys[w->storey].floor + MAPS_GRID)
         building_add_polygon(e->arena, b, bottom, n, s->outer_material);
     building_set_proxy(b, w->angle);

@@ -105,8 +105,9 @@ typedef struct Pass {
     Spot *spots;        // [storey_count * face_count]
     int *space_storey;  // [space_count] of unnamed enclosed spaces
     int space_count, space_capacity;
-    double enclosed;  // mm^2 indoors
-    bool leaking;     // a room lies open, or walls enclose nothing
+    int *cover_first, *cover_wall;  // the walls that cover face f, ascending: cover_wall[cover_first[f]] ..
+    double enclosed;                // mm^2 indoors
+    bool leaking;                   // a room lies open, or walls enclose nothing
 } Pass;
 
 // Disjoint sets: parent[i] of every element, itself at first; a set goes by its lowest element.
@@ -140,7 +141,9 @@ typedef struct Enclosure {
     Hole *holes;          // [opening_count]
     int grown_count, grown_capacity;
     BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of those in use, on their storeys (enclose_box)
-    BoxHits near, faces;                                  // what was found last in these, in Plan.inner
+    BoxTree side_tree;                                    // of all sides of walls, wall by wall
+    int *side_wall, *side_at;                             // [side count] its wall, and its number there
+    BoxHits near, faces, sides;  // what was found last in these, in Plan.inner, in side_tree
     double *floor, *ceiling, *base,
         *cover;  // [storey_count] base: under its slab; cover: top of what lies above
     Pass pass;

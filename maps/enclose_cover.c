@@ -40,16 +40,39 @@ static Spot *spots_of(const Pass *pass, int storey) {
     return pass->spots + (size_t)storey * (size_t)pass->plan.face_count;
 }
 
+typedef struct Cover {
+    int face, wall;
+} Cover;
+
+typedef struct Covers {
+    Cover *items;
+    int count, capacity;
+} Covers;
+
+static void list_covers(Enclosure *e, Pass *pass, const Covers *covers) {
+    int faces = pass->plan.face_count;
+    pass->cover_first = ARENA_ARRAY(e->scratch, int, faces + 2);
+    pass->cover_wall = ARENA_ARRAY(e->scratch, int, covers->count);
+    for (int i = 0; i < covers->count; i++) pass->cover_first[covers->items[i].face + 2]++;
+    for (int f = 0; f < faces; f++) pass->cover_first[f + 2] += pass->cover_first[f + 1];
+    for (int i = 0; i < covers->count; i++)
+        pass->cover_wall[pass->cover_first[covers->items[i].face + 1]++] = covers->items[i].wall;
+}
+
 static void label_walls(Enclosure *e, Pass *pass) {
     const Sketch *s = e->sketch;
+    Covers covers = {NULL, 0, 0};
     for (int i = 0; i < s->wall_count; i++) {
         if (!e->wall_bounds[i]) continue;
         Spot *spots = spots_of(pass, s->walls[i].storey);
         for (int k = plan_faces_in(e, &pass->plan, &e->walls[i]); k-- > 0;) {
             Spot *spot = &spots[e->faces.items[k]];
             if (spot->wall == NO_WALL) spot->wall = i;
+            *ARENA_PUSH(e->scratch, covers.items, covers.count, covers.capacity) =
+                (Cover){e->faces.items[k], i};
         }
     }
+    list_covers(e, pass, &covers);
 }
 
 // What lies in a room's grown outline and in no room that has a wall.

@@ -41,30 +41,78 @@ static double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
     return vec2_length(vec2_sub(ap, vec2_scale(d, t)));
 }
 
+static bool wall_covers(const Pass *pass, int wall, int face) {
+    int low = pass->cover_first[face], high = pass->cover_first[face + 1];
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (pass->cover_wall[middle] < wall)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < pass->cover_first[face + 1] && pass->cover_wall[low] == wall;
+}
+
+// The sketch's own points: the shape may have lost doubled ones, and with them the count.
+static void side_ends(const Enclosure *e, int wall, int side, Vec2 ends[2]) {
+    const SketchWall *w = &e->sketch->walls[wall];
+    ends[0] = enclose_local(e, e->sketch->points[w->first_point + side]);
+    ends[1] = enclose_local(e, e->sketch->points[w->first_point + (side + 1) % w->point_count]);
+}
+
+static double distance_to_side(const Enclosure *e, Vec2 p, int wall, int side) {
+    Vec2 ends[2];
+    side_ends(e, wall, side, ends);
+    return distance_to_segment(p, ends[0], ends[1]);
+}
+
+static void index_sides(Enclosure *e) {
+    const Sketch *s = e->sketch;
+    int count = 0;
+    for (int i = 0; i < s->wall_count; i++) count += e->wall_bounds[i] ? s->walls[i].point_count : 0;
+    Box *boxes = ARENA_ARRAY(e->scratch, Box, count);
+    e->side_wall = ARENA_ARRAY(e->scratch, int, count);
+    e->side_at = ARENA_ARRAY(e->scratch, int, count);
+    count = 0;
+    for (int i = 0; i < s->wall_count; i++) {
+        for (int k = 0; e->wall_bounds[i] && k < s->walls[i].point_count; k++) {
+            Vec2 ends[2];
+            side_ends(e, i, k, ends);
+            Vec2 low = vec2(fmin(ends[0].x, ends[1].x), fmin(ends[0].y, ends[1].y));
+            Vec2 high = vec2(fmax(ends[0].x, ends[1].x), fmax(ends[0].y, ends[1].y));
+            e->side_wall[count] = i;
+            e->side_at[count] = k;
+            boxes[count++] = enclose_box(low, high, s->walls[i].storey);
+        }
+    }
+    e->side_tree = box_tree_build(boxes, count, e->scratch);
+}
+
 // The side of the wall that lies behind half-edge h on one storey, or -1.
 static int wall_side(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     const Sketch *s = e->sketch;
     Vec2 middle = vec2_scale(vec2_add(p->vertices[half_from(p, h)], p->vertices[half_to(p, h)]), 0.5);
-    Vec2 inner = p->faces[half_right(p, h)].inner;
-    int best = -1;
+    int best = -1, next = 0;
     double nearest = COVER_BONUS + SIDE_REACH;
     box_tree_find(&e->wall_tree, enclose_around(middle, SIDE_REACH, storey), e->scratch, &e->near);
+    box_tree_find(&e->side_tree, enclose_around(middle, COVER_BONUS, storey), e->scratch, &e->sides);
     for (int found = 0; found < e->near.count; found++) {
         int i = e->near.items[found];
-        bool covers = shape_contains(&e->walls[i], inner);
-        // The sketch's own points: the shape may have lost doubled ones, and with them the count.
-        for (int k = 0, n = s->walls[i].point_count; k < n; k++) {
-            int at = s->walls[i].first_point + k, next = s->walls[i].first_point + (k + 1) % n;
-            double d = distance_to_segment(middle, enclose_local(e, s->points[at]),
-                                           enclose_local(e, s->points[next]));
+        bool covers = wall_covers(&e->pass, i, half_right(p, h));
+        // Farther sides of a wall that covers are all as far: the first stands for them.
+        while (next < e->sides.count && e->side_wall[e->sides.items[next]] < i) next++;
+        for (int k = covers ? 0 : -1;
+             k >= 0 || (next < e->sides.count && e->side_wall[e->sides.items[next]] == i); k = -1) {
+            int side = k >= 0 ? k : e->side_at[e->sides.items[next++]];
+            double d = distance_to_side(e, middle, i, side);
             if (!covers)
                 d = d > SIDE_REACH ? INFINITY : d + COVER_BONUS;
             else
                 d = fmin(d, COVER_BONUS - 1);  // in a jamb the sides may be far
             if (d >= nearest) continue;
             nearest = d;
-            best = s->edge_material ? s->edge_material[at] : -1;
+            best = s->edge_material ? s->edge_material[s->walls[i].first_point + side] : -1;
         }
     }
     return best;
@@ -416,6 +464,7 @@ void regions_trace(Enclosure *e) {
                 .stamp = ARENA_ARRAY(a, int, p->vertex_count)};
     for (int v = 0; v < p->vertex_count; v++) t.stamp[v] = -1;
     join_spans(&t);
+    index_sides(e);
     find_materials(&t);
     find_gone(&t);
     group_spans(&t);

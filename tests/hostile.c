@@ -18,6 +18,10 @@ static void room(FILE *f, const char *name, double x0, double y0, double x1, dou
             y1);
 }
 
+// Shapes stand in models: everything up to end_model is one, placed where its own coordinates are.
+static void begin_model(FILE *f) { fputs("model t\n", f); }
+static void end_model(FILE *f) { fputs("end\nplace t 0,0\n", f); }
+
 // Side of a square room for `count` things, `each` metres apart.
 static double side_for(int count, double each) { return 1 + each * ceil(sqrt(count)); }
 
@@ -195,30 +199,36 @@ static void spheres(FILE *f, int count, Random *random) {
     double side = side_for(count, 1);
     begin_plan(f);
     room(f, "a", 0, 0, side, side);
+    begin_model(f);
     for (int i = 0; i < count; i++)
         fprintf(f, "sphere m %.2f,%.2f,1 radius 0.4 tolerance 0.0005\n",
                 random_between(random, 0.5, side - 0.5), random_between(random, 0.5, side - 0.5));
+    end_model(f);
 }
 
 static void metaballs(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 10, 10);
+    begin_model(f);
     for (int i = 0; i < count; i++) {
         fputs("metaballs m threshold 0.5 tolerance 0.01\n", f);
         for (int k = 0; k < 50; k++)
             fprintf(f, "ball %.2f,%.2f,%.2f radius 0.5\n", random_between(random, 1, 9),
                     random_between(random, 1, 9), random_between(random, 0.5, 2));
     }
+    end_model(f);
 }
 
 static void lathes(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 20, 20);
+    begin_model(f);
     for (int i = 0; i < count; i++)
         fprintf(f,
                 "lathe m %.2f,%.2f profile 0.06,0 0.1,0.05 0.1,0.12 0.03,0.2 0.03,0.25 0.04,0.28 0.05,0.3 "
                 "tolerance 0.0001\n",
                 random_between(random, 1, 19), random_between(random, 1, 19));
+    end_model(f);
 }
 
 static void stairwells(FILE *f, int count, Random *random) {
@@ -310,6 +320,7 @@ static void zigzag(FILE *f, int count, Random *random) {
 static void patches(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 20, 20);
+    begin_model(f);
     for (int i = 0; i < count; i++) {
         fputs("patch m", f);
         for (int k = 0; k < 16; k++)
@@ -317,11 +328,13 @@ static void patches(FILE *f, int count, Random *random) {
                     k / 4 + random_between(random, 1, 9), random_between(random, 0.1, 2.5));
         fputs("\n", f);
     }
+    end_model(f);
 }
 
 static void polygons_crossing(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 10, 10);
+    begin_model(f);
     for (int i = 0; i < count; i++) {
         fputs("poly m", f);
         for (int k = 0; k < 3; k++)
@@ -329,17 +342,20 @@ static void polygons_crossing(FILE *f, int count, Random *random) {
                     random_between(random, 0.1, 2.5));
         fputs("\n", f);
     }
+    end_model(f);
 }
 
 static void polygons_coplanar(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 10, 10);
+    begin_model(f);
     for (int i = 0; i < count; i++) {
         fputs("poly m", f);
         for (int k = 0; k < 3; k++)
             fprintf(f, " %.2f,%.2f,1", random_between(random, 0.1, 9.9), random_between(random, 0.1, 9.9));
         fputs("\n", f);
     }
+    end_model(f);
 }
 
 // ---- polygons alone
@@ -419,7 +435,8 @@ static void quads_overlapping(FILE *f, int count, Random *random) {
     for (int i = 0; i < count; i++) {
         double x = random_between(random, 0, 9), y = random_between(random, 0, 9),
                w = random_between(random, 0.5, 5);
-        fprintf(f, "quad q%d 0.5 1 %.2f %.2f 0 %.2f 0 0 0 %.2f 0\n", i, x, y, w, w);
+        fprintf(f, "quad q%d 0.5 1 %.2f %.2f 0 %.2f %.2f 0 %.2f %.2f 0 %.2f %.2f 0\n", i, x, y, x + w, y,
+                x + w, y + w, x, y + w);
     }
 }
 

@@ -47,6 +47,13 @@ typedef struct SoupCell {
     bool gone;  // it became part of another
 } SoupCell;
 
+// Planes at about one distance from the soup's centre: among these a polygon finds its own.
+enum { SOUP_SHELVES = 500 };
+typedef struct SoupShelf {
+    int *planes;  // increasing
+    int count, capacity;
+} SoupShelf;
+
 typedef struct Soup {
     CellBuilder *builder;
     Arena *scratch;
@@ -54,6 +61,7 @@ typedef struct Soup {
     double size;   // twice the distance of the corner farthest from it, metres
     Vec3 axis[3];  // of the building's own box: along its largest planes
     SoupPlane *planes;
+    SoupShelf shelves[SOUP_SHELVES];
     SoupSheet *sheets;  // by plane, once soup_find_planes is through
     SoupDoor *doors;
     SoupCell **cells;
@@ -95,20 +103,25 @@ Plane soup_inward(const Soup *soup, const CellFace *face);
 typedef struct SoupPiece {
     Vec3 *v;
     int count;
+    Box box;
 } SoupPiece;
 
+// Start with {0}.
 typedef struct SoupPieces {
-    SoupPiece *piece;
-    int count, capacity;
+    SoupPiece *piece, *spare;  // spare: of those before the last difference
+    int count, capacity, spare_capacity;
 } SoupPieces;
 
 void soup_pieces_add(Arena *arena, SoupPieces *pieces, const Vec3 *v, int count);
-// Less a convex polygon, either way round, in the same plane of normal n.
-void soup_pieces_subtract(Arena *arena, SoupPieces *pieces, const Vec3 *hole, int count, Vec3 n, double weld);
-// Pieces that together are convex become one.
-void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld);
+// Less a convex polygon, either way round, in the same plane of normal n, off it by less than `near`.
+void soup_pieces_subtract(Arena *arena, SoupPieces *pieces, const Vec3 *hole, int count, Vec3 n, double weld,
+                          double near);
+// Pieces nearer than `near` that together are convex become one.
+void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld, double near);
 // The part of one convex polygon in another of the same plane, either way round; `out` has room for both and one more.
 int soup_overlap(const Vec3 *v, int count, const Vec3 *by, int by_count, Vec3 n, Vec3 *out);
+// The box around points, `grow` larger on all sides.
+Box soup_box(const Vec3 *v, int count, double grow);
 // The convex hull of points in a plane, counter-clockwise about n; points nearer than `weld` to an edge are left out.
 // `out` has room for count + 1.
 int soup_hull(Arena *arena, const Vec3 *points, int count, Vec3 n, double weld, Vec3 *out);

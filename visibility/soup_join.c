@@ -10,8 +10,10 @@ static const double CONVEX = SOUP_WELD;
 static bool opaque_in(const Soup *soup, const CellFace *face) {
     const SoupPlane *plane = &soup->planes[face->plane];
     Vec3 part[SOUP_MOST_CORNERS];
+    Box box = soup_box(face->v, face->count, 2 * SOUP_SNAP * soup->size);
     for (int i = plane->first_sheet; i < plane->first_sheet + plane->sheet_count; i++) {
         const SoupSheet *sheet = &soup->sheets[i];
+        if (!box_overlap(box, soup_box(sheet->v, sheet->count, 0))) continue;
         int count = soup_overlap(face->v, face->count, sheet->v, sheet->count, plane->plane.n, part);
         if (count > 0 && soup_width(part, count) > SOUP_SNAP * soup->size) return true;
     }

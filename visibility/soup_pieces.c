@@ -5,10 +5,21 @@
 #include "engine/core/polygon.h"
 #include "visibility/soup.h"
 
+Box soup_box(const Vec3 *v, int count, double grow) {
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) box = box_add(box, v[i]);
+    return box_grow(box, grow);
+}
+
 void soup_pieces_add(Arena *arena, SoupPieces *pieces, const Vec3 *v, int count) {
     SoupPiece *piece = ARENA_PUSH(arena, pieces->piece, pieces->count, pieces->capacity);
     piece->v = memcpy(ARENA_ARRAY(arena, Vec3, count), v, (size_t)count * sizeof *v);
     piece->count = count;
+    piece->box = soup_box(v, count, 0);
+}
+
+static void keep(Arena *arena, SoupPieces *pieces, const SoupPiece *piece) {
+    *ARENA_PUSH(arena, pieces->piece, pieces->count, pieces->capacity) = *piece;
 }
 
 double soup_width(const Vec3 *v, int count) {
@@ -41,16 +52,20 @@ int soup_overlap(const Vec3 *v, int count, const Vec3 *by, int by_count, Vec3 n,
 }
 
 // What lies outside the hole's first edge, then of the rest what lies outside the second, and so on.
-static void subtract_from(Arena *arena, const SoupPiece *piece, const Vec3 *hole, int hole_count, Vec3 n,
-                          double weld, SoupPieces *out) {
+static void subtract_from(Arena *arena, const SoupPiece *piece, const Vec3 *hole, int hole_count,
+                          Box hole_box, Vec3 n, double weld, SoupPieces *out) {
+    if (!box_overlap(piece->box, hole_box)) {
+        keep(arena, out, piece);
+        return;
+    }
     Vec3 rest[SOUP_MOST_CORNERS], part[SOUP_MOST_CORNERS];
     if (piece->count + hole_count > SOUP_MOST_CORNERS / 2) {
-        soup_pieces_add(arena, out, piece->v, piece->count);  // too round: it stays open
+        keep(arena, out, piece);  // too round: it stays open
         return;
     }
     int count = soup_overlap(piece->v, piece->count, hole, hole_count, n, rest);
     if (count == 0 || soup_width(rest, count) <= weld) {
-        soup_pieces_add(arena, out, piece->v, piece->count);  // the hole lies beside it
+        keep(arena, out, piece);  // the hole lies beside it
         return;
     }
     int turn = turn_of(hole, hole_count, n);
@@ -60,18 +75,21 @@ static void subtract_from(Arena *arena, const SoupPiece *piece, const Vec3 *hole
         Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
         if (vec3_length(vec3_sub(b, a)) <= weld) continue;
         Plane inside = edge_plane(a, b, n, turn), outside = {vec3_scale(inside.n, -1), -inside.d};
-        int kept = polygon_clip(rest, count, outside, 0, part);
-        if (kept >= 3 && soup_width(part, kept) > weld) soup_pieces_add(arena, out, part, kept);
+        int left = polygon_clip(rest, count, outside, 0, part);
+        if (left >= 3 && soup_width(part, left) > weld) soup_pieces_add(arena, out, part, left);
         count = polygon_clip(rest, count, inside, 0, part);
         memcpy(rest, part, (size_t)count * sizeof *rest);
     }
 }
 
-void soup_pieces_subtract(Arena *arena, SoupPieces *pieces, const Vec3 *hole, int count, Vec3 n,
-                          double weld) {
-    SoupPieces left = {0};
+void soup_pieces_subtract(Arena *arena, SoupPieces *pieces, const Vec3 *hole, int count, Vec3 n, double weld,
+                          double near) {
+    SoupPieces left = {.piece = pieces->spare, .capacity = pieces->spare_capacity};
+    Box box = soup_box(hole, count, near);
     for (int i = 0; i < pieces->count; i++)
-        subtract_from(arena, &pieces->piece[i], hole, count, n, weld, &left);
+        subtract_from(arena, &pieces->piece[i], hole, count, box, n, weld, &left);
+    left.spare = pieces->piece;
+    left.spare_capacity = pieces->capacity;
     *pieces = left;
 }
 
@@ -95,7 +113,12 @@ static double left_of(const FlatPoint *a, const FlatPoint *b, const FlatPoint *c
 
 // Lower chain, then upper chain (A. M. Andrew 1979).
 int soup_hull(Arena *arena, const Vec3 *points, int count, Vec3 n, double weld, Vec3 *out) {
-    FlatPoint *flat = ARENA_ARRAY(arena, FlatPoint, count), *chain = ARENA_ARRAY(arena, FlatPoint, count + 2);
+    enum { FEW = SOUP_MOST_CORNERS };
+    FlatPoint few[2 * FEW + 2], *flat = few, *chain = few + FEW;
+    if (count > FEW) {
+        flat = ARENA_ARRAY(arena, FlatPoint, count);
+        chain = ARENA_ARRAY(arena, FlatPoint, count + 2);
+    }
     Vec3 u = vec3_normalize(vec3_cross(n, fabs(n.x) < 0.6 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
     Vec3 w = vec3_cross(n, u);
     for (int i = 0; i < count; i++) {
@@ -130,15 +153,19 @@ static bool join(Arena *arena, SoupPiece *a, const SoupPiece *b, Vec3 n, double 
     if (more > weld * girth) return false;
     a->v = memcpy(ARENA_ARRAY(arena, Vec3, count), hull, (size_t)count * sizeof *hull);
     a->count = count;
+    a->box = soup_box(hull, count, 0);
     return true;
 }
 
-void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld) {
+void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld, double near) {
     for (int i = 0; i < pieces->count; i++) {
+        Box around = box_grow(pieces->piece[i].box, near);
         for (int k = 0; k < pieces->count; k++) {
-            if (k == i || !join(arena, &pieces->piece[i], &pieces->piece[k], n, weld)) continue;
+            if (k == i || !box_overlap(around, pieces->piece[k].box)) continue;
+            if (!join(arena, &pieces->piece[i], &pieces->piece[k], n, weld)) continue;
             pieces->piece[k] = pieces->piece[--pieces->count];
             if (i == pieces->count) i = k;
+            around = box_grow(pieces->piece[i].box, near);
             k = -1;  // what it has become may fit others
         }
     }

@@ -73,22 +73,38 @@ static int by_area(const void *p, const void *q) {
     return (a->sheet > b->sheet) - (a->sheet < b->sheet);
 }
 
+// Planes by their distance from the centre, up to half the size.
+static int shelf_of(double distance, double size) {
+    double shelf = fabs(distance) / size * 2 * SOUP_SHELVES;
+    return shelf < SOUP_SHELVES ? (int)shelf : SOUP_SHELVES - 1;
+}
+
+// The first plane that the polygon lies in, or -1.
 static int find_plane(const Soup *soup, const Vec3 *v, int count, Vec3 n) {
-    double near = SOUP_SNAP * soup->size;
-    for (int i = 0; i < soup->plane_count; i++) {
-        Plane plane = soup->planes[i].plane;
-        if (fabs(plane_distance(plane, v[0])) > near) continue;
-        if (vec3_length(vec3_cross(plane.n, n)) > SAME_NORMAL) continue;
-        if (polygon_bend(v, count, plane) <= near) return i;
+    // Planes whose normals differ by so much turn away from each other by half of that, from the centre to the soup's rim.
+    double near = SOUP_SNAP * soup->size, slack = 0.6 * SAME_NORMAL * soup->size,
+           away = fabs(vec3_dot(n, vec3_sub(v[0], soup->centre)));
+    int first = -1;
+    for (int s = shelf_of(fmax(away - slack, 0), soup->size); s <= shelf_of(away + slack, soup->size); s++) {
+        const SoupShelf *shelf = &soup->shelves[s];
+        for (int k = 0; k < shelf->count && (first < 0 || shelf->planes[k] < first); k++) {
+            Plane plane = soup->planes[shelf->planes[k]].plane;
+            if (fabs(plane_distance(plane, v[0])) > near) continue;
+            if (vec3_length(vec3_cross(plane.n, n)) > SAME_NORMAL) continue;
+            if (polygon_bend(v, count, plane) <= near) first = shelf->planes[k];
+        }
     }
-    return -1;
+    return first;
 }
 
 static int add_plane(Soup *soup, Vec3 n, Vec3 through) {
     n = straighten(n);
+    int index = soup->plane_count;
     *ARENA_PUSH(soup->scratch, soup->planes, soup->plane_count, soup->plane_capacity) =
         (SoupPlane){.plane = {n, vec3_dot(n, through)}};
-    return soup->plane_count - 1;
+    SoupShelf *shelf = &soup->shelves[shelf_of(vec3_dot(n, vec3_sub(through, soup->centre)), soup->size)];
+    *ARENA_PUSH(soup->scratch, shelf->planes, shelf->count, shelf->capacity) = index;
+    return index;
 }
 
 static int find_or_add(Soup *soup, const Vec3 *v, int count) {

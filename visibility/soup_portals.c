@@ -8,6 +8,8 @@
 
 // A door whose rectangle covers this share of a piece closes all of it: leaves have play in their frames.
 static const double DOOR_SHARE = 0.75;
+// A face of which polygons leave more pieces than this, and after joining more than that, counts as open all over.
+enum { MOST_PIECES = 8192, MOST_PORTALS = 1024, FEW_PIECES = 128 };
 
 // ---- cells
 
@@ -82,12 +84,6 @@ typedef struct PlaneFace {
     Box box;
 } PlaneFace;
 
-static Box box_of(const Vec3 *v, int count, double grow) {
-    Box box = box_empty();
-    for (int i = 0; i < count; i++) box = box_add(box, v[i]);
-    return box_grow(box, grow);
-}
-
 static void add_portal(Soup *soup, const SoupPiece *piece, int plane, int front, int back, int door) {
     CellBuilder *builder = soup->builder;
     CellGraph *graph = builder->graph;
@@ -128,9 +124,9 @@ static void add_piece(Soup *soup, SoupPiece piece, int plane, int front, int bac
             add_portal(soup, &piece, plane, front, back, door->opening);
             return;
         }
-        SoupPiece closed = {part, count};
+        SoupPiece closed = {.v = part, .count = count};
         add_portal(soup, &closed, plane, front, back, door->opening);
-        soup_pieces_subtract(soup->scratch, &rest, part, count, n, snap);
+        soup_pieces_subtract(soup->scratch, &rest, part, count, n, snap, 2 * snap);
     }
     for (int i = 0; i < rest.count; i++) add_portal(soup, &rest.piece[i], plane, front, back, -1);
 }
@@ -148,14 +144,22 @@ static void part_faces(Soup *soup, int plane, const PlaneFace *front, const Plan
     }
     SoupPieces pieces = {0};
     soup_pieces_add(soup->scratch, &pieces, common, count);
-    Box box = box_of(common, count, snap);
-    for (int i = p->first_sheet; i < p->first_sheet + p->sheet_count && pieces.count > 0; i++) {
+    Box box = soup_box(common, count, snap);
+    for (int i = p->first_sheet; i < p->first_sheet + p->sheet_count; i++) {
+        if (pieces.count == 0 || pieces.count > MOST_PIECES) break;
         const SoupSheet *sheet = &soup->sheets[i];
-        if (!box_overlap(box, box_of(sheet->v, sheet->count, snap))) continue;
+        if (!box_overlap(box, soup_box(sheet->v, sheet->count, snap))) continue;
         soup_pieces_subtract(soup->scratch, &pieces, sheet->v, sheet->count, p->plane.n,
-                             SOUP_WELD * soup->size);
+                             SOUP_WELD * soup->size, 2 * snap);
     }
-    soup_pieces_join(soup->scratch, &pieces, p->plane.n, SOUP_WELD * soup->size);
+    // Slivers would join with what is far away; of many pieces only neighbours are tried.
+    double near = pieces.count <= FEW_PIECES ? soup->size : snap;
+    if (pieces.count <= MOST_PIECES)
+        soup_pieces_join(soup->scratch, &pieces, p->plane.n, SOUP_WELD * soup->size, near);
+    if (pieces.count > MOST_PORTALS) {
+        pieces = (SoupPieces){0};
+        soup_pieces_add(soup->scratch, &pieces, common, count);
+    }
     for (int i = 0; i < pieces.count; i++) add_piece(soup, pieces.piece[i], plane, front->cell, back->cell);
 }
 
@@ -175,7 +179,7 @@ static PlaneFace *faces_by_plane(const Soup *soup, int *first) {
         const SoupCell *cell = soup->cells[c];
         for (int i = 0; i < cell->face_count; i++) {
             const CellFace *f = &cell->faces[i];
-            faces[fill[f->plane]++] = (PlaneFace){f, c, box_of(f->v, f->count, SOUP_SNAP * soup->size)};
+            faces[fill[f->plane]++] = (PlaneFace){f, c, soup_box(f->v, f->count, SOUP_SNAP * soup->size)};
         }
     }
     return faces;

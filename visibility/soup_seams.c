@@ -8,6 +8,9 @@
 // How near an edge a corner lies on it, relative to the size: far above rounding, and no picture shows such a bend.
 static const double ON_EDGE = 1e-7;
 enum { LEAF = 8 };  // corners that are looked at one by one
+// Edges that all run along one line hold each other's corners, by the square of their number: beyond so many, and so many for each
+// corner there was, the rest of the edges stay as they are.
+static const double FEW_HITS = 1e6, HITS_A_CORNER = 16;
 
 // All corners, each once, as a k-d tree (Bentley 1975): of the run from lo to hi the middle one parts the others along
 // axis[middle]. Corners come in crowds, plants beside walls, which no even grid parts.
@@ -28,6 +31,7 @@ typedef struct Seams {
     double near;  // metres
     Hit *hits;    // on the edge looked at
     int hit_count, hit_capacity;
+    double left;  // hits that there may still be
 } Seams;
 
 // Leaves of doors move: they share no seams.
@@ -138,7 +142,9 @@ static void hit_run(Seams *s, int lo, int hi, Vec3 a, Vec3 along, double t0, dou
 // The corners inside an edge, in order along it, each once.
 static void hit_edge(Seams *s, Vec3 a, Vec3 b) {
     s->hit_count = 0;
+    if (s->left <= 0) return;
     hit_run(s, 0, s->tree.count, a, vec3_sub(b, a), 0, 1);
+    s->left -= s->hit_count;
     if (s->hit_count > 1) qsort(s->hits, (size_t)s->hit_count, sizeof *s->hits, along_edge);
     int kept = 0;
     for (int i = 0; i < s->hit_count; i++) {
@@ -157,6 +163,7 @@ void soup_close_seams(const Soup *soup) {
     CellBuilder *builder = soup->builder;
     CellGraph *graph = builder->graph;
     Seams s = {.builder = builder, .near = ON_EDGE * soup->size};
+    s.left = FEW_HITS + HITS_A_CORNER * graph->vertex_count;
     list_corners(&s.tree, graph, builder->scratch);
     part_corners(&s.tree, 0, s.tree.count);
     const Vec3 *old = graph->vertices;

@@ -21,8 +21,12 @@ static const double CUT_COST = 0.3, BALANCE_COST = 0.05;
 // A cell is crowded where CROWDED times the box around what it holds is less than that, if it is so much of the building:
 // a wardrobe is no house.
 static const double CROWDED = 1.1, CROWDED_SHARE = 0.05;
-// Planes of a cell that are tried, those with most opaque area; cells there may be.
-enum { TRIED = 32, MOST_CELLS = 4096 };
+// Planes of a cell that are tried, those with most opaque area; cells there may be, however many sheets; and a cell more for so many.
+enum { TRIED = 32, MOST_CELLS = 4096, FEW_CELLS = 512, SHEETS_A_CELL = 32 };
+// Polygons in general position cut each other without end: what there may be of fragments, and how many may be looked at in all, is
+// so much, and so much more for each sheet. A building of rooms has two or three fragments a sheet, and looks at each a few hundred
+// times.
+static const double FEW_FRAGMENTS = 100000, FRAGMENTS_A_SHEET = 8, FEW_LOOKS = 3e8, LOOKS_A_SHEET = 2000;
 // Figures that decide are compared as whole multiples of this: equal ones stay so when the building is turned.
 static const double DIGIT = 1e-6;
 
@@ -33,10 +37,18 @@ typedef struct Fragment {
     double area;
 } Fragment;
 
+// Fragments in their order, a run of them at a time. Runs of branches that were cut are used again.
+enum { RUN = 120 };
+typedef struct FragmentRun {
+    struct FragmentRun *next;
+    int count;
+    Fragment fragments[RUN];
+} FragmentRun;
+
 typedef struct Branch {
     SoupCell *cell;
-    Fragment *fragments;
-    int fragment_count, fragment_capacity;
+    FragmentRun *first, *last;
+    int fragment_count;
     int best;        // the plane to cut by, or -1
     double urgency;  // what that plane hides
 } Branch;
@@ -47,6 +59,8 @@ typedef struct Tree {
     int branch_count, branch_capacity;
     double *plane_area;  // [plane_count] of the branch looked at
     int *touched;        // [plane_count] planes with area there
+    FragmentRun *free;
+    double fragments, looks;  // that there are; at fragments so far
 } Tree;
 
 typedef struct Reach {
@@ -70,17 +84,35 @@ static Reach reach_of(const Vec3 *v, int count, Plane plane) {
     return r;
 }
 
-static bool crosses(const Fragment *f, Plane plane, double near) {
-    Reach r = reach_of(f->v, f->count, plane);
-    return r.low < -near && r.high > near;
+static void push_fragment(Tree *tree, Branch *branch, Fragment fragment) {
+    if (!branch->last || branch->last->count == RUN) {
+        FragmentRun *run = tree->free;
+        if (run)
+            tree->free = run->next;
+        else
+            run = ARENA_ARRAY(tree->soup->scratch, FragmentRun, 1);
+        run->next = NULL;
+        run->count = 0;
+        *(branch->last ? &branch->last->next : &branch->first) = run;
+        branch->last = run;
+    }
+    branch->last->fragments[branch->last->count++] = fragment;
+    branch->fragment_count++;
+    tree->fragments++;
+}
+
+static void free_fragments(Tree *tree, const Branch *branch) {
+    if (!branch->last) return;
+    branch->last->next = tree->free;
+    tree->free = branch->first;
+    tree->fragments -= branch->fragment_count;
 }
 
 static void add_fragment(Tree *tree, Branch *branch, const Vec3 *v, int count, int plane) {
     double near = SOUP_SNAP * tree->soup->size;
     if (count < 3 || soup_width(v, count) < near) return;
     Vec3 *copy = memcpy(ARENA_ARRAY(tree->soup->scratch, Vec3, count), v, (size_t)count * sizeof *v);
-    *ARENA_PUSH(tree->soup->scratch, branch->fragments, branch->fragment_count, branch->fragment_capacity) =
-        (Fragment){copy, count, plane, polygon_area(v, count)};
+    push_fragment(tree, branch, (Fragment){copy, count, plane, polygon_area(v, count)});
 }
 
 // ---- which plane
@@ -114,60 +146,80 @@ static bool parts_cell(const Soup *soup, const SoupCell *cell, Plane plane) {
     return extent.low < -SOUP_THINNEST * soup->size && extent.high > SOUP_THINNEST * soup->size;
 }
 
-static Choice judge(const Tree *tree, const Branch *branch, int plane, const Content *content) {
-    const Soup *soup = tree->soup;
-    Choice c = {plane, tree->plane_area[plane], 0, -INFINITY};
-    Plane p = soup->planes[plane].plane;
-    if (!parts_cell(soup, branch->cell, p)) return c;
-    double section = section_area(soup, branch, plane, content);
-    if (section <= 0) return c;
-    c.cover = fmin(1, c.area / section);
-    double cut = 0, front = 0, back = 0, near = SOUP_SNAP * soup->size;
-    for (int i = 0; i < branch->fragment_count; i++) {
-        const Fragment *f = &branch->fragments[i];
-        if (f->plane == plane) continue;
-        Reach r = reach_of(f->v, f->count, p);
-        if (r.low < -near && r.high > near) {
-            cut += f->area;
-        } else if (r.high > near) {
-            front += f->area;
-        } else {
-            back += f->area;
-        }
-    }
-    c.score = c.cover - (CUT_COST * cut + BALANCE_COST * fabs(front - back)) / content->area;
-    c.cover = nearbyint(c.cover / DIGIT);
-    c.score = nearbyint(c.score / DIGIT);
-    return c;
+// In whole DIGITs.
+static double score_of(double cover, double cut, double uneven, double area) {
+    return nearbyint((cover - (CUT_COST * cut + BALANCE_COST * uneven) / area) / DIGIT);
 }
 
-// Moves the planes with most area to the front of `touched`; how many of them are worth trying.
-static int rank_planes(Tree *tree, int count) {
-    double unit = DIGIT * tree->soup->opaque_area;
-    int tried = 0;
-    for (; tried < count && tried < TRIED; tried++) {
-        int most = tried;
-        for (int i = tried + 1; i < count; i++) {
-            int a = tree->touched[i], b = tree->touched[most];
-            double more = nearbyint(tree->plane_area[a] / unit) - nearbyint(tree->plane_area[b] / unit);
-            if (more > 0 || (more == 0 && a < b)) most = i;
+static bool is_better(const Choice *c, double score, const Choice *best) {
+    return score > best->score || (score == best->score && c->plane < best->plane);
+}
+
+// Whether a plane is major, and better than the best so far; then it becomes that. What is cut only grows as fragments are looked at:
+// a plane is given up as soon as it cuts too much.
+static void judge(Tree *tree, const Branch *branch, int plane, const Content *content, Choice *best) {
+    const Soup *soup = tree->soup;
+    Choice c = {.plane = plane, .area = tree->plane_area[plane]};
+    Plane p = soup->planes[plane].plane;
+    if (!parts_cell(soup, branch->cell, p)) return;
+    double section = section_area(soup, branch, plane, content);
+    if (section <= 0) return;
+    double cover = fmin(1, c.area / section);
+    c.cover = nearbyint(cover / DIGIT);
+    if (c.cover < MAJOR_COVER / DIGIT && !content->crowded) return;
+    double cut = 0, front = 0, back = 0, near = SOUP_SNAP * soup->size;
+    for (const FragmentRun *run = branch->first; run; run = run->next) {
+        if (!is_better(&c, score_of(cover, cut, 0, content->area), best)) return;
+        tree->looks += run->count;
+        for (int i = 0; i < run->count; i++) {
+            const Fragment *f = &run->fragments[i];
+            if (f->plane == plane) continue;
+            Reach r = reach_of(f->v, f->count, p);
+            if (r.low < -near && r.high > near) {
+                cut += f->area;
+            } else if (r.high > near) {
+                front += f->area;
+            } else {
+                back += f->area;
+            }
         }
-        int swap = tree->touched[tried];
-        tree->touched[tried] = tree->touched[most];
-        tree->touched[most] = swap;
-        if (tree->plane_area[tree->touched[tried]] < LEAST_SHARE * tree->soup->opaque_area) break;
     }
+    c.score = score_of(cover, cut, fabs(front - back), content->area);
+    if (is_better(&c, c.score, best)) *best = c;
+}
+
+// The planes with most area among those touched, the lower index first of equals; how many are worth trying.
+static int rank_planes(const Tree *tree, int count, int out[TRIED]) {
+    double unit = DIGIT * tree->soup->opaque_area, area[TRIED];
+    int tried = 0;
+    for (int i = 0; i < count; i++) {
+        int plane = tree->touched[i], at = tried;
+        double here = nearbyint(tree->plane_area[plane] / unit);
+        while (at > 0 && (here > area[at - 1] || (here == area[at - 1] && plane < out[at - 1]))) at--;
+        if (at == TRIED) continue;
+        if (tried < TRIED) tried++;
+        for (int k = tried - 1; k > at; k--) {
+            area[k] = area[k - 1];
+            out[k] = out[k - 1];
+        }
+        area[at] = here;
+        out[at] = plane;
+    }
+    for (int i = 0; i < tried; i++)
+        if (tree->plane_area[out[i]] < LEAST_SHARE * tree->soup->opaque_area) return i;
     return tried;
 }
 
 static Content measure(const Soup *soup, const Branch *branch) {
     Content c = {.along = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
-    for (int i = 0; i < branch->fragment_count; i++) {
-        const Fragment *f = &branch->fragments[i];
-        c.area += f->area;
-        for (int k = 0; k < 3; k++) {
-            Reach r = reach_of(f->v, f->count, (Plane){soup->axis[k], vec3_dot(soup->axis[k], soup->centre)});
-            c.along[k] = (Reach){fmin(c.along[k].low, r.low), fmax(c.along[k].high, r.high)};
+    for (const FragmentRun *run = branch->first; run; run = run->next) {
+        for (const Fragment *f = run->fragments; f < run->fragments + run->count; f++) {
+            c.area += f->area;
+            for (int k = 0; k < 3; k++) {
+                Plane across = {soup->axis[k], vec3_dot(soup->axis[k], soup->centre)};
+                Reach r = reach_of(f->v, f->count, across);
+                c.along[k] = (Reach){fmin(c.along[k].low, r.low), fmax(c.along[k].high, r.high)};
+            }
         }
     }
     double boundary = 0, size[3];
@@ -181,19 +233,17 @@ static Content measure(const Soup *soup, const Branch *branch) {
 
 static void choose(Tree *tree, Branch *branch) {
     int count = 0;
-    for (int i = 0; i < branch->fragment_count; i++) {
-        const Fragment *f = &branch->fragments[i];
-        if (tree->plane_area[f->plane] == 0) tree->touched[count++] = f->plane;
-        tree->plane_area[f->plane] += f->area;
+    tree->looks += branch->fragment_count;
+    for (const FragmentRun *run = branch->first; run; run = run->next) {
+        for (const Fragment *f = run->fragments; f < run->fragments + run->count; f++) {
+            if (tree->plane_area[f->plane] == 0) tree->touched[count++] = f->plane;
+            tree->plane_area[f->plane] += f->area;
+        }
     }
     Content content = measure(tree->soup, branch);
-    int tried = rank_planes(tree, count);
+    int ranked[TRIED], tried = rank_planes(tree, count, ranked);
     Choice best = {-1, 0, 0, -INFINITY};
-    for (int i = 0; i < tried; i++) {
-        Choice c = judge(tree, branch, tree->touched[i], &content);
-        bool major = c.cover >= MAJOR_COVER / DIGIT || content.crowded;
-        if (major && (c.score > best.score || (c.score == best.score && c.plane < best.plane))) best = c;
-    }
+    for (int i = 0; i < tried; i++) judge(tree, branch, ranked[i], &content, &best);
     branch->best = best.plane;
     branch->urgency = best.area * best.cover;
     for (int i = 0; i < count; i++) tree->plane_area[tree->touched[i]] = 0;
@@ -201,20 +251,23 @@ static void choose(Tree *tree, Branch *branch) {
 
 // ---- cutting
 
-static void part_fragments(Tree *tree, const Branch *from, int plane, Branch *front, Branch *back) {
-    Plane p = tree->soup->planes[plane].plane, behind = {vec3_scale(p.n, -1), -p.d};
-    double near = SOUP_SNAP * tree->soup->size;
+static void part_fragment(Tree *tree, const Fragment *f, Plane p, Branch *front, Branch *back) {
+    Plane behind = {vec3_scale(p.n, -1), -p.d};
     Vec3 part[SOUP_MOST_CORNERS];
-    for (int i = 0; i < from->fragment_count; i++) {
-        const Fragment *f = &from->fragments[i];
-        if (f->plane == plane) continue;
-        if (!crosses(f, p, near) || f->count >= SOUP_MOST_CORNERS) {
-            Branch *side = reach_of(f->v, f->count, p).high > near ? front : back;
-            add_fragment(tree, side, f->v, f->count, f->plane);
-            continue;
-        }
-        add_fragment(tree, front, part, polygon_clip(f->v, f->count, p, 0, part), f->plane);
-        add_fragment(tree, back, part, polygon_clip(f->v, f->count, behind, 0, part), f->plane);
+    Reach r = reach_of(f->v, f->count, p);
+    double near = SOUP_SNAP * tree->soup->size;
+    if (r.low >= -near || r.high <= near || f->count >= SOUP_MOST_CORNERS) {
+        push_fragment(tree, r.high > near ? front : back, *f);
+        return;
+    }
+    add_fragment(tree, front, part, polygon_clip(f->v, f->count, p, 0, part), f->plane);
+    add_fragment(tree, back, part, polygon_clip(f->v, f->count, behind, 0, part), f->plane);
+}
+
+static void part_fragments(Tree *tree, const Branch *from, int plane, Branch *front, Branch *back) {
+    for (const FragmentRun *run = from->first; run; run = run->next) {
+        for (const Fragment *f = run->fragments; f < run->fragments + run->count; f++)
+            if (f->plane != plane) part_fragment(tree, f, tree->soup->planes[plane].plane, front, back);
     }
 }
 
@@ -226,6 +279,7 @@ static bool cut_branch(Tree *tree, int index, int plane) {
     tree->branches[index].cell->gone = true;
     Branch front = {.cell = front_cell}, back = {.cell = back_cell};
     part_fragments(tree, &tree->branches[index], plane, &front, &back);
+    free_fragments(tree, &tree->branches[index]);
     choose(tree, &front);
     choose(tree, &back);
     tree->branches[index] = front;
@@ -245,7 +299,9 @@ static void cut_box(Tree *tree) {
 }
 
 static void cut_all(Tree *tree) {
-    while (tree->branch_count < MOST_CELLS) {
+    double sheets = tree->soup->sheet_count, most = fmin(MOST_CELLS, FEW_CELLS + sheets / SHEETS_A_CELL);
+    while (tree->branch_count < most && tree->fragments < FEW_FRAGMENTS + FRAGMENTS_A_SHEET * sheets &&
+           tree->looks < FEW_LOOKS + LOOKS_A_SHEET * sheets) {
         int next = -1;
         for (int i = 0; i < tree->branch_count; i++) {
             const Branch *branch = &tree->branches[i];

@@ -76,13 +76,30 @@ typedef struct Registrar {
     int *tried;  // [cell_count] the last polygon or prism tried against a cell, by its serial number
     int serial;
     int *registered;  // [square_count] the last object registered in a square
+    int *
+        filled;  // [cell_count] and in how many of a cell's squares the object at hand is, if it is the last of `filler`
+    int *filler;      // [cell_count]
     Vec3 *buffer[4];  // each with room for the largest polygon after clipping by a cell and a slab
 } Registrar;
 
-static void add_registration(Registrar *r, int square, int object) {
-    if (r->registered[square] == object) return;
+static bool is_filled(const Registrar *r, int cell, int object) {
+    const CellMesh *mesh = &r->builder->graph->meshes[cell];
+    return r->filler[cell] == object && r->filled[cell] == mesh->nx * mesh->ny;
+}
+
+// False where it is there already.
+static bool add_registration(Registrar *r, int square, int object) {
+    if (r->registered[square] == object) return false;
     r->registered[square] = object;
     *ARENA_PUSH(r->builder->scratch, r->list, r->count, r->capacity) = (Registration){square, object};
+    return true;
+}
+
+static void register_in_cell(Registrar *r, int cell, int square, int object) {
+    if (!add_registration(r, square, object)) return;
+    if (r->filler[cell] != object) r->filled[cell] = 0;
+    r->filler[cell] = object;
+    r->filled[cell]++;
 }
 
 // The part of a convex polygon with low <= coordinate <= high along x or y. Clips into buffer[2].
@@ -98,12 +115,23 @@ static Box bounds(const Vec3 *v, int count) {
     return box;
 }
 
+// Whether an object is in all squares of a row.
+static bool is_row_filled(const Registrar *r, const CellMesh *mesh, int row, Range x, int object) {
+    const int *registered = r->registered + mesh->first_square + row * mesh->nx;
+    for (int i = x.from; i <= x.to; i++)
+        if (registered[i] != object) return false;
+    return true;
+}
+
 // Registers a polygon that lies within a cell.
-static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *polygon, int count, int object) {
+static void register_squares(Registrar *r, int cell, const Vec3 *polygon, int count, int object) {
     const CellGraph *graph = r->builder->graph;
+    const CellMesh *mesh = &graph->meshes[cell];
     Box box = bounds(polygon, count);
+    Range across = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
     Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
     for (int j = y.from; j <= y.to; j++) {
+        if (is_row_filled(r, mesh, j, across, object)) continue;
         double low = mesh->origin.y + j * mesh->size;
         int rows = clip_slab(r, polygon, count, vec3(0, 1, 0), low, low + mesh->size);
         if (rows == 0) continue;
@@ -111,7 +139,7 @@ static void register_squares(Registrar *r, const CellMesh *mesh, const Vec3 *pol
         // A convex piece no wider than its row touches every square between its ends.
         Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, row.min.x, row.max.x, graph->touch);
         for (int i = x.from; i <= x.to; i++)
-            add_registration(r, mesh->first_square + j * mesh->nx + i, object);
+            register_in_cell(r, cell, mesh->first_square + j * mesh->nx + i, object);
     }
 }
 
@@ -138,8 +166,13 @@ static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *po
         return clip_to_plan(graph, cell, out, count, slack, out, buffer);
     }
     memmove(out, polygon, (size_t)count * sizeof *out);
-    for (int i = 0; i < cell->face_count && count > 0; i++) {
-        count = polygon_clip(out, count, graph->faces[cell->first_face + i], slack, buffer);
+    for (int i = 0; i < cell->face_count; i++) {
+        Plane inward = graph->faces[cell->first_face + i];
+        int inside = 0;
+        for (int k = 0; k < count; k++) inside += plane_distance(inward, out[k]) + slack >= 0;
+        if (inside == 0) return 0;
+        if (inside == count) continue;
+        count = polygon_clip(out, count, inward, slack, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
@@ -161,9 +194,10 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
                 int c = graph->locator_cells[k];
                 if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
                 r->tried[c] = serial;
+                if (is_filled(r, c, object)) continue;
                 int count = (upright ? clip_to_plan : clip_to_cell)(graph, &graph->cells[c], v, vertex_count,
                                                                     graph->touch, r->buffer[0], r->buffer[1]);
-                if (count > 0) register_squares(r, &graph->meshes[c], r->buffer[0], count, object);
+                if (count > 0) register_squares(r, c, r->buffer[0], count, object);
             }
         }
     }
@@ -192,7 +226,7 @@ static void register_surface(Registrar *r, int object, int cell) {
     const Polygon *p = &graph->polygons[graph->objects[object].first_polygon];
     const Vec3 *v = graph->vertices + p->first_vertex;
     graph->object_boxes[object] = bounds(v, p->vertex_count);
-    register_squares(r, &graph->meshes[cell], v, p->vertex_count, object);
+    register_squares(r, cell, v, p->vertex_count, object);
 }
 
 // Registrations come in the order of objects, so each square's run is increasing.
@@ -213,8 +247,10 @@ static Registrar new_registrar(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     Registrar r = {.builder = builder,
                    .tried = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
-                   .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count)};
-    for (int c = 0; c < graph->cell_count; c++) r.tried[c] = -1;
+                   .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count),
+                   .filled = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
+                   .filler = ARENA_ARRAY(builder->scratch, int, graph->cell_count)};
+    for (int c = 0; c < graph->cell_count; c++) r.tried[c] = r.filler[c] = -1;
     for (int s = 0; s < graph->square_count; s++) r.registered[s] = -1;
     int largest = 4;  // of what a leaf sweeps
     for (int p = 0; p < graph->polygon_count; p++) {

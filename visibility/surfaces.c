@@ -111,67 +111,197 @@ static void add_walls(CellBuilder *builder, int c) {
     }
 }
 
+// ---- what portals and inlays leave of a floor or ceiling
+
+// A convex polygon of it; without vertices: gone.
+typedef struct Piece {
+    Vec3 *v;
+    int count;
+} Piece;
+
+typedef struct PieceList {
+    int *items;
+    int count, capacity;
+} PieceList;
+
+// Beyond so many pieces, or holes, they are sorted into so many squares a side, and a hole cuts those alone that it overlaps: what
+// lies beside keeps its form. Few are cut along the whole lines of its edges, which makes long neighbours share their corners.
+enum { MANY = 256, SIDE = 64 };
+
 // A growing set of convex polygons in one horizontal plane.
 typedef struct Pieces {
-    Vec3 *vertices;
-    int *first;  // [count + 1]
-    int count, vertex_count, vertex_capacity, first_capacity;
+    Arena *scratch;
+    Piece *list, *spare;
+    int count, capacity, spare_capacity, holes;
+    Vec3 *rest, *part;  // room for a polygon at hand
+    int room;
+    // Of many: which reach into which square.
+    PieceList *squares;  // [SIDE * SIDE], NULL: few
+    Box box;
+    int *stamp;  // [capacity] the last hole that looked at one
+    int stamp_capacity, stamp_count;
 } Pieces;
 
-static void add_piece(Arena *scratch, Pieces *pieces, const Vec3 *vertices, int count) {
-    if (pieces->count == 0) *ARENA_PUSH(scratch, pieces->first, pieces->count, pieces->first_capacity) = 0;
-    for (int i = 0; i < count; i++) {
-        *ARENA_PUSH(scratch, pieces->vertices, pieces->vertex_count, pieces->vertex_capacity) = vertices[i];
-    }
-    *ARENA_PUSH(scratch, pieces->first, pieces->count, pieces->first_capacity) = pieces->vertex_count;
+typedef struct SquareRange {
+    int i0, i1, j0, j1;
+} SquareRange;
+
+static int square_at(double x, double low, double high) {
+    double at = high > low ? SIDE * (x - low) / (high - low) : 0;
+    return at < 0 ? 0 : at < SIDE ? (int)at : SIDE - 1;
 }
 
-// `first` holds one entry more than there are pieces, once there is any.
-static int piece_count(const Pieces *pieces) { return pieces->count > 0 ? pieces->count - 1 : 0; }
+static Box box_of(const Vec3 *v, int count) {
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) box = box_add(box, v[i]);
+    return box;
+}
 
-// `polygon` less the convex `hole` (counter-clockwise from above): what lies outside its first edge, then of the
+static SquareRange squares_under(const Pieces *pieces, Box box) {
+    Box all = pieces->box;
+    return (SquareRange){
+        square_at(box.min.x, all.min.x, all.max.x), square_at(box.max.x, all.min.x, all.max.x),
+        square_at(box.min.y, all.min.y, all.max.y), square_at(box.max.y, all.min.y, all.max.y)};
+}
+
+static void sort_piece(Pieces *pieces, int index) {
+    SquareRange r = squares_under(pieces, box_of(pieces->list[index].v, pieces->list[index].count));
+    for (int j = r.j0; j <= r.j1; j++) {
+        for (int i = r.i0; i <= r.i1; i++) {
+            PieceList *square = &pieces->squares[j * SIDE + i];
+            *ARENA_PUSH(pieces->scratch, square->items, square->count, square->capacity) = index;
+        }
+    }
+}
+
+static void add_piece(Pieces *pieces, const Vec3 *vertices, int count) {
+    Vec3 *v = ARENA_ARRAY(pieces->scratch, Vec3, count);
+    memcpy(v, vertices, (size_t)count * sizeof *v);
+    *ARENA_PUSH(pieces->scratch, pieces->list, pieces->count, pieces->capacity) = (Piece){v, count};
+    if (!pieces->squares) return;
+    *ARENA_PUSH(pieces->scratch, pieces->stamp, pieces->stamp_count, pieces->stamp_capacity) = -1;
+    sort_piece(pieces, pieces->count - 1);
+}
+
+static void make_room(Pieces *pieces, int count) {
+    if (count <= pieces->room) return;
+    pieces->room = 2 * count;
+    pieces->rest = ARENA_ARRAY(pieces->scratch, Vec3, pieces->room);
+    pieces->part = ARENA_ARRAY(pieces->scratch, Vec3, pieces->room);
+}
+
+// Upright through an edge of a polygon that is counter-clockwise from above, pointing out of it.
+static Plane outside_edge(Vec3 a, Vec3 b) {
+    Vec3 n = vec3_normalize(vec3(b.y - a.y, a.x - b.x, 0));
+    return (Plane){n, vec3_dot(n, a)};
+}
+
+// Adds `piece` less the convex `hole` (counter-clockwise from above): what lies outside its first edge, then of the
 // rest what lies outside the second, and so on.
-static void subtract(Arena *scratch, const Vec3 *polygon, int count, const Vec3 *hole, int hole_count,
-                     Pieces *out) {
-    Vec3 *rest = ARENA_ARRAY(scratch, Vec3, count + hole_count + 2);
-    Vec3 *part = ARENA_ARRAY(scratch, Vec3, count + hole_count + 2);
-    memcpy(rest, polygon, (size_t)count * sizeof *rest);
+static void subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_count) {
+    int count = piece.count;
+    make_room(pieces, count + hole_count + 2);
+    memcpy(pieces->rest, piece.v, (size_t)count * sizeof *piece.v);
     for (int i = 0; i < hole_count && count > 0; i++) {
         Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
         // Two cuts that meet in a corner may leave an edge of rounding, which has no direction.
         if (vec3_length(vec3_sub(b, a)) < T_VERTEX) continue;
-        Vec3 n = vec3_normalize(vec3(b.y - a.y, a.x - b.x, 0));  // out of the hole
-        Plane outside = {n, vec3_dot(n, a)}, inside = {vec3_scale(n, -1), -vec3_dot(n, a)};
-        int kept = polygon_clip(rest, count, outside, 0, part);
-        if (kept >= 3 && polygon_area(part, kept) >= VIS_SLIVER) add_piece(scratch, out, part, kept);
-        count = polygon_clip(rest, count, inside, 0, part);
-        memcpy(rest, part, (size_t)count * sizeof *rest);
+        Plane outside = outside_edge(a, b), inside = {vec3_scale(outside.n, -1), -outside.d};
+        int kept = polygon_clip(pieces->rest, count, outside, 0, pieces->part);
+        if (kept >= 3 && polygon_area(pieces->part, kept) >= VIS_SLIVER)
+            add_piece(pieces, pieces->part, kept);
+        count = polygon_clip(pieces->rest, count, inside, 0, pieces->part);
+        memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
     }
 }
 
-static Pieces subtract_from_all(Arena *scratch, const Pieces *from, const Vec3 *hole, int hole_count) {
-    Pieces out = {0};
-    for (int i = 0; i < piece_count(from); i++) {
-        subtract(scratch, from->vertices + from->first[i], from->first[i + 1] - from->first[i], hole,
-                 hole_count, &out);
+static bool overlaps(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_count) {
+    int count = piece.count;
+    make_room(pieces, count + hole_count + 2);
+    memcpy(pieces->rest, piece.v, (size_t)count * sizeof *piece.v);
+    for (int i = 0; i < hole_count && count > 0; i++) {
+        Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
+        if (vec3_length(vec3_sub(b, a)) < T_VERTEX) continue;
+        Plane outside = outside_edge(a, b), inside = {vec3_scale(outside.n, -1), -outside.d};
+        count = polygon_clip(pieces->rest, count, inside, 0, pieces->part);
+        memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
     }
-    return out;
+    return count >= 3 && polygon_area(pieces->rest, count) >= VIS_SLIVER;
 }
 
-// The part of an inlay over this cell becomes a surface of its own.
-static int inlay_in_cell(const CellGraph *graph, const Inlay *inlay, const Cell *cell, Vec3 *out,
-                         Vec3 *buffer) {
+static void sort_pieces(Pieces *pieces) {
+    pieces->box = box_empty();
+    for (int i = 0; i < pieces->count; i++)
+        pieces->box = box_union(pieces->box, box_of(pieces->list[i].v, pieces->list[i].count));
+    pieces->squares = ARENA_ARRAY(pieces->scratch, PieceList, SIDE * SIDE);
+    for (int i = 0; i < pieces->count; i++) {
+        *ARENA_PUSH(pieces->scratch, pieces->stamp, pieces->stamp_count, pieces->stamp_capacity) = -1;
+        sort_piece(pieces, i);
+    }
+}
+
+static void subtract_from_some(Pieces *pieces, const Vec3 *hole, int hole_count) {
+    Box box = box_of(hole, hole_count);
+    SquareRange r = squares_under(pieces, box);
+    for (int j = r.j0; j <= r.j1; j++) {
+        for (int i = r.i0; i <= r.i1; i++) {
+            PieceList *square = &pieces->squares[j * SIDE + i];
+            int kept = 0;
+            // Parts come to the end of the same list, and are not looked at again.
+            for (int k = 0; k < square->count; k++) {
+                int index = square->items[k];
+                Piece piece = pieces->list[index];
+                if (piece.count == 0) continue;
+                square->items[kept++] = index;
+                if (pieces->stamp[index] == pieces->holes) continue;
+                pieces->stamp[index] = pieces->holes;
+                if (!box_overlap(box, box_of(piece.v, piece.count)) ||
+                    !overlaps(pieces, piece, hole, hole_count))
+                    continue;
+                int first = pieces->count;
+                pieces->list[index].count = 0;
+                subtract(pieces, piece, hole, hole_count);
+                for (int p = first; p < pieces->count; p++) pieces->stamp[p] = pieces->holes;
+            }
+            square->count = kept;
+        }
+    }
+}
+
+static void subtract_from_all(Pieces *pieces, const Vec3 *hole, int hole_count) {
+    pieces->holes++;
+    if (!pieces->squares && (pieces->count > MANY || pieces->holes > MANY)) sort_pieces(pieces);
+    if (pieces->squares) {
+        subtract_from_some(pieces, hole, hole_count);
+        return;
+    }
+    Piece *old = pieces->list;
+    int count = pieces->count, capacity = pieces->capacity;
+    pieces->list = pieces->spare;
+    pieces->capacity = pieces->spare_capacity;
+    pieces->count = 0;
+    for (int i = 0; i < count; i++) subtract(pieces, old[i], hole, hole_count);
+    pieces->spare = old;
+    pieces->spare_capacity = capacity;
+}
+
+// The part of an inlay over this cell becomes a surface of its own; in pieces->rest.
+static int inlay_in_cell(const CellGraph *graph, const Inlay *inlay, const Cell *cell, Pieces *pieces) {
     const Vec2 *points = graph->building->points + inlay->first_point;
     int count = inlay->point_count;
-    for (int i = 0; i < count; i++) out[i] = vec3(points[i].x, points[i].y, inlay->z);
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) box = box_add(box, vec3(points[i].x, points[i].y, inlay->z));
+    if (!box_overlap(box, cell->box)) return 0;
+    make_room(pieces, count + cell->edge_count + 1);
+    for (int i = 0; i < count; i++) pieces->rest[i] = vec3(points[i].x, points[i].y, inlay->z);
     for (int i = 0; i < cell->edge_count && count > 0; i++) {
         Vec2 a = graph->plan[cell->first_edge + i],
              b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
         Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
-        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, 0, buffer);
-        memcpy(out, buffer, (size_t)count * sizeof *out);
+        count = polygon_clip(pieces->rest, count, (Plane){n, n.x * a.x + n.y * a.y}, 0, pieces->part);
+        memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
     }
-    return count >= 3 && polygon_area(out, count) >= VIS_SLIVER ? count : 0;
+    return count >= 3 && polygon_area(pieces->rest, count) >= VIS_SLIVER ? count : 0;
 }
 
 static void add_level_surface(CellBuilder *builder, int cell, Vec3 *v, int count, int material, bool floor) {
@@ -188,31 +318,29 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
     const Building *b = builder->building;
     const Cell *cell = &graph->cells[c];
     Vec3 polygon[BUILD_MAX_VERTICES];
-    Pieces pieces = {0};
+    Arena scratch = {0};
+    Pieces pieces = {.scratch = &scratch};
     int corners = cell_polygon(graph, cell, z, polygon);
-    add_piece(builder->scratch, &pieces, polygon, corners);
+    add_piece(&pieces, polygon, corners);
     for (int i = 0; i < cell->contact_count; i++) {
         const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
-        pieces = subtract_from_all(builder->scratch, &pieces, graph->portal_vertices + portal->first_vertex,
-                                   portal->vertex_count);
+        subtract_from_all(&pieces, graph->portal_vertices + portal->first_vertex, portal->vertex_count);
     }
     for (int i = 0; i < b->inlay_count && material >= 0; i++) {
         const Inlay *inlay = &b->inlays[i];
         if (inlay->z != z) continue;
-        int most = inlay->point_count + cell->edge_count + 1;
-        Vec3 *part = ARENA_ARRAY(builder->scratch, Vec3, most),
-             *buffer = ARENA_ARRAY(builder->scratch, Vec3, most);
-        int count = inlay_in_cell(graph, inlay, cell, part, buffer);
+        int count = inlay_in_cell(graph, inlay, cell, &pieces);
         if (count == 0) continue;
-        pieces = subtract_from_all(builder->scratch, &pieces, part, count);
+        Vec3 *part = memcpy(ARENA_ARRAY(&scratch, Vec3, count), pieces.rest, (size_t)count * sizeof *part);
+        subtract_from_all(&pieces, part, count);
         add_level_surface(builder, c, part, count, inlay->material, floor);
     }
-    if (material < 0) return;  // the sky
-    for (int i = 0; i < piece_count(&pieces); i++) {
-        add_level_surface(builder, c, pieces.vertices + pieces.first[i],
-                          pieces.first[i + 1] - pieces.first[i], material, floor);
+    for (int i = 0; i < pieces.count && material >= 0; i++) {  // below 0: the sky
+        Piece piece = pieces.list[i];
+        if (piece.count > 0) add_level_surface(builder, c, piece.v, piece.count, material, floor);
     }
+    arena_free(&scratch);
 }
 
 static void add_plugs(CellBuilder *builder) {
@@ -319,15 +447,22 @@ typedef struct TVertices {
     int upright_count;
     Hit *hits;
     int hit_capacity;
+    double left;  // corners that may still be looked at
 } TVertices;
+
+// Long edges that are neither along x nor along y, thousands in one plane, each look at all corners there: beyond so many the rest of
+// the edges stay as they are.
+static const double MOST_LOOKS = 5e8;
 
 // The corners inside edge a -> b, in order along it.
 static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
     int count = 0;
+    if (t->left <= 0) return 0;
     if (a.x == b.x && a.y == b.y) {
         Vec3 low = a.z < b.z ? a : b, high = a.z < b.z ? b : a;
         int from = lower_bound(t->upright, t->upright_count, low, by_xyz);
         int to = lower_bound(t->upright, t->upright_count, high, by_xyz);
+        t->left -= to - from;
         collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     } else {
         bool along_x = fabs(b.x - a.x) > fabs(b.y - a.y);  // then few corners share its y
@@ -337,6 +472,7 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
         Compare *compare = along_x ? by_zyx : by_zxy;
         int from = lower_bound(run, t->level.count, low, compare);
         int to = lower_bound(run, t->level.count, high, compare);
+        t->left -= to - from;
         collect_hits(t->scratch, run, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     }
     if (count > 1) qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
@@ -350,7 +486,7 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
     int first = graph->polygons[first_polygon].first_vertex, count = graph->vertex_count - first;
     Vec3 *old = ARENA_ARRAY(builder->scratch, Vec3, count);
     memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
-    TVertices t = {.scratch = builder->scratch};
+    TVertices t = {.scratch = builder->scratch, .left = MOST_LOOKS};
     t.level.count = t.upright_count = count;
     t.upright = sorted_copy(builder->scratch, old, &t.upright_count, by_xyz);
     t.level.by_x = sorted_copy(builder->scratch, old, &t.level.count, by_zxy);

@@ -170,8 +170,8 @@ Test(kills, stills, .timeout = 7200) {
 }
 
 Test(kills, frames, .timeout = 7200) {
-    check("out/*.png", "walk " TWO " --tour window --size 32x18 --offscreen OUT/out",
-          "walk " TWO " --tour window --size 48x27 --offscreen OUT/out");
+    check("frames/*.png", "walk " TWO " --tour window --size 32x18 --offscreen OUT/frames",
+          "walk " TWO " --tour window --size 48x27 --offscreen OUT/frames");
 }
 
 Test(kills, statistics, .timeout = 7200) {

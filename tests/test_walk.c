@@ -226,7 +226,10 @@ Test(walk, png) {
 Test(walk, video, .timeout = 60) {
     enum { WIDTH = 65, HEIGHT = 33 };
     static uint8_t rgb[WIDTH * HEIGHT * 3];
-    static const char fake[] = "#!/bin/sh\necho no such codec >&2\nexit 3\n";
+    // Says much before the last line, which tells why; takes no frame.
+    static const char fake[] = "#!/bin/sh\nfor i in 1 2 3 4 5 6 7 8 9; do\n  echo $i, of which nobody asked: "
+                               "a line that is as long as those of ffmpeg are now and then >&2\ndone\n"
+                               "echo no such codec >&2\nexit 3\n";
     Arena arena = {0};
     Error error = {""};
     if (support_run(&arena, NULL, "command -v ffmpeg >/dev/null") != 0) cr_skip_test("ffmpeg is not here");
@@ -260,6 +263,7 @@ Test(walk, video, .timeout = 60) {
     cr_assert(video, "%s", error.text);
     bool good = true;
     for (int i = 0; i < 100 && good; i++) good = video_add(video, rgb, &error);
+    cr_assert(!good && strstr(error.text, "no such codec"), "%s", error.text);
     cr_assert_not(video_end(video, &error));
     cr_assert(strstr(error.text, "no such codec"), "%s", error.text);
     setenv("PATH", usual, 1);

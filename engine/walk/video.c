@@ -26,6 +26,8 @@ struct Video {
     pid_t process;
     size_t frame_size;
     MemoryEnd end;
+    bool ended;      // all is closed
+    char said[512];  // then: the last line of the log
 };
 
 // Of the draft, in ffmpeg; it seeks in it and reads it again, which it does in files alone.
@@ -94,8 +96,10 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
     return NULL;
 }
 
-// Closes all and waits; the last line ffmpeg said in `said`. Returns whether it ended well.
-static bool finish(Video *video, char *said, size_t size) {
+// Closes all and waits. Returns whether it ended well, the first time.
+static bool finish(Video *video) {
+    if (video->ended) return false;
+    video->ended = true;
     close(video->socket);
     int status = 0;
     siginfo_t ended;
@@ -104,14 +108,15 @@ static bool finish(Video *video, char *said, size_t size) {
     while (waitpid(video->process, &status, 0) < 0 && errno == EINTR) continue;
     video->process = 0;
     memory_release_end();
-    char text[512];
-    ssize_t length = pread(video->log, text, sizeof text - 1, 0);
+    char text[sizeof video->said];
+    off_t told = lseek(video->log, 0, SEEK_END), room = sizeof text - 1;
+    ssize_t length = pread(video->log, text, sizeof text - 1, told > room ? told - room : 0);
     close(video->log);
     text[length > 0 ? length : 0] = 0;
     char *end = text + strlen(text);
     while (end > text && end[-1] == '\n') *--end = 0;
     char *line = strrchr(text, '\n');
-    snprintf(said, size, "%s", line ? line + 1 : text);
+    snprintf(video->said, sizeof video->said, "%s", line ? line + 1 : text);
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
@@ -119,27 +124,29 @@ bool video_add(Video *video, const uint8_t *rgb, Error *error) {
     for (size_t sent = 0; sent < video->frame_size;) {
         ssize_t n = send(video->socket, rgb + sent, video->frame_size - sent, MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR) continue;
-        // Why, ffmpeg says at its end.
-        if (n < 0)
-            return error_set(error, "%s: ffmpeg takes no more frames: %s", video->path, strerror(errno));
+        if (n < 0) {
+            int reason = errno;
+            finish(video);
+            return error_set(error, "%s: ffmpeg takes no more frames: %s", video->path,
+                             video->said[0] ? video->said : strerror(reason));
+        }
         sent += (size_t)n;
     }
     return true;
 }
 
 bool video_end(Video *video, Error *error) {
-    char said[512];
-    bool good = finish(video, said, sizeof said);
+    bool good = finish(video);
     memory_remove_end(&video->end);
     if (good) return file_keep(&video->draft, error);
     file_drop(&video->draft);
-    return error_set(error, "%s: ffmpeg failed: %s", video->path, said[0] ? said : "it does not say why");
+    return error_set(error, "%s: ffmpeg failed: %s", video->path,
+                     video->said[0] ? video->said : "it does not say why");
 }
 
 void video_abandon(Video *video) {
     if (!video) return;
-    char said[512];
-    finish(video, said, sizeof said);
+    finish(video);
     memory_remove_end(&video->end);
     file_drop(&video->draft);
 }

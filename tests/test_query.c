@@ -383,6 +383,7 @@ Test(query_oracle, an_eye_on_a_portal_is_in_both_cells) {
     int tried = 0;
     make(&m, pillars(&arena, &random, 8, 0.3), 5000);
     size_t words = (size_t)m.forest.words;
+    uint64_t *row = ARENA_ARRAY(&arena, uint64_t, words);
     for (int p = 0; p < m.graph.portal_count; p++) {
         const Portal *portal = &m.graph.portals[p];
         Vec3 eye = vec3_add(in_portal(&m.graph, portal, &random), vec3_scale(portal->plane.n, 1e-9));
@@ -392,7 +393,10 @@ Test(query_oracle, an_eye_on_a_portal_is_in_both_cells) {
         if (before.eye_cell != portal->cell[0] || far == here || far == there ||
             !vis_sees(&m.forest, there, far))
             continue;
-        m.forest.seen[(size_t)here * words + (size_t)far / 64] &= ~((uint64_t)1 << (far % 64));
+        memset(row, 0, words * sizeof *row);
+        cell_rows_join(&m.forest.seen, here, row);
+        row[far / 64] &= ~((uint64_t)1 << (far % 64));
+        cell_rows_set(&m.forest.seen, here, row, &arena);
         m.forest.bounded[here] = 1;
         VisResult after = vis_query(m.query, &(Eye){.position = eye}, here, NULL, VIS_STAB);
         cr_assert(lists(&after, far), "portal %d: cell %d, which %d may see, is not found from %d", p, far,

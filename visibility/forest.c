@@ -13,7 +13,9 @@
 
 // What all threads share.
 typedef struct Growth {
-    TreeGrower **growers;  // [threads]
+    TreeGrower **growers;  // [threads], as are these
+    uint64_t **rows;       // [words] of the cell at hand
+    Arena *own;            // blocks of rows
     StabForest *forest;
     Tree *trees;
     int first;          // cell of this run
@@ -34,8 +36,10 @@ static void grow_next(void *context, int index, int thread) {
     pthread_mutex_unlock(&growth->lock);
     if (stopped) return;
     StabForest *forest = growth->forest;
-    growth->trees[cell] = tree_grow(growth->growers[thread], cell, growth->allowed,
-                                    forest->seen + (size_t)cell * (size_t)forest->words);
+    uint64_t *row = growth->rows[thread];
+    memset(row, 0, (size_t)forest->words * sizeof *row);
+    growth->trees[cell] = tree_grow(growth->growers[thread], cell, growth->allowed, row);
+    cell_rows_set(&forest->seen, cell, row, &growth->own[thread]);
 }
 
 // In runs, so that what trees take is known before the next are grown: one may take much more than its share of what is left, since
@@ -44,7 +48,12 @@ static void grow_all(Growth *growth, const TreeSource *source, int threads, Aren
     enum { RUN = 64, TIMES = 64, MOST = 8 };
     int count = growth->forest->cell_count;
     growth->growers = ARENA_ARRAY(scratch, TreeGrower *, threads);
-    for (int i = 0; i < threads; i++) growth->growers[i] = tree_grower_new(source, scratch);
+    growth->rows = ARENA_ARRAY(scratch, uint64_t *, threads);
+    growth->own = ARENA_ARRAY(scratch, Arena, threads);
+    for (int i = 0; i < threads; i++) {
+        growth->growers[i] = tree_grower_new(source, scratch);
+        growth->rows[i] = ARENA_ARRAY(scratch, uint64_t, growth->forest->words);
+    }
     long long left = tree_work(source);
     for (growth->first = 0; growth->first < count && !growth->stopped; growth->first += RUN) {
         int rest = count - growth->first, run = rest < RUN ? rest : RUN;
@@ -56,47 +65,29 @@ static void grow_all(Growth *growth, const TreeSource *source, int threads, Aren
     for (int i = 0; i < threads; i++) tree_grower_end(growth->growers[i]);
 }
 
-static void make_symmetric(StabForest *forest, uint64_t *transpose) {
-    size_t words = (size_t)forest->words, count = (size_t)forest->cell_count;
-    memset(transpose, 0, count * words * sizeof *transpose);
-    for (int i = 0; i < forest->cell_count; i++) {
-        for (size_t k = 0; k < words; k++) {
-            for (uint64_t bits = forest->seen[(size_t)i * words + k]; bits; bits &= bits - 1)
-                row_add(transpose + (k * 64 + (size_t)__builtin_ctzll(bits)) * words, i);
-        }
-    }
-    for (size_t i = 0; i < count * words; i++) forest->seen[i] &= transpose[i];
-}
-
 // Takes from the row of a cell what its tree reaches only through cells that do not see it; whether there was any.
 // `kept` [largest tree] and `row` [words] are scratch.
-static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned char *kept, uint64_t *row) {
-    uint64_t *seen = forest->seen + (size_t)root * (size_t)forest->words, changed = 0;
+static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned char *kept, uint64_t *row,
+                     Arena *scratch) {
     memset(row, 0, (size_t)forest->words * sizeof *row);
     for (int i = 0; i < tree->count; i++) {
         const StabNode *node = &tree->nodes[i];
-        kept[i] = (node->parent < 0 || kept[node->parent]) && row_has(seen, node->cell);
+        kept[i] = (node->parent < 0 || kept[node->parent]) && vis_sees(forest, root, node->cell);
         if (kept[i]) row_add(row, node->cell);
     }
-    for (int k = 0; k < forest->words; k++) {
-        changed |= seen[k] & ~row[k];
-        seen[k] &= row[k];
-    }
-    return changed != 0;
+    return cell_rows_keep(&forest->seen, root, row, scratch);
 }
 
 // Sight is symmetric, and a cell is seen only through cells that are seen: what contradicts this is dropped until the
 // sets and the trees agree.
 static void settle_sets(StabForest *forest, const Tree *trees, int largest, Arena *scratch) {
-    size_t words = (size_t)forest->words;
-    uint64_t *transpose = ARENA_ARRAY(scratch, uint64_t, (size_t)forest->cell_count * words);
-    uint64_t *row = ARENA_ARRAY(scratch, uint64_t, words);
+    uint64_t *row = ARENA_ARRAY(scratch, uint64_t, forest->words);
     unsigned char *kept = ARENA_ARRAY(scratch, unsigned char, largest);
     for (bool changed = true; changed;) {
-        make_symmetric(forest, transpose);
+        cell_rows_make_symmetric(&forest->seen, scratch);
         changed = false;
         for (int c = 0; c < forest->cell_count; c++) {
-            if (!trees[c].bounded) changed = trim_row(forest, &trees[c], c, kept, row) || changed;
+            if (!trees[c].bounded) changed = trim_row(forest, &trees[c], c, kept, row, scratch) || changed;
         }
     }
 }
@@ -152,14 +143,16 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
     *out = (StabForest){.cell_count = count, .words = (count + 63) / 64};
     out->root = ARENA_ARRAY(arena, int, count + 1);
     out->bounded = ARENA_ARRAY(arena, unsigned char, count);
-    out->seen = ARENA_ARRAY(arena, uint64_t, (size_t)count * (size_t)out->words);
+    out->seen = cell_rows_new(count, &scratch);
     Growth growth = {.forest = out,
                      .trees = ARENA_ARRAY(&scratch, Tree, count),
                      .progress = progress,
                      .lock = PTHREAD_MUTEX_INITIALIZER};
-    grow_all(&growth, tree_source_new(graph, options, &scratch), parallel_threads(options->threads),
-             &scratch);
+    int threads = parallel_threads(options->threads);
+    grow_all(&growth, tree_source_new(graph, options, &scratch), threads, &scratch);
     if (!growth.stopped) assemble(out, growth.trees, arena, &scratch);
+    out->seen = cell_rows_copy(&out->seen, arena);
+    for (int i = 0; i < threads; i++) arena_free(&growth.own[i]);
     for (int c = 0; c < count; c++) memory_free(growth.trees[c].nodes);
     arena_free(&scratch);
     return !growth.stopped;

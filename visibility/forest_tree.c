@@ -30,6 +30,7 @@ struct TreeSource {
     PlanWay *plan;          // [way_count]
     const uint64_t *known;  // [cell_count * words] the pairs that may see each other, or NULL
     int limit;              // nodes of one tree
+    bool large;             // nothing is known, and of too many cells for floods: see MOST_FLOODED
 };
 
 // On the grid, whole millimetres make collinear points exactly collinear; off it, points are taken as they are.
@@ -53,6 +54,10 @@ static PlanWay plan_way(const CellGraph *graph, const WayGraph *ways, int way) {
                                                                : -1};
 }
 
+// Floods from each cell of more would take longer than trees do: these have test 4 alone then, and only cells without a tree are
+// flooded from.
+enum { MOST_FLOODED = 8192 };
+
 // In large buildings each tree may have its share of MOST_NODES only.
 static int tree_limit(const VisOptions *options, int cell_count) {
     enum { MOST_NODES = 8 << 20 };  // 128 MB
@@ -64,6 +69,7 @@ TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, A
     TreeSource *source = ARENA_ARRAY(arena, TreeSource, 1);
     source->known = options->known;
     source->limit = tree_limit(options, graph->cell_count);
+    source->large = !source->known && graph->cell_count > MOST_FLOODED;
     ways_build(graph, arena, &source->ways);
     source->plan = ARENA_ARRAY(arena, PlanWay, source->ways.way_count);
     for (int i = 0; i < source->ways.way_count; i++) source->plan[i] = plan_way(graph, &source->ways, i);
@@ -73,7 +79,7 @@ TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, A
 // Where the search stands after one way.
 typedef struct Level {
     Beam beam;
-    uint64_t *may;  // [words] cells that a line which came so far may enter
+    uint64_t *may;  // [words] cells that a line which came so far may enter; NULL: all
     int rise;       // of the last level portal
     bool spread;    // the beam has its planes
     double share;   // of all choices, that lie beyond this way
@@ -102,7 +108,8 @@ static const double WORK = 1.2e9;  // of all trees
 static Level *level_at(Grower *g, int depth) {
     if (!g->levels[depth]) {
         g->levels[depth] = ARENA_ARRAY(&g->arena, Level, 1);
-        g->levels[depth]->may = ARENA_ARRAY(&g->arena, uint64_t, g->source->ways.words);
+        if (!g->source->large)
+            g->levels[depth]->may = ARENA_ARRAY(&g->arena, uint64_t, g->source->ways.words);
     }
     return g->levels[depth];
 }
@@ -115,7 +122,7 @@ static bool hopeless(const Grower *g) {
 }
 
 static int add_node(Grower *g, int cell, int portal, int parent) {
-    g->spent += WORK_NODE + g->source->ways.words;
+    g->spent += WORK_NODE + (g->source->large ? 0 : g->source->ways.words);
     if (g->count > 0 && (g->count == g->source->limit || hopeless(g) || g->spent >= g->allowed)) {
         g->exhausted = true;
         return -1;
@@ -151,7 +158,8 @@ static bool cross(Grower *g, Level *from, int way, Level *to, SightlineUndo *und
     const PlanWay *plan = &g->source->plan[way];
     int cell = g->source->ways.ways[way].to;
     g->spent += WORK_WAY;
-    if (g->on_path[cell] || !row_has(from->may, cell) || from->rise * plan->rise < 0) return false;
+    if (g->on_path[cell] || (from->may && !row_has(from->may, cell)) || from->rise * plan->rise < 0)
+        return false;
     if (plan->upright && !sightline_push(&g->line, plan->left, plan->right, undo)) return false;
     g->spent += WORK_NARROW;
     if (narrow(g, from, way, to)) {
@@ -166,6 +174,7 @@ static bool cross(Grower *g, Level *from, int way, Level *to, SightlineUndo *und
 // What a line may enter that may enter `before` and has come into `cell`.
 static void narrow_may(const TreeSource *source, const uint64_t *before, int cell, uint64_t *out) {
     int words = source->ways.words;
+    if (source->large) return;
     memcpy(out, before, (size_t)words * sizeof *out);
     if (!source->known) return;
     const uint64_t *known = source->known + (size_t)cell * (size_t)words;
@@ -235,7 +244,37 @@ TreeGrower *tree_grower_new(const TreeSource *source, Arena *arena) {
 
 void tree_grower_end(TreeGrower *grower) { arena_free(&grower->arena); }
 
-long long tree_work(const TreeSource *source) { return ways_work(&source->ways, WORK); }
+// Trees of a large building are small: they take a second, or, where they do not, are given up after few.
+long long tree_work(const TreeSource *source) {
+    static const long long LARGE = 3000000000;
+    return source->large ? LARGE : ways_work(&source->ways, WORK);
+}
+
+// What may be seen through the way before lines are tried: all, where the building is large.
+static void reach(Grower *g, int cell, int way) {
+    const TreeSource *source = g->source;
+    size_t words = (size_t)source->ways.words;
+    if (source->large) return;
+    if (source->known) {
+        memcpy(g->reached, source->known + (size_t)cell * words, words * sizeof *g->reached);
+    } else {
+        memset(g->reached, 0, words * sizeof *g->reached);
+        ways_flood(&source->ways, way, g->reached, g->stack);
+    }
+    for (size_t k = 0; k < words; k++) g->all[k] |= g->reached[k];
+}
+
+// In a large building, what a cell without a tree may see.
+static void reach_far(Grower *g, int cell) {
+    const WayGraph *ways = &g->source->ways;
+    int seen = 0;
+    for (int i = ways->first[cell]; i < ways->first[cell + 1] && seen < ways->cell_count; i++) {
+        memset(g->reached, 0, (size_t)ways->words * sizeof *g->reached);
+        ways_flood(ways, ways->list[i], g->reached, g->stack);
+        seen = 0;
+        for (int k = 0; k < ways->words; k++) seen += __builtin_popcountll(g->all[k] |= g->reached[k]);
+    }
+}
 
 Tree tree_grow(TreeGrower *g, int cell, long long allowed, uint64_t *row) {
     const TreeSource *source = g->source;
@@ -252,22 +291,16 @@ Tree tree_grow(TreeGrower *g, int cell, long long allowed, uint64_t *row) {
     g->on_path[cell] = 1;
     add_node(g, cell, -1, -1);
     for (int i = first; i < end; i++) {
-        if (source->known) {
-            memcpy(g->reached, source->known + (size_t)cell * words, words * sizeof *g->reached);
-        } else {
-            memset(g->reached, 0, words * sizeof *g->reached);
-            ways_flood(ways, ways->list[i], g->reached, g->stack);
-        }
-        for (size_t k = 0; k < words; k++) g->all[k] |= g->reached[k];
+        reach(g, cell, ways->list[i]);
         if (!g->exhausted) grow_branch(g, ways->list[i], 1.0 / (end - first), g->reached);
     }
     g->on_path[cell] = 0;
     if (g->exhausted) {
         g->count = 1;
+        if (source->large) reach_far(g, cell);
         for (size_t k = 0; k < words; k++) row[k] |= g->all[k];
     }
     for (int i = 0; i < g->count; i++) row_add(row, g->nodes[i].cell);
-    StabNode *fitted = realloc(g->nodes, (size_t)g->count * sizeof *g->nodes);
-    if (fitted) g->nodes = fitted;
+    g->nodes = memory_grow(g->nodes, (size_t)g->count * sizeof *g->nodes);
     return (Tree){g->nodes, g->count, g->exhausted, g->spent};
 }

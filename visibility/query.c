@@ -212,21 +212,15 @@ static void sort_cells(VisQuery *q) {
 // Through which an eye in `cell` may look. At a portal it may look through the cells beyond it as well: rounding may put
 // it there, and a line from there along the portal's plane is no line from here.
 static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
-    size_t words = (size_t)q->forest->words;
-    const uint64_t *seen = q->forest->seen + (size_t)around[0] * words;
-    if (count < 2) return seen;
-    memcpy(q->joined, seen, words * sizeof *q->joined);
-    for (int i = 1; i < count; i++) {
-        seen = q->forest->seen + (size_t)around[i] * words;
-        for (size_t k = 0; k < words; k++) q->joined[k] |= seen[k];
-    }
+    memset(q->joined, 0, (size_t)q->forest->words * sizeof *q->joined);
+    for (int i = 0; i < count; i++) cell_rows_join(&q->forest->seen, around[i], q->joined);
     return q->joined;
 }
 
 // Into the cache, what the walk begins with.
 static void prefetch_start(const VisQuery *q, int cell) {
-    const uint64_t *seen = q->forest->seen + (size_t)cell * (size_t)q->forest->words;
-    for (int k = 0; k < q->forest->words; k += CACHE_LINE / (int)sizeof *seen) __builtin_prefetch(seen + k);
+    for (int k = 0; k < q->forest->seen.blocks; k++)
+        __builtin_prefetch(cell_rows_block(&q->forest->seen, cell, k));
     const char *gates = (const char *)&q->gates[q->of_cell[cell].first_block];
     for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
 }

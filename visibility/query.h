@@ -154,7 +154,7 @@ struct VisQuery {
     int *objects;             // [object_count] the result
     ObjectTraits *traits;     // [object_count]
     uint64_t *every_cell;     // a visible set of all
-    uint64_t *joined;         // [words] the visible set of an eye at portals
+    uint64_t *joined;         // [words] the visible set of the eye
     unsigned frame, cone_serial;
     // Of the query under way:
     const Eye *eye;

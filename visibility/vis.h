@@ -9,6 +9,7 @@
 
 #include "engine/core/progress.h"
 #include "maps/building.h"
+#include "visibility/cell_rows.h"
 
 // A convex polyhedron of free space. Of a building of regions it is an upright prism, part of one region: its plan
 // polygon from z0 to z1. Otherwise its faces bound it, and plan, z0 and z1 are its shadow and its extent.
@@ -116,14 +117,14 @@ typedef struct StabNode {
 // too large has one node only and bounded[c] set: its visible set holds all the same.
 typedef struct StabForest {
     StabNode *nodes;
-    int *root;               // [cell_count + 1]
-    unsigned char *bounded;  // [cell_count]
-    uint64_t *seen;          // [cell_count * words] bit j of row i: j may be seen from i; symmetric
-    int node_count, cell_count, words;
+    int *root;                          // [cell_count + 1]
+    unsigned char *bounded;             // [cell_count]
+    CellRows seen;                      // row i: the cells that may be seen from i; symmetric
+    int node_count, cell_count, words;  // words of a row of all cells
 } StabForest;
 
 static inline bool vis_sees(const StabForest *forest, int from, int to) {
-    return forest->seen[(size_t)from * (size_t)forest->words + (size_t)to / 64] >> (to % 64) & 1;
+    return cell_rows_has(&forest->seen, from, to);
 }
 
 // Conservative: the way that a straight line from anywhere in c takes through portals is a path of c's tree. All doors

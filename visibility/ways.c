@@ -126,7 +126,8 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
     while (depth > 0) {
         int cell = stack[--depth];
         if (tried > most) {
-            for (int c = 0; c < graph->cell_count; c++) row_add(row, c);
+            memset(row, 0xff, (size_t)graph->words * sizeof *row);
+            if (graph->cell_count % 64) row[graph->words - 1] = ((uint64_t)1 << (graph->cell_count % 64)) - 1;
             break;
         }
         for (int i = graph->first[cell]; i < graph->first[cell + 1]; i++) {

@@ -124,10 +124,12 @@ static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene)
              progress = {report_within, &bar};
     memory_set_stage("finding which cells see each other");
     PairOptions pairs = {.threads = options->vis.threads};
-    PairSet set;
-    pair_method_finest()->find(&scene->graph, &pairs, &progress, &scratch, &set);
+    PairSet set = {0};
     VisOptions vis = options->vis;
-    vis.known = set.seen;
+    if (scene->graph.cell_count <= PAIR_MOST_CELLS) {
+        pair_method_finest()->find(&scene->graph, &pairs, &progress, &scratch, &set);
+        vis.known = set.seen;
+    }
     memory_set_stage("making stab trees");
     scene->stopped = set.stopped || !vis_build_forest(&scene->graph, &vis, &progress, arena, &scene->forest);
     if (scene->stopped) {
@@ -135,8 +137,9 @@ static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene)
         vis_build_forest(&scene->graph, &vis, NULL, arena, &scene->forest);
     }
     app_progress_end();
-    scene->undecided =
-        pair_count(set.seen, set.cell_count, set.words) - pair_count(set.proven, set.cell_count, set.words);
+    scene->undecided = set.seen ? pair_count(set.seen, set.cell_count, set.words) -
+                                      pair_count(set.proven, set.cell_count, set.words)
+                                : cell_rows_count(&scene->forest.seen) - scene->graph.cell_count;
     arena_free(&scratch);
 }
 

@@ -125,12 +125,13 @@ static int parse(int argc, char **argv, Arguments *a) {
     return APP_GOOD;
 }
 
-// Polygons registered in the cells that `from` may see, each once.
-static long polygons_seen(const AppScene *scene, int from, int *stamp) {
+// Polygons registered in the cells that `from` may see, each once. `row`: these cells.
+static long polygons_seen(const AppScene *scene, int from, const uint64_t *row, int *stamp) {
     const CellGraph *graph = &scene->graph;
     long polygons = 0;
     for (int c = 0; c < graph->cell_count; c++) {
-        if (!vis_sees(&scene->forest, from, c)) continue;
+        if (!row[c / 64]) c |= 63;
+        if (c >= graph->cell_count || !(row[c / 64] >> (c % 64) & 1)) continue;
         const CellMesh *mesh = &graph->meshes[c];
         int first = graph->square_first[mesh->first_square];
         int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
@@ -149,10 +150,12 @@ static void cell_to_cell(const AppScene *scene, double *cells, double *polygons)
     const CellGraph *graph = &scene->graph;
     Arena scratch = {0};
     int *stamp = ARENA_ARRAY(&scratch, int, graph->object_count + 1);
-    double seen_cells = 0, seen_polygons = 0;
+    uint64_t *row = ARENA_ARRAY(&scratch, uint64_t, scene->forest.words);
+    double seen_cells = (double)cell_rows_count(&scene->forest.seen), seen_polygons = 0;
     for (int c = 0; c < graph->cell_count; c++) {
-        for (int d = 0; d < graph->cell_count; d++) seen_cells += vis_sees(&scene->forest, c, d);
-        seen_polygons += (double)polygons_seen(scene, c, stamp);
+        memset(row, 0, (size_t)scene->forest.words * sizeof *row);
+        cell_rows_join(&scene->forest.seen, c, row);
+        seen_polygons += (double)polygons_seen(scene, c, row, stamp);
     }
     *cells = seen_cells / graph->cell_count / graph->cell_count;
     *polygons = graph->polygon_count ? seen_polygons / graph->cell_count / graph->polygon_count : 0;

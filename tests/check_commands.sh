@@ -185,6 +185,18 @@ expect 0 "$program" bench formfactors $maps/two-rooms.plan --methods hemicube,he
 awk -F, 'NR == 2 { l1 = $8 } NR > 2 && ($8 > 1.1 * l1 || $8 < 0.9 * l1) { exit 1 }' "$work/out" ||
     fail "hidden surfaces err otherwise: $(cat "$work/out")"
 
+# The sample homes are those that their script draws: the same entries, whatever the compression made of them.
+mkdir "$work/homes" && python3 maps/buildings/homes.py "$work/homes" || fail 'homes.py fails'
+python3 - "$work/homes" maps/buildings <<'END' || fail 'a sample home is not what homes.py draws: make house'
+import os, sys, zipfile
+def entries(path):
+    if not path.endswith('.sh3d'):
+        return open(path, 'rb').read()
+    with zipfile.ZipFile(path) as home:
+        return {name: home.read(name) for name in home.namelist() if name != 'ContentDigests' and not name.endswith('.png')}
+sys.exit(any(entries(os.path.join(sys.argv[1], n)) != entries(os.path.join(sys.argv[2], n)) for n in os.listdir(sys.argv[1])))
+END
+
 # The plan is well-formed SVG with the tree's rooms.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" --from 1,1,1.5
 grep -q '</svg>' "$work/plan.svg" || fail 'the plan is no SVG'

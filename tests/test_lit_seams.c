@@ -224,6 +224,7 @@ static void check(const char *path, double share) {
 
 Test(lit_seams, two_rooms, .timeout = 120) { check("build/maps/two-rooms.plan", 0); }
 Test(lit_seams, house, .timeout = 300) { check("build/maps/house.plan", 0); }
+Test(lit_seams, flat, .timeout = 300) { check("build/maps/flat.Home.xml", IN_HOMES); }
 
 // The large ones, and homes, take a minute: make soak.
 Test(lit_seams, others, .timeout = 900) {

@@ -30,9 +30,12 @@ static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *
         const Shape *piece = &pieces.items[i];
         int n = piece->ring[1];
         Vec3 *corner = ARENA_ARRAY(e->scratch, Vec3, n);
+        // GEOS promises no sense of its rings; counter-clockwise, they face the side of v[0].
+        double turn = 0;
+        for (int k = 0; k < n; k++) turn += vec2_cross(piece->points[k], piece->points[(k + 1) % n]);
         for (int side = 0; side < 2; side++) {
             for (int k = 0; k < n; k++) {
-                Vec2 p = piece->points[side ? n - 1 - k : k];
+                Vec2 p = piece->points[side == (turn > 0) ? n - 1 - k : k];
                 corner[k] = frame_point(e, f, p.x, p.y, v[side]);
             }
             building_add_polygon(e->arena, e->b, corner, n, material);

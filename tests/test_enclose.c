@@ -369,8 +369,8 @@ Test(enclose, overlapping_and_self_crossing_rooms) {
     draft_free(&d);
 }
 
-// Proves that an arched opening keeps its rectangle as region, its corners filled by spandrels, and a round
-// one too.
+// Proves that an arched opening keeps its rectangle as region, its corners filled by spandrels that face away from
+// the wall on both sides, and a round one too.
 Test(enclose, arched_opening) {
     for (int round = 0; round < 2; round++) {
         enum { N = 24 };
@@ -388,17 +388,18 @@ Test(enclose, arched_opening) {
         draft_enclose(&d);
         cr_assert_eq(d.b.object_count, 1);
         cr_expect_eq(d.b.objects[0].kind, OBJECT_FRAME);
-        double front = 0;
+        double front = 0, back = 0;
         for (int i = 0; i < d.b.polygon_count; i++) {
             const Vec3 *v = &d.b.vertices[d.b.polygons[i].first_vertex];
             double area = polygon_area(v, d.b.polygons[i].vertex_count);
-            bool facing = fabs(plane_of_polygon(v, d.b.polygons[i].vertex_count).n.y) > 0.9;
-            bool outer = fabs(v[0].y + 0.195) < 1e-6;
-            if (facing && outer) front += area;
+            double facing = plane_of_polygon(v, d.b.polygons[i].vertex_count).n.y;
+            if (facing < -0.9 && fabs(v[0].y + 0.195) < 1e-6) front += area;
+            if (facing > 0.9 && fabs(v[0].y + 0.005) < 1e-6) back += area;
         }
         double circle = 0.5 * N * 0.25 * sin(2 * M_PI / N);  // of the unit square
         double left = round ? 1 - circle : 0.5 - circle / 2;
         cr_expect_float_eq(front, left * 1.1, 0.01, "round %d: %g", round, front);
+        cr_expect_float_eq(back, left * 1.1, 0.01, "round %d: %g", round, back);
         draft_free(&d);
     }
 }

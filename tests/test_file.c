@@ -338,6 +338,7 @@ Test(file, checks_beforehand, .timeout = 20) {
     cr_expect(file_check(path, 1 << 20, &error), "%s", error.text);
     cr_expect(file_check(pipe, 1 << 20, &error), "%s", error.text);
     cr_expect_eq(files_in(folder), 1);
+    cr_expect(!file_check("", 0, &error) && !file_check(arena_format(&arena, "%s/", path), 0, &error));
     cr_expect_not(file_check(folder, 0, &error));
     cr_expect(strstr(error.text, "Is a directory"), "%s", error.text);
     cr_expect_not(file_check(arena_format(&arena, "%s/none/a", folder), 0, &error));

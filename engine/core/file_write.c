@@ -81,6 +81,10 @@ static bool name_fits(const char *target) {
 static bool find_target(const char *path, FileDraft *draft, bool *exists) {
     struct stat info;
     *draft = (FileDraft){.fd = -1, .path = path};
+    if (*path == 0) {
+        errno = ENOENT;
+        return false;
+    }
     if (snprintf(draft->target, sizeof draft->target, "%s", path) >= (int)sizeof draft->target) {
         errno = ENAMETOOLONG;
         return false;

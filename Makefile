@@ -56,7 +56,7 @@ library := $(filter-out $(dir)/engine/app/main.o,$(objects))
 public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
-programs_of_tests := tests/try_fuzz.c tests/mutator.c tests/make_hostile.c tests/hostile_cost.c
+programs_of_tests := tests/try_fuzz.c tests/mutator.c tests/make_hostile.c tests/hostile_cost.c tests/fail_malloc.c
 tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/target.c tests/store_target.c $(programs_of_tests) \
          $(only_asan),$(wildcard tests/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))

@@ -2,7 +2,10 @@
 // checked against the limits before anything is unpacked, and what is unpacked against what was claimed.
 #include "maps/zip.h"
 
+#include <errno.h>
 #include <zip.h>
+
+#include "engine/core/memory.h"
 
 struct Archive {
     zip_t *zip;
@@ -10,12 +13,20 @@ struct Archive {
     size_t unpacked;  // bytes read so far
 };
 
+// Libzip reports some failures to get memory as others, a damaged file for one: what the C library says is right. To be asked
+// after a failure, with errno 0 before.
+static void check_memory(void) {
+    if (errno == ENOMEM) memory_end_library("libzip");
+}
+
 bool archive_open(Bytes content, const char *path, Arena *arena, Archive **out, Error *error) {
     zip_error_t reason;
     zip_error_init(&reason);
+    errno = 0;
     zip_source_t *source = zip_source_buffer_create(content.data, content.size, 0, &reason);
     zip_t *zip = source ? zip_open_from_source(source, ZIP_RDONLY, &reason) : NULL;
     if (!zip) {
+        check_memory();
         error_set(error, "%s: not a usable ZIP file (%s); it may be cut short", path,
                   zip_error_strerror(&reason));
         if (source) zip_source_free(source);
@@ -77,14 +88,18 @@ bool archive_read(Archive *archive, const char *name, size_t limit, Arena *arena
     if (!(stat.valid & ZIP_STAT_SIZE) || !(stat.valid & ZIP_STAT_COMP_SIZE))
         return error_set(error, "%s: entry %s does not say its size", archive->path, name);
     if (!size_allowed(archive, name, &stat, limit, error)) return false;
+    errno = 0;
     zip_file_t *file = zip_fopen_index(archive->zip, (zip_uint64_t)index, 0);
+    if (!file) check_memory();
     if (!file)
         return error_set(error, "%s: entry %s cannot be unpacked (%s)", archive->path, name,
                          zip_strerror(archive->zip));
     out->size = (size_t)stat.size;
     out->data = ARENA_ARRAY(arena, unsigned char, out->size + 1);
     archive->unpacked += out->size;
+    errno = 0;
     bool whole = read_all(file, out->data, out->size);
+    if (!whole) check_memory();
     const char *reason = zip_error_strerror(zip_file_get_error(file));
     if (!whole) error_set(error, "%s: entry %s is damaged (%s)", archive->path, name, reason);
     zip_fclose(file);

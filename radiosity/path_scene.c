@@ -5,11 +5,11 @@
 // other: where faces share a plane, a second ray looks at that plane alone, and takes the face that is to be seen.
 #include "radiosity/path_scene.h"
 
-#include <embree3/rtcore.h>
 #include <float.h>
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
+#include "visibility/hidden/embree_device.h"
 
 // Metres, for buildings of tens of metres: twenty roundings of a float there.
 static const double OFF = 2e-5;
@@ -150,7 +150,7 @@ PathScene *path_scene_new(const Mesh *mesh, Arena *arena) {
     arena_free(&scratch);
     scene->off = fmax(OFF, OFF_RELATIVE * vec3_length(vec3_sub(all.max, scene->origin)));
     struct Embree *embree = scene->embree = ARENA_ARRAY(arena, struct Embree, 1);
-    embree->device = rtcNewDevice("threads=1");
+    embree->device = embree_device_new();
     embree->scene = rtcNewScene(embree->device);
     rtcSetSceneFlags(embree->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);

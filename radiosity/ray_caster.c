@@ -4,10 +4,10 @@
 // Embree's coordinates are floats: what is within a few micrometres of a building's middle's distance is told apart.
 #include "radiosity/ray_caster.h"
 
-#include <embree3/rtcore.h>
 #include <math.h>
 
 #include "radiosity/lines.h"
+#include "visibility/hidden/embree_device.h"
 
 // Metres: rays start so far before their surface, lest they meet it.
 #define RAY_OFF 2e-5
@@ -133,7 +133,7 @@ RayCaster *ray_caster_new(const Mesh *mesh, Arena *arena) {
     if (!box_is_empty(box)) scene->origin = vec3_lerp(box.min, box.max, 0.5);
     scene->faces = ARENA_ARRAY(arena, RayFace, mesh->face_count + 1);
     for (int f = 0; f < mesh->face_count; f++) scene->faces[f] = ray_face(scene, &mesh->faces[f]);
-    scene->device = rtcNewDevice("threads=1");
+    scene->device = embree_device_new();
     scene->scene = rtcNewScene(scene->device);
     rtcSetSceneBuildQuality(scene->scene, RTC_BUILD_QUALITY_HIGH);
     build(scene, arena);

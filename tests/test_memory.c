@@ -150,6 +150,7 @@ static void fail_at_the_fence(char *path) {
     if (!more) _exit(3);
     free(more);
     memory_set_budget(&budget);
+    memset(some, 1, 20 << 20);
     memory_end_library("GEOS");
 }
 

@@ -5,12 +5,12 @@
 // one ray at a time, without its robust mode.
 #include "engine/app/bench_ray_trees.h"
 
-#include <embree3/rtcore.h>
 #include <math.h>
 #include <stdio.h>
 
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
+#include "visibility/hidden/embree_device.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/rays/ray_grid.h"
 #include "visibility/rays/ray_tree.h"
@@ -40,7 +40,7 @@ static void put_vertex(float *at, Vec3 p) { at[0] = (float)p.x, at[1] = (float)p
 static void make_embree(TreeBench *b, const CellGraph *g) {
     int triangles = 0;
     for (int p = 0; p < g->polygon_count; p++) triangles += g->polygons[p].vertex_count - 2;
-    b->device = rtcNewDevice("threads=1");
+    b->device = embree_device_new();
     b->embree = rtcNewScene(b->device);
     rtcSetSceneBuildQuality(b->embree, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry geometry = rtcNewGeometry(b->device, RTC_GEOMETRY_TYPE_TRIANGLE);

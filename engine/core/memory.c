@@ -32,18 +32,28 @@ static atomic_bool exceeded;                               // what is allowed
 static size_t fence_base;  // bytes of data not counted here; 0: no fence stands
 static struct rlimit unfenced;
 
-// Of all that this process has in data, and how many threads; takes no memory. False where the system does not tell.
-static bool measure_data(size_t *bytes, long *threads) {
+// What the system knows of this process.
+typedef struct Process {
+    size_t data, resident_peak;  // bytes
+    long threads;
+} Process;
+
+// A number of /proc/self/status, 0 where it is not there.
+static size_t number_after(const char *text, const char *key) {
+    const char *at = strstr(text, key);
+    return at ? strtoul(at + strlen(key), NULL, 10) : 0;
+}
+
+// Takes no memory. False where the system does not tell.
+static bool measure(Process *out) {
     char text[4096];
     int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
     ssize_t length = fd < 0 ? -1 : read(fd, text, sizeof text - 1);
     if (fd >= 0) close(fd);
     text[length > 0 ? length : 0] = 0;
-    const char *data = strstr(text, "\nVmData:"), *count = strstr(text, "\nThreads:");
-    if (!data || !count) return false;
-    *bytes = strtoul(data + sizeof "\nVmData:" - 1, NULL, 10) * 1024;
-    *threads = strtol(count + sizeof "\nThreads:" - 1, NULL, 10);
-    return true;
+    *out = (Process){number_after(text, "\nVmData:") * 1024, number_after(text, "\nVmHWM:") * 1024,
+                     (long)number_after(text, "\nThreads:")};
+    return out->data > 0 && out->threads > 0;
 }
 
 // ---- the end
@@ -79,12 +89,13 @@ static _Noreturn void end_over(void) {
     end(error.text);
 }
 
-// Is it the fence that left no memory for a request, and not the machine, nor a test?
+// Is it the fence that left no memory, and not the machine, nor a test? Of a library's request neither the size is known nor what
+// it has given back since: it grows what it has by doubling, so it had a quarter of all at least.
 static bool at_fence(size_t bytes) {
-    size_t data;
-    long threads;
-    return fence_base > 0 && !atomic_load(&injected) && measure_data(&data, &threads) &&
-           data + bytes > fence_base + atomic_load(&most);
+    Process now;
+    if (fence_base == 0 || atomic_load(&injected) || !measure(&now)) return false;
+    size_t limit = atomic_load(&most);
+    return bytes > 0 ? now.data + bytes > fence_base + limit : now.resident_peak > limit / 4;
 }
 
 void memory_end(size_t bytes) {
@@ -98,7 +109,7 @@ void memory_end(size_t bytes) {
 void memory_end_library(const char *name) {
     char sentence[80];
     memory_hold_end();
-    if (fence_base) end_over();
+    if (at_fence(0)) end_over();
     snprintf(sentence, sizeof sentence, "no memory for %s", name);
     end(sentence);
 }
@@ -130,13 +141,12 @@ static void move_fence(void) {
 static void raise_fence(void) {
 // The sanitizers' own memory is data too.
 #ifndef __SANITIZE_ADDRESS__
-    size_t data;
-    long threads;
+    Process now;
     // Threads must not meet a fence: their stacks are data too.
-    if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure_data(&data, &threads) || threads != 1 ||
-        data <= memory_used())
+    if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure(&now) || now.threads != 1 ||
+        now.data <= memory_used())
         return;
-    fence_base = data - memory_used() + FENCE_SLACK;
+    fence_base = now.data - memory_used() + FENCE_SLACK;
     move_fence();
 #endif
 }

@@ -1,7 +1,7 @@
 // embree.c - the hidden-surface method `embree`: Intel's ray tracer, eight neighbouring rays at a time, as fast as it goes
 // without leaks (its robust mode). Its coordinates are floats, about the middle of the scene.
-#include <embree3/rtcore.h>
 
+#include "visibility/hidden/embree_device.h"
 #include "visibility/hidden/facets.h"
 #include "visibility/hidden/hidden.h"
 
@@ -56,7 +56,7 @@ static void *embree_begin(const Scene *scene, Arena *arena, Error *error) {
     size_t corners = (size_t)e->facets.corner_count, triangles = corners - 2 * (size_t)e->facets.count;
     e->facet = ARENA_ARRAY(arena, int, triangles + 1);
     e->edge_on = ARENA_ARRAY(arena, bool, e->facets.count + 1);
-    e->device = rtcNewDevice("threads=1");
+    e->device = embree_device_new();
     rtcSetDeviceMemoryMonitorFunction(e->device, count_memory, e);
     e->scene = rtcNewScene(e->device);
     rtcSetSceneFlags(e->scene, RTC_SCENE_FLAG_ROBUST);

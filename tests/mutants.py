@@ -226,8 +226,8 @@ class Bench:
         command = self.compile + ["-g0", "-w", "-ffile-prefix-map=%s/=" % self.folder, "-MF", out + ".d", "-c", "-o", out, copy]
         return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
 
-    def mutate(self, mutant):
-        """'' and an object, or why there is no fault to notice."""
+    def mutate(self, mutant, compare=True):
+        """'' and an object, or why there is no fault to notice. Without `compare` the code is known to differ."""
         lines = open(mutant.file).read()
         if mutant.kind.startswith("planted"):
             changed = lines.replace(mutant.before, mutant.after)
@@ -237,13 +237,13 @@ class Bench:
             each[mutant.line - 1] = old[:len(old) - len(old.lstrip())] + mutant.after
             changed = "\n".join(each)
         original, out = self.folder + "/original.o", object_path(mutant)
-        if mutant.file not in self.base:
+        if compare and mutant.file not in self.base:
             if not self.object_of(mutant.file, lines, original):
                 sys.exit("%s does not compile: %s" % (mutant.file, shlex.join(self.compile)))
             self.base[mutant.file] = open(original, "rb").read()
         if not self.object_of(mutant.file, changed, out):
             return "does not compile"
-        return "same code" if open(out, "rb").read() == self.base[mutant.file] else ""
+        return "same code" if compare and open(out, "rb").read() == self.base[mutant.file] else ""
 
     def binary(self, mutant):
         """The test binary with the mutant's object, or as it is for None."""
@@ -306,9 +306,9 @@ def baseline(bench, stages, trust):
     return times
 
 
-def judge(bench, mutant, times, quick):
+def judge(bench, mutant, times, stages, quick):
     binary, spent = bench.binary(mutant), 0
-    for stage in stages_of(mutant.file)[:1 if quick else None]:
+    for stage in stages:
         failed, seconds = bench.run(binary, stage, int(20 + 4 * times[stage]), 300 + 20 * times[stage])
         spent += seconds
         if failed:
@@ -380,7 +380,7 @@ def summarize(mutants, rows):
 def choose(options, benches, ledger):
     """The first mutants by key that change the code, `count` of them, and all planted ones."""
     pool = sorted((m for path in sources() for m in mutants_of(path, options.seed)), key=lambda m: m.key)
-    fits = lambda m: not options.only or re.search(options.only, m.file)
+    fits = lambda m: not options.only or re.search(options.only, "%s:%d" % (m.file, m.line))
     out = [m for m in planted() if fits(m)]
     left, found = [m for m in pool if fits(m)], []
     print("%d lines of %d files could be changed" % (len(pool), len(sources())))
@@ -422,9 +422,10 @@ def main():
     parser.add_argument("--count", type=int, default=340, help="mutants besides the planted ones")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--only", help="of files that match this pattern alone")
+    parser.add_argument("--only", help="of places as visibility/query.c:12 that match this pattern alone")
     parser.add_argument("--again", action="store_true", help="run those that survived anew")
     parser.add_argument("--quick", action="store_true", help="run the first stage of each alone")
+    parser.add_argument("--tests", help="run this filter alone")
     parser.add_argument("--trust", action="store_true", help="tests that passed in an earlier build without a fault pass in this one")
     parser.add_argument("--fresh", action="store_true", help="forget earlier results")
     parser.add_argument("--summary", action="store_true", help="run nothing")
@@ -442,13 +443,15 @@ def main():
     due = [m for m in mutants if ledger.rows.get(m.key, {}).get("verdict") != "noticed"
            and (options.again or ledger.rows.get(m.key, {}).get("verdict") != "survived")]
     if due and not options.summary:
-        times = baseline(benches[0], sorted({s for m in due for s in stages_of(m.file)[:1 if options.quick else None]}),
-                         options.trust)
+        def stages(mutant):
+            return [options.tests] if options.tests else stages_of(mutant.file)[:1 if options.quick else None]
+        options.quick = options.quick or bool(options.tests)
+        times = baseline(benches[0], sorted({s for m in due for s in stages(m)}), options.trust)
         began = time.time()
 
         def one(number, mutant):
-            why = "" if os.path.exists(object_path(mutant)) else benches[number].mutate(mutant)
-            verdict, by, spent = (why, "", 0) if why else judge(benches[number], mutant, times, options.quick)
+            why = "" if os.path.exists(object_path(mutant)) else benches[number].mutate(mutant, mutant.key not in ledger.rows)
+            verdict, by, spent = (why, "", 0) if why else judge(benches[number], mutant, times, stages(mutant), options.quick)
             if os.path.exists(object_path(mutant)):
                 os.remove(object_path(mutant))
             ledger.add(mutant, verdict, by, spent)

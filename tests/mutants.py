@@ -380,9 +380,7 @@ def summarize(mutants, rows):
 def choose(options, benches, ledger):
     """The first mutants by key that change the code, `count` of them, and all planted ones."""
     pool = sorted((m for path in sources() for m in mutants_of(path, options.seed)), key=lambda m: m.key)
-    fits = lambda m: not options.only or re.search(options.only, "%s:%d" % (m.file, m.line))
-    out = [m for m in planted() if fits(m)]
-    left, found = [m for m in pool if fits(m)], []
+    left, found = pool, []
     print("%d lines of %d files could be changed" % (len(pool), len(sources())))
 
     def sort_out(number, mutant):
@@ -395,7 +393,7 @@ def choose(options, benches, ledger):
     while left and len(found) < options.count:
         part, left = left[:options.count - len(found)], left[options.count - len(found):]
         found += [m for m, good in zip(part, spread(options.jobs, sort_out, part)) if good]
-    return out + found
+    return [m for m in list(planted()) + found if not options.only or re.search(options.only, "%s:%d" % (m.file, m.line))]
 
 
 def spread(jobs, work, items):

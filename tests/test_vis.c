@@ -376,6 +376,72 @@ Test(cells, inlays_keep_their_area) {
     arena_free(&arena);
 }
 
+static void add_region(Arena *arena, Building *b, const Vec2 *points, int count, double z0, double z1) {
+    *ARENA_PUSH(arena, b->regions, b->region_count, b->region_capacity) =
+        (Region){.name = "",
+                 .storey = -1,
+                 .opening = -1,
+                 .first_ring = b->ring_count,
+                 .ring_count = 1,
+                 .z0 = z0,
+                 .z1 = z1};
+    *ARENA_PUSH(arena, b->rings, b->ring_count, b->ring_capacity) = (Ring){b->point_count, count};
+    for (int i = 0; i < count; i++) {
+        int at = b->point_count;
+        *ARENA_PUSH(arena, b->edge_material, at, b->edge_capacity) = 0;
+        *ARENA_PUSH(arena, b->points, b->point_count, b->point_capacity) = points[i];
+    }
+}
+
+// Proves that rooms one above the other are joined by all that their plans have in common, be it a triangle: random triangles over
+// random triangles, on many floors, of which some touch and some do not.
+Test(cells, triangles_above_one_another) {
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        Random random = {seed};
+        Arena arena = {0};
+        Building *b = ARENA_ARRAY(&arena, Building, 1);
+        CellGraph g;
+        Error error;
+        VisOptions options = vis_default_options();
+        b->source = "triangles";
+        building_add_material(&arena, b,
+                              (Material){.name = "stone", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
+        int level = 0;
+        for (int k = 0; k < 40; k++) {
+            Vec2 p[3];
+            double x = 8 * (k % 2), turn = random_between(&random, 0, 2);
+            for (int i = 0; i < 3; i++) {
+                double angle = turn + 2 * M_PI * i / 3;
+                p[i] = vec2(maps_snap(x + 3 * cos(angle)), maps_snap(3 * sin(angle)));
+            }
+            add_region(&arena, b, p, 3, level, level + 2);
+            if (k % 2) level += random_index(&random, 4) ? 2 : 3;
+        }
+        b->world = (Box){{-4, -4, 0}, {12, 4, level + 3}};
+        cr_assert(vis_build_cells(b, &options, &arena, &g, &error), "%s", error.text);
+        char name[32];
+        snprintf(name, sizeof name, "seed %d", (int)seed);
+        for (int c = 0; c < g.cell_count; c++) expect_closed(&g, c, name, 1e-9);
+        expect_placed(&g, name);
+        // Of two that touch, one above the other, the portal is where both plans are.
+        for (int a = 0; a < g.cell_count; a++) {
+            for (int c = 0; c < g.cell_count; c++) {
+                bool above = g.cells[a].z0 == g.cells[c].z1;
+                for (int i = 0; above && i < 20; i++) {
+                    Vec3 at =
+                        vec3(random_between(&random, -3, 11), random_between(&random, -3, 3), g.cells[a].z0);
+                    if (!is_in(&g, a, at) || !is_in(&g, c, at)) continue;
+                    bool joined = false;
+                    for (int p = 0; p < g.portal_count; p++)
+                        joined = joined || (g.portals[p].cell[0] == a && g.portals[p].cell[1] == c);
+                    cr_assert(joined, "%s: cells %d and %d share (%g, %g)", name, a, c, at.x, at.y);
+                }
+            }
+        }
+        arena_free(&arena);
+    }
+}
+
 // Of the mesh of squares of a cell: the square that holds a place, by one of its 2 x 2 nearest if it lies on their border.
 static bool is_registered(const CellGraph *g, int c, Vec3 p, int object) {
     const CellMesh *mesh = &g->meshes[c];

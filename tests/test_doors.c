@@ -282,6 +282,11 @@ Test(doors, looked_at) {
     cr_expect_eq(doors_looked_at(&m.doors, eye, cell, vec3(-1, 0, 0), DOORS_REACH), -1);
     cr_expect_eq(doors_looked_at(&m.doors, vec3(0.5, 1.5, 1.6), cell, east, DOORS_REACH), -1, "out of reach");
     cr_expect_eq(doors_looked_at(&m.doors, vec3(2.5, 3.5, 1.6), cell, east, 10), -1, "a wall");
+    // Open, it is its doorway that is meant, from sill to head: the leaf is out of the way.
+    doors_set(&m.doors, 0, 1);
+    cr_expect_eq(doors_looked_at(&m.doors, eye, cell, east, DOORS_REACH), 0);
+    cr_expect_eq(doors_looked_at(&m.doors, vec3(2.5, 1.5, 2.2), cell, east, DOORS_REACH), -1,
+                 "above its head");
     Vec3 slant = vec3_normalize(vec3(8.225 - 6.5, 0, -0.3));
     eye = vec3(6.5, 1.5, 1.6);
     cr_expect_eq(doors_looked_at(&m.doors, eye, vis_locate(&m.graph, eye, -1), slant, DOORS_REACH), 1);

@@ -72,6 +72,7 @@ PLANTED = [
      "double weight = angle * sqrt(b);", "double weight = angle * b;"),
     ("light does not weigh the exposure", "engine/walk/exposure.c",
      "double weight = angle * sqrt(b);", "double weight = angle;"),
+    ("what triangles have in common is no portal", "visibility/portals.c", "if (count < 3) return;", "if (count <= 3) return;"),
     ("no limit of all entries", "maps/zip.c",
      "if (archive->unpacked + stat->size > ARCHIVE_MAX_TOTAL)", "if (archive->unpacked + stat->size > SIZE_MAX)"),
     ("what is unpacked is not counted", "maps/zip.c", "archive->unpacked += out->size;", ";"),

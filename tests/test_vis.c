@@ -409,10 +409,11 @@ Test(cells, triangles_above_one_another) {
         int level = 0;
         for (int k = 0; k < 40; k++) {
             Vec2 p[3];
-            double x = 8 * (k % 2), turn = random_between(&random, 0, 2);
+            double x = 8 * (k % 2), turn = random_between(&random, 0, 2),
+                   radius = random_between(&random, 0.8, 3.5);
             for (int i = 0; i < 3; i++) {
                 double angle = turn + 2 * M_PI * i / 3;
-                p[i] = vec2(maps_snap(x + 3 * cos(angle)), maps_snap(3 * sin(angle)));
+                p[i] = vec2(maps_snap(x + radius * cos(angle)), maps_snap(radius * sin(angle)));
             }
             add_region(&arena, b, p, 3, level, level + 2);
             if (k % 2) level += random_index(&random, 4) ? 2 : 3;

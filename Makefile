@@ -1,12 +1,14 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan|tsan] [CC=gcc|clang]   program and sample buildings
-#   make test | soak | asan | tsan | fuzz | mutants | bench | pictures | charts | lint | docs |
+#   make test | soak | asan | tsan | fuzz | mutants | coverage | bench | pictures | charts | lint | docs |
 #        install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 60
 mutants ?=
 bench ?= walk
+folder ?= maps
+suites ?= */*
 # What to measure (default: the sample plans), and with bench=visibility a compiler to compare with.
 rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
 lit := build/maps/office-plain.plan build/maps/house.plan
@@ -42,6 +44,7 @@ flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
 flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
 # Without sanitizers a reader is tried ten times as often. What is found so goes through config=fuzz, too.
 flags_swift := -O2 -fsanitize-coverage=inline-8bit-counters,pc-table
+flags_coverage := -O1 --coverage
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
@@ -82,7 +85,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz mutants bench pictures charts lint libraries install \
+.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz mutants coverage bench pictures charts lint libraries install \
         docs clean FORCE
 all:
 	$(submake) program maps
@@ -185,6 +188,11 @@ fuzz:
 mutants: maps $(dir)/enfilade $(dir)/tests/all
 	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
 	    $(mutants)
+# The share of lines that tests and seeds run, by file of a folder; of suites that match a pattern, e.g. suites='wad*/*'.
+coverage:
+	$(call install,$(to_build) $(to_test))
+	$(submake) config=coverage maps build/coverage/tests/all $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
+	@bash tests/coverage.sh build/coverage $(folder) '$(suites)'
 bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv

@@ -5,7 +5,8 @@
 seconds=${1:?usage: tests/fuzz.sh SECONDS [TARGET...]}
 shift
 targets=${*:-$(cd tests && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/')}
-limits=(-rss_limit_mb=2048 -timeout=20)
+# Entropy, by which libFuzzer weighs inputs, costs a quarter of the time here.
+limits=(-rss_limit_mb=2048 -timeout=20 -entropic=0)
 
 # The seeds of a target, with commas between.
 seeds() {

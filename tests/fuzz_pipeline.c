@@ -21,8 +21,8 @@
 #include "visibility/pairs/pairs.h"
 
 // Beyond these an input would take longer than many small ones, which find more.
-enum { MOST_POLYGONS = 1200, MOST_CELLS = 60, MOST_ELEMENTS = 2000, MOST_FILES = 16 };
-enum { EYES = 8, STEPS = 24, SHOTS = 10 };
+enum { MOST_POLYGONS = 1200, MOST_CELLS = 40, MOST_UNDER_SKY = 12, MOST_ELEMENTS = 1000, MOST_FILES = 16 };
+enum { EYES = 4, STEPS = 16, SHOTS = 10 };
 
 // Ends the run with what does not hold.
 #define demand(condition, what)                                                                              \
@@ -260,7 +260,7 @@ static void kindle(Building *b) {
 }
 
 static double fitting_element(const CellGraph *g) {
-    enum { ABOUT = 200 };
+    enum { ABOUT = 120 };
     double area = 0;
     for (int i = 0; i < g->polygon_count; i++)
         area += polygon_area(g->vertices + g->polygons[i].first_vertex, g->polygons[i].vertex_count);
@@ -325,7 +325,7 @@ static void light(Scene *s) {
     options.lamp_detail = 1;
     kindle(&s->building);
     if (!mesh_of(s, &options, &mesh)) return;
-    bool day = random_index(&s->random, 16) == 0;
+    bool day = random_index(&s->random, 16) == 0 && s->graph.cell_count <= MOST_UNDER_SKY;
     if (!(day ? rad_start_dark : rad_start)(&mesh, s->arena, &solution, &error)) {
         demand(error.text[0], "light, or a sentence");
         return;

@@ -201,4 +201,6 @@ void query_list_objects(VisQuery *q, Arena *arena) {
             }
         }
     }
+    // Boxes are fetched ahead by their address also where a cell has none, and be it that no cell has any.
+    if (!q->boxes) q->boxes = ARENA_ARRAY(arena, BoxBlock, 1);
 }

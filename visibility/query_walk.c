@@ -25,9 +25,8 @@ static void prefetch_beyond(const VisQuery *q, int gate) {
 }
 
 static void prefetch_boxes(const VisQuery *q, int cell) {
-    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
-    if (size == 0) return;  // there may be no boxes at all
     const char *boxes = (const char *)&q->boxes[q->of_cell[cell].first_box];
+    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
     for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(boxes + line);
 }
 

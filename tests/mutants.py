@@ -320,11 +320,12 @@ def judge(bench, mutant, times, stages, quick):
 # ---- results
 
 def explained():
-    """Keys of survivors that tests/mutants.md explains, and whether as equivalent."""
+    """Keys of survivors that tests/mutants.md explains, and how; `open` is no explanation."""
     out = {}
     if os.path.exists(SURVIVORS):
         for row in re.findall(r"^\| `([\w-]+)` \| (\w+) \|", open(SURVIVORS).read(), re.M):
-            out[row[0]] = row[1]
+            if row[1] != "open":
+                out[row[0]] = row[1]
     return out
 
 

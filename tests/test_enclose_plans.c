@@ -188,6 +188,17 @@ Test(enclose, turned_and_mirrored_plans_are_the_same, .timeout = 100) {
             Error error = {""};
             good = maps_enclose(&d[k].s, &d[k].b, &d[k].arena, &error) && good;
         }
+        for (int k = 1; good && k < 3; k++) {
+            const Box *from = &d[0].b.world, *to = &d[k].b.world;
+            Vec2 p = moved_point(vec2(from->min.x, from->min.y), k == 2),
+                 q = moved_point(vec2(from->max.x, from->max.y), k == 2);
+            // Whole millimetres outwards, either way.
+            cr_expect_lt(fabs(fmin(p.x, q.x) - to->min.x) + fabs(fmax(p.x, q.x) - to->max.x), 0.01,
+                         "seed %d: world", seed);
+            cr_expect_lt(fabs(fmin(p.y, q.y) - to->min.y) + fabs(fmax(p.y, q.y) - to->max.y), 0.01,
+                         "seed %d: world", seed);
+            cr_expect(from->min.z == to->min.z && from->max.z == to->max.z, "seed %d: heights", seed);
+        }
         for (int i = 0; good && i < 300; i++) {
             Vec3 p = vec3(random_between(&r, -1, 12), random_between(&r, -1, 10), random_between(&r, -1, 6));
             int kind = draft_kind_at(&d[0], p.x, p.y, p.z);

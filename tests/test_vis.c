@@ -529,6 +529,50 @@ static void expect_registered(const CellGraph *g, Random *random, int points, co
         }
     }
 }
+// Proves that what is registered stays so where more is to be registered, and that what is added is found.
+Test(squares, take_more) {
+    Made m;
+    make(&m, 4, 3, 2, 2, 1, 0);
+    const CellGraph *g = &m.graph;
+    CellGraph same, more;
+    int *first = ARENA_ARRAY(&m.arena, int, g->object_count + 1);
+    vis_register(g, NULL, NULL, first, &m.arena, &same);
+    cr_assert_eq(same.square_object_count, g->square_object_count);
+    // A triangle for each object, somewhere else.
+    Random random = {6};
+    Polygon *polygons = ARENA_ARRAY(&m.arena, Polygon, g->object_count);
+    Vec3 *vertices = ARENA_ARRAY(&m.arena, Vec3, 3 * g->object_count);
+    for (int o = 0; o < g->object_count; o++) {
+        polygons[o] = (Polygon){.first_vertex = 3 * o, .vertex_count = 3};
+        first[o + 1] = o + 1;
+        Vec3 at = fixture_point(g, &random, random_index(&random, g->cell_count));
+        for (int k = 0; k < 3; k++)
+            vertices[3 * o + k] = vec3_add(at, vec3_scale(fixture_direction(&random), 0.3));
+    }
+    vis_register(g, polygons, vertices, first, &m.arena, &more);
+    for (int s = 0; s < g->square_count; s++) {
+        for (int k = g->square_first[s]; k < g->square_first[s + 1]; k++) {
+            bool kept = false, again = false;
+            for (int i = same.square_first[s]; i < same.square_first[s + 1]; i++)
+                again = again || same.square_objects[i] == g->square_objects[k];
+            for (int i = more.square_first[s]; i < more.square_first[s + 1]; i++)
+                kept = kept || more.square_objects[i] == g->square_objects[k];
+            cr_assert(kept && again, "square %d no longer lists object %d", s, g->square_objects[k]);
+        }
+    }
+    for (int o = 0; o < g->object_count; o++) {
+        for (int i = 0; i < 5; i++) {
+            double u = random_unit(&random), v = random_unit(&random) * (1 - u);
+            const Vec3 *t = vertices + 3 * o;
+            Vec3 p =
+                vec3_add(vec3_scale(t[0], 1 - u - v), vec3_add(vec3_scale(t[1], u), vec3_scale(t[2], v)));
+            for (int c = 0; c < g->cell_count; c++)
+                if (is_in(g, c, p)) cr_assert(is_registered(&more, c, p, o), "object %d in cell %d", o, c);
+        }
+    }
+    arena_free(&m.arena);
+}
+
 Test(squares, hold_what_touches_them) {
     Random random = {3};
     for (uint64_t seed = 1; seed <= 6; seed++) {

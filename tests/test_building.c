@@ -296,6 +296,182 @@ Test(building, check_names_every_fault) {
     }
 }
 
+// The same with one of everything else: an inlay, a leaf, a tour, a note, and a ball, a patch and metaballs.
+static Building detailed_building(Arena *arena) {
+    static const double inlay[] = {1, 1, 2, 1, 2, 2};
+    Building b = sound_building(arena);
+    *ARENA_PUSH(arena, b.inlays, b.inlay_count, b.inlay_capacity) = (Inlay){b.point_count, 3, 0, 0};
+    add_ring(arena, &b, inlay, 3);
+    b.ring_count--;
+    *ARENA_PUSH(arena, b.leaves, b.leaf_count, b.leaf_capacity) =
+        (Leaf){.axis = {{4, 0}, {4, 3}}, .thickness = 0.05, .z1 = 2};
+    *ARENA_PUSH(arena, b.tour_points, b.tour_point_count, b.tour_point_capacity) =
+        (Viewpoint){"stop", {1, 1, 1.6}, 0, 0, 1};
+    *ARENA_PUSH(arena, b.tours, b.tour_count, b.tour_capacity) = (Tour){"round", 0, 1};
+    *ARENA_PUSH(arena, b.notes, b.note_count, b.note_capacity) = (Note){.text = "none"};
+    for (int i = 0; i < 16; i++)
+        *ARENA_PUSH(arena, b.controls, b.control_count, b.control_capacity) =
+            (CurvedControl){vec3(i % 4, i / 4, 0), 1};
+    *ARENA_PUSH(arena, b.trims, b.trim_count, b.trim_capacity) = (CurvedTrim){.weight = {1, 1, 1, 1}};
+    *ARENA_PUSH(arena, b.balls, b.ball_count, b.ball_capacity) = (CurvedBall){{0, 0, 0}, 1, 1};
+    static const CurvedKind KINDS[] = {CURVED_SPHERE, CURVED_PATCH, CURVED_METABALLS};
+    for (int i = 0; i < 3; i++) {
+        *ARENA_PUSH(arena, b.shapes, b.shape_count, b.shape_capacity) =
+            (CurvedShape){.kind = KINDS[i],
+                          .frame = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                          .trim_count = 1,
+                          .ball_count = 1,
+                          .threshold = 0.5,
+                          .tolerance = 0.01,
+                          .polygon_count = 1};
+    }
+    return b;
+}
+
+static void spoil_details(Building *b, int way) {
+    switch (way) {
+    case 0:
+        b->materials[0].alpha = 2;
+        break;
+    case 1:
+        b->materials[0].mirror = 0.7f;
+        break;
+    case 2:
+        b->materials[0].index = 9;
+        break;
+    case 3:
+        for (int i = 0; i < 4; i++) b->vertices[i].y = 0;
+        break;
+    case 4:
+        b->objects[0].leaf = 7;
+        break;
+    case 5:
+        b->objects[0].proxy_z0 = 3;
+        break;
+    case 6:
+        b->inlays[0].point_count = 2;
+        break;
+    case 7:
+        b->inlays[0].z = NAN;
+        break;
+    case 8:
+        b->points[b->inlays[0].first_point + 1] = vec2(1, 4);
+        break;
+    case 9:
+        b->tours[0].viewpoint_count = 5;
+        break;
+    case 10:
+        b->notes[0].text = NULL;
+        break;
+    case 11:
+        b->openings[0].kind = OPENING_KINDS;
+        break;
+    case 12:
+        b->openings[0].storey = 3;
+        break;
+    case 13:
+        b->openings[0].line[0].x = NAN;
+        break;
+    case 14:
+        b->openings[0].open = 1.5;
+        break;
+    case 15:
+        b->openings[0].leaf_count = 4;
+        break;
+    case 16:
+        b->openings[0].material = 8;
+        break;
+    case 17:
+        b->leaves[0].thickness = 0;
+        break;
+    case 18:
+        b->leaves[0].corner_count = 2;
+        break;
+    case 19:
+        b->leaves[0].opening = 5;
+        break;
+    case 20:
+        b->world.max.z = 1;
+        break;
+    case 21:
+        b->shapes[0].kind = CURVED_KINDS;
+        break;
+    case 22:
+        b->shapes[0].polygon_count = 6;
+        break;
+    case 23:
+        b->shapes[0].tolerance = 0;
+        break;
+    case 24:
+        b->shapes[0].frame.axis[1] = vec3(1, 1, 0);
+        break;
+    case 25:
+        b->shapes[1].first_control = 1;
+        break;
+    case 26:
+        b->controls[3].weight = 0;
+        break;
+    case 27:
+        b->trims[0].point[2].x = 1.5;
+        break;
+    case 28:
+        b->shapes[2].ball_count = 0;
+        break;
+    case 29:
+        b->balls[0].radius = -1;
+        break;
+    default:
+        break;
+    }
+}
+
+// Proves the same of these.
+Test(building, check_names_faults_of_details) {
+    static const char *const expected[] = {"alpha 2",
+                                           "mirror 0.7 beside",
+                                           "refraction 9",
+                                           "no area",
+                                           "leaf 7",
+                                           "proxy",
+                                           "at least 3",
+                                           "height nan",
+                                           "inlay 0 at",
+                                           "viewpoints 0 to 4 of 1",
+                                           "note 0",
+                                           "kind 3",
+                                           "storey 3 of 1",
+                                           "line is not finite",
+                                           "open by 1.5",
+                                           "leaves 0 to 3 of 1",
+                                           "material 8 of 1",
+                                           "has no size",
+                                           "corners 0 to 1",
+                                           "opening 5 of 1",
+                                           "leave the world",
+                                           "kind 5",
+                                           "not all of object 0",
+                                           "tolerance 0 m",
+                                           "not perpendicular",
+                                           "controls from 1 of 16",
+                                           "control 3 at",
+                                           "point 2 of trim 0",
+                                           "balls 0 to -1 of 1",
+                                           "radius -1"};
+    int ways = (int)(sizeof expected / sizeof *expected);
+    for (int way = -1; way < ways; way++) {
+        Arena arena = {0};
+        Building b = detailed_building(&arena);
+        spoil_details(&b, way);
+        const char *faults[8] = {""};
+        int count = building_check(&b, &arena, faults, 8);
+        bool found = false;
+        for (int i = 0; i < count && i < 8; i++)
+            found = found || (way >= 0 && strstr(faults[i], expected[way]));
+        cr_expect(way < 0 ? count == 0 : found, "case %d: %d faults, first: %s", way, count, faults[0]);
+        arena_free(&arena);
+    }
+}
+
 // Proves that a region which is convex as it is may have vertices off the grid, and that a dent of a tenth of a
 // millimetre is none too small to be seen.
 Test(building, convex_regions_may_leave_the_grid) {

@@ -146,6 +146,18 @@ Test(quads, check_of_forms) {
         cr_expect(building_check(&cells, &arena, &fault, 1) > 0 && strstr(fault, CASES[i].expected), "%s",
                   fault);
     }
+    static const struct {
+        Vec3 corner[4];
+        const char *expected;
+    } OUTLINES[] = {{{{0, 0, 0}, {NAN, 0, 0}, {1, 1, 0}, {0, 1, 0}}, "vertex 1 at (nan, 0, 0)"},
+                    {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, "no area"},
+                    {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.1}, {0, 1, 0}}, "bends by 0.02"}};
+    portal = (GivenPortal){{0, 1}, 0, 4};
+    for (size_t i = 0; i < sizeof OUTLINES / sizeof *OUTLINES; i++) {
+        memcpy(cells.vertices, OUTLINES[i].corner, sizeof OUTLINES[i].corner);
+        cr_expect(building_check(&cells, &arena, &fault, 1) > 0 && strstr(fault, OUTLINES[i].expected), "%s",
+                  fault);
+    }
     arena_free(&arena);
 }
 

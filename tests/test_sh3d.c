@@ -461,6 +461,30 @@ Test(sh3d, leaves_of_doors) {
     }
 }
 
+// Of two leaves on rails the first slides over the second, which stays; a leaf without a height is none but of the frame.
+Test(sh3d, leaves_on_rails) {
+    static const char MODEL[] = "v -1 0 0\nv 0 0 0\nv 0 2 0\nv -1 2 0\n"
+                                "v 0 0 0.1\nv 1 0 0.1\nv 1 2 0.1\nv 0 2 0.1\nv -1 0 0.1\n"
+                                "g sweethome3d_opening_on_hinge_3\nf 1 6 9\n"
+                                "g sweethome3d_opening_on_rail_1\nf 1 2 3 4\n"
+                                "g sweethome3d_opening_on_rail_2\nf 5 6 7 8\n";
+    static const char XML[] = "<home wallHeight='250'>" HOME_ROOM
+                              "<doorOrWindow name='Door' x='300' y='0' width='180' depth='10' height='200' "
+                              "model='1'/></home>";
+    HomeEntry entries[] = {{"Home.xml", XML, sizeof XML - 1}, {"1", MODEL, sizeof MODEL - 1}};
+    Home h = home_of_zip(entries, 2);
+    cr_assert(h.good, "%s", h.error.text);
+    const SketchOpening *door = &h.sketch.openings[0];
+    cr_assert_eq(door->leaf_count, 2);
+    // The model's two metres are drawn as 1.8: a leaf is 0.9 m wide.
+    cr_expect_float_eq(fabs(door->leaves[0].slide.x), 0.9, 1e-6, "slides by %g", door->leaves[0].slide.x);
+    cr_expect_eq(vec2_length(door->leaves[1].slide), 0);
+    cr_expect(door->leaves[0].turn == 0 && door->leaves[1].turn == 0);
+    cr_expect_eq(h.b.objects[0].kind, OBJECT_FRAME);
+    cr_expect_eq(h.b.objects[0].polygon_count, 1, "the sheet is of the frame");
+    home_free(&h);
+}
+
 // Missing models are boxes of the right place, counted in one note; a stair without its model is a flight of steps
 // no higher than 0.2 m that ends at the floor above, which gets a hole; hidden pieces and groups are left out.
 Test(sh3d, missing_models_and_stairs) {

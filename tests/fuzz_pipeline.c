@@ -21,8 +21,8 @@
 #include "visibility/pairs/pairs.h"
 
 // Beyond these an input would take longer than many small ones, which find more.
-enum { MOST_POLYGONS = 1200, MOST_CELLS = 40, MOST_UNDER_SKY = 12, MOST_ELEMENTS = 1000, MOST_FILES = 16 };
-enum { EYES = 4, STEPS = 16, SHOTS = 10 };
+enum { MOST_POLYGONS = 1200, MOST_CELLS = 40, MOST_UNDER_SKY = 5, MOST_ELEMENTS = 1000, MOST_FILES = 16 };
+enum { EYES = 3, STEPS = 12, SHOTS = 10 };
 
 // Ends the run with what does not hold.
 #define demand(condition, what)                                                                              \
@@ -260,7 +260,7 @@ static void kindle(Building *b) {
 }
 
 static double fitting_element(const CellGraph *g) {
-    enum { ABOUT = 120 };
+    enum { ABOUT = 80 };
     double area = 0;
     for (int i = 0; i < g->polygon_count; i++)
         area += polygon_area(g->vertices + g->polygons[i].first_vertex, g->polygons[i].vertex_count);

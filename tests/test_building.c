@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <math.h>
 
+#include "engine/core/polygon.h"
 #include "engine/core/random.h"
 #include "maps/building.h"
 
@@ -503,6 +504,25 @@ Test(building, overlaps_in_space) {
     add_region(&arena, &b, 1, 2, cross, 4);
     faults_of(&b, &arena, "overlap");
     arena_free(&arena);
+}
+
+// Proves that a clipped polygon has one corner more at most, also where rounding has corners of the edge along the plane on either
+// side of it, and that no corner of the rest is lost. Tolerance: the noise, along four metres.
+Test(building, clipped_polygons_have_room) {
+    enum { COUNT = 11 };
+    const double noise = 1e-15;
+    for (int turn = 0; turn < COUNT; turn++) {
+        Vec3 v[COUNT], out[COUNT + 2];
+        for (int i = 0; i < COUNT - 2; i++)
+            v[(i + turn) % COUNT] = vec3(i * 0.5, i % 2 ? -noise * (i + 1) : noise, 0);
+        v[(COUNT - 2 + turn) % COUNT] = vec3(4, 3, 0);
+        v[(COUNT - 1 + turn) % COUNT] = vec3(0, 3, 0);
+        out[COUNT + 1] = vec3(NAN, 0, 0);
+        int kept = polygon_clip(v, COUNT, (Plane){{0, 1, 0}, 0}, 0, out);
+        cr_assert(kept <= COUNT + 1 && isnan(out[COUNT + 1].x), "turn %d: %d corners", turn, kept);
+        cr_assert_float_eq(polygon_area(out, kept), 12, 1e-13, "turn %d: %g m2", turn,
+                           polygon_area(out, kept));
+    }
 }
 
 // Proves that every kind has a name.

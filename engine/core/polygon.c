@@ -18,6 +18,25 @@ static Vec3 cut(Vec3 a, double da, Vec3 b, double db) {
     return vec3_lerp(a, b, da / (da - db));
 }
 
+// The same where rounding has several corners of one edge go below the plane and come back: only the deepest run of corners below
+// goes, the others are no deeper than rounding. So there is one corner more at most, as of any convex polygon.
+static int clip_deepest(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out) {
+    int deepest = 0, kept = 0;
+    for (int i = 1; i < count; i++)
+        if (plane_distance(keep, in[i]) < plane_distance(keep, in[deepest])) deepest = i;
+    int first = deepest, last = deepest;  // the corners above beside the run
+    while (plane_distance(keep, in[first]) + slack < 0) first = (first + count - 1) % count;
+    while (plane_distance(keep, in[last]) + slack < 0) last = (last + 1) % count;
+    Vec3 in_first = in[(first + 1) % count], in_last = in[(last + count - 1) % count];
+    out[kept++] =
+        cut(in_last, plane_distance(keep, in_last) + slack, in[last], plane_distance(keep, in[last]) + slack);
+    for (int i = last; i != first; i = (i + 1) % count) out[kept++] = in[i];
+    out[kept++] = in[first];
+    out[kept++] = cut(in[first], plane_distance(keep, in[first]) + slack, in_first,
+                      plane_distance(keep, in_first) + slack);
+    return kept;
+}
+
 int polygon_clip(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out) {
     int kept = 0;
     if (count == 0) return 0;
@@ -26,7 +45,9 @@ int polygon_clip(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out)
     for (int i = 0; i < count; i++) {
         Vec3 point = in[i];
         double here = plane_distance(keep, point) + slack;
-        if ((before < 0) != (here < 0)) out[kept++] = cut(previous, before, point, here);
+        bool crosses = (before < 0) != (here < 0);
+        if (kept + crosses + (here >= 0) > count + 1) return clip_deepest(in, count, keep, slack, out);
+        if (crosses) out[kept++] = cut(previous, before, point, here);
         if (here >= 0) out[kept++] = point;
         previous = point;
         before = here;

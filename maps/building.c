@@ -48,16 +48,18 @@ static bool inside_triangle(Vec3 a, Vec3 b, Vec3 c, Vec3 p, Vec3 n) {
            polygon_corner_sine(c, a, p, n) >= 0;
 }
 
-// Whether corner i of the ring may be cut off: it turns left and no other vertex lies in its triangle.
-static bool is_ear(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
+// Why a corner may not be cut off: it turns right, or a vertex lies in its triangle (its index). UNKNOWN: to be found out.
+enum { EAR = -3, TURNS_RIGHT, UNKNOWN };
+
+static int obstacle(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
     Vec3 a = v[ring[(i + left - 1) % left]], b = v[ring[i]], c = v[ring[(i + 1) % left]];
-    if (polygon_corner_sine(a, b, c, n) <= POLYGON_COLLINEAR) return false;
+    if (polygon_corner_sine(a, b, c, n) <= POLYGON_COLLINEAR) return TURNS_RIGHT;
     for (int j = 0; j < left; j++) {
         Vec3 p = v[ring[j]];
         if (vec3_equal(p, a) || vec3_equal(p, b) || vec3_equal(p, c)) continue;
-        if (inside_triangle(a, b, c, p, n)) return false;
+        if (inside_triangle(a, b, c, p, n)) return ring[j];
     }
-    return true;
+    return EAR;
 }
 
 // Of a triangle as long as a country and as wide as a hair, doubles find no plane that holds its corners.
@@ -66,20 +68,32 @@ static bool has_plane(const Vec3 triangle[3]) {
 }
 
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
-// goes.
+// goes. What is no ear stays none as long as its neighbours and the vertex in its triangle are there.
 static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
-    int *ring = memory_new(sizeof(int) * (size_t)count), added = 0;
-    for (int i = 0; i < count; i++) ring[i] = i;
+    int *ring = memory_new(sizeof(int) * 2 * (size_t)count), *why = ring + count, added = 0;
+    for (int i = 0; i < count; i++) {
+        ring[i] = i;
+        why[i] = UNKNOWN;
+    }
     for (int left = count; left > 2; left--) {
         int ear = 0;
-        while (ear < left && !is_ear(v, ring, left, ear, n)) ear++;
+        for (; ear < left; ear++) {
+            if (why[ear] == UNKNOWN) why[ear] = obstacle(v, ring, left, ear, n);
+            if (why[ear] == EAR) break;
+        }
         if (ear == left) ear = 0;
+        why[(ear + left - 1) % left] = why[(ear + 1) % left] = UNKNOWN;
+        for (int i = 0; i < left; i++)
+            if (why[i] == ring[ear]) why[i] = UNKNOWN;
         Vec3 t[3] = {v[ring[(ear + left - 1) % left]], v[ring[ear]], v[ring[(ear + 1) % left]]};
         if (polygon_area(t, 3) > MAPS_SMALLEST_AREA && has_plane(t)) {
             push_polygon(arena, b, t, 3, material);
             added++;
         }
-        for (int i = ear; i + 1 < left; i++) ring[i] = ring[i + 1];
+        for (int i = ear; i + 1 < left; i++) {
+            ring[i] = ring[i + 1];
+            why[i] = why[i + 1];
+        }
     }
     memory_free(ring);
     return added;
@@ -107,6 +121,11 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
     }
     if (v != few) memory_free(v);
     return added;
+}
+
+int building_polygons_allowed(double file_size) {
+    static const double LEAST = 300000, A_BYTE = 0.25;
+    return (int)fmin(fmax(A_BYTE * file_size, LEAST), BUILDING_MOST_POLYGONS);
 }
 
 void building_set_proxy(Building *b, double angle) {

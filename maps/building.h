@@ -272,6 +272,11 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
 // Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
 // Returns how many polygons it became.
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
+
+// How many polygons a file of so many bytes may make by placing models, tessellating curved shapes and instancing meshes: a short
+// line can ask for thousands. 300,000 of a small file, the most that there may be from 16 MB on.
+enum { BUILDING_MOST_POLYGONS = 4000000 };
+int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
 void building_set_proxy(Building *b, double angle);
 // Adds a note; the sentence is formatted as by printf.

@@ -4,6 +4,7 @@
 // and cameras. What is not: animation, skins and morph targets (meshes are as at rest), points and lines, normals.
 #include "maps/gltf.h"
 #include "maps/maps.h"
+#include "maps/texture.h"
 
 enum { HEADER = 12, CHUNK_HEADER = 8 };
 static const uint32_t MAGIC = 0x46546C67, CHUNK_JSON = 0x4E4F534A, CHUNK_BIN = 0x004E4942;
@@ -158,6 +159,8 @@ static bool read_document(Gltf *g, Bytes content) {
 static bool read_gltf(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     Arena scratch = {0};
     Gltf g = {.path = path,
+              .pixels = TEXTURE_FREE_PIXELS,
+              .size = content.size,
               .folder = {.path = path},
               .arena = arena,
               .scratch = &scratch,

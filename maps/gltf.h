@@ -11,10 +11,12 @@
 
 // Limits of one document: above any building seen, below what would hang. Polygons and vertices as for every soup.
 #define GLTF_MAX_JSON ((size_t)128 << 20)  // bytes; parsed it takes up to twenty times as many
-#define GLTF_MAX_PIXELS (1 << 30)          // of images, decoded: some twenty seconds
 #define GLTF_MAX_LIST 1000000              // nodes, accessors, children ...
-#define GLTF_MAX_VALUES (96 << 20)         // numbers decoded from accessors, all together
-#define GLTF_MAX_NUMBER 1e15               // of a matrix, a translation, a factor
+// Numbers decoded from accessors, all together; of a small file fewer: so many, and so many a byte.
+#define GLTF_MAX_VALUES (96 << 20)
+#define GLTF_FREE_VALUES (24 << 20)
+#define GLTF_VALUES_A_BYTE 16
+#define GLTF_MAX_NUMBER 1e15  // of a matrix, a translation, a factor
 
 // Of green light at its best: by this factor exporters turn watts into candela.
 #define GLTF_LUMENS_PER_WATT 683.0
@@ -52,7 +54,9 @@ typedef struct Gltf {
     GltfImage *images;  // [images]
     SoupCapped capped;
     GltfTally tally;
-    int values, faces, pixels;  // decoded; placed; decoded
+    int values, faces;  // decoded; placed
+    double pixels;      // of images that may still be decoded
+    size_t size;        // bytes of the document, without the files beside it
 } Gltf;
 
 // ---- gltf_json.c: a part of the document

@@ -150,8 +150,13 @@ bool gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, 
         !check_type(g, &item, components, integer, &source))
         return false;
     if (count < 0) return gltf_fail(g, &item, "count", "is missing");
-    if (count > (GLTF_MAX_VALUES - g->values) / components)
-        return gltf_fail(g, &item, "count", "makes more than %d numbers in all", GLTF_MAX_VALUES);
+    size_t bytes = g->size + g->folder.bytes;
+    int allowed = (int)fmin(GLTF_MAX_VALUES, GLTF_FREE_VALUES + GLTF_VALUES_A_BYTE * (double)bytes);
+    if (count > (allowed - g->values) / components)
+        return gltf_fail(
+            g, &item, "count",
+            "makes more than %d numbers in all, each time that an accessor is used (the limit for %zu bytes)",
+            allowed, bytes);
     bool stored = json_object_get(item.json, "bufferView") != NULL;
     if (!stored && !json_object_get(item.json, "sparse"))
         return gltf_fail(g, &item, NULL, "has neither a bufferView nor sparse values");

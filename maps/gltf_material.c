@@ -40,10 +40,7 @@ static bool read_texture(Gltf *g, const GltfItem *item, const char *key, Rgb *ou
         if (!known->asked) {
             bool read = read_image(g, image, &bytes);
             if (g->failed) return false;
-            int pixels = read ? texture_pixels(bytes) : 0;
-            known->usable =
-                pixels > 0 && pixels <= GLTF_MAX_PIXELS - g->pixels && texture_mean(bytes, &known->mean);
-            g->pixels += known->usable ? pixels : 0;
+            known->usable = read && texture_mean(bytes, &g->pixels, &known->mean);
         }
         known->asked = true;
         *out = known->mean;

@@ -85,8 +85,12 @@ static bool place_face(Gltf *g, const GltfItem *node, const Way *way, const Soup
         }
         ring[mirrored ? face->corner_count - 1 - i : i] = v;
     }
-    if (g->faces++ == SOUP_MAX_POLYGONS)
-        return gltf_fail(g, node, NULL, "its mesh makes more than %d polygons in all", SOUP_MAX_POLYGONS);
+    size_t bytes = g->size + g->folder.bytes;
+    int allowed = building_polygons_allowed((double)bytes);
+    if (g->faces++ == allowed)
+        return gltf_fail(g, node, NULL,
+                         "its mesh makes more than %d polygons in all (the limit for %zu bytes)", allowed,
+                         bytes);
     if (building_add_polygon(g->arena, g->b, ring, face->corner_count, face->material) == 0) g->tally.flat++;
     return true;
 }

@@ -66,10 +66,10 @@ bool maps_read_map(const char *path, const char *map, Arena *arena, Building *ou
                          path, map);
     }
     out->map = map;
+    out->file_size = (double)content.size;
     if (!reader->read(path, content, arena, out, error) || !memory_within(error)) return false;
     out->source = arena_string(arena, path);
     out->hash = file_hash(content.data, content.size, out->hash);
-    out->file_size = (double)content.size;
     if (out->map) out->hash = file_hash(out->map, strlen(out->map), out->hash);
     if (out->form == FORM_SOUP) {
         soup_find_doors(arena, out);

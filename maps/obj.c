@@ -36,12 +36,25 @@ typedef struct Names {
     int group[NAME_SLOTS], material[NAME_SLOTS];
 } Names;
 
+// Pictures that were asked for: each is decoded once, however many materials and libraries name it.
+typedef struct Picture {
+    const char *name;
+    bool usable;
+    Rgb mean;
+} Picture;
+
+typedef struct Pictures {
+    Picture *list;
+    int count, capacity;
+} Pictures;
+
 typedef struct Reader {
     const char *at, *end;
     const ObjFiles *files;
     Arena *arena;
     ObjModel *model;
     Names *names;
+    Pictures *pictures;
     Error *error;
     const char *path;
     int line;
@@ -251,15 +264,28 @@ static void read_colour(Reader *r, ObjMaterial *material) {
     material->colour = (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
 }
 
+// NULL where there are more than there are materials.
+static const Picture *find_picture(Reader *r, const char *name) {
+    Pictures *p = r->pictures;
+    for (int i = 0; i < p->count; i++)
+        if (strcmp(p->list[i].name, name) == 0) return &p->list[i];
+    if (p->count == OBJ_MAX_NAMES) return NULL;
+    Picture *picture = ARENA_PUSH(r->arena, p->list, p->count, p->capacity);
+    picture->name = arena_string(r->arena, name);
+    Bytes image;
+    picture->usable = r->files && r->files->read &&
+                      r->files->read(r->files->context, name, r->arena, &image) &&
+                      texture_mean(image, r->files->pixels, &picture->mean);
+    return picture;
+}
+
 static void read_texture(Reader *r, ObjMaterial *material) {
     char *name = read_name(r);
     // Options come before the file's name, which then has no blanks.
     if (name[0] == '-' && strrchr(name, ' ')) name = strrchr(name, ' ') + 1;
-    Bytes image;
-    Rgb mean;
-    if (r->files && r->files->read && r->files->read(r->files->context, name, r->arena, &image) &&
-        texture_mean(image, &mean))
-        material->colour = mean;
+    const Picture *picture = find_picture(r, name);
+    if (picture && picture->usable)
+        material->colour = picture->mean;
     else
         skip_file(r, name);
 }
@@ -313,6 +339,7 @@ bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *are
                 .arena = arena,
                 .model = out,
                 .names = ARENA_ARRAY(arena, Names, 1),
+                .pictures = ARENA_ARRAY(arena, Pictures, 1),
                 .error = error,
                 .path = path,
                 .line = 1};

@@ -44,6 +44,7 @@ typedef struct ObjModel {
 typedef struct ObjFiles {
     bool (*read)(void *context, const char *name, Arena *arena, Bytes *out);
     void *context;
+    double *pixels;  // of images that may still be decoded, see texture_mean; NULL: any
 } ObjFiles;
 
 // Tolerant: lines that make no sense are skipped and counted. Fails on a model without a single usable face and

@@ -193,6 +193,7 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     plan->line = (PlanLine){.path = path, .materials = &plan->materials, .arena = arena, .error = error};
     plan->arena = arena;
     plan->b = out;
+    plan->models.shapes.file_size = out->file_size;
     plan->storey = -1;
     Material plain = {.name = PLAIN, .reflectance = maps_colour(PLAIN_COLOUR), .alpha = 1};
     int index = building_add_material(arena, out, plain);

@@ -17,9 +17,10 @@ bool plan_tessellate(PlanLine *line, PlanModels *models) {
     CurvedMesh mesh;
     curved_tessellate(shapes, shape, shape->tolerance, &scratch, &mesh);
     shape->first_polygon = shapes->polygon_count;
+    int most = building_polygons_allowed(shapes->file_size);
     bool fine = mesh.tolerance <= shape->tolerance + ROUNDING,
-         few = mesh.polygon_count <= MAX_SHAPE_POLYGONS &&
-               mesh.polygon_count <= PLAN_MAX_POLYGONS - shapes->polygon_count;
+         single = mesh.polygon_count <= MAX_SHAPE_POLYGONS,
+         few = single && mesh.polygon_count <= most - shapes->polygon_count;
     for (int i = 0; fine && few && i < mesh.polygon_count; i++)
         building_add_polygon(line->arena, shapes, mesh.vertices + mesh.first[i],
                              mesh.first[i + 1] - mesh.first[i], shape->material);
@@ -34,7 +35,13 @@ bool plan_tessellate(PlanLine *line, PlanModels *models) {
         return plan_fail(line,
                          "a tolerance of %g metres takes too many polygons (allowed here: from about %.2g)",
                          shape->tolerance, kept);
-    if (!few) return plan_fail(line, "the shape has %d polygons (limit %d)", count, MAX_SHAPE_POLYGONS);
+    if (!single) return plan_fail(line, "the shape has %d polygons (limit %d)", count, MAX_SHAPE_POLYGONS);
+    if (!few)
+        return plan_fail(
+            line,
+            "the shapes come to more than %d polygons (the limit for a file of %.0f bytes; larger "
+            "tolerances make fewer)",
+            most, shapes->file_size);
     if (shape->polygon_count == 0)
         return plan_fail(line, "nothing of the shape can be seen (allowed: one with an area)");
     return true;

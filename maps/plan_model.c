@@ -208,8 +208,11 @@ static bool stand_polygon(PlanLine *line, Arena *arena, const Building *shapes, 
                              MAPS_LIMIT);
         corner[k] = v;
     }
-    if (b->polygon_count >= PLAN_MAX_POLYGONS)
-        return plan_fail(line, "the building has more than %d polygons (limit)", PLAN_MAX_POLYGONS);
+    int most = building_polygons_allowed(b->file_size);
+    if (b->polygon_count >= most)
+        return plan_fail(line,
+                         "the building comes to more than %d polygons (the limit for a file of %.0f bytes)",
+                         most, b->file_size);
     building_add_polygon(arena, b, corner, p->vertex_count, p->material);
     return true;
 }

@@ -5,9 +5,6 @@
 #include "maps/building.h"
 #include "maps/plan_words.h"
 
-// Beyond these a file is refused: some 100 times what fits on a screen.
-enum { PLAN_MAX_POLYGONS = 4000000 };
-
 // All models of a file: objects of a building of shapes, in whose own frame each is drawn. So concave faces are cut
 // once, however often a model is placed.
 typedef struct PlanModels {

@@ -118,7 +118,7 @@ bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
     Error ignored;
     if (name && s->archive && archive_has(s->archive, name) &&
         archive_read(s->archive, name, ARCHIVE_MAX_ENTRY, s->arena, &image, &ignored))
-        texture.usable = texture_mean(image, &texture.mean);
+        texture.usable = texture_mean(image, &s->pixels, &texture.mean);
     if (!texture.usable) sh3d_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
     if (name) *ARENA_PUSH(s->arena, s->textures, s->texture_count, s->texture_capacity) = texture;
     *mean = texture.mean;
@@ -322,7 +322,13 @@ static void add_notes(Sh3d *s) {
 
 bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
                  Error *error) {
-    Sh3d s = {.where = where, .archive = archive, .arena = arena, .b = b, .sketch = sketch, .error = error};
+    Sh3d s = {.pixels = TEXTURE_FREE_PIXELS,
+              .where = where,
+              .archive = archive,
+              .arena = arena,
+              .b = b,
+              .sketch = sketch,
+              .error = error};
     if (!xml_parse(xml, where, arena, &s.home, error)) return false;
     if (!xml_is(s.home, "home"))
         return error_set(error, "%s:%d: the file's element is %.40s (home is needed)", where, s.home->line,

@@ -14,8 +14,6 @@
 
 // Bytes of Home.xml: real ones have below 1 MB.
 #define SH3D_MAX_XML ((size_t)64 << 20)
-// Polygons of all furniture together; pieces beyond it become boxes. Real homes: below 200,000.
-#define SH3D_MAX_POLYGONS (4 << 20)
 // Bounds on what a file may say, in its own centimetres and radians.
 #define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
 #define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
@@ -79,6 +77,7 @@ typedef struct Sh3d {
     Sh3dWall *walls;
     Sh3dModel *models;
     Sh3dTexture *textures;
+    double pixels;  // that may still be decoded
     int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
         texture_capacity;
     int wall_material, floor_material, ceiling_material;  // of those that name no colour

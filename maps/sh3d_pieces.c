@@ -101,7 +101,7 @@ static const ObjModel *find_model(Sh3d *s, const XmlNode *node) {
     Bytes content;
     Error ignored;
     Folder folder = {s, entry};
-    ObjFiles files = {read_entry, &folder};
+    ObjFiles files = {read_entry, &folder, &s->pixels};
     if (archive_has(s->archive, entry) &&
         archive_read(s->archive, entry, MAX_MODEL, s->arena, &content, &ignored))
         model.usable = obj_read(content, entry, &files, s->arena, &model.obj, &ignored);
@@ -227,7 +227,9 @@ static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *pl
 }
 
 static bool room_for(const Sh3d *s, const Piece *p, const ObjModel *m) {
-    return s->b->polygon_count <= SH3D_MAX_POLYGONS - (int64_t)m->corner_count * (p->both_sides ? 2 : 1);
+    // Pieces beyond become boxes. Real homes have below 200,000.
+    return s->b->polygon_count <=
+           building_polygons_allowed(s->b->file_size) - (int64_t)m->corner_count * (p->both_sides ? 2 : 1);
 }
 
 // An object that turned out empty goes again.

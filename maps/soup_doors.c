@@ -62,6 +62,7 @@ static bool called_door(const char *name) {
 
 typedef struct Part {
     int polygon, leader;  // of parts that hang together the first of them leads
+    int place;            // among all by their left ends
     Box box;
 } Part;
 
@@ -71,22 +72,36 @@ static int by_left(const void *p, const void *q) {
     return a->polygon - b->polygon;
 }
 
-static int leader_of(const Part *parts, int i) {
-    while (parts[i].leader != i) i = parts[i].leader;
+static int leader_of(Part *parts, int i) {
+    while (parts[i].leader != i) i = parts[i].leader = parts[parts[i].leader].leader;
     return i;
 }
 
-static void join_parts(Part *parts, int count) {
+// Thousands of polygons about one place all touch each other: of an object more looks than this find no doors in it.
+static const double MOST_LOOKS = 3e8;
+
+static int by_leader(const void *p, const void *q) {
+    const Part *a = p, *b = q;
+    return a->leader != b->leader ? (a->leader > b->leader) - (a->leader < b->leader)
+                                  : (a->place > b->place) - (a->place < b->place);
+}
+
+// Parts that hang together become a run, their leader first. Returns how many parts there are, 0 where they are too many to tell.
+static int join_parts(Part *parts, int count) {
     qsort(parts, (size_t)count, sizeof *parts, by_left);
-    for (int i = 0; i < count; i++) parts[i].leader = i;
+    for (int i = 0; i < count; i++) parts[i].leader = parts[i].place = i;
+    double looks = 0;
     for (int i = 0; i < count; i++) {
         for (int k = i + 1; k < count && parts[k].box.min.x <= parts[i].box.max.x; k++) {
+            if (looks++ > MOST_LOOKS) return 0;
             if (!box_overlap(parts[i].box, parts[k].box)) continue;
             int a = leader_of(parts, i), b = leader_of(parts, k);
             parts[a > b ? a : b].leader = a > b ? b : a;
         }
     }
     for (int i = 0; i < count; i++) parts[i].leader = leader_of(parts, i);
+    qsort(parts, (size_t)count, sizeof *parts, by_leader);
+    return count;
 }
 
 static Box box_of(const Building *b, const Polygon *polygon) {
@@ -99,10 +114,9 @@ static Box box_of(const Building *b, const Polygon *polygon) {
 // ---- what is a leaf
 
 // The direction across the leaf: of its largest upright polygon.
-static bool find_across(const Building *b, const Part *parts, int count, int leader, Vec2 *out) {
+static bool find_across(const Building *b, const Part *parts, int count, Vec2 *out) {
     double largest = 0;
     for (int i = 0; i < count; i++) {
-        if (parts[i].leader != leader) continue;
         const Polygon *p = &b->polygons[parts[i].polygon];
         Vec3 n = plane_of_polygon(b->vertices + p->first_vertex, p->vertex_count).n;
         double area = polygon_area(b->vertices + p->first_vertex, p->vertex_count);
@@ -114,14 +128,14 @@ static bool find_across(const Building *b, const Part *parts, int count, int lea
 }
 
 // The leaf of a door, or false.
-static bool make_leaf(const Building *b, const Part *parts, int count, int leader, Leaf *out) {
+static bool make_leaf(const Building *b, const Part *parts, int count, Leaf *out) {
     Vec2 across = {0, 0};
-    if (!find_across(b, parts, count, leader, &across)) return false;
+    if (!find_across(b, parts, count, &across)) return false;
     Vec2 along = {-across.y, across.x};
     Box box = box_empty();
     for (int i = 0; i < count; i++) {
         const Polygon *p = &b->polygons[parts[i].polygon];
-        for (int k = 0; parts[i].leader == leader && k < p->vertex_count; k++) {
+        for (int k = 0; k < p->vertex_count; k++) {
             Vec3 v = b->vertices[p->first_vertex + k];
             Vec2 at = {v.x, v.y};
             box = box_add(box, vec3(vec2_dot(along, at), vec2_dot(across, at), v.z));
@@ -142,10 +156,9 @@ static bool make_leaf(const Building *b, const Part *parts, int count, int leade
     return true;
 }
 
-static bool all_glass(const Building *b, const Part *parts, int count, int leader) {
+static bool all_glass(const Building *b, const Part *parts, int count) {
     for (int i = 0; i < count; i++) {
-        bool mine = parts[i].leader == leader;
-        if (mine && b->materials[b->polygons[parts[i].polygon].material].alpha >= 1) return false;
+        if (b->materials[b->polygons[parts[i].polygon].material].alpha >= 1) return false;
     }
     return true;
 }
@@ -177,9 +190,9 @@ typedef struct Remade {
     int object_count, object_capacity, polygon_count;
 } Remade;
 
-static void add_run(Remade *r, const Building *b, const Part *parts, int count, int leader) {
+static void add_run(Remade *r, const Building *b, const Part *parts, int count) {
     for (int i = 0; i < count; i++) {
-        if (parts[i].leader == leader) r->polygons[r->polygon_count++] = b->polygons[parts[i].polygon];
+        r->polygons[r->polygon_count++] = b->polygons[parts[i].polygon];
     }
     Object *object = &r->objects[r->object_count - 1];
     object->polygon_count = r->polygon_count - object->first_polygon;
@@ -192,23 +205,22 @@ static int list_parts(const Building *b, const Object *object, Part *out) {
     for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
         bool named =
             called_door(b->materials[b->polygons[p].material].name) && !has_word(object->name, FIXED_WORDS);
-        if (all || named) out[count++] = (Part){p, 0, box_grow(box_of(b, &b->polygons[p]), TOGETHER / 2)};
+        if (all || named) out[count++] = (Part){p, 0, 0, box_grow(box_of(b, &b->polygons[p]), TOGETHER / 2)};
     }
-    join_parts(out, count);
-    return count;
+    return join_parts(out, count);
 }
 
 static void add_leaf_object(Arena *arena, Building *b, Remade *r, const Object *from, const Part *parts,
-                            int count, int leader, const Leaf *leaf) {
-    int material = b->polygons[parts[leader].polygon].material;
-    int index = add_opening(arena, b, from->name, *leaf, all_glass(b, parts, count, leader), material);
+                            int count, const Leaf *leaf) {
+    int material = b->polygons[parts[0].polygon].material;
+    int index = add_opening(arena, b, from->name, *leaf, all_glass(b, parts, count), material);
     Object *object = ARENA_PUSH(arena, r->objects, r->object_count, r->object_capacity);
     *object = *from;
     object->kind = OBJECT_LEAF;
     object->first_polygon = r->polygon_count;
     object->opening = b->leaves[index].opening;
     object->leaf = index;
-    add_run(r, b, parts, count, leader);
+    add_run(r, b, parts, count);
 }
 
 // An object without the leaves in it, then these.
@@ -217,13 +229,12 @@ static void remake(Arena *arena, Building *b, const Object *from, Part *parts, u
     int count = list_parts(b, from, parts), first = r->object_count;
     *ARENA_PUSH(arena, r->objects, r->object_count, r->object_capacity) = *from;
     r->objects[first].first_polygon = -1;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0, end; i < count; i = end) {
+        for (end = i + 1; end < count && parts[end].leader == parts[i].leader;) end++;
         Leaf leaf;
-        if (parts[i].leader != i || !make_leaf(b, parts, count, i, &leaf)) continue;
-        for (int k = 0; k < count; k++) {
-            if (parts[k].leader == i) taken[parts[k].polygon] = 1;
-        }
-        add_leaf_object(arena, b, r, from, parts, count, i, &leaf);
+        if (!make_leaf(b, parts + i, end - i, &leaf)) continue;
+        for (int k = i; k < end; k++) taken[parts[k].polygon] = 1;
+        add_leaf_object(arena, b, r, from, parts + i, end - i, &leaf);
     }
     r->objects[first].first_polygon = r->polygon_count;
     for (int p = from->first_polygon; p < from->first_polygon + from->polygon_count; p++) {

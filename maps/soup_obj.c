@@ -11,6 +11,7 @@
 #include "maps/obj.h"
 #include "maps/scan.h"
 #include "maps/soup_readers.h"
+#include "maps/texture.h"
 
 static const double SMALLEST_UNIT = 1e-6, LARGEST_UNIT = 1e6;  // metres
 enum { MAX_WORD = 32 };
@@ -226,7 +227,8 @@ static bool read_file(void *context, const char *name, Arena *arena, Bytes *out)
 static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
     SoupFolder folder = {.path = path};
-    ObjFiles files = {read_file, &folder};
+    double pixels = TEXTURE_FREE_PIXELS;
+    ObjFiles files = {read_file, &folder, &pixels};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
     // The line at fault says more than that nothing was left.
     if (o.model.fault) return error_set(error, "%s:%s", path, o.model.fault);

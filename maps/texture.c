@@ -48,9 +48,24 @@ int texture_pixels(Bytes image) {
     return width > 0 && height > 0 && width <= TEXTURE_MAX_PIXELS / height ? width * height : 0;
 }
 
-bool texture_mean(Bytes image, Rgb *mean) {
+// A progressive JPEG of a few kilobytes may go over its pixels a thousand times. Usual ones have about ten scans.
+static double work_of(Bytes image) {
+    enum { USUAL_SCANS = 16 };
+    int scans = 0;
+    for (size_t i = 0; i + 1 < image.size; i++) scans += image.data[i] == 0xFF && image.data[i + 1] == 0xDA;
+    bool jpeg = image.size > 1 && image.data[0] == 0xFF && image.data[1] == 0xD8;
+    return texture_pixels(image) * (jpeg ? ceil((scans + 1.0) / USUAL_SCANS) : 1);
+}
+
+bool texture_mean(Bytes image, double *left, Rgb *mean) {
     int width, height, channels;
     if (texture_pixels(image) == 0) return false;
+    if (left) {
+        *left += (double)image.size * TEXTURE_PIXELS_A_BYTE;
+        double work = work_of(image);
+        if (work > *left) return false;
+        *left -= work;
+    }
     unsigned char *pixels = stbi_load_from_memory(image.data, (int)image.size, &width, &height, &channels, 4);
     if (!pixels) return false;
     double linear[256], sum[3] = {0}, weight = 0;

@@ -99,6 +99,45 @@ bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
     return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
 }
 
+// ---- faces before a patch: those in the cells that its own may see, whether views are culled or not
+
+typedef struct Looks {
+    const Mesh *mesh;
+    const StabForest *forest;
+    double *own, *seen;  // [cell_count] of a cell; of all that it may see, -1: not summed yet
+    double spent;
+} Looks;
+
+static void start_looks(Looks *l, const Mesh *mesh, const StabForest *forest, Arena *arena) {
+    const CellGraph *graph = mesh->graph;
+    *l = (Looks){mesh, forest, ARENA_ARRAY(arena, double, graph->cell_count),
+                 ARENA_ARRAY(arena, double, graph->cell_count), 0};
+    int *faces = ARENA_ARRAY(arena, int, graph->object_count),
+        *last = ARENA_ARRAY(arena, int, graph->object_count);
+    for (int f = 0; f < mesh->face_count; f++) faces[mesh->faces[f].object]++;
+    for (int c = 0; c < graph->cell_count; c++) {
+        const CellMesh *squares = &graph->meshes[c];
+        int first = graph->square_first[squares->first_square],
+            end = graph->square_first[squares->first_square + squares->nx * squares->ny];
+        for (int k = first; k < end; k++) {
+            int object = graph->square_objects[k];
+            if (last[object] != c + 1) l->own[c] += faces[object];
+            last[object] = c + 1;
+        }
+        l->seen[c] = -1;
+    }
+}
+
+static double looks_of(Looks *l, int patch) {
+    int cell = l->mesh->patches[patch].cell;
+    if (cell < 0) return l->mesh->face_count;
+    if (l->seen[cell] >= 0) return l->seen[cell];
+    double sum = 0;
+    for (int c = 0; c < l->mesh->graph->cell_count; c++)
+        if (vis_sees(l->forest, cell, c)) sum += l->own[c];
+    return l->seen[cell] = sum;
+}
+
 // All that a shot asks of a patch, in one line of the cache.
 typedef struct Receiver {
     Channels unshot;  // W/m^2
@@ -115,6 +154,7 @@ typedef struct Shooter {
     Channels absorbed, escaped;
     ShootQueue queue;
     ShootRows *rows;
+    Looks looks;
     int *next;  // [shoot_rows_most]
     double start, shown;
 } Shooter;
@@ -128,6 +168,7 @@ static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const 
                   const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
     s->start = s->shown = clock_seconds();
+    if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
     s->elements = shoot_elements_new(mesh, solution, parallel_threads(options->threads), arena);
@@ -244,6 +285,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
         }
         int patch = shoot_queue_top(&s.queue);
         if (patch < 0) break;
+        if (options->looks > 0 && (s.looks.spent += looks_of(&s.looks, patch)) > options->looks) break;
         shoot(&s, patch, row_of(&s, patch));
         shoot_rows_shot(s.rows, patch);
     }

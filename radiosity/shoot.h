@@ -19,6 +19,7 @@ typedef struct RadOptions {
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
     double seconds;    // or then, 0: no limit
+    double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
     // Told of the solution so far between shots, from the thread that shoots, at most every so many seconds; or NULL.

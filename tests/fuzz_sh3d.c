@@ -23,7 +23,7 @@ static void read_part(unsigned char kind, Bytes content, Arena *arena) {
         sh3d_shape((const char *)content.data, shape, SH3D_MAX_SHAPE);
         break;
     default:
-        texture_mean(content, &mean);
+        texture_mean(content, NULL, &mean);
         break;
     }
 }

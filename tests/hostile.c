@@ -206,12 +206,23 @@ static void spheres(FILE *f, int count, Random *random) {
     end_model(f);
 }
 
+static void spheres_coarse(FILE *f, int count, Random *random) {
+    double side = side_for(count, 1);
+    begin_plan(f);
+    room(f, "a", 0, 0, side, side);
+    begin_model(f);
+    for (int i = 0; i < count; i++)
+        fprintf(f, "sphere lamp %.2f,%.2f,1 radius 0.4 tolerance 0.05\n",
+                random_between(random, 0.5, side - 0.5), random_between(random, 0.5, side - 0.5));
+    end_model(f);
+}
+
 static void metaballs(FILE *f, int count, Random *random) {
     begin_plan(f);
     room(f, "a", 0, 0, 10, 10);
     begin_model(f);
     for (int i = 0; i < count; i++) {
-        fputs("metaballs m threshold 0.5 tolerance 0.01\n", f);
+        fputs("metaballs m threshold 0.5 tolerance 0.05\n", f);
         for (int k = 0; k < 50; k++)
             fprintf(f, "ball %.2f,%.2f,%.2f radius 0.5\n", random_between(random, 1, 9),
                     random_between(random, 1, 9), random_between(random, 0.5, 2));
@@ -322,10 +333,11 @@ static void patches(FILE *f, int count, Random *random) {
     room(f, "a", 0, 0, 20, 20);
     begin_model(f);
     for (int i = 0; i < count; i++) {
+        double x = random_between(random, 1, 16), y = random_between(random, 1, 16),
+               z = random_between(random, 0.3, 2);
         fputs("patch m", f);
         for (int k = 0; k < 16; k++)
-            fprintf(f, " %.1f,%.1f,%.1f", k % 4 + random_between(random, 1, 9),
-                    k / 4 + random_between(random, 1, 9), random_between(random, 0.1, 2.5));
+            fprintf(f, " %.2f,%.2f,%.2f", x + k % 4, y + k / 4, z + random_between(random, -0.2, 0.2));
         fputs("\n", f);
     }
     end_model(f);
@@ -415,6 +427,50 @@ static void obj_pencil(FILE *f, int count, Random *random) {
                 random_between(random, -9, 9), random_between(random, 0, 3));
 }
 
+// Faces among few vertices: a line of a few bytes each.
+static void obj_shared(FILE *f, int count, Random *random) {
+    enum { VERTICES = 300 };
+    for (int i = 0; i < VERTICES; i++)
+        fprintf(f, "v %.1f %.1f %.1f\n", random_between(random, 0, 20), random_between(random, 0, 20),
+                random_between(random, 0, 20));
+    for (int i = 0; i < count; i++) {
+        int a = random_index(random, VERTICES), b = random_index(random, VERTICES - 1),
+            c = random_index(random, VERTICES - 2);
+        b += b >= a;
+        while (c == a || c == b) c = (c + 1) % VERTICES;
+        fprintf(f, "f %d %d %d\n", a + 1, b + 1, c + 1);
+    }
+}
+
+// Edges along one line: each holds the ends of all that are shorter.
+static void obj_edges(FILE *f, int count, Random *random) {
+    fputs("v 0 0 0\n", f);
+    for (int i = 0; i < count; i++)
+        fprintf(f, "v %.3f 0 0\nv 0 %.2f %.2f\nf 1 -2 -1\n", 0.001 * (i + 1), random_between(random, -9, 9),
+                random_between(random, -9, 9));
+}
+
+// All are called doors, and all touch each other.
+static void obj_doors(FILE *f, int count, Random *random) {
+    fputs("o door\n", f);
+    obj_triangles(f, count, random);
+}
+
+// Concave faces of the same vertices, wound up so that few corners can be cut off.
+static void obj_spirals(FILE *f, int count, Random *random) {
+    enum { CORNERS = 250, HALF = CORNERS / 2 };
+    for (int i = 0; i < CORNERS; i++) {
+        int k = i < HALF ? i : CORNERS - 1 - i;
+        double r = 1 + 0.05 * k + (i < HALF ? 0 : 0.02 * (1 + k)), a = TURN * 6 * k / HALF;
+        fprintf(f, "v %.4f %.4f %.2f\n", r * cos(a), r * sin(a), i ? 0.0 : random_between(random, 0, 0));
+    }
+    for (int i = 0; i < count; i++) {
+        fputs("f", f);
+        for (int k = 0; k < CORNERS; k++) fprintf(f, " %d", (k + i) % CORNERS + 1);
+        fputs("\n", f);
+    }
+}
+
 static void obj_polygons(FILE *f, int count, Random *random) {
     enum { CORNERS = 250 };
     for (int i = 0; i < count; i++) {
@@ -459,6 +515,22 @@ static void gltf_instances(FILE *f, int count, Random *random) {
     for (int i = 0; i < count; i++)
         fprintf(f, "%s{\"mesh\":0,\"translation\":[%d,%d,0]}", i ? "," : "", i % 50, i / 50);
     fputs("]}", f);
+}
+
+// Zeros that no buffer holds, decoded for every primitive.
+static void gltf_sparse(FILE *f, int count, Random *random) {
+    (void)random;
+    fputs("{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":44,\"uri\":\"data:application/"
+          "octet-stream;base64,"
+          "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAA=\"}],"
+          "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":"
+          "4}],"
+          "\"accessors\":[{\"componentType\":5126,\"count\":300000,\"type\":\"VEC3\",\"sparse\":{\"count\":1,"
+          "\"indices\":{\"bufferView\":1,\"componentType\":5125},\"values\":{\"bufferView\":0}}}],"
+          "\"meshes\":[{\"primitives\":[",
+          f);
+    for (int i = 0; i < count; i++) fprintf(f, "%s{\"attributes\":{\"POSITION\":0}}", i ? "," : "");
+    fputs("]}],\"nodes\":[{\"mesh\":0}]}", f);
 }
 
 static void gltf_chain(FILE *f, int count, Random *random) {
@@ -653,9 +725,10 @@ const HostileKind HOSTILE_KINDS[] = {
     {"furniture-heap", ".plan", 20000, false, furniture_heap, 0, 0},
     {"lamps", ".plan", 10000, false, lamps, 0, 0},
     {"lamps-heap", ".plan", 10000, false, lamps_heap, 0, 0},
-    {"spheres", ".plan", 10000, false, spheres, 0, 0},
+    {"spheres", ".plan", 10000, true, spheres, 0, 0},
+    {"spheres-coarse", ".plan", 4000, false, spheres_coarse, 0, 0},
     {"metaballs", ".plan", 200, false, metaballs, 0, 0},
-    {"lathes", ".plan", 5000, false, lathes, 0, 0},
+    {"lathes", ".plan", 5000, true, lathes, 0, 0},
     {"stairwells", ".plan", 8000, false, stairwells, 0, 0},
     {"stairs", ".plan", 10000, false, stairs, 0, 0},
     {"storeys", ".plan", 5000, false, storeys, 0, 0},
@@ -673,9 +746,14 @@ const HostileKind HOSTILE_KINDS[] = {
     {"obj-stack", ".obj", 10000, false, obj_stack, 0, 0},
     {"obj-fan", ".obj", 20000, false, obj_fan, 0, 0},
     {"obj-pencil", ".obj", 15000, false, obj_pencil, 0, 0},
+    {"obj-shared", ".obj", 60000, false, obj_shared, 0, 0},
+    {"obj-edges", ".obj", 20000, false, obj_edges, 0, 0},
+    {"obj-doors", ".obj", 10000, false, obj_doors, 0, 0},
+    {"obj-spirals", ".obj", 800, false, obj_spirals, 0, 0},
     {"obj-polygons", ".obj", 150, false, obj_polygons, 0, 0},
     {"quads-overlapping", ".quads", 15000, true, quads_overlapping, 0, 0},
     {"gltf-instances", ".gltf", 3000, true, gltf_instances, 0, 0},
+    {"gltf-sparse", ".gltf", 3000, true, gltf_sparse, 0, 0},
     {"gltf-chain", ".gltf", 10000, false, gltf_chain, 0, 0},
     {"prt-row", ".prt", 8000, false, prt_row, 0, 0},
     {"prt-enfilade", ".prt", 8000, false, prt_enfilade, 0, 0},

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "maps/maps.h"
+#include "tests/hostile.h"
 #include "tests/support.h"
 #include "tests/wad_builder.h"
 #include "visibility/vis.h"
@@ -48,6 +49,10 @@ static const Limit LIMITS[] = {
     {"materials.gltf", GLTF "\"materials\":[", "{},", 10000, "{}]}",
      "materials: has 10001 elements (allowed: 10000)"},
     {"nested.gltf", "", "[", 100000, "", "maximum parsing depth reached"},
+    {"placed.plan", MODEL "cylinder m 0 1 0,0 radius 1 sides 64\nend\n", "place k %d,0\n", 5000, "",
+     "placed.plan:4553: the building comes to more than 300000 polygons (the limit for a file of"},
+    {"shapes.plan", MODEL, "sphere m %d,0,1 radius 0.4 tolerance 0.0001\n", 100, "end\n",
+     "the shapes come to more than 300000 polygons (the limit for a file of"},
 };
 
 // These are files of many megabytes.
@@ -62,8 +67,11 @@ static const Limit LARGE[] = {
     {"polygons.obj", TRIANGLE, "f 1 2 3\n", (4 << 20) + 1, "",
      "its faces make 4194305 triangles (allowed: 4194304)"},
     {"text.gltf", GLTF, " ", 128 << 20, "}", "bytes of JSON (allowed: 134217728"},
-    {"polygons.plan", MODEL "cylinder m 0 1 0,0 radius 1 sides 64\nend\n", "place k %d,0\n", 64516, "",
-     "the building has more than 4000000 polygons (limit)"},
+    {"polygons.plan", MODEL "cylinder m 0 1 0,0 radius 1 sides 64\nend\n",
+     "place k %d,0  #                                                                                       "
+     "                                                                                                      "
+     "                                                  \n",
+     64516, "", "the building comes to more than 4000000 polygons (the limit for a file of"},
 };
 
 static void refuse(Arena *arena, const char *path, const char *expected) {
@@ -99,6 +107,24 @@ Test(limits, of_readers, .timeout = 300) {
 Test(limits, of_large_files, .timeout = 900) {
     if (!support_soak()) cr_skip_test("files of many megabytes: make soak");
     for (int i = 0; i < (int)(sizeof LARGE / sizeof *LARGE); i++) meet(&LARGE[i]);
+}
+
+// What a small glTF file asks for by using a mesh, or an accessor, again and again.
+Test(limits, of_repetition) {
+    static const struct {
+        const char *kind, *expected;
+        int count;
+    } CASES[] = {{"gltf-instances",
+                  "nodes[225]: its mesh makes more than 300000 polygons in all (the limit for ", 300},
+                 {"gltf-sparse", "accessors[0].count: makes more than ", 100}};
+    Arena arena = {0};
+    for (int i = 0; i < (int)(sizeof CASES / sizeof *CASES); i++) {
+        const char *path = arena_format(&arena, "%s/%s.gltf", support_folder(&arena), CASES[i].kind);
+        cr_assert(hostile_write(hostile_find(CASES[i].kind), CASES[i].count, 1, path));
+        refuse(&arena, path, CASES[i].expected);
+        unlink(path);
+    }
+    arena_free(&arena);
 }
 
 // A file of 1 GiB and a byte more, nearly all of it a hole that takes no room on the disk.

@@ -60,7 +60,7 @@ Test(obj, reads_materials) {
     Error error;
     char library[] =
         "newmtl pane\nKd 0.5 1 0\nd 0.25\nnewmtl tr\nTr 0.75\nKd 2 -1 nan\nnewmtl wild\nd x\nKd\n";
-    ObjFiles files = {read_library, library};
+    ObjFiles files = {read_library, library, NULL};
     const char *text =
         "mtllib my colours.mtl\nmtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
         "usemtl pane\nf 1 2 3\nusemtl tr\nf 1 2 3\nusemtl dkgrey\nf 1 2 3\nusemtl glass\nf 1 2 3\n";
@@ -123,7 +123,7 @@ Test(texture, mean_of_a_chequer) {
     const unsigned char pixels[] = {0, 0, 0, 255, 255, 128, 0, 255, 9, 9, 9, 0, 9, 9, 9, 0};
     Bytes png = make_png(&arena, 2, 2, pixels);
     Rgb mean;
-    cr_assert(texture_mean(png, &mean));
+    cr_assert(texture_mean(png, NULL, &mean));
     // Tolerance: single precision.
     cr_assert_float_eq((double)mean.r, (double)maps_linear(255) / 2, 1e-6);
     cr_assert_float_eq((double)mean.g, (double)maps_linear(128) / 2, 1e-6);
@@ -131,11 +131,11 @@ Test(texture, mean_of_a_chequer) {
     for (size_t cut = 0; cut < png.size - 12; cut++) {
         unsigned char copy[4096];
         memcpy(copy, png.data, cut);
-        texture_mean((Bytes){copy, cut}, &mean);
+        texture_mean((Bytes){copy, cut}, NULL, &mean);
     }
-    cr_assert_not(texture_mean((Bytes){png.data, 20}, &mean));
+    cr_assert_not(texture_mean((Bytes){png.data, 20}, NULL, &mean));
     const unsigned char clear[4] = {1, 2, 3, 0};
-    cr_assert_not(texture_mean(make_png(&arena, 1, 1, clear), &mean), "nothing opaque, no colour");
+    cr_assert_not(texture_mean(make_png(&arena, 1, 1, clear), NULL, &mean), "nothing opaque, no colour");
     arena_free(&arena);
 }
 
@@ -152,6 +152,21 @@ static long long peak_memory(void) {
     return kib << 10;
 }
 
+// Proves that pictures stop being decoded where they are more than their bytes are worth.
+Test(texture, pixels_are_counted) {
+    Arena arena = {0};
+    unsigned char grey[4] = {128, 128, 128, 255};
+    Bytes png = make_png(&arena, 1, 1, grey);
+    double worth = (double)png.size * TEXTURE_PIXELS_A_BYTE, left = 1 - worth;
+    Rgb mean;
+    cr_assert(texture_mean(png, &left, &mean));
+    cr_assert_eq(left, 0);
+    left = 0.5 - worth;
+    cr_assert_not(texture_mean(png, &left, &mean));
+    cr_assert_eq(left, 0.5, "what was refused cost nothing");
+    arena_free(&arena);
+}
+
 // Proves that a file of a few bytes does not make the decoder ask for gigabytes: a piece of this one calls itself 1.75 GiB
 // long. Found by fuzz_sh3d. Limit: 512 MiB at once are granted, and something else may grow meanwhile.
 Test(texture, claims_of_gigabytes_are_not_believed) {
@@ -161,7 +176,7 @@ Test(texture, claims_of_gigabytes_are_not_believed) {
     Rgb mean;
     cr_assert_eq(texture_pixels(png), 6);
     long long before = peak_memory();
-    cr_assert_not(texture_mean(png, &mean));
+    cr_assert_not(texture_mean(png, NULL, &mean));
     cr_assert_lt(peak_memory() - before, 900LL << 20);
     arena_free(&arena);
 }

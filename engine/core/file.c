@@ -11,6 +11,8 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "engine/core/memory.h"
+
 // Devices and pipes may have no end, or nobody who ever writes.
 static bool check_regular(const char *path, mode_t mode, Error *error) {
     if (S_ISREG(mode)) return true;

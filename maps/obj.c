@@ -203,7 +203,7 @@ static void read_vertex(Reader *r) {
 static int read_corner(Reader *r) {
     char *stop;
     long index = strtol(r->at, &stop, 10);
-    bool number = stop != r->at;
+    bool number = stop != r->at && (stop == r->end || strchr("/ \t\r\v\f\n\\#", *stop));
     while (stop < r->end && !blank(*stop) && *stop != '\n' && *stop != '\0' && *stop != '#') stop++;
     r->at = stop;
     const ObjModel *m = r->model;

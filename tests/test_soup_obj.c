@@ -147,6 +147,8 @@ Test(soup_obj, faults) {
     } CASES[] = {
         {"f 1 2 4", "t.obj:5: a corner of a face is `4` (allowed: 1 to 3 or -1 to -3"},
         {"f 1 2 0", "t.obj:5: a corner of a face is `0`"},
+        {"f 1 2 3.5", "t.obj:5: a corner of a face is `3.5`"},
+        {"f 1 2 3x/1", "t.obj:5: a corner of a face is `3x/1`"},
         {"f 1 2 \\\n -4/7", "t.obj:6: a corner of a face is `-4/7`"},
         {"f 1 2 x\x01y", "t.obj:5: a corner of a face is `x?y`"},
         {"f 1 2 2147483649", "a corner of a face is `2147483649`"},

@@ -183,7 +183,8 @@ fuzz:
 	$(call install,$(to_build) $(to_fuzz))
 	$(submake) config=fuzz CC=clang $(fuzzers:%=build/fuzz/tests/%)
 	$(submake) config=swift CC=clang $(fuzzers:%=build/swift/tests/%)
-	@bash tests/fuzz.sh $(fuzz_seconds)
+	$(submake) config=coverage $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
+	@bash tests/fuzz.sh $(fuzz_seconds); status=$$?; bash tests/coverage.sh build/coverage maps '' build/fuzz/corpus; exit $$status
 # Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
 mutants: maps $(dir)/enfilade $(dir)/tests/all
 	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
@@ -191,7 +192,7 @@ mutants: maps $(dir)/enfilade $(dir)/tests/all
 # The share of lines that tests and seeds run, by file of a folder; of suites that match a pattern, e.g. suites='wad*/*'.
 coverage:
 	$(call install,$(to_build) $(to_test))
-	$(submake) config=coverage maps build/coverage/tests/all $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
+	$(submake) config=coverage program maps build/coverage/tests/all $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
 	@bash tests/coverage.sh build/coverage $(folder) '$(suites)'
 bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench

@@ -517,3 +517,31 @@ Test(wad, maps_by_name) {
     cr_expect(code == 1 && strstr(output, "allowed: E1M1, E1M2"), "%s", output);
     arena_free(&arena);
 }
+
+// Proves that a round hall of more corners than a region may have becomes several regions that are all of it. Tolerance: corners are
+// whole millimetres, along 1,250 m of wall.
+Test(wad, round_halls_are_parted) {
+    enum { CORNERS = 100 };
+    Made m = {.arena = {0}};
+    WadMaker maker = {.arena = &m.arena};
+    int x[CORNERS], y[CORNERS], sector = wad_sector(&maker, 0, 128, "FLAT", 0);
+    double area = 0;
+    for (int i = 0; i < CORNERS; i++) {
+        double angle = -2 * M_PI * i / CORNERS;  // clockwise: the hall is to the right
+        x[i] = (int)lrint(6400 * cos(angle));
+        y[i] = (int)lrint(6400 * sin(angle));
+    }
+    for (int i = 0; i < CORNERS; i++) {
+        int k = (i + 1) % CORNERS;
+        wad_line(&maker, x[i], y[i], x[k], y[k], sector, -1, 0, 0);
+        area += ((double)x[k] * y[i] - (double)x[i] * y[k]) / 2 * UNIT * UNIT;
+    }
+    wad_thing(&maker, 0, 0, 90, 1);
+    open_file(&m, write_map(&m.arena, &maker));
+    cr_expect_gt(m.building.region_count, 1);
+    for (int i = 0; i < m.building.region_count; i++)
+        cr_expect_leq(m.building.rings[m.building.regions[i].first_ring].point_count, 60);
+    cr_expect_float_eq(area_of_sector(&m.building, sector), area, 1250 * 0.001, "%g of %g m2",
+                       area_of_sector(&m.building, sector), area);
+    arena_free(&m.arena);
+}

@@ -23,6 +23,13 @@ static void on_geos_error(const char *message, void *context) {
 static bool run_pass(Enclosure *e, bool with_plugs, Pass *pass) {
     *pass = (Pass){.leaking = false};
     if (!plan_build(e, with_plugs, &pass->plan)) return false;
+    long long spots = (long long)e->b->storey_count * pass->plan.face_count;
+    if (spots > ENCLOSE_MOST_SPOTS)
+        return error_set(
+            e->error,
+            "%d storeys, whose outlines make a common plan of %d pieces, are too much (allowed: %d, "
+            "storeys times pieces)",
+            e->b->storey_count, pass->plan.face_count, ENCLOSE_MOST_SPOTS);
     cover_label(e, pass, with_plugs);
     indoor_label(e, pass);
     return true;

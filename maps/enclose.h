@@ -13,6 +13,8 @@
 #include "maps/sketch.h"
 
 #define ENCLOSE_MM 1000.0  // millimetres in a metre
+// The plan is one for all storeys, and each has a table of its faces: storeys times faces.
+#define ENCLOSE_MOST_SPOTS 4000000
 
 // A polygon of any number of rings, even-odd.
 typedef struct Shape {

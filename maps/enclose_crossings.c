@@ -3,21 +3,22 @@
 // n walls may cross at n^2 places, and each place is a vertex of the plan. Outlines are taken in their order, each as long as the places
 // where it meets those before it are not too many in all. A wall that is not taken stands as an object: it is drawn, it is met, it
 // throws shadows; it only parts no space, so more is visible than could be. Rooms, cut-outs and openings are left out, and noted.
+#include <stdlib.h>
+
 #include "maps/enclose.h"
 
 // Places where outlines may meet: so many, and so many for each outline. Walls of real buildings meet two
 // or three others.
-static const long long MEETINGS = 10000, MEETINGS_EACH = 12;
+static const long long MEETINGS = 10000, MEETINGS_EACH = 6;
 // Pairs of edges that may be looked at to find them, likewise.
-static const long long LOOKS = 2000000, LOOKS_AN_EDGE = 16;
-// The plan is one for all storeys, and each has a table of its faces: faces times storeys.
-static const long long MOST_SPOTS = 8000000;
+static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 32;
 // An end so near to another edge lies on it, mm.
 static const double ON_EDGE = 1;
 
 typedef struct PlanSegment {
-    Vec2 a, b;
-    int outline;
+    Vec2 a, b;   // a before b, by x, then y
+    bool fresh;  // of the outline tried last: nothing taken before has it
+    int same;    // the first that equals this one: walls of a tower stand over one another
 } PlanSegment;
 
 // What outlines are tried against.
@@ -27,10 +28,15 @@ typedef struct Crossings {
     int segment_count, segment_capacity;
     int *first;  // [outline_count + 1] segments of an outline
     int outline_count, outline_capacity;
-    bool *taken;  // [outline_count]
+    bool *taken;  // [segment_count] of the first of equal ones: an outline that was taken has it
     BoxTree tree;
     long long meetings, looks;  // so far
 } Crossings;
+
+static PlanSegment segment_between(Vec2 a, Vec2 b) {
+    bool turn = a.x != b.x ? a.x > b.x : a.y > b.y;
+    return turn ? (PlanSegment){b, a, false, -1} : (PlanSegment){a, b, false, -1};
+}
 
 static void add_outline(Crossings *c, const Shape *shape, bool use) {
     Arena *a = c->e->scratch;
@@ -38,7 +44,7 @@ static void add_outline(Crossings *c, const Shape *shape, bool use) {
     for (int r = 0; use && r < shape->ring_count; r++) {
         for (int i = shape->ring[r], j = shape->ring[r + 1] - 1; i < shape->ring[r + 1]; j = i++)
             *ARENA_PUSH(a, c->segments, c->segment_count, c->segment_capacity) =
-                (PlanSegment){shape->points[j], shape->points[i], c->outline_count - 1};
+                segment_between(shape->points[j], shape->points[i]);
     }
 }
 
@@ -48,11 +54,33 @@ static Box segment_box(const PlanSegment *s) {
     return enclose_box(low, high, 0);
 }
 
+static int compare_ends(const PlanSegment *s, const PlanSegment *t) {
+    double p[4] = {s->a.x, s->a.y, s->b.x, s->b.y}, q[4] = {t->a.x, t->a.y, t->b.x, t->b.y};
+    for (int i = 0; i < 4; i++)
+        if (p[i] != q[i]) return p[i] < q[i] ? -1 : 1;
+    return 0;
+}
+
+static int by_ends(const void *p, const void *q, void *segments) {
+    int i = *(const int *)p, j = *(const int *)q;
+    const PlanSegment *list = segments;
+    int order = compare_ends(&list[i], &list[j]);
+    return order ? order : (i > j) - (i < j);
+}
+
 static void index_segments(Crossings *c) {
     Box *boxes = ARENA_ARRAY(c->e->scratch, Box, c->segment_count);
-    for (int i = 0; i < c->segment_count; i++) boxes[i] = segment_box(&c->segments[i]);
+    int *order = ARENA_ARRAY(c->e->scratch, int, c->segment_count);
+    for (int i = 0; i < c->segment_count; i++) order[i] = i;
+    qsort_r(order, (size_t)c->segment_count, sizeof *order, by_ends, c->segments);
+    for (int i = 0, first = 0; i < c->segment_count; i++) {
+        if (compare_ends(&c->segments[order[first]], &c->segments[order[i]]) != 0) first = i;
+        c->segments[order[i]].same = order[first];
+    }
+    for (int i = 0; i < c->segment_count; i++)
+        boxes[i] = c->segments[i].same == i ? segment_box(&c->segments[i]) : box_empty();
     c->tree = box_tree_build(boxes, c->segment_count, c->e->scratch);
-    c->taken = ARENA_ARRAY(c->e->scratch, bool, c->outline_count);
+    c->taken = ARENA_ARRAY(c->e->scratch, bool, c->segment_count);
     *ARENA_PUSH(c->e->scratch, c->first, c->outline_count, c->outline_capacity) = c->segment_count;
     c->outline_count--;
 }
@@ -76,23 +104,34 @@ static int meetings_of(const PlanSegment *s, const PlanSegment *t) {
 static bool take(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = LOOKS + LOOKS_AN_EDGE * c->segment_count,
-              spots = MOST_SPOTS / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1), count = 0;
+              spots = ENCLOSE_MOST_SPOTS / 2 / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1),
+              count = 0;
     if (most > spots) most = spots;
-    c->taken[outline] = true;
-    for (int i = c->first[outline]; i < c->first[outline + 1] && c->taken[outline]; i++) {
+    int end = c->first[outline];
+    bool good = true;
+    for (; end < c->first[outline + 1] && good; end++) {
+        int i = end;
+        c->segments[i].fresh = !c->taken[c->segments[i].same];
+        if (!c->segments[i].fresh) continue;
+        i = c->segments[i].same;
         long long before = c->e->near.looked;
         box_tree_find(&c->tree, c->tree.boxes[i], c->e->scratch, &c->e->near);
         c->looks += c->e->near.looked - before;
         for (int k = 0; k < c->e->near.count; k++) {
             int j = c->e->near.items[k];
             const PlanSegment *other = &c->segments[j];
-            if (c->taken[other->outline] && (other->outline != outline || j < i))
-                count += meetings_of(&c->segments[i], other);
+            if (c->taken[j]) count += meetings_of(&c->segments[i], other);
         }
-        c->taken[outline] = c->meetings + count <= most && c->looks <= looks;
+        c->taken[i] = true;
+        good = c->meetings + count <= most && c->looks <= looks;
     }
-    if (c->taken[outline]) c->meetings += count;
-    return c->taken[outline];
+    if (good) {
+        c->meetings += count;
+        return true;
+    }
+    for (int i = c->first[outline]; i < end; i++)
+        if (c->segments[i].fresh) c->taken[c->segments[i].same] = false;
+    return false;
 }
 
 // ---- walls, rooms and cut-outs
@@ -151,7 +190,7 @@ void crossings_limit_holes(Enclosure *e) {
     int first = c.outline_count;
     for (int i = 0; i < s->opening_count; i++) add_outline(&c, &e->holes[i].box, e->holes[i].used);
     index_segments(&c);
-    for (int i = 0; i < first; i++) c.taken[i] = true;
+    for (int i = 0; i < c.first[first]; i++) c.taken[c.segments[i].same] = true;
     for (int i = 0; i < s->opening_count; i++) {
         Hole *h = &e->holes[i];
         if (!h->used || take(&c, first + i)) continue;

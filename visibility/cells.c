@@ -22,12 +22,18 @@ static bool on_border(const Box *world, Vec2 a, Vec2 b) {
 
 // The ring edge that starts at `point` and ends at `next`, or -1 for a cut through the region.
 static int ring_edge(const Building *b, const Region *region, int point, int next) {
-    for (int r = region->first_ring; r < region->first_ring + region->ring_count; r++) {
-        int first = b->rings[r].first_point, count = b->rings[r].point_count;
-        if (point < first || point >= first + count) continue;
-        return first + (point - first + 1) % count == next ? point : -1;
+    // The rings of a region, and their points, follow each other.
+    int low = region->first_ring, high = low + region->ring_count - 1;
+    while (low < high) {
+        int middle = (low + high + 1) / 2;
+        if (b->rings[middle].first_point <= point)
+            low = middle;
+        else
+            high = middle - 1;
     }
-    return -1;
+    int first = b->rings[low].first_point, count = b->rings[low].point_count;
+    if (point < first || point >= first + count) return -1;
+    return first + (point - first + 1) % count == next ? point : -1;
 }
 
 static void add_edge(CellBuilder *builder, const Region *region, int point, int next) {

@@ -17,4 +17,9 @@ typedef struct ConvexPieces {
 bool convex_decompose(const Vec2 *points, const int *ring_first, const int *ring_size, int ring_count,
                       Arena *arena, ConvexPieces *out, Error *error);
 
+// convex_sweep.c: triangles of the polygon whose edges run from edges[i][0] to edges[i][1] with its inside on their left; `at` are
+// points on a grid, the same place may have several. Returns how many triangles there are, three points each, counter-clockwise; -1
+// where the edges are no polygon.
+int convex_sweep(const Vec2 *at, const int (*edges)[2], int count, Arena *arena, int **triangles);
+
 #endif

@@ -103,7 +103,7 @@ struct TreeGrower {
 
 // What steps take, see ways_work: a way tried, one narrowed by planes, and a node besides its words.
 enum { WORK_WAY = 30, WORK_NARROW = 300, WORK_NODE = 100 };
-static const double WORK = 1.2e9;  // of all trees
+static const double WORK = 6e8;  // of all trees
 
 static Level *level_at(Grower *g, int depth) {
     if (!g->levels[depth]) {

@@ -454,6 +454,27 @@ typedef struct TVertices {
 // the edges stay as they are.
 static const double MOST_LOOKS = 5e8;
 
+// The same of level corners with `low` to `high` around the edge; the runs are sorted across it first. Rows of corners across are
+// entered at the edge's beginning and left at its end: thousands of doors stand in one line.
+static void collect_level(TVertices *t, Vec3 a, Vec3 b, Vec3 low, Vec3 high, int *count) {
+    bool along_x = fabs(b.x - a.x) > fabs(b.y - a.y);  // then few corners share its y
+    const Vec3 *run = along_x ? t->level.by_y : t->level.by_x;
+    Compare *compare = along_x ? by_zyx : by_zxy;
+    int i = lower_bound(run, t->level.count, low, compare);
+    while (i < t->level.count && compare(&run[i], &high) < 0) {
+        Vec3 from = run[i], to = run[i], beyond = run[i];
+        if (along_x)
+            from.x = low.x, to.x = high.x, beyond.x = INFINITY;
+        else
+            from.y = low.y, to.y = high.y, beyond.y = INFINITY;
+        int first = lower_bound(run, t->level.count, from, compare),
+            end = lower_bound(run, t->level.count, to, compare);
+        t->left -= end - first;
+        collect_hits(t->scratch, run, first, end, a, b, &t->hits, count, &t->hit_capacity);
+        i = lower_bound(run, t->level.count, beyond, compare);
+    }
+}
+
 // The corners inside edge a -> b, in order along it.
 static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
     int count = 0;
@@ -465,15 +486,9 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
         t->left -= to - from;
         collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     } else {
-        bool along_x = fabs(b.x - a.x) > fabs(b.y - a.y);  // then few corners share its y
-        const Vec3 *run = along_x ? t->level.by_y : t->level.by_x;
         Vec3 low = {fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z};
         Vec3 high = {fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z};
-        Compare *compare = along_x ? by_zyx : by_zxy;
-        int from = lower_bound(run, t->level.count, low, compare);
-        int to = lower_bound(run, t->level.count, high, compare);
-        t->left -= to - from;
-        collect_hits(t->scratch, run, from, to, a, b, &t->hits, &count, &t->hit_capacity);
+        collect_level(t, a, b, low, high, &count);
     }
     if (count > 1) qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
     return count;

@@ -57,8 +57,8 @@ static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena
 }
 
 static double work_scale(const Building *building) {
-    // Real Doom maps of half a megabyte take ten times what all else does that is so small, and are worth it.
-    static const double SMALL = 1e6, OF_MAPS = 12;
+    // Real Doom maps of half a megabyte take twenty times what all else does that is so small, and are worth it.
+    static const double SMALL = 1e6, OF_MAPS = 24;
     double times = building ? building->file_size / SMALL : 1;
     return (times > 1 ? times * times : 1) * (building && building->map ? OF_MAPS : 1);
 }
@@ -117,7 +117,7 @@ static bool reaches(const Way *way, Plane plane, int side, double slack) {
 
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
     // Of all floods together; a try takes 10 ns.
-    static const double TRIES = 1e8;
+    static const double TRIES = 5e7;
     const Way *first = &graph->ways[way];
     long long tried = 0, most = ways_work(graph, TRIES) / graph->way_count;
     int depth = 0;

@@ -144,8 +144,12 @@ static void take(Rounds *r, int way, Finding *finding) {
     int words = r->ways.words;
     rounds_take_proofs(r, finding);
     uint64_t *might = might_row(r, way);
-    for (int k = 0; k < words; k++) might[k] &= finding->kept[k];
-    lend(r, r->ways.ways[way].from);
+    uint64_t gone = 0;
+    for (int k = 0; k < words; k++) {
+        gone |= might[k] & ~finding->kept[k];
+        might[k] &= finding->kept[k];
+    }
+    if (gone) lend(r, r->ways.ways[way].from);
     pair_work_add(&r->set->work, finding->work);
 }
 
@@ -250,7 +254,7 @@ static long long patience(int searches) {
     return share < LEAST ? LEAST : share > MOST ? MOST : share;
 }
 
-static const double WORK = 1.5e9;  // of all searches, see ways_work
+static const double WORK = 8e8;  // of all searches, see ways_work
 
 void rounds_search(Rounds *r, void (*prepare)(Flow *flow, int way), void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = &r->ways;

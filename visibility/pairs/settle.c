@@ -15,7 +15,7 @@ enum { MOST_PIECES = 96 };
 enum { PIECE_CHAINS = 15 };
 // And so much work a portal, see ways_work; of all cases together.
 enum { WORK_PIECE = 1000 };
-static const double WORK = 5e8;
+static const double WORK = 2.5e8;
 // A piece shorter than this many epsilons, or narrower in the mean, lies within what rounding leaves open: lines that only
 // touch an edge on their way leave a strip of the source that is never used up.
 static const double SHORTEST_PIECE = 1e4;

@@ -31,6 +31,7 @@ typedef struct Crossings {
     bool *taken;  // [segment_count] of the first of equal ones: an outline that was taken has it
     BoxTree tree;
     long long meetings, looks;  // so far
+    bool any;                   // an outline was taken
 } Crossings;
 
 static PlanSegment segment_between(Vec2 a, Vec2 b) {
@@ -91,13 +92,28 @@ static bool lies_on(Vec2 p, const PlanSegment *s) {
     return along > 0 && along < length2 && aside * aside <= ON_EDGE * ON_EDGE * length2;
 }
 
-// How many vertices two edges give each other, ends that coincide aside.
-static int meetings_of(const PlanSegment *s, const PlanSegment *t) {
+// How many vertices two edges give each other, ends that coincide aside; of one outline, those where they cross.
+static int meetings_of(const PlanSegment *s, const PlanSegment *t, bool one_outline) {
     Vec2 d = vec2_sub(s->b, s->a), g = vec2_sub(t->b, t->a);
     double p = vec2_cross(d, vec2_sub(t->a, s->a)), q = vec2_cross(d, vec2_sub(t->b, s->a));
     double u = vec2_cross(g, vec2_sub(s->a, t->a)), v = vec2_cross(g, vec2_sub(s->b, t->a));
-    if (p * q < 0 && u * v < 0) return 1;
+    if ((p * q < 0 && u * v < 0) || one_outline) return p * q < 0 && u * v < 0;
     return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
+}
+
+// The first outline may be the only one, of very many corners: it crosses none but itself.
+static bool take_first(Crossings *c, int outline, long long most) {
+    int first = c->first[outline], end = c->first[outline + 1];
+    for (int i = first; i < end; i++) {
+        for (int j = first; j < i && c->meetings <= most; j++)
+            c->meetings += meetings_of(&c->segments[i], &c->segments[j], true);
+    }
+    if (c->meetings > most) {
+        c->meetings = 0;
+        return false;
+    }
+    for (int i = first; i < end; i++) c->taken[c->segments[i].same] = true;
+    return true;
 }
 
 // Takes an outline if it meets those taken before at few enough places.
@@ -107,6 +123,7 @@ static bool take(Crossings *c, int outline) {
               spots = ENCLOSE_MOST_SPOTS / 2 / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1),
               count = 0;
     if (most > spots) most = spots;
+    if (!c->any) return c->any = take_first(c, outline, most);
     int end = c->first[outline];
     bool good = true;
     for (; end < c->first[outline + 1] && good; end++) {
@@ -119,8 +136,8 @@ static bool take(Crossings *c, int outline) {
         c->looks += c->e->near.looked - before;
         for (int k = 0; k < c->e->near.count; k++) {
             int j = c->e->near.items[k];
-            const PlanSegment *other = &c->segments[j];
-            if (c->taken[j]) count += meetings_of(&c->segments[i], other);
+            bool own = j >= c->first[outline] && j < c->first[outline + 1];
+            if (c->taken[j]) count += meetings_of(&c->segments[i], &c->segments[j], own);
         }
         c->taken[i] = true;
         good = c->meetings + count <= most && c->looks <= looks;
@@ -191,6 +208,7 @@ void crossings_limit_holes(Enclosure *e) {
     for (int i = 0; i < s->opening_count; i++) add_outline(&c, &e->holes[i].box, e->holes[i].used);
     index_segments(&c);
     for (int i = 0; i < c.first[first]; i++) c.taken[c.segments[i].same] = true;
+    c.any = true;
     for (int i = 0; i < s->opening_count; i++) {
         Hole *h = &e->holes[i];
         if (!h->used || take(&c, first + i)) continue;

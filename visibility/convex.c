@@ -16,7 +16,7 @@
 #include "maps/building.h"
 
 // GEOS takes the square of their number, and fails at some of so many.
-enum { MOST_RINGS = 1000 };
+enum { MOST_RINGS = 1000, MOST_POINTS = 8000 };
 
 typedef struct HalfEdge {
     int from;        // vertex
@@ -310,7 +310,9 @@ bool convex_decompose(const Vec2 *points, const int *ring_first, const int *ring
     Vec2 corner = points[ring_first[0]];
     Triangulator t = {GEOS_init_r(), points, ring_first, ring_size, ring_count, millimetres(corner)};
     GEOSContext_setErrorMessageHandler_r(t.geos, silent, NULL);
-    bool good = ring_count <= MOST_RINGS && triangulate(&t, &scratch, &mesh) && tiles(&t, &mesh);
+    int total = 0;
+    for (int r = 0; r < ring_count; r++) total += ring_size[r];
+    bool good = ring_count <= MOST_RINGS && total <= MOST_POINTS && triangulate(&t, &scratch, &mesh) && tiles(&t, &mesh);
     if (!good) good = triangulate_by_sweep(&t, &scratch, &mesh) && tiles(&t, &mesh);
     GEOS_finish_r(t.geos);
     if (good) {

@@ -222,7 +222,7 @@ static void metaballs(FILE *f, int count, Random *random) {
     room(f, "a", 0, 0, 10, 10);
     begin_model(f);
     for (int i = 0; i < count; i++) {
-        fputs("metaballs m threshold 0.5 tolerance 0.05\n", f);
+        fputs("metaballs m threshold 0.5 tolerance 0.1\n", f);
         for (int k = 0; k < 50; k++)
             fprintf(f, "ball %.2f,%.2f,%.2f radius 0.5\n", random_between(random, 1, 9),
                     random_between(random, 1, 9), random_between(random, 0.5, 2));
@@ -338,7 +338,7 @@ static void patches(FILE *f, int count, Random *random) {
         fputs("patch m", f);
         for (int k = 0; k < 16; k++)
             fprintf(f, " %.2f,%.2f,%.2f", x + k % 4, y + k / 4, z + random_between(random, -0.2, 0.2));
-        fputs("\n", f);
+        fputs(" tolerance 0.1\n", f);
     }
     end_model(f);
 }

@@ -10,7 +10,7 @@ static const double ON_EDGE = 1e-7;
 enum { LEAF = 8 };  // corners that are looked at one by one
 // Edges that all run along one line hold each other's corners, by the square of their number: beyond so many, and so many for each
 // corner there was, the rest of the edges stay as they are.
-static const double FEW_HITS = 1e6, HITS_A_CORNER = 16;
+static const double FEW_HITS = 1e5, HITS_A_CORNER = 4;
 
 // All corners, each once, as a k-d tree (Bentley 1975): of the run from lo to hi the middle one parts the others along
 // axis[middle]. Corners come in crowds, plants beside walls, which no even grid parts.

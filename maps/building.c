@@ -124,8 +124,10 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
 }
 
 int building_polygons_allowed(double file_size) {
-    static const double LEAST = 300000, A_BYTE = 0.25;
-    return (int)fmin(fmax(A_BYTE * file_size, LEAST), BUILDING_MOST_POLYGONS);
+    static const double LEAST = 300000, A_BYTE = 0.25,
+                        MEMORY = 2500;  // bytes for each, with its cells and squares
+    double most = fmax(A_BYTE * file_size, (double)memory_granted() / MEMORY);
+    return (int)fmin(fmax(most, LEAST), BUILDING_MOST_POLYGONS);
 }
 
 void building_set_proxy(Building *b, double angle) {

@@ -274,7 +274,7 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
 
 // How many polygons a file of so many bytes may make by placing models, tessellating curved shapes and instancing meshes: a short
-// line can ask for thousands. 300,000 of a small file, the most that there may be from 16 MB on.
+// line can ask for thousands. 300,000 of a small file, the most that there may be from 16 MB on; as many as fit where the user grants memory (--memory).
 enum { BUILDING_MOST_POLYGONS = 4000000 };
 int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.

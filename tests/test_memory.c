@@ -118,7 +118,7 @@ Test(memory, ends_in_any_thread) {
 Test(memory, waits_for_names) { run(fail_while_held, "said beforeenfilade: no memory for 123 bytes\n"); }
 
 static const MemoryBudget SMALL = {
-    "a.plan", "--memory MB allows more", 10 << 20, 1 << 20, 10, 12 << 20, false, false};
+    "a.plan", "--memory MB allows more", 10 << 20, 1 << 20, 10, 12 << 20, 0, false, false};
 
 static void fail_by_budget(char *path) {
     touch(path);

@@ -56,7 +56,7 @@ static void set_budget(const char *file, const MemoryBudget *limits, const char 
 
 void app_open_budget(const char *file) {
     size_t most = working_limit();
-    MemoryBudget budget = {.base = given, .most = most, .gentle = gentle, .fence = !gentle};
+    MemoryBudget budget = {.base = given, .most = most, .granted = given, .gentle = gentle, .fence = !gentle};
     if (given == 0) {
         budget.base = memory_used() + OPENING_BASE;
         budget.covered = OPENING_COVERED;

@@ -177,6 +177,8 @@ void memory_set_budget(const MemoryBudget *wanted) {
     memory_release_end();
 }
 
+size_t memory_granted(void) { return budget.granted; }
+
 void memory_set_stage(const char *now) {
     memory_hold_end();
     stage = now;

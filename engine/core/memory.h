@@ -37,9 +37,10 @@ typedef struct MemoryBudget {
     size_t base;                // bytes in use that are allowed
     size_t covered,
         per_byte;  // and so many more for each byte that is read from files from now on, after the first `covered`
-    size_t most;  // never more than this
-    bool gentle;  // more than is allowed is left to memory_within: the program ends beyond `most` only
-    bool fence;   // libraries may not take more either: for stages without threads
+    size_t most;     // never more than this
+    size_t granted;  // by the user: what a file may ask for by few words grows with it; 0: nothing was said
+    bool gentle;     // more than is allowed is left to memory_within: the program ends beyond `most` only
+    bool fence;      // libraries may not take more either: for stages without threads
 } MemoryBudget;
 
 // From now on this one, for the whole program, of which a copy is kept; NULL: none.
@@ -47,6 +48,7 @@ void memory_set_budget(const MemoryBudget *budget);
 void memory_lower_fence(void);             // libraries may take what they want again
 void memory_set_stage(const char *stage);  // "making cells"; lasts
 void memory_note_read(size_t bytes);       // from a file
+size_t memory_granted(void);
 // Has the work stayed within its budget so far? If not, the sentence. Asked between steps by whoever can give up.
 bool memory_within(Error *error);
 

@@ -2,6 +2,7 @@
 #ifndef MAPS_BUILDING_CHECK_H
 #define MAPS_BUILDING_CHECK_H
 
+#include "engine/core/box_tree.h"
 #include "maps/building.h"
 
 typedef struct Check {
@@ -9,7 +10,8 @@ typedef struct Check {
     Arena *arena;
     const char **faults;
     int max, count;
-    Vec2 *mm;  // [point_count] plan points in millimetres, whole ones on the grid
+    Vec2 *mm;                 // [point_count] plan points in millimetres, whole ones on the grid
+    BoxHits mine, near, row;  // edges found last, in building_check_regions.c
 } Check;
 
 void check_fault(Check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

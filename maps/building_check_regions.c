@@ -1,5 +1,6 @@
 // building_check_regions.c - the faults of regions: rings, outlines, and pairs that overlap or touch without sharing
 // vertices. It computes in whole millimetres held in doubles, in which every orientation is exact; what lies off the grid keeps its fraction.
+#include <limits.h>
 #include <stdlib.h>
 
 #include "engine/core/predicates.h"
@@ -39,33 +40,44 @@ static bool overlap_along_line(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     return fmax(fmin(a0, b0), fmin(c0, d0)) < fmin(fmax(a0, b0), fmax(c0, d0));
 }
 
-// +1 inside, 0 on the boundary, -1 outside the rings of a region.
-static int locate(const Check *c, const Region *r, Vec2 p) {
-    bool inside = false;
-    for (int k = 0; k < r->ring_count; k++) {
-        const Ring *ring = &c->b->rings[r->first_ring + k];
-        const Vec2 *v = &c->mm[ring->first_point];
-        for (int i = 0, j = ring->point_count - 1; i < ring->point_count; j = i++) {
-            if (vec2_equal(p, v[i]) || strictly_between(v[j], v[i], p)) return 0;
-            if ((v[i].y > p.y) == (v[j].y > p.y)) continue;
-            int side = v[j].y < v[i].y ? orient2d(v[j], v[i], p) : orient2d(v[i], v[j], p);
-            if (side > 0) inside = !inside;
-        }
-    }
-    return inside ? 1 : -1;
-}
-
 typedef struct Edge {
     Vec2 a, b;
     int ring, index;
 } Edge;
 
 typedef struct Outline {
-    Edge *edges;
+    Edge *edges;  // by left end
     int count;
+    BoxTree tree;  // of the edges
     Vec2 min, max;
     bool sound;
 } Outline;
+
+// The edges whose boxes touch a rectangle, ascending.
+static int edges_near(Check *c, const Outline *outline, Vec2 low, Vec2 high, BoxHits *hits) {
+    return box_tree_find(&outline->tree, (Box){vec3(low.x, low.y, 0), vec3(high.x, high.y, 0)}, c->arena,
+                         hits);
+}
+
+static int edges_near_edge(Check *c, const Outline *outline, Edge e, BoxHits *hits) {
+    return edges_near(c, outline, vec2(fmin(e.a.x, e.b.x), fmin(e.a.y, e.b.y)),
+                      vec2(fmax(e.a.x, e.b.x), fmax(e.a.y, e.b.y)), hits);
+}
+
+// +1 inside, 0 on the boundary, -1 outside the first rings of a region.
+static int locate(Check *c, const Outline *outline, int ring_count, Vec2 p) {
+    bool inside = false;
+    edges_near(c, outline, p, vec2(INFINITY, p.y), &c->row);
+    for (int i = 0; i < c->row.count; i++) {
+        Edge e = outline->edges[c->row.items[i]];
+        if (e.ring >= ring_count) continue;
+        if (vec2_equal(p, e.b) || strictly_between(e.a, e.b, p)) return 0;
+        if ((e.b.y > p.y) == (e.a.y > p.y)) continue;
+        int side = e.a.y < e.b.y ? orient2d(e.a, e.b, p) : orient2d(e.b, e.a, p);
+        if (side > 0) inside = !inside;
+    }
+    return inside ? 1 : -1;
+}
 
 static bool on_grid(Vec2 p) { return p.x == maps_snap(p.x) && p.y == maps_snap(p.y); }
 
@@ -146,6 +158,12 @@ static bool check_region_fields(Check *c, int i) {
     return true;
 }
 
+static int by_left_end(const void *pa, const void *pb) {
+    const Edge *a = pa, *b = pb;
+    double x = fmin(a->a.x, a->b.x), y = fmin(b->a.x, b->b.x);
+    return x != y ? (x < y ? -1 : 1) : a->ring != b->ring ? a->ring - b->ring : a->index - b->index;
+}
+
 static void gather_edges(Check *c, const Region *r, Outline *out) {
     int count = 0;
     for (int k = 0; k < r->ring_count; k++) count += c->b->rings[r->first_ring + k].point_count;
@@ -161,12 +179,13 @@ static void gather_edges(Check *c, const Region *r, Outline *out) {
             out->max = vec2(fmax(out->max.x, v[i].x), fmax(out->max.y, v[i].y));
         }
     }
-}
-
-static int by_left_end(const void *pa, const void *pb) {
-    const Edge *a = pa, *b = pb;
-    double x = fmin(a->a.x, a->b.x), y = fmin(b->a.x, b->b.x);
-    return x != y ? (x < y ? -1 : 1) : a->ring != b->ring ? a->ring - b->ring : a->index - b->index;
+    qsort(out->edges, (size_t)out->count, sizeof(Edge), by_left_end);
+    Box *boxes = ARENA_ARRAY(c->arena, Box, out->count);
+    for (int i = 0; i < out->count; i++) {
+        Edge e = out->edges[i];
+        boxes[i] = box_add(box_add(box_empty(), vec3(e.a.x, e.a.y, 0)), vec3(e.b.x, e.b.y, 0));
+    }
+    out->tree = box_tree_build(boxes, out->count, c->arena);
 }
 
 // Two edges of one region may share end points, of different rings even; nothing else.
@@ -181,7 +200,6 @@ static bool edges_of_region_meet_well(Edge e, Edge f) {
 static bool check_outline(Check *c, int i, Outline *out) {
     const Region *r = &c->b->regions[i];
     gather_edges(c, r, out);
-    qsort(out->edges, (size_t)out->count, sizeof(Edge), by_left_end);
     for (int e = 0; e < out->count; e++) {
         Edge a = out->edges[e];
         if (vec2_equal(a.a, a.b)) {
@@ -189,9 +207,10 @@ static bool check_outline(Check *c, int i, Outline *out) {
                         a.a.x / MM_PER_M, a.a.y / MM_PER_M);
             return false;
         }
-        double right = fmax(a.a.x, a.b.x);
-        for (int f = e + 1; f < out->count && fmin(out->edges[f].a.x, out->edges[f].b.x) <= right; f++) {
-            if (edges_of_region_meet_well(a, out->edges[f])) continue;
+        edges_near_edge(c, out, a, &c->near);
+        for (int k = 0; k < c->near.count; k++) {
+            int f = c->near.items[k];
+            if (f <= e || edges_of_region_meet_well(a, out->edges[f])) continue;
             check_fault(c, "region %d (%s): its outline touches or crosses itself near (%.3f, %.3f)", i,
                         text_of(r->name), a.a.x / MM_PER_M, a.a.y / MM_PER_M);
             return false;
@@ -200,10 +219,8 @@ static bool check_outline(Check *c, int i, Outline *out) {
     for (int k = 1; k < r->ring_count; k++) {
         // A hole lies inside: its edges' middles do, since nothing crosses. In doubled millimetres, exactly.
         const Ring *ring = &c->b->rings[r->first_ring + k];
-        Region outer = *r;
-        outer.ring_count = 1;
         for (int n = 0; n < ring->point_count; n++) {
-            if (locate(c, &outer, c->mm[ring->first_point + n]) >= 0) continue;
+            if (locate(c, out, 1, c->mm[ring->first_point + n]) >= 0) continue;
             check_fault(c, "region %d (%s): hole %d at (%.3f, %.3f) lies outside", i, text_of(r->name), k,
                         c->b->points[ring->first_point].x, c->b->points[ring->first_point].y);
             return false;
@@ -212,22 +229,17 @@ static bool check_outline(Check *c, int i, Outline *out) {
     return true;
 }
 
-static bool outline_apart(const Outline *a, Edge e) {
-    return fmax(e.a.x, e.b.x) < a->min.x || fmin(e.a.x, e.b.x) > a->max.x || fmax(e.a.y, e.b.y) < a->min.y ||
-           fmin(e.a.y, e.b.y) > a->max.y;
-}
-
 typedef struct Pair {
     bool crossing, unshared;
     Vec2 place;
 } Pair;
 
 // How edge e of one region meets the edges of the other; whether it lies on one of them.
-static bool edge_against(Edge e, const Outline *other, Pair *pair, bool *same_way) {
+static bool edge_against(Check *c, Edge e, const Outline *other, Pair *pair, bool *same_way) {
     bool shared = false;
-    for (int i = 0; i < other->count && fmin(other->edges[i].a.x, other->edges[i].b.x) <= fmax(e.a.x, e.b.x);
-         i++) {
-        Edge f = other->edges[i];
+    edges_near_edge(c, other, e, &c->near);
+    for (int i = 0; i < c->near.count; i++) {
+        Edge f = other->edges[c->near.items[i]];
         if (boxes_apart(e.a, e.b, f.a, f.b)) continue;
         if (vec2_equal(e.a, f.b) && vec2_equal(e.b, f.a)) {
             shared = true;
@@ -246,22 +258,21 @@ static bool edge_against(Edge e, const Outline *other, Pair *pair, bool *same_wa
 
 // The interiors meet iff edges cross, or an edge of one, cut where the other's vertices lie on it, runs
 // inside the other, or both run along one edge the same way.
-static bool interiors_meet(const Check *c, int ia, int ib, const Outline *a, const Outline *b, Pair *pair) {
+static bool interiors_meet(Check *c, const Outline *a, const Outline *b, Pair *pair) {
     bool same_way = false;
     for (int way = 0; way < 2; way++) {
         const Outline *mine = way ? b : a, *other = way ? a : b;
-        const Region *in = &c->b->regions[way ? ia : ib];
-        for (int i = 0; i < mine->count; i++) {
-            Edge e = mine->edges[i];
-            if (outline_apart(other, e)) continue;
-            bool shared = edge_against(e, other, pair, &same_way);
+        edges_near(c, mine, other->min, other->max, &c->mine);
+        for (int i = 0; i < c->mine.count; i++) {
+            Edge e = mine->edges[c->mine.items[i]];
+            bool shared = edge_against(c, e, other, pair, &same_way);
             if (pair->crossing || same_way) {
                 pair->place = e.a;
                 return true;
             }
             if (shared) continue;
             Vec2 mid = vec2((e.a.x + e.b.x) / 2, (e.a.y + e.b.y) / 2);
-            if (locate(c, in, mid) > 0 || locate(c, in, e.a) > 0) {
+            if (locate(c, other, INT_MAX, mid) > 0 || locate(c, other, INT_MAX, e.a) > 0) {
                 pair->place = e.a;
                 return true;
             }
@@ -273,7 +284,7 @@ static bool interiors_meet(const Check *c, int ia, int ib, const Outline *a, con
 static void check_pair(Check *c, int i, int j, const Outline *a, const Outline *b) {
     const Region *r = &c->b->regions[i], *s = &c->b->regions[j];
     Pair pair = {false, false, {0, 0}};
-    bool meet = interiors_meet(c, i, j, a, b, &pair);
+    bool meet = interiors_meet(c, a, b, &pair);
     if (meet && fmax(r->z0, s->z0) < fmin(r->z1, s->z1)) {
         check_fault(c, "regions %d (%s) and %d (%s) overlap near (%.3f, %.3f) between heights %.3f and %.3f",
                     i, text_of(r->name), j, text_of(s->name), pair.place.x / MM_PER_M,

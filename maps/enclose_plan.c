@@ -5,6 +5,7 @@
 // where equality is exact.
 #include <stdio.h>
 #include <stdlib.h>
+#include <xxhash.h>
 
 #include "maps/enclose.h"
 
@@ -105,15 +106,24 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 
 // ---- linework
 
+// Of more storeys than these, lines that are the same are noded once: the square of their number would be looked at. Of fewer all
+// are, since the order of the faces follows from them.
+enum { STOREYS_ONCE = 200 };
+
+// A ring, or an open line.
+typedef struct Line {
+    const Vec2 *points;
+    int count;
+    bool close;
+} Line;
+
 typedef struct Lines {
-    GEOSGeometry **items;
+    Line *items;
     int count, capacity;
 } Lines;
 
 static void add_line(Enclosure *e, Lines *lines, const Vec2 *points, int count, bool close) {
-    GEOSCoordSequence *sequence = sequence_of(e, points, count, close);
-    GEOSGeometry *line = sequence ? GEOSGeom_createLineString_r(e->geos, sequence) : NULL;
-    if (line) *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = line;
+    *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = (Line){points, count, close};
 }
 
 static void add_shape(Enclosure *e, Lines *lines, const Shape *shape) {
@@ -129,8 +139,11 @@ static void add_shapes(Enclosure *e, Lines *lines, const ShapeList *list) {
 
 static void gather_lines(Enclosure *e, bool with_plugs, Lines *lines) {
     const Sketch *s = e->sketch;
-    Vec2 world[4] = {
-        e->world_min, {e->world_max.x, e->world_min.y}, e->world_max, {e->world_min.x, e->world_max.y}};
+    Vec2 *world = ARENA_ARRAY(e->scratch, Vec2, 4);
+    world[0] = e->world_min;
+    world[1] = vec2(e->world_max.x, e->world_min.y);
+    world[2] = e->world_max;
+    world[3] = vec2(e->world_min.x, e->world_max.y);
     add_line(e, lines, world, 4, true);
     for (int i = 0; i < s->wall_count; i++) {
         if (e->wall_bounds[i]) add_shape(e, lines, &e->walls[i]);
@@ -152,8 +165,6 @@ static void gather_lines(Enclosure *e, bool with_plugs, Lines *lines) {
     }
 }
 
-// ---- faces
-
 typedef struct Hash {
     int *slot;  // index + 1, 0: empty
     size_t mask;
@@ -164,6 +175,39 @@ static Hash hash_new(Arena *arena, int count) {
     while (size < (size_t)count * 2) size *= 2;
     return (Hash){ARENA_ARRAY(arena, int, size), size - 1};
 }
+
+static bool lines_equal(const Line *a, const Line *b) {
+    return a->count == b->count && a->close == b->close &&
+           memcmp(a->points, b->points, sizeof(Vec2) * (size_t)a->count) == 0;
+}
+
+// Whether no line before has the same points.
+static bool line_is_new(const Lines *lines, Hash *hash, int line) {
+    const Line *l = &lines->items[line];
+    size_t at = XXH3_64bits(l->points, sizeof(Vec2) * (size_t)l->count) & hash->mask;
+    for (; hash->slot[at]; at = (at + 1) & hash->mask) {
+        if (lines_equal(&lines->items[hash->slot[at] - 1], l)) return false;
+    }
+    hash->slot[at] = line + 1;
+    return true;
+}
+
+static GEOSGeometry *lines_to_geos(Enclosure *e, const Lines *lines) {
+    GEOSGeometry **items = ARENA_ARRAY(e->scratch, GEOSGeometry *, lines->count);
+    Hash hash = hash_new(e->scratch, lines->count);
+    int count = 0;
+    bool once = e->b->storey_count > STOREYS_ONCE;
+    for (int i = 0; i < lines->count; i++) {
+        const Line *l = &lines->items[i];
+        if (once && !line_is_new(lines, &hash, i)) continue;
+        GEOSCoordSequence *sequence = sequence_of(e, l->points, l->count, l->close);
+        GEOSGeometry *line = sequence ? GEOSGeom_createLineString_r(e->geos, sequence) : NULL;
+        if (line) items[count++] = line;
+    }
+    return GEOSGeom_createCollection_r(e->geos, GEOS_MULTILINESTRING, items, (unsigned)count);
+}
+
+// ---- faces
 
 static uint64_t mix(uint64_t x) {
     x = (x ^ (x >> 31)) * 0x9e3779b97f4a7c15u;
@@ -318,8 +362,7 @@ int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape) {
 bool plan_build(Enclosure *e, bool with_plugs, Plan *out) {
     Lines lines = {NULL, 0, 0};
     gather_lines(e, with_plugs, &lines);
-    GEOSGeometry *all =
-        GEOSGeom_createCollection_r(e->geos, GEOS_MULTILINESTRING, lines.items, (unsigned)lines.count);
+    GEOSGeometry *all = lines_to_geos(e, &lines);
     GEOSGeometry *noded = all ? GEOSUnaryUnionPrec_r(e->geos, all, GRID_MM) : NULL;
     const GEOSGeometry *list[1] = {noded};
     GEOSGeometry *polygons = noded ? GEOSPolygonize_r(e->geos, list, 1) : NULL;

@@ -60,7 +60,10 @@ static void grow_all(Growth *growth, const TreeSource *source, int threads, Aren
         long long share = left / rest * TIMES;
         growth->allowed = share < left / MOST ? share : left / MOST;
         parallel_for(threads, run, grow_next, growth);
-        for (int i = 0; i < run; i++) left -= growth->trees[growth->first + i].spent;
+        for (int i = 0; i < run; i++) {
+            const Tree *tree = &growth->trees[growth->first + i];
+            left -= tree->spent * (tree->bounded ? tree_waste(source) : 1);
+        }
     }
     for (int i = 0; i < threads; i++) tree_grower_end(growth->growers[i]);
 }

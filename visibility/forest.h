@@ -22,6 +22,8 @@ void tree_grower_end(TreeGrower *grower);
 
 // How much work all trees may take (ways_work).
 long long tree_work(const TreeSource *source);
+// How many times the work of a tree that was given up counts: of a large building, more than its own, so that the rest are soon given up.
+int tree_waste(const TreeSource *source);
 
 // Returns the tree of a cell, or the root alone where it is too large or takes more work than `allowed`, and marks in `row`
 // [words] the cells that may be seen from it.

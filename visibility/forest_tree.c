@@ -250,6 +250,8 @@ long long tree_work(const TreeSource *source) {
     return source->large ? LARGE : ways_work(&source->ways, WORK);
 }
 
+int tree_waste(const TreeSource *source) { return source->large ? 8 : 1; }
+
 // What may be seen through the way before lines are tried: all, where the building is large.
 static void reach(Grower *g, int cell, int way) {
     const TreeSource *source = g->source;

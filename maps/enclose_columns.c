@@ -17,7 +17,7 @@ static const double LOWEST_ROOM = 50;
 static const double TALL = 300;
 
 typedef struct Painter {
-    Span *spans, *other;
+    Span *spans;
     int count;
 } Painter;
 
@@ -34,28 +34,40 @@ static Span span(SpanKind kind, int id, int storey, double z0, double z1) {
     return (Span){kind, id, storey, z0, z1, -1};
 }
 
+// The first span that ends above the height.
+static int span_above(const Painter *p, double z) {
+    int low = 0, high = p->count;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (p->spans[middle].z1 > z)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+// No two neighbours are alike, before and after.
 static void paint(Painter *p, Span s) {
     double bottom = p->spans[0].z0, top = p->spans[p->count - 1].z1;
     s.z0 = fmax(s.z0, bottom);
     s.z1 = fmin(s.z1, top);
     if (s.z0 >= s.z1) return;
-    int count = 0;
-    bool done = false;
-    for (int i = 0; i < p->count; i++) {
-        Span below = p->spans[i], above = p->spans[i];
-        below.z1 = fmin(below.z1, s.z0);
-        above.z0 = fmax(above.z0, s.z1);
-        put(p->other, &count, below);
-        if (!done && p->spans[i].z1 > s.z0) {
-            put(p->other, &count, s);
-            done = true;
-        }
-        put(p->other, &count, above);
-    }
-    Span *swap = p->spans;
-    p->spans = p->other;
-    p->other = swap;
-    p->count = count;
+    int first = span_above(p, s.z0), last = first, count = 0;
+    while (last + 1 < p->count && p->spans[last + 1].z0 < s.z1) last++;
+    Span below = p->spans[first], above = p->spans[last], made[5];
+    below.z1 = fmin(below.z1, s.z0);
+    above.z0 = fmax(above.z0, s.z1);
+    if (first > 0) put(made, &count, p->spans[--first]);
+    put(made, &count, below);
+    put(made, &count, s);
+    put(made, &count, above);
+    if (last + 1 < p->count) put(made, &count, p->spans[++last]);
+    int rest = p->count - last - 1;
+    if (first + count != last + 1)
+        memmove(p->spans + first + count, p->spans + last + 1, (size_t)rest * sizeof *p->spans);
+    memcpy(p->spans + first, made, (size_t)count * sizeof *made);
+    p->count = first + count + rest;
 }
 
 // ---- heights of what is painted
@@ -194,7 +206,7 @@ void columns_build(Enclosure *e) {
     const Plan *plan = &e->pass.plan;
     // Each layer adds at most two spans; a storey has at most eight.
     int most = 20 * e->b->storey_count + 16;
-    Painter p = {ARENA_ARRAY(e->scratch, Span, most), ARENA_ARRAY(e->scratch, Span, most), 0};
+    Painter p = {ARENA_ARRAY(e->scratch, Span, most), 0};
     e->columns = ARENA_ARRAY(e->scratch, Column, plan->face_count);
     double ground = nearbyint(e->sketch->ground * ENCLOSE_MM);
     for (int f = 0; f < plan->face_count; f++) {

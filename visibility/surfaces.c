@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/core/box_tree.h"
 #include "engine/core/polygon.h"
 #include "visibility/build.h"
 
@@ -357,25 +358,12 @@ static void add_plugs(CellBuilder *builder) {
     }
 }
 
-// All corners of surfaces, sorted by height and then along x or along y, so that the corners near an edge are a
-// short run: every edge of a surface is level or upright.
-typedef struct Corners {
-    Vec3 *by_x, *by_y;
-    int count;
-} Corners;
-
+// Level edges: sorted by height.
 static int by_zxy(const void *p, const void *q) {
     const Vec3 *a = p, *b = q;
     if (a->z != b->z) return a->z < b->z ? -1 : 1;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     return (a->y > b->y) - (a->y < b->y);
-}
-
-static int by_zyx(const void *p, const void *q) {
-    const Vec3 *a = p, *b = q;
-    if (a->z != b->z) return a->z < b->z ? -1 : 1;
-    if (a->y != b->y) return a->y < b->y ? -1 : 1;
-    return (a->x > b->x) - (a->x < b->x);
 }
 
 // Upright edges: sorted by their place in plan.
@@ -442,9 +430,11 @@ static void collect_hits(Arena *scratch, const Vec3 *run, int from, int to, Vec3
 
 typedef struct TVertices {
     Arena *scratch;
-    Corners level;  // for level edges
+    Vec3 *level;  // for level edges
+    BoxTree tree;
+    BoxHits near;
     Vec3 *upright;  // for upright ones
-    int upright_count;
+    int level_count, upright_count;
     Hit *hits;
     int hit_capacity;
     double left;  // corners that may still be looked at
@@ -454,25 +444,15 @@ typedef struct TVertices {
 // the edges stay as they are.
 static const double MOST_LOOKS = 5e8;
 
-// The same of level corners with `low` to `high` around the edge; the runs are sorted across it first. Rows of corners across are
-// entered at the edge's beginning and left at its end: thousands of doors stand in one line.
-static void collect_level(TVertices *t, Vec3 a, Vec3 b, Vec3 low, Vec3 high, int *count) {
-    bool along_x = fabs(b.x - a.x) > fabs(b.y - a.y);  // then few corners share its y
-    const Vec3 *run = along_x ? t->level.by_y : t->level.by_x;
-    Compare *compare = along_x ? by_zyx : by_zxy;
-    int i = lower_bound(run, t->level.count, low, compare);
-    while (i < t->level.count && compare(&run[i], &high) < 0) {
-        Vec3 from = run[i], to = run[i], beyond = run[i];
-        if (along_x)
-            from.x = low.x, to.x = high.x, beyond.x = INFINITY;
-        else
-            from.y = low.y, to.y = high.y, beyond.y = INFINITY;
-        int first = lower_bound(run, t->level.count, from, compare),
-            end = lower_bound(run, t->level.count, to, compare);
-        t->left -= end - first;
-        collect_hits(t->scratch, run, first, end, a, b, &t->hits, count, &t->hit_capacity);
-        i = lower_bound(run, t->level.count, beyond, compare);
-    }
+// The same of the level corners around the edge.
+static void collect_level(TVertices *t, Vec3 a, Vec3 b, int *count) {
+    Box box = {vec3(fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z),
+               vec3(fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z)};
+    box_tree_find(&t->tree, box, t->scratch, &t->near);
+    t->left -= t->near.count;
+    for (int i = 0; i < t->near.count; i++)
+        collect_hits(t->scratch, t->level, t->near.items[i], t->near.items[i] + 1, a, b, &t->hits, count,
+                     &t->hit_capacity);
 }
 
 // The corners inside edge a -> b, in order along it.
@@ -486,9 +466,7 @@ static int corners_on_edge(TVertices *t, Vec3 a, Vec3 b) {
         t->left -= to - from;
         collect_hits(t->scratch, t->upright, from, to, a, b, &t->hits, &count, &t->hit_capacity);
     } else {
-        Vec3 low = {fmin(a.x, b.x) - T_VERTEX, fmin(a.y, b.y) - T_VERTEX, a.z};
-        Vec3 high = {fmax(a.x, b.x) + T_VERTEX, fmax(a.y, b.y) + T_VERTEX, a.z};
-        collect_level(t, a, b, low, high, &count);
+        collect_level(t, a, b, &count);
     }
     if (count > 1) qsort(t->hits, (size_t)count, sizeof *t->hits, by_parameter);
     return count;
@@ -502,11 +480,12 @@ static void resolve_t_vertices(CellBuilder *builder, int first_polygon) {
     Vec3 *old = ARENA_ARRAY(builder->scratch, Vec3, count);
     memcpy(old, graph->vertices + first, (size_t)count * sizeof *old);
     TVertices t = {.scratch = builder->scratch, .left = MOST_LOOKS};
-    t.level.count = t.upright_count = count;
+    t.level_count = t.upright_count = count;
     t.upright = sorted_copy(builder->scratch, old, &t.upright_count, by_xyz);
-    t.level.by_x = sorted_copy(builder->scratch, old, &t.level.count, by_zxy);
-    t.level.count = count;
-    t.level.by_y = sorted_copy(builder->scratch, old, &t.level.count, by_zyx);
+    t.level = sorted_copy(builder->scratch, old, &t.level_count, by_zxy);
+    Box *boxes = ARENA_ARRAY(builder->scratch, Box, t.level_count);
+    for (int i = 0; i < t.level_count; i++) boxes[i] = (Box){t.level[i], t.level[i]};
+    t.tree = box_tree_build(boxes, t.level_count, builder->scratch);
     graph->vertex_count = first;
     for (int p = first_polygon; p < graph->polygon_count; p++) {
         Polygon *polygon = &graph->polygons[p];

@@ -78,8 +78,10 @@ typedef struct Registrar {
     int *registered;  // [square_count] the last object registered in a square
     int *
         filled;  // [cell_count] and in how many of a cell's squares the object at hand is, if it is the last of `filler`
-    int *filler;      // [cell_count]
-    Vec3 *buffer[4];  // each with room for the largest polygon after clipping by a cell and a slab
+    int *filler;       // [cell_count]
+    int *first_plane;  // [cell_count + 1]
+    Plane *planes;     // of the plan of cell c: from first_plane[c] to first_plane[c + 1] - 1
+    Vec3 *buffer[4];   // each with room for the largest polygon after clipping by a cell and a slab
 } Registrar;
 
 static bool is_filled(const Registrar *r, int cell, int object) {
@@ -143,27 +145,50 @@ static void register_squares(Registrar *r, int cell, const Vec3 *polygon, int co
     }
 }
 
-// The part of a polygon inside a cell's plan grown by `slack`.
-static int clip_to_plan(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count,
-                        double slack, Vec3 *out, Vec3 *buffer) {
+static Plane side_plane(Vec2 a, Vec2 b) {
+    Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
+    return (Plane){n, n.x * a.x + n.y * a.y};
+}
+
+// Whether b lies on the line from a to c, but for rounding: far less than what registers.
+static bool is_straight(Vec2 a, Vec2 b, Vec2 c) {
+    static const double ROUNDING = 1e-11;
+    Vec2 ac = vec2_sub(c, a);
+    return fabs(vec2_cross(vec2_sub(b, a), ac)) <= ROUNDING * (fabs(ac.x) + fabs(ac.y));
+}
+
+// The sides of a cell's plan; `straight`, sides in one line count as one: a wall with thousands of doors has thousands.
+// `planes` has room for all edges. Returns how many there are.
+static int plan_planes(const CellGraph *graph, const Cell *cell, bool straight, Plane *planes) {
+    const Vec2 *v = graph->plan + cell->first_edge;
+    int count = 0, n = cell->edge_count;
+    for (int i = 0, end; i < n; i = end) {
+        for (end = i + 1; straight && end < n - (i == 0) && is_straight(v[i], v[end], v[(end + 1) % n]);)
+            end++;
+        planes[count++] = side_plane(v[i], v[end % n]);
+    }
+    return count;
+}
+
+// The part of a polygon inside a cell's plan, of these planes, grown by `slack`.
+static int clip_to_plan(const Plane *planes, int plane_count, const Vec3 *polygon, int count, double slack,
+                        Vec3 *out, Vec3 *buffer) {
     memmove(out, polygon, (size_t)count * sizeof *out);
-    for (int i = 0; i < cell->edge_count && count > 0; i++) {
-        Vec2 a = graph->plan[cell->first_edge + i],
-             b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
-        Vec3 n = vec3_normalize(vec3(a.y - b.y, b.x - a.x, 0));
-        count = polygon_clip(out, count, (Plane){n, n.x * a.x + n.y * a.y}, slack, buffer);
+    for (int i = 0; i < plane_count && count > 0; i++) {
+        count = polygon_clip(out, count, planes[i], slack, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
 }
 
-// The part of a polygon inside a cell grown by `slack`; `out` and `buffer` have room for as many vertices more as the cell has sides.
-static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Vec3 *polygon, int count,
-                        double slack, Vec3 *out, Vec3 *buffer) {
+// The part of a polygon inside a cell grown by `slack`; `planes` are those of its plan; `out` and `buffer` have room for as many
+// vertices more as the cell has sides.
+static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Plane *planes, int plane_count,
+                        const Vec3 *polygon, int count, double slack, Vec3 *out, Vec3 *buffer) {
     if (cell->face_count == 0) {
         count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, slack, buffer);
         count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, slack, out);
-        return clip_to_plan(graph, cell, out, count, slack, out, buffer);
+        return clip_to_plan(planes, plane_count, out, count, slack, out, buffer);
     }
     memmove(out, polygon, (size_t)count * sizeof *out);
     for (int i = 0; i < cell->face_count; i++) {
@@ -195,8 +220,12 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
                 if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
                 r->tried[c] = serial;
                 if (is_filled(r, c, object)) continue;
-                int count = (upright ? clip_to_plan : clip_to_cell)(graph, &graph->cells[c], v, vertex_count,
-                                                                    graph->touch, r->buffer[0], r->buffer[1]);
+                const Plane *planes = r->planes + r->first_plane[c];
+                int sides = r->first_plane[c + 1] - r->first_plane[c];
+                int count = upright ? clip_to_plan(planes, sides, v, vertex_count, graph->touch, r->buffer[0],
+                                                   r->buffer[1])
+                                    : clip_to_cell(graph, &graph->cells[c], planes, sides, v, vertex_count,
+                                                   graph->touch, r->buffer[0], r->buffer[1]);
                 if (count > 0) register_squares(r, c, r->buffer[0], count, object);
             }
         }
@@ -250,8 +279,17 @@ static Registrar new_registrar(CellBuilder *builder) {
                    .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count),
                    .filled = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
                    .filler = ARENA_ARRAY(builder->scratch, int, graph->cell_count)};
-    for (int c = 0; c < graph->cell_count; c++) r.tried[c] = r.filler[c] = -1;
+    int edges = 0;
+    for (int c = 0; c < graph->cell_count; c++) {
+        r.tried[c] = r.filler[c] = -1;
+        edges += graph->cells[c].edge_count;
+    }
     for (int s = 0; s < graph->square_count; s++) r.registered[s] = -1;
+    r.first_plane = ARENA_ARRAY(builder->scratch, int, graph->cell_count + 1);
+    r.planes = ARENA_ARRAY(builder->scratch, Plane, edges);
+    for (int c = 0; c < graph->cell_count; c++)
+        r.first_plane[c + 1] =
+            r.first_plane[c] + plan_planes(graph, &graph->cells[c], true, r.planes + r.first_plane[c]);
     int largest = 4;  // of what a leaf sweeps
     for (int p = 0; p < graph->polygon_count; p++) {
         if (graph->polygons[p].vertex_count > largest) largest = graph->polygons[p].vertex_count;
@@ -361,7 +399,9 @@ int vis_locate_part(const CellGraph *graph, const Vec3 *polygon, int count, Aren
             size_t room = (size_t)(count + cell->edge_count + cell->face_count + 2);
             Vec3 *part = arena_alloc(scratch, room, sizeof *part),
                  *buffer = arena_alloc(scratch, room, sizeof *part);
-            int corners = clip_to_cell(graph, cell, polygon, count, 0, part, buffer);
+            Plane *planes = ARENA_ARRAY(scratch, Plane, cell->edge_count);
+            int sides = plan_planes(graph, cell, false, planes);
+            int corners = clip_to_cell(graph, cell, planes, sides, polygon, count, 0, part, buffer);
             double size = corners > 2 ? polygon_area(part, corners) : 0;
             if (size <= *area) continue;
             found = c;

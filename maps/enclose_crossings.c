@@ -12,6 +12,8 @@
 static const long long MEETINGS = 10000, MEETINGS_EACH = 6;
 // Pairs of edges that may be looked at to find them, likewise.
 static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 32;
+// The first outline may be the only one, of very many corners, and look at so many of its own edges.
+static const long long LOOKS_FIRST = 12000000;
 // An end so near to another edge lies on it, mm.
 static const double ON_EDGE = 1;
 
@@ -32,6 +34,7 @@ typedef struct Crossings {
     BoxTree tree;
     long long meetings, looks;  // so far
     bool any;                   // an outline was taken
+    bool looked_out;            // the last one tried would take more looks than are allowed
 } Crossings;
 
 static PlanSegment segment_between(Vec2 a, Vec2 b) {
@@ -101,29 +104,13 @@ static int meetings_of(const PlanSegment *s, const PlanSegment *t, bool one_outl
     return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
 }
 
-// The first outline may be the only one, of very many corners: it crosses none but itself.
-static bool take_first(Crossings *c, int outline, long long most) {
-    int first = c->first[outline], end = c->first[outline + 1];
-    for (int i = first; i < end; i++) {
-        for (int j = first; j < i && c->meetings <= most; j++)
-            c->meetings += meetings_of(&c->segments[i], &c->segments[j], true);
-    }
-    if (c->meetings > most) {
-        c->meetings = 0;
-        return false;
-    }
-    for (int i = first; i < end; i++) c->taken[c->segments[i].same] = true;
-    return true;
-}
-
 // Takes an outline if it meets those taken before at few enough places.
 static bool take(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
-              looks = LOOKS + LOOKS_AN_EDGE * c->segment_count,
+              looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,
               spots = ENCLOSE_MOST_SPOTS / 2 / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1),
               count = 0;
     if (most > spots) most = spots;
-    if (!c->any) return c->any = take_first(c, outline, most);
     int end = c->first[outline];
     bool good = true;
     for (; end < c->first[outline + 1] && good; end++) {
@@ -142,9 +129,11 @@ static bool take(Crossings *c, int outline) {
         c->taken[i] = true;
         good = c->meetings + count <= most && c->looks <= looks;
     }
+    c->looked_out = c->looks > looks;
+    if (!c->any) c->looks = 0;
     if (good) {
         c->meetings += count;
-        return true;
+        return c->any = true;
     }
     for (int i = c->first[outline]; i < end; i++)
         if (c->segments[i].fresh) c->taken[c->segments[i].same] = false;
@@ -153,11 +142,19 @@ static bool take(Crossings *c, int outline) {
 
 // ---- walls, rooms and cut-outs
 
-static void leave_out(Enclosure *e, const Shape *shape, int storey, const char *what, const char *place) {
+static void leave_out(const Crossings *c, const Shape *shape, int storey, const char *what,
+                      const char *place) {
+    Enclosure *e = c->e;
     Vec3 p = enclose_place(e, shape->points[0], storey);
-    building_note(e->arena, e->b, NOTE_DROPPED, p,
-                  "%s %s left out: at (%.2f, %.2f) its outline would be one too many that cross others", what,
-                  enclose_text(place), p.x, p.y);
+    if (c->looked_out)
+        building_note(e->arena, e->b, NOTE_DROPPED, p,
+                      "%s %s left out: at (%.2f, %.2f) the edges of its outline (%d) lie among so many that "
+                      "crossings cannot be looked for",
+                      what, enclose_text(place), p.x, p.y, shape->ring[shape->ring_count]);
+    else
+        building_note(e->arena, e->b, NOTE_DROPPED, p,
+                      "%s %s left out: at (%.2f, %.2f) its outline would be one too many that cross others",
+                      what, enclose_text(place), p.x, p.y);
 }
 
 void crossings_limit(Enclosure *e) {
@@ -171,12 +168,12 @@ void crossings_limit(Enclosure *e) {
         if (!e->room_used[i] || take(&c, i)) continue;
         e->room_used[i] = false;
         enclose_lose_room(e, i);
-        leave_out(e, &e->rooms[i], s->rooms[i].storey, "room", s->rooms[i].place);
+        leave_out(&c, &e->rooms[i], s->rooms[i].storey, "room", s->rooms[i].place);
     }
     for (int i = 0; i < s->cutout_count; i++) {
         if (!e->cutout_used[i] || take(&c, s->room_count + i)) continue;
         e->cutout_used[i] = false;
-        leave_out(e, &e->cutouts[i], s->cutouts[i].storey, "cut-out", s->cutouts[i].place);
+        leave_out(&c, &e->cutouts[i], s->cutouts[i].storey, "cut-out", s->cutouts[i].place);
     }
     int count = 0, first = -1;
     for (int i = 0; i < s->wall_count; i++) {
@@ -213,7 +210,7 @@ void crossings_limit_holes(Enclosure *e) {
         Hole *h = &e->holes[i];
         if (!h->used || take(&c, first + i)) continue;
         h->used = false;
-        leave_out(e, &h->box, s->openings[i].storey, opening_kind_name(s->openings[i].kind),
+        leave_out(&c, &h->box, s->openings[i].storey, opening_kind_name(s->openings[i].kind),
                   s->openings[i].place);
     }
 }

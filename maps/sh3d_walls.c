@@ -16,6 +16,7 @@ static const double MITRE_LIMIT = 2;   // thicknesses a corner may move
 static const double HIGH_WALL = 1.8;   // metres: walls from here on show how high a storey is
 static const double CM_PER_M = 100;    // the file counts in cm; arcs get sqrt(length in cm) chords
 #define ARC_MAX_STEPS 256
+#define ARC_MOST_CHORDS 20000            // of all arcs together, about: beyond, each has its share only
 #define ROOF_MAX 96                      // corners of a room under sloped walls, for its ceiling
 static const double ROOF_REACH = 0.05;   // metres from a wall's side at which a room's corner belongs to it
 static const double ROOF_SLANT = 0.02;   // sine between a wall and the room's edge that it runs along
@@ -161,13 +162,37 @@ static Vec2 arc_centre(const Sh3dWall *w) {
     return vec2_add(mid, vec2_scale(vec2(-chord.y, chord.x), 0.5 / tan(w->arc / 2)));
 }
 
-static void make_sides(Sh3d *s, Sh3dWall *w) {
+static bool is_straight(const Sh3dWall *w) { return fabs(w->arc) < PARALLEL; }
+
+static int arc_steps(const Sh3dWall *w) {
+    if (is_straight(w)) return 1;
+    double outer = vec2_length(vec2_sub(w->start, arc_centre(w))) + w->thickness / 2;
+    return (int)fmin(ceil(sqrt(outer * CM_PER_M * fabs(w->arc))), ARC_MAX_STEPS);
+}
+
+// The share of their chords that arcs may have.
+static double arc_share(Sh3d *s) {
+    long long chords = 0;
+    const Sh3dWall *first = NULL;
+    for (int i = 0; i < s->wall_count; i++) {
+        if (is_straight(&s->walls[i])) continue;
+        chords += arc_steps(&s->walls[i]);
+        if (!first) first = &s->walls[i];
+    }
+    if (chords <= ARC_MOST_CHORDS) return 1;
+    building_note(s->arena, s->b, NOTE_CHANGED, vec3(first->start.x, first->start.y, first->floor),
+                  "%s: its arc walls would have %lld chords, the first of them %s; they have about %d",
+                  s->where, chords, first->place, ARC_MOST_CHORDS);
+    return (double)ARC_MOST_CHORDS / (double)chords;
+}
+
+static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
     Vec2 along = vec2_sub(w->end, w->start);
     double length = vec2_length(along);
-    bool straight = fabs(w->arc) < PARALLEL;
+    bool straight = is_straight(w);
     Vec2 centre = straight ? w->start : arc_centre(w), from = vec2_sub(w->start, centre);
     double radius = vec2_length(from), outer = radius + w->thickness / 2;
-    int steps = straight ? 1 : (int)fmin(ceil(sqrt(outer * CM_PER_M * fabs(w->arc))), ARC_MAX_STEPS);
+    int steps = straight ? 1 : (int)ceil(share * arc_steps(w));
     w->side_count = steps + 1;
     w->left = ARENA_ARRAY(s->arena, Vec2, w->side_count);
     w->right = ARENA_ARRAY(s->arena, Vec2, w->side_count);
@@ -280,7 +305,8 @@ bool sh3d_read_walls(Sh3d *s) {
     if (s->failed) return false;
     join_walls(s);
     for (int i = 0; i < s->b->storey_count; i++) adjust_height(s, i);
-    for (int i = 0; i < s->wall_count; i++) make_sides(s, &s->walls[i]);
+    double share = arc_share(s);
+    for (int i = 0; i < s->wall_count; i++) make_sides(s, &s->walls[i], share);
     mitre_walls(s);
     for (int i = 0; i < s->wall_count; i++)
         s->walls[i].bounding = reaches_ceiling(s, &s->walls[i]) || under_slope(s, i);

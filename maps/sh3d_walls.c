@@ -16,7 +16,7 @@ static const double MITRE_LIMIT = 2;   // thicknesses a corner may move
 static const double HIGH_WALL = 1.8;   // metres: walls from here on show how high a storey is
 static const double CM_PER_M = 100;    // the file counts in cm; arcs get sqrt(length in cm) chords
 #define ARC_MAX_STEPS 256
-#define ARC_MOST_CHORDS 20000            // of all arcs together, about: beyond, each has its share only
+#define ARC_MOST_CHORDS 16000            // of all arcs together: beyond, each has its share, and 2 at least
 #define ROOF_MAX 96                      // corners of a room under sloped walls, for its ceiling
 static const double ROOF_REACH = 0.05;   // metres from a wall's side at which a room's corner belongs to it
 static const double ROOF_SLANT = 0.02;   // sine between a wall and the room's edge that it runs along
@@ -180,9 +180,10 @@ static double arc_share(Sh3d *s) {
         if (!first) first = &s->walls[i];
     }
     if (chords <= ARC_MOST_CHORDS) return 1;
-    building_note(s->arena, s->b, NOTE_CHANGED, vec3(first->start.x, first->start.y, first->floor),
-                  "%s: its arc walls would have %lld chords, the first of them %s; they have about %d",
-                  s->where, chords, first->place, ARC_MOST_CHORDS);
+    building_note(
+        s->arena, s->b, NOTE_CHANGED, vec3(first->start.x, first->start.y, first->floor),
+        "%s: its arc walls would have %lld chords, the first of them %s; they have a share of %d each",
+        s->where, chords, first->place, ARC_MOST_CHORDS);
     return (double)ARC_MOST_CHORDS / (double)chords;
 }
 
@@ -192,7 +193,7 @@ static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
     bool straight = is_straight(w);
     Vec2 centre = straight ? w->start : arc_centre(w), from = vec2_sub(w->start, centre);
     double radius = vec2_length(from), outer = radius + w->thickness / 2;
-    int steps = straight ? 1 : (int)ceil(share * arc_steps(w));
+    int steps = straight ? 1 : share < 1 ? (int)fmax(2, floor(share * arc_steps(w))) : arc_steps(w);
     w->side_count = steps + 1;
     w->left = ARENA_ARRAY(s->arena, Vec2, w->side_count);
     w->right = ARENA_ARRAY(s->arena, Vec2, w->side_count);

@@ -101,8 +101,9 @@ struct TreeGrower {
     Arena arena;
 };
 
-// What steps take, see ways_work: a way tried, one narrowed by planes, and a node besides its words.
-enum { WORK_WAY = 30, WORK_NARROW = 300, WORK_NODE = 100 };
+// What steps take, see ways_work: a way tried, and each end of a line that is longer than most; one narrowed by planes, and a
+// node besides its words.
+enum { WORK_WAY = 30, WORK_END = 8, LONG_LINE = 16, WORK_NARROW = 300, WORK_NODE = 100 };
 static const double WORK = 6e8;  // of all trees
 
 static Level *level_at(Grower *g, int depth) {
@@ -160,7 +161,10 @@ static bool cross(Grower *g, Level *from, int way, Level *to, SightlineUndo *und
     g->spent += WORK_WAY;
     if (g->on_path[cell] || (from->may && !row_has(from->may, cell)) || from->rise * plan->rise < 0)
         return false;
-    if (plan->upright && !sightline_push(&g->line, plan->left, plan->right, undo)) return false;
+    if (plan->upright) {
+        if (g->line.count > LONG_LINE) g->spent += WORK_END * g->line.count;
+        if (!sightline_push(&g->line, plan->left, plan->right, undo)) return false;
+    }
     g->spent += WORK_NARROW;
     if (narrow(g, from, way, to)) {
         to->rise = plan->rise ? plan->rise : from->rise;

@@ -170,12 +170,16 @@ static int plan_planes(const CellGraph *graph, const Cell *cell, bool straight, 
     return count;
 }
 
-// The part of a polygon inside a cell's plan, of these planes, grown by `slack`.
-static int clip_to_plan(const Plane *planes, int plane_count, const Vec3 *polygon, int count, double slack,
-                        Vec3 *out, Vec3 *buffer) {
+// The part of a polygon inside these planes moved outwards by `slack`.
+static int clip_to_planes(const Plane *inward, int plane_count, const Vec3 *polygon, int count, double slack,
+                          Vec3 *out, Vec3 *buffer) {
     memmove(out, polygon, (size_t)count * sizeof *out);
-    for (int i = 0; i < plane_count && count > 0; i++) {
-        count = polygon_clip(out, count, planes[i], slack, buffer);
+    for (int i = 0; i < plane_count; i++) {
+        int inside = 0;
+        for (int k = 0; k < count; k++) inside += plane_distance(inward[i], out[k]) + slack >= 0;
+        if (inside == 0) return 0;
+        if (inside == count) continue;
+        count = polygon_clip(out, count, inward[i], slack, buffer);
         memcpy(out, buffer, (size_t)count * sizeof *out);
     }
     return count;
@@ -188,19 +192,22 @@ static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Plane *p
     if (cell->face_count == 0) {
         count = polygon_clip(polygon, count, (Plane){{0, 0, 1}, cell->z0}, slack, buffer);
         count = polygon_clip(buffer, count, (Plane){{0, 0, -1}, -cell->z1}, slack, out);
-        return clip_to_plan(planes, plane_count, out, count, slack, out, buffer);
+        return clip_to_planes(planes, plane_count, out, count, slack, out, buffer);
     }
-    memmove(out, polygon, (size_t)count * sizeof *out);
-    for (int i = 0; i < cell->face_count; i++) {
-        Plane inward = graph->faces[cell->first_face + i];
-        int inside = 0;
-        for (int k = 0; k < count; k++) inside += plane_distance(inward, out[k]) + slack >= 0;
-        if (inside == 0) return 0;
-        if (inside == count) continue;
-        count = polygon_clip(out, count, inward, slack, buffer);
-        memcpy(out, buffer, (size_t)count * sizeof *out);
-    }
-    return count;
+    return clip_to_planes(graph->faces + cell->first_face, cell->face_count, polygon, count, slack, out,
+                          buffer);
+}
+
+// Whether an object is in all squares of a cell that something within the box can touch.
+static bool is_covered(const Registrar *r, int cell, Box box, int object) {
+    if (r->filler[cell] != object) return false;
+    const CellMesh *mesh = &r->builder->graph->meshes[cell];
+    double touch = r->builder->graph->touch;
+    Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, touch);
+    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, touch);
+    for (int j = y.from; j <= y.to; j++)
+        if (!is_row_filled(r, mesh, j, x, object)) return false;
+    return true;
 }
 
 // Registers a polygon, or, `upright`, all that lies over and under it within `box`.
@@ -219,11 +226,11 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
                 int c = graph->locator_cells[k];
                 if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
                 r->tried[c] = serial;
-                if (is_filled(r, c, object)) continue;
+                if (is_filled(r, c, object) || is_covered(r, c, box, object)) continue;
                 const Plane *planes = r->planes + r->first_plane[c];
                 int sides = r->first_plane[c + 1] - r->first_plane[c];
-                int count = upright ? clip_to_plan(planes, sides, v, vertex_count, graph->touch, r->buffer[0],
-                                                   r->buffer[1])
+                int count = upright ? clip_to_planes(planes, sides, v, vertex_count, graph->touch,
+                                                     r->buffer[0], r->buffer[1])
                                     : clip_to_cell(graph, &graph->cells[c], planes, sides, v, vertex_count,
                                                    graph->touch, r->buffer[0], r->buffer[1]);
                 if (count > 0) register_squares(r, c, r->buffer[0], count, object);

@@ -10,6 +10,8 @@
 // Places where outlines may meet: so many, and so many for each outline. Walls of real buildings meet two
 // or three others.
 static const long long MEETINGS = 10000, MEETINGS_EACH = 6;
+// Corners on the edges of others: each is a vertex anyway, and storeys that differ by little have many on one line.
+static const long long TOUCHES = 500000;
 // Pairs of edges that may be looked at to find them, likewise.
 static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 32;
 // The first outline may be the only one, of very many corners, and look at so many of its own edges.
@@ -32,9 +34,9 @@ typedef struct Crossings {
     int outline_count, outline_capacity;
     bool *taken;  // [segment_count] of the first of equal ones: an outline that was taken has it
     BoxTree tree;
-    long long meetings, looks;  // so far
-    bool any;                   // an outline was taken
-    bool looked_out;            // the last one tried would take more looks than are allowed
+    long long meetings, touches, looks;  // so far
+    bool any;                            // an outline was taken
+    bool looked_out;                     // the last one tried would take more looks than are allowed
 } Crossings;
 
 static PlanSegment segment_between(Vec2 a, Vec2 b) {
@@ -95,12 +97,16 @@ static bool lies_on(Vec2 p, const PlanSegment *s) {
     return along > 0 && along < length2 && aside * aside <= ON_EDGE * ON_EDGE * length2;
 }
 
-// How many vertices two edges give each other, ends that coincide aside; of one outline, those where they cross.
-static int meetings_of(const PlanSegment *s, const PlanSegment *t, bool one_outline) {
+// The edges cross in one point within both.
+static bool edges_cross(const PlanSegment *s, const PlanSegment *t) {
     Vec2 d = vec2_sub(s->b, s->a), g = vec2_sub(t->b, t->a);
     double p = vec2_cross(d, vec2_sub(t->a, s->a)), q = vec2_cross(d, vec2_sub(t->b, s->a));
     double u = vec2_cross(g, vec2_sub(s->a, t->a)), v = vec2_cross(g, vec2_sub(s->b, t->a));
-    if ((p * q < 0 && u * v < 0) || one_outline) return p * q < 0 && u * v < 0;
+    return p * q < 0 && u * v < 0;
+}
+
+// How many ends of the edges lie within the other one.
+static int ends_on(const PlanSegment *s, const PlanSegment *t) {
     return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
 }
 
@@ -109,7 +115,7 @@ static bool take(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,
               spots = ENCLOSE_MOST_SPOTS / 2 / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1),
-              count = 0;
+              count = 0, touches = 0;
     if (most > spots) most = spots;
     int end = c->first[outline];
     bool good = true;
@@ -124,15 +130,20 @@ static bool take(Crossings *c, int outline) {
         for (int k = 0; k < c->e->near.count; k++) {
             int j = c->e->near.items[k];
             bool own = j >= c->first[outline] && j < c->first[outline + 1];
-            if (c->taken[j]) count += meetings_of(&c->segments[i], &c->segments[j], own);
+            if (!c->taken[j]) continue;
+            if (edges_cross(&c->segments[i], &c->segments[j]))
+                count++;
+            else if (!own)
+                touches += ends_on(&c->segments[i], &c->segments[j]);
         }
         c->taken[i] = true;
-        good = c->meetings + count <= most && c->looks <= looks;
+        good = c->meetings + count <= most && c->touches + touches <= TOUCHES && c->looks <= looks;
     }
     c->looked_out = c->looks > looks;
     if (!c->any) c->looks = 0;
     if (good) {
         c->meetings += count;
+        c->touches += touches;
         return c->any = true;
     }
     for (int i = c->first[outline]; i < end; i++)

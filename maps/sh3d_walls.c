@@ -180,10 +180,9 @@ static double arc_share(Sh3d *s) {
         if (!first) first = &s->walls[i];
     }
     if (chords <= ARC_MOST_CHORDS) return 1;
-    building_note(
-        s->arena, s->b, NOTE_CHANGED, vec3(first->start.x, first->start.y, first->floor),
-        "%s: its arc walls would have %lld chords, the first of them %s; they have a share of %d each",
-        s->where, chords, first->place, ARC_MOST_CHORDS);
+    building_note(s->arena, s->b, NOTE_CHANGED, vec3(first->start.x, first->start.y, first->floor),
+                  "%s: its arc walls would have %lld chords, the first of them %s; they share %d", s->where,
+                  chords, first->place, ARC_MOST_CHORDS);
     return (double)ARC_MOST_CHORDS / (double)chords;
 }
 

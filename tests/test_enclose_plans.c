@@ -283,3 +283,24 @@ Test(enclose, office) {
     for (int k = 0; k < d.b.opening_count; k++) cr_expect(draft_joins(&d, k, REGION_ROOM, REGION_ROOM));
     draft_free(&d);
 }
+
+// Proves that no room of a tower is lost to the limit of crossings: storeys of the same outlines, and storeys whose inner walls stand
+// one centimetre farther each, so that thousands of corners lie on the edges of other storeys.
+Test(enclose, towers_keep_their_rooms) {
+    enum { STOREYS = 20, SIDE = 8 };
+    for (int farther = 0; farther < 2; farther++) {
+        Draft d = draft_new(STOREYS);
+        for (int k = 0; k < STOREYS; k++) {
+            for (int i = 0; i < SIDE * SIDE; i++) {
+                double x = 4 * (i % SIDE), y = 4 * (i / SIDE), by = farther * 0.01 * k;
+                draft_room(&d, k, x + (i % SIDE ? by : 0), y, x + 3.8 + (i % SIDE < SIDE - 1 ? by : 0),
+                           y + 3.8);
+                d.s.rooms[d.s.room_count - 1].wall = 0.1;
+            }
+        }
+        draft_enclose(&d);
+        cr_expect_eq(draft_count_kind(&d, REGION_ROOM), STOREYS * SIDE * SIDE);
+        cr_expect_eq(draft_count_notes(&d, NOTE_DROPPED), 0);
+        draft_free(&d);
+    }
+}

@@ -37,22 +37,24 @@ static uint64_t *set_row(const Rounds *r, uint64_t *rows, int cell) {
     return rows + (size_t)cell * (size_t)r->ways.words;
 }
 
-// From `cell` nothing is seen but what may be seen through one of its ways: all else does not see it either.
-static void lend(Rounds *r, int cell) {
+// From `cell` nothing is seen but what may be seen through one of its ways: all else does not see it either. Of the cells
+// of word k.
+static void lend_word(Rounds *r, int cell, int k) {
     const WayGraph *ways = &r->ways;
-    uint64_t *row = set_row(r, r->set->seen, cell), *proven = set_row(r, r->set->proven, cell);
-    for (int k = 0; k < ways->words; k++) {
-        uint64_t may = proven[k];
-        for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) may |= might_row(r, ways->list[i])[k];
-        uint64_t gone = row[k] & ~may;
-        row[k] &= may;
-        for (; gone; gone &= gone - 1) {
-            int other = k * 64 + __builtin_ctzll(gone);
-            row_drop(set_row(r, r->set->seen, other), cell);
-            for (int i = ways->first[other]; i < ways->first[other + 1]; i++)
-                row_drop(might_row(r, ways->list[i]), cell);
-        }
+    uint64_t *row = set_row(r, r->set->seen, cell), may = set_row(r, r->set->proven, cell)[k];
+    for (int i = ways->first[cell]; i < ways->first[cell + 1]; i++) may |= might_row(r, ways->list[i])[k];
+    uint64_t gone = row[k] & ~may;
+    row[k] &= may;
+    for (; gone; gone &= gone - 1) {
+        int other = k * 64 + __builtin_ctzll(gone);
+        row_drop(set_row(r, r->set->seen, other), cell);
+        for (int i = ways->first[other]; i < ways->first[other + 1]; i++)
+            row_drop(might_row(r, ways->list[i]), cell);
     }
+}
+
+static void lend(Rounds *r, int cell) {
+    for (int k = 0; k < r->ways.words; k++) lend_word(r, cell, k);
 }
 
 static void flood_cell(void *context, int cell, int thread) {
@@ -144,12 +146,12 @@ static void take(Rounds *r, int way, Finding *finding) {
     int words = r->ways.words;
     rounds_take_proofs(r, finding);
     uint64_t *might = might_row(r, way);
-    uint64_t gone = 0;
+    // What the cell sees was lent before: only words that lose something can change.
     for (int k = 0; k < words; k++) {
-        gone |= might[k] & ~finding->kept[k];
+        uint64_t gone = might[k] & ~finding->kept[k];
         might[k] &= finding->kept[k];
+        if (gone) lend_word(r, r->ways.ways[way].from, k);
     }
-    if (gone) lend(r, r->ways.ways[way].from);
     pair_work_add(&r->set->work, finding->work);
 }
 

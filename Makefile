@@ -72,7 +72,7 @@ to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libp
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
             fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
-to_test := $(to_walk) libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
+to_test := $(to_walk) time libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_docs := doxygen
@@ -167,6 +167,7 @@ walk:
 test soak:
 	$(call install,$(to_build) $(to_test))
 	$(submake) program maps $(dir)/tests/all $(dir)/tests/make_hostile $(fuzzers:fuzz_%=$(dir)/tests/try_fuzz_%)
+	$(submake) config=counted build/counted/tests/hostile_cost
 	@ENFILADE_SOAK=$(if $(filter soak,$@),1) ENFILADE_SOAK_MINUTES=2 tests/run.sh $(dir)
 	$(if $(filter soak,$@),$(submake) config=asan soaked)
 # Twenty minutes of everything that a walk can do, under the sanitizers.

@@ -14,8 +14,9 @@ typedef struct HostileKind {
     int count;        // that makes a file of about 100 to 700 kB, or the largest that the format allows
     bool may_refuse;  // with a sentence that names the excess; the others must open
     void (*write)(FILE *file, int count, Random *random);
-    // For hostile_cost.c: the smallest of three counts (0: a 64th of `count`), and by how much twice as many things may multiply
-    // work and memory at most (0: 2.6; n log n is 2.2 at these sizes, and memory comes in steps).
+    // For hostile_cost.c: the smallest of three counts (0: a 160th of `count`), and by how much twice as many things may multiply
+    // work at most (0: 2.6; n log n is 2.2 at these sizes). Below 0: what few things cost grows faster, with the pairs that meet or see
+    // each other, and limits end it: only full sizes are tried (check_budgets.sh).
     int few;
     double growth;
 } HostileKind;

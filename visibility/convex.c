@@ -312,7 +312,8 @@ bool convex_decompose(const Vec2 *points, const int *ring_first, const int *ring
     GEOSContext_setErrorMessageHandler_r(t.geos, silent, NULL);
     int total = 0;
     for (int r = 0; r < ring_count; r++) total += ring_size[r];
-    bool good = ring_count <= MOST_RINGS && total <= MOST_POINTS && triangulate(&t, &scratch, &mesh) && tiles(&t, &mesh);
+    bool good = ring_count <= MOST_RINGS && total <= MOST_POINTS && triangulate(&t, &scratch, &mesh) &&
+                tiles(&t, &mesh);
     if (!good) good = triangulate_by_sweep(&t, &scratch, &mesh) && tiles(&t, &mesh);
     GEOS_finish_r(t.geos);
     if (good) {

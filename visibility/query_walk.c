@@ -107,9 +107,7 @@ static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *ga
     const Sloped *known = &q->sloped[gate->sloped];
     Vec3 n = gate->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
     if (query_polygon_holds(known, part, n)) return false;
-    ViewPart both;
-    both.distance = part->distance;
-    both.polygon = hull;
+    ViewPart both = {.distance = part->distance, .polygon = hull};
     both.count = query_hull(known->v, known->count, part->polygon, part->count, n, hull);
     if (both.count > VIEW_CORNERS) view->spent |= (unsigned char)(1u << lane);
     if (both.count >= 3 && both.count <= VIEW_CORNERS) take_polygon(q, view, lane, gate, &both);

@@ -168,12 +168,18 @@ static void leave_out(const Crossings *c, const Shape *shape, int storey, const 
                       what, enclose_text(place), p.x, p.y);
 }
 
-void crossings_limit(Enclosure *e) {
+static Crossings crossings_of(Enclosure *e) {
     const Sketch *s = e->sketch;
     Crossings c = {.e = e};
     for (int i = 0; i < s->room_count; i++) add_outline(&c, &e->rooms[i], e->room_used[i]);
     for (int i = 0; i < s->cutout_count; i++) add_outline(&c, &e->cutouts[i], e->cutout_used[i]);
     for (int i = 0; i < s->wall_count; i++) add_outline(&c, &e->walls[i], e->wall_bounds[i]);
+    return c;
+}
+
+void crossings_limit(Enclosure *e) {
+    const Sketch *s = e->sketch;
+    Crossings c = crossings_of(e);
     index_segments(&c);
     for (int i = 0; i < s->room_count; i++) {
         if (!e->room_used[i] || take(&c, i)) continue;
@@ -205,10 +211,7 @@ void crossings_limit(Enclosure *e) {
 
 void crossings_limit_holes(Enclosure *e) {
     const Sketch *s = e->sketch;
-    Crossings c = {.e = e};
-    for (int i = 0; i < s->room_count; i++) add_outline(&c, &e->rooms[i], e->room_used[i]);
-    for (int i = 0; i < s->cutout_count; i++) add_outline(&c, &e->cutouts[i], e->cutout_used[i]);
-    for (int i = 0; i < s->wall_count; i++) add_outline(&c, &e->walls[i], e->wall_bounds[i]);
+    Crossings c = crossings_of(e);
     for (int k = 0; k < e->b->storey_count; k++) {
         for (int i = 0; i < e->implicit[k].count; i++) add_outline(&c, &e->implicit[k].items[i], true);
     }

@@ -259,7 +259,7 @@ static void read_grid(Grown *g) {
     cr_assert(maps_read(path, &g->arena, &g->building, &error), "%s", error.text);
     unlink(path);
     cr_assert(vis_build_cells(&g->building, &options, &g->arena, &g->graph, &error), "%s", error.text);
-    cr_assert_gt(g->graph.cell_count, PAIR_MOST_CELLS);
+    cr_assert_gt(g->graph.cell_count, VIS_MANY_CELLS);
 }
 
 // Proves that trees of a building with too many cells for the search between pairs hold the ways of lines, that they are the same on any

@@ -3,7 +3,7 @@
 //
 // A sequence stays in the tree as long as all tests pass, the cheapest first. Each errs towards visible.
 //   1. Every two cells on the way may see each other as the caller knows: the line passes through both. Where he knows
-//      nothing, a flood through the first portal reaches the cell (ways_flood).
+//      nothing, a flood through the first portal reaches the cell (ways_flood); in a building of many cells, the test is left out.
 //   2. A line that goes up through a level portal never comes down through another.
 //   3. A line in plan crosses all upright portals: exact signs (sightline.h). Others have an area in plan.
 //   4. Separating planes in three dimensions leave something of the first portal and of the last (beam.h). Planes between
@@ -30,7 +30,8 @@ struct TreeSource {
     PlanWay *plan;          // [way_count]
     const uint64_t *known;  // [cell_count * words] the pairs that may see each other, or NULL
     int limit;              // nodes of one tree
-    bool large;             // nothing is known, and of too many cells for floods: see MOST_FLOODED
+    bool
+        large;  // nothing is known, and floods from each of VIS_MANY_CELLS would take longer than trees: no test 1
 };
 
 // On the grid, whole millimetres make collinear points exactly collinear; off it, points are taken as they are.
@@ -54,10 +55,6 @@ static PlanWay plan_way(const CellGraph *graph, const WayGraph *ways, int way) {
                                                                : -1};
 }
 
-// Floods from each cell of more would take longer than trees do: these have test 4 alone then, and only cells without a tree are
-// flooded from.
-enum { MOST_FLOODED = 8192 };
-
 // In large buildings each tree may have its share of MOST_NODES only.
 static int tree_limit(const VisOptions *options, int cell_count) {
     enum { MOST_NODES = 8 << 20 };  // 128 MB
@@ -69,7 +66,7 @@ TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, A
     TreeSource *source = ARENA_ARRAY(arena, TreeSource, 1);
     source->known = options->known;
     source->limit = tree_limit(options, graph->cell_count);
-    source->large = !source->known && graph->cell_count > MOST_FLOODED;
+    source->large = !source->known && graph->cell_count > VIS_MANY_CELLS;
     ways_build(graph, arena, &source->ways);
     source->plan = ARENA_ARRAY(arena, PlanWay, source->ways.way_count);
     for (int i = 0; i < source->ways.way_count; i++) source->plan[i] = plan_way(graph, &source->ways, i);

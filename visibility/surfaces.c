@@ -197,9 +197,9 @@ static Plane outside_edge(Vec3 a, Vec3 b) {
     return (Plane){n, vec3_dot(n, a)};
 }
 
-// Adds `piece` less the convex `hole` (counter-clockwise from above): what lies outside its first edge, then of the
-// rest what lies outside the second, and so on.
-static void subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_count) {
+// Cuts `piece` by the convex `hole` (counter-clockwise from above): what lies outside its first edge, then of the rest what lies
+// outside the second, and so on; `keep`: adds these parts. Returns whether anything lies in the hole.
+static bool subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_count, bool keep) {
     int count = piece.count;
     make_room(pieces, count + hole_count + 2);
     memcpy(pieces->rest, piece.v, (size_t)count * sizeof *piece.v);
@@ -208,22 +208,9 @@ static void subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_cou
         // Two cuts that meet in a corner may leave an edge of rounding, which has no direction.
         if (vec3_length(vec3_sub(b, a)) < T_VERTEX) continue;
         Plane outside = outside_edge(a, b), inside = {vec3_scale(outside.n, -1), -outside.d};
-        int kept = polygon_clip(pieces->rest, count, outside, 0, pieces->part);
+        int kept = keep ? polygon_clip(pieces->rest, count, outside, 0, pieces->part) : 0;
         if (kept >= 3 && polygon_area(pieces->part, kept) >= VIS_SLIVER)
             add_piece(pieces, pieces->part, kept);
-        count = polygon_clip(pieces->rest, count, inside, 0, pieces->part);
-        memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
-    }
-}
-
-static bool overlaps(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_count) {
-    int count = piece.count;
-    make_room(pieces, count + hole_count + 2);
-    memcpy(pieces->rest, piece.v, (size_t)count * sizeof *piece.v);
-    for (int i = 0; i < hole_count && count > 0; i++) {
-        Vec3 a = hole[i], b = hole[(i + 1) % hole_count];
-        if (vec3_length(vec3_sub(b, a)) < T_VERTEX) continue;
-        Plane outside = outside_edge(a, b), inside = {vec3_scale(outside.n, -1), -outside.d};
         count = polygon_clip(pieces->rest, count, inside, 0, pieces->part);
         memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
     }
@@ -257,11 +244,11 @@ static void subtract_from_some(Pieces *pieces, const Vec3 *hole, int hole_count)
                 if (pieces->stamp[index] == pieces->holes) continue;
                 pieces->stamp[index] = pieces->holes;
                 if (!box_overlap(box, box_of(piece.v, piece.count)) ||
-                    !overlaps(pieces, piece, hole, hole_count))
+                    !subtract(pieces, piece, hole, hole_count, false))
                     continue;
                 int first = pieces->count;
                 pieces->list[index].count = 0;
-                subtract(pieces, piece, hole, hole_count);
+                subtract(pieces, piece, hole, hole_count, true);
                 for (int p = first; p < pieces->count; p++) pieces->stamp[p] = pieces->holes;
             }
             square->count = kept;
@@ -281,7 +268,7 @@ static void subtract_from_all(Pieces *pieces, const Vec3 *hole, int hole_count) 
     pieces->list = pieces->spare;
     pieces->capacity = pieces->spare_capacity;
     pieces->count = 0;
-    for (int i = 0; i < count; i++) subtract(pieces, old[i], hole, hole_count);
+    for (int i = 0; i < count; i++) subtract(pieces, old[i], hole, hole_count, true);
     pieces->spare = old;
     pieces->spare_capacity = capacity;
 }

@@ -39,12 +39,12 @@ typedef struct Sizes {
     size_t root, bounded, seen, nodes, total;
 } Sizes;
 
-// Up to so many cells, visible sets are stored bit by bit (`words` a row). Those of more are stored as the place of each block
+// Up to VIS_MANY_CELLS cells, visible sets are stored bit by bit (`words` a row). Those of more are stored as the place of each block
 // of each row (CellRows), and the blocks: `words` is 0 then.
-enum { MOST_BITS = 8192, EMPTY_BLOCK = -1, FULL_BLOCK = -2 };
+enum { EMPTY_BLOCK = -1, FULL_BLOCK = -2 };
 static const size_t BLOCK = CELL_BLOCK_WORDS * sizeof(uint64_t);
 
-static int words_of(int cells) { return cells > MOST_BITS ? 0 : (cells + 63) / 64; }
+static int words_of(int cells) { return cells > VIS_MANY_CELLS ? 0 : (cells + 63) / 64; }
 
 static size_t place_count(int cells) {
     return (size_t)cells * (((size_t)cells + CELL_BLOCK - 1) / CELL_BLOCK);

@@ -126,7 +126,7 @@ static void make_trees(const AppOptions *options, Arena *arena, AppScene *scene)
     PairOptions pairs = {.threads = options->vis.threads};
     PairSet set = {0};
     VisOptions vis = options->vis;
-    if (scene->graph.cell_count <= PAIR_MOST_CELLS) {
+    if (scene->graph.cell_count <= VIS_MANY_CELLS) {
         pair_method_finest()->find(&scene->graph, &pairs, &progress, &scratch, &set);
         vis.known = set.seen;
     }

@@ -8,10 +8,6 @@
 
 #include "visibility/vis.h"
 
-// Buildings of more cells have their pairs from the trees alone, unless methods are asked for by name: searches between all
-// pairs take memory and time with the square of cells.
-enum { PAIR_MOST_CELLS = 8192 };
-
 // How pairs are searched.
 typedef struct PairOptions {
     int threads;     // 0: all cores; the result is the same on any number

@@ -201,3 +201,58 @@ int draft_kind_at(const Draft *d, double x, double y, double z) {
     int which = -1;
     return draft_regions_at(d, x, y, z, &which) == 1 ? (int)d->b.regions[which].kind : -1;
 }
+
+// ---- random plans
+
+static double on_raster(Random *r, double low, double high) {
+    double x = random_between(r, low, high);
+    // Half of the coordinates on a coarse raster, so that things touch, coincide and cross at their ends.
+    return random_index(r, 2) ? nearbyint(x * 2) / 2 : x;
+}
+
+void draft_random_storey(Draft *d, Random *r, int storey, bool openings) {
+    int walls = random_index(r, 12), rooms = random_index(r, 6);
+    for (int i = 0; i < walls; i++) {
+        double x = on_raster(r, 0, 10), y = on_raster(r, 0, 8);
+        bool square = random_index(r, 3) > 0;
+        double length = random_between(r, 0, 6),
+               angle = square ? M_PI / 2 * random_index(r, 4) : random_between(r, 0, 6.3);
+        double height = random_index(r, 6) ? DRAFT_HEIGHT : random_between(r, 0, 4);
+        draft_wall(d, storey, x, y, x + length * cos(angle), y + length * sin(angle),
+                   random_between(r, 0.005, 0.4), height);
+    }
+    if (random_index(r, 2)) draft_box_walls(d, storey, 1, 1, 6, 5);
+    for (int i = 0; i < rooms; i++) {
+        if (random_index(r, 2)) {
+            double x = on_raster(r, 0, 9), y = on_raster(r, 0, 7);
+            draft_room(d, storey, x, y, x + on_raster(r, 0, 4), y + on_raster(r, 0, 4));
+        } else {
+            Vec2 p[7];
+            int count = 3 + random_index(r, 5);
+            for (int k = 0; k < count; k++) p[k] = vec2(on_raster(r, 0, 10), on_raster(r, 0, 8));
+            draft_room_shape(d, storey, p, count);
+        }
+        SketchRoom *room = &d->s.rooms[d->s.room_count - 1];
+        if (random_index(r, 8) == 0) room->wall = random_between(r, 0.01, 0.5);
+        if (random_index(r, 8) == 0) room->z0 = d->b.storeys[storey].floor + random_between(r, -1, 1);
+        if (random_index(r, 8) == 0) room->z1 = d->b.storeys[storey].floor + random_between(r, 1, 6);
+    }
+    for (int i = openings ? random_index(r, 6) : 0; i > 0; i--) {
+        double x = on_raster(r, 0, 10), y = on_raster(r, 0, 8), angle = M_PI / 2 * random_index(r, 4);
+        if (d->s.wall_count && random_index(r, 3)) {  // on a wall
+            const SketchWall *w = &d->s.walls[random_index(r, d->s.wall_count)];
+            Vec2 a = d->s.points[w->first_point], c = d->s.points[w->first_point + 2];
+            x = (a.x + c.x) / 2;
+            y = (a.y + c.y) / 2;
+            angle = w->angle;
+        }
+        SketchOpening *o = draft_opening(d, (OpeningKind)random_index(r, OPENING_KINDS), storey, x, y, angle,
+                                         random_between(r, 0, 1.5), random_between(r, 0, 0.5));
+        o->hinge = random_index(r, 3);
+        o->head += random_between(r, -1, 1);
+    }
+    if (storey > 0 && random_index(r, 2)) {
+        double x = on_raster(r, 0, 9), y = on_raster(r, 0, 7);
+        draft_cutout(d, storey, x, y, x + on_raster(r, 0, 3), y + on_raster(r, 0, 3));
+    }
+}

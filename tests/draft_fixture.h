@@ -2,6 +2,7 @@
 #ifndef TESTS_DRAFT_FIXTURE_H
 #define TESTS_DRAFT_FIXTURE_H
 
+#include "engine/core/random.h"
 #include "maps/maps.h"
 #include "maps/sketch.h"
 
@@ -28,6 +29,9 @@ void draft_room(Draft *d, int storey, double x0, double y0, double x1, double y1
 SketchOpening *draft_opening(Draft *d, OpeningKind kind, int storey, double x, double y, double angle,
                              double width, double depth);
 void draft_cutout(Draft *d, int storey, double x0, double y0, double x1, double y1);
+// Walls, rooms, openings and cut-outs anywhere: half of the coordinates lie on a coarse raster, so that things touch, coincide and
+// cross at their ends.
+void draft_random_storey(Draft *d, Random *r, int storey, bool openings);
 // No fault by building_check.
 void draft_expect_sound(Draft *d, const char *what);
 // Finds the free space; the test fails where the building is not sound then.

@@ -347,7 +347,9 @@ Test(file, checks_beforehand, .timeout = 20) {
     cr_expect_not(file_check(arena_format(&arena, "%s0", longest), 0, &error));
     cr_expect(strstr(error.text, "too long"), "%s", error.text);
     signal(SIGXFSZ, SIG_IGN);
-    struct rlimit little = {1 << 16, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
+    struct rlimit little, all;
+    getrlimit(RLIMIT_FSIZE, &all);
+    little = (struct rlimit){1 << 16, all.rlim_max};
     setrlimit(RLIMIT_FSIZE, &little);
     bool fits = file_check(path, 1 << 20, &error), less_fits = file_check(path, 1 << 10, NULL);
     setrlimit(RLIMIT_FSIZE, &all);

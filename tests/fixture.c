@@ -155,6 +155,34 @@ Building *fixture_rooms(Arena *arena, Random *random, int nx, int ny, int storey
     return b;
 }
 
+static Vec3 placed(Vec3 p, double turn, Vec3 by) {
+    return vec3(by.x + p.x * cos(turn) - p.y * sin(turn), by.y + p.x * sin(turn) + p.y * cos(turn),
+                by.z + p.z);
+}
+
+static Vec2 placed_in_plan(Vec2 p, double turn, Vec3 by) {
+    Vec3 at = placed(vec3(p.x, p.y, 0), turn, by);
+    return vec2(maps_snap(at.x), maps_snap(at.y));
+}
+
+void fixture_place(Building *b, double turn, Vec3 by) {
+    Box world = b->world;
+    for (int i = 0; i < b->point_count; i++) b->points[i] = placed_in_plan(b->points[i], turn, by);
+    for (int i = 0; i < b->region_count; i++) b->regions[i].z0 += by.z, b->regions[i].z1 += by.z;
+    for (int i = 0; i < b->opening_count; i++) {
+        Opening *o = &b->openings[i];
+        for (int k = 0; k < 2; k++) o->line[k] = placed_in_plan(o->line[k], turn, by);
+        o->sill += by.z, o->head += by.z;
+    }
+    for (int i = 0; i < b->vertex_count; i++) b->vertices[i] = placed(b->vertices[i], turn, by);
+    b->world = box_empty();
+    for (int i = 0; i < 8; i++) {
+        Vec3 corner = {i & 1 ? world.max.x : world.min.x, i & 2 ? world.max.y : world.min.y,
+                       i & 4 ? world.max.z : world.min.z};
+        b->world = box_add(b->world, placed(corner, turn, by));
+    }
+}
+
 // The distance from p to the border of a convex polygon in its plane; negative outside.
 static double inside_by(const Vec3 *v, int count, Vec3 n, Vec3 p) {
     double least = INFINITY;

@@ -9,6 +9,9 @@
 // halves) at a random place; some rooms hold a pillar, all a box of furniture. With `storeys` 2, the same again
 // above, with a shaft through the slab of one room.
 Building *fixture_rooms(Arena *arena, Random *random, int nx, int ny, int storeys);
+// All of that turned about the origin, radians, then moved: walls along the axes, and what lies about the origin, hide which
+// coordinate is taken for which.
+void fixture_place(Building *b, double turn, Vec3 by);
 
 typedef struct Trace {
     int cells[256];    // crossed, in order

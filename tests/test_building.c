@@ -1,6 +1,7 @@
 // test_building.c - appending to a building, and the check that names every fault.
 #include <criterion/criterion.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "engine/core/polygon.h"
 #include "engine/core/random.h"
@@ -293,6 +294,44 @@ Test(building, check_names_every_fault) {
         for (int i = 0; i < count && i < 8; i++)
             found = found || (way >= 0 && strstr(faults[i], expected[way]));
         cr_expect(way < 0 ? count == 0 : found, "case %d: %d faults, first: %s", way, count, faults[0]);
+        arena_free(&arena);
+    }
+}
+
+// Proves that a form that there is not is named with those that there are, and that nothing else is said of such a building.
+Test(building, check_names_the_forms) {
+    static const int FORMS[] = {-1, BUILDING_FORMS, BUILDING_FORMS + 5};
+    Arena arena = {0};
+    for (int i = 0; i < 3; i++) {
+        Building b = sound_building(&arena);
+        b.form = (BuildingForm)FORMS[i];
+        char expected[64];
+        snprintf(expected, sizeof expected, "form %d (allowed 0 to 2)", FORMS[i]);
+        cr_expect_eq(faults_of(&b, &arena, expected), 1);
+    }
+    arena_free(&arena);
+}
+
+// Proves where outlines of one region may meet: holes in a corner of one another and of the outer ring, and no ring with itself.
+Test(building, check_tells_rings_that_touch) {
+    static const double OUTER[] = {0, 0, 8, 0, 8, 4, 0, 4}, HOLE[] = {1, 1, 1, 2, 2, 2, 2, 1},
+                        BESIDE[] = {2, 2, 2, 3, 3, 3, 3, 2}, AT_CORNER[] = {0, 0, 0.5, 3, 1, 3.5},
+                        BOW[] = {4, 1, 5, 2, 4, 3, 6, 3, 5, 2, 6, 1};
+    static const struct {
+        const double *ring[2];
+        int count[2];
+        bool sound;
+    } CASES[] = {
+        {{HOLE, BESIDE}, {4, 4}, true}, {{HOLE, AT_CORNER}, {4, 3}, true}, {{HOLE, BOW}, {4, 6}, false}};
+    for (int i = 0; i < 3; i++) {
+        Arena arena = {0};
+        Building b = {.world = {{0, 0, 0}, {8, 4, 2.5}}};
+        building_add_material(&arena, &b,
+                              (Material){.name = "m", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
+        *ARENA_PUSH(&arena, b.storeys, b.storey_count, b.storey_capacity) = (Storey){"s", 0, 2.5, 0.2};
+        add_region(&arena, &b, 0, 2.5, OUTER, 4)->ring_count = 3;
+        for (int k = 0; k < 2; k++) add_ring(&arena, &b, CASES[i].ring[k], CASES[i].count[k]);
+        faults_of(&b, &arena, CASES[i].sound ? NULL : "touches or crosses itself near");
         arena_free(&arena);
     }
 }

@@ -1,6 +1,7 @@
 // test_predicates.c - the sign of three points in the plane, against whole numbers: coordinates are chosen so that the
 // determinant fits into 128 bits.
 #include <criterion/criterion.h>
+#include <stdlib.h>
 
 #include "engine/core/predicates.h"
 #include "engine/core/random.h"
@@ -95,4 +96,30 @@ Test(predicates, see_what_differences_lose) {
         cr_assert_eq(orient2d(p, q, r), sign_of(a, b, c), "triangle %d of seed 8", i);
         cr_assert_eq(orient2d(q, r, p), sign_of(b, c, a), "triangle %d of seed 8, turned", i);
     }
+}
+
+// Where of the two products only one is rounded, to what the other is: the difference of the rounded ones is 0, the sign is not. Either
+// product may be the rounded one, and c lie anywhere.
+Test(predicates, see_what_one_product_loses) {
+    Random random = {9};
+    int rounded = 0;
+    for (int i = 0; i < TRIANGLES; i++) {
+        int64_t u = whole(&random, 30) | 1, v = whole(&random, 28) | 1;
+        Product exact = (Product)u * v;
+        int64_t near = (int64_t)(double)(int64_t)exact, factor = 1;
+        for (; near % 2 == 0 && factor < (1 << 10); factor *= 2) near /= 2;
+        if (llabs(near) > (int64_t)1 << 53) continue;
+        rounded += (Product)near * factor != exact;
+        // (a.x - c.x) (b.y - c.y) is the one, (a.y - c.y) (b.x - c.x) the other.
+        Whole c = {0, 0};
+        if (i % 4 > 1) c = (Whole){whole(&random, 8), whole(&random, 8)};
+        Whole a = {c.x + near, c.y + u}, b = {c.x + v, c.y + factor};
+        if (i % 2) a = (Whole){c.x + u, c.y + near}, b = (Whole){c.x + factor, c.y + v};
+        if (llabs(a.x) > (int64_t)1 << 53 || llabs(a.y) > (int64_t)1 << 53) continue;
+        Vec2 p = vec2((double)a.x, (double)a.y), q = vec2((double)b.x, (double)b.y),
+             r = vec2((double)c.x, (double)c.y);
+        cr_assert_eq(orient2d(p, q, r), sign_of(a, b, c), "triangle %d of seed 9", i);
+        cr_assert_eq(orient2d(q, p, r), sign_of(b, a, c), "triangle %d of seed 9, turned", i);
+    }
+    cr_assert_gt(rounded, TRIANGLES / 4);
 }

@@ -266,6 +266,59 @@ Test(wad, lifts_carry_bodies) {
     arena_free(&m.arena);
 }
 
+// A lift of 64 x 64 units that goes down into a hall, with so much room over it when it is up. It lies to the east, so that
+// its cell is the first.
+static void open_lift(Made *m, int room) {
+    static const int AT[][8] = {
+        {0, 0, 0, 64, 0, -1, 0, 0},        {0, 64, 64, 64, 0, -1, 0, 0},     {64, 64, 64, 0, 0, 1, 62, 5},
+        {64, 0, 0, 0, 0, -1, 0, 0},        {64, 64, 64, 160, 1, -1, 0, 0},   {64, 160, 320, 160, 1, -1, 0, 0},
+        {320, 160, 320, -96, 1, -1, 0, 0}, {320, -96, 64, -96, 1, -1, 0, 0}, {64, -96, 64, 0, 1, -1, 0, 0}};
+    *m = (Made){.arena = {0}};
+    WadMaker maker = {.arena = &m->arena};
+    wad_sector(&maker, 64, 64 + room, "CEIL", 5);
+    wad_sector(&maker, 0, 200, "CEIL", 0);
+    for (size_t i = 0; i < sizeof AT / sizeof *AT; i++) {
+        const int *l = AT[i];
+        wad_line(&maker, 320 - l[0], 64 - l[1], 320 - l[2], 64 - l[3], l[4], l[5], l[6], l[7]);
+    }
+    wad_thing(&maker, 120, 32, 0, 1);
+    open_file(m, write_map(&m->arena, &maker));
+}
+
+// Proves that whoever a lift carries stands on its top at each moment, no taller than there is room under the ceiling, and that it halts
+// before it presses anybody: with room to stand, to duck, and with too little. Nothing but the lift moves the body.
+Test(wad, lifts_press_nobody) {
+    static const int ROOMS[] = {100, 50, 41, 36, 20};
+    for (size_t k = 0; k < sizeof ROOMS / sizeof *ROOMS; k++) {
+        Made m;
+        open_lift(&m, ROOMS[k]);
+        int lift = opening_named(&m.building, "lift 0");
+        double ceiling = (64 + ROOMS[k]) * UNIT, highest = ceiling - BODY_LOWEST;
+        doors_set(&m.doors, lift, 1);
+        cr_assert(body_place_near(&m.body, &m.world, vec3(288 * UNIT, 32 * UNIT, 0)));
+        cr_assert_float_eq(m.body.foot.z, 0, 1e-6);
+        cr_assert_eq(m.body.cell, 0, "the first cell is that of the lift");
+        doors_toggle(&m.doors, lift);
+        for (int i = 0; i < 400; i++) {
+            doors_advance(&m.doors, 1.0 / 240, &m.body);
+            const Leaf *leaf = &m.building.leaves[m.building.openings[lift].first_leaf];
+            // Wide open it lies a hair under the floor.
+            double top = fmax(0, leaf->z1 + (double)m.doors.open[lift] * leaf->rise);
+            cr_assert_float_eq(m.body.foot.z, top, 2e-6, "room of %d: at %g on a lift at %g", ROOMS[k],
+                               m.body.foot.z, top);
+            cr_assert(m.body.standing && m.body.fall == 0);
+            cr_assert_float_eq(m.body.height, fmin(BODY_HEIGHT, ceiling - top), 1e-5);
+            cr_assert_float_eq(m.body.head, fmin(BODY_HEIGHT, ceiling - top), 1e-5);
+        }
+        bool up = highest >= 64 * UNIT;
+        cr_expect_eq(m.doors.open[lift] == 0, up, "room of %d: at %g", ROOMS[k], (double)m.doors.open[lift]);
+        cr_expect_eq(m.doors.halt[lift], up ? DOOR_FREE : DOOR_MEETS_BODY);
+        // A step of a leaf is a centimetre.
+        if (!up) cr_expect(m.body.foot.z > highest - 0.011 && m.body.foot.z <= highest + 1e-6);
+        arena_free(&m.arena);
+    }
+}
+
 // Puts 16 bits into a record of the small map.
 static void poke(unsigned char *records, int at, int value) {
     records[at] = (unsigned char)(value & 255);

@@ -1,6 +1,7 @@
 // Doors over time: they arrive, they wait for whoever is in the way and for one another, and go on when it is free.
 #include <criterion/criterion.h>
 
+#include "engine/walk/door_states.h"
 #include "engine/walk/doors.h"
 #include "maps/maps.h"
 #include "tests/support.h"
@@ -291,4 +292,34 @@ Test(doors, looked_at) {
     eye = vec3(6.5, 1.5, 1.6);
     cr_expect_eq(doors_looked_at(&m.doors, eye, vis_locate(&m.graph, eye, -1), slant, DOORS_REACH), 1);
     arena_free(&m.arena);
+}
+
+// Proves what the states of doors are: open, closed, as drawn, and at random closed, wide open, anywhere and hardly open (the fourth power
+// of a share, so half of them below a sixteenth), each in a quarter of cases. Tolerance: four standard deviations, 0.009 at most.
+Test(doors, stand_as_they_are_told) {
+    enum { DRAWS = 40000 };
+    Opening opening = {.kind = OPENING_DOOR, .open = 0.3};
+    Building b = {.openings = &opening, .opening_count = 1};
+    Random random = {5};
+    int shut = 0, wide = 0, hardly = 0, most = 0;
+    for (int i = 0; i < DRAWS; i++) {
+        Random before = random;
+        float share = walk_door_share(&b, 0, WALK_DOORS_RANDOM, &random);
+        cr_assert(share >= 0 && share <= 1);
+        Random after[3] = {before, before, before};
+        cr_assert_eq(walk_door_share(&b, 0, WALK_DOORS_OPEN, &after[0]), 1.0f);
+        cr_assert_eq(walk_door_share(&b, 0, WALK_DOORS_CLOSED, &after[1]), 0.0f);
+        cr_assert_eq(walk_door_share(&b, 0, WALK_DOORS_DRAWN, &after[2]), 0.3f);
+        for (int k = 0; k < 3; k++)
+            cr_assert_eq(random_next(&after[k]), random_next(&(Random){random.state}),
+                         "all states draw alike");
+        shut += share == 0;
+        wide += share == 1;
+        hardly += share > 0 && share < 1.0f / 16;
+        most += share > 0.9f && share < 1;
+    }
+    cr_expect_float_eq(shut / (double)DRAWS, 0.25, 0.009);
+    cr_expect_float_eq(wide / (double)DRAWS, 0.25, 0.009);
+    cr_expect_float_eq(hardly / (double)DRAWS, (1.0 / 16 + 0.5) / 4, 0.009);
+    cr_expect_float_eq(most / (double)DRAWS, (0.1 + 1 - sqrt(sqrt(0.9))) / 4, 0.009);
 }

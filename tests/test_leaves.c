@@ -3,7 +3,9 @@
 
 #include "engine/walk/verify.h"
 #include "maps/maps.h"
+#include "tests/fixture.h"
 #include "tests/support.h"
+#include "visibility/build.h"
 
 static const char *const SAMPLES[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
                                       "build/maps/house.sh3d", "build/maps/office.plan"};
@@ -205,4 +207,91 @@ Test(leaves, face_outwards) {
         arena_free(&m.arena);
     }
     cr_expect_gt(boxes, 10);
+}
+
+// Where a point goes, by the angle and the distance it has from the pivot.
+static Vec3 moved(const Leaf *leaf, double share, Vec3 p) {
+    double angle = atan2(p.y - leaf->pivot.y, p.x - leaf->pivot.x) + share * leaf->turn;
+    double far = hypot(p.x - leaf->pivot.x, p.y - leaf->pivot.y);
+    return vec3(leaf->pivot.x + far * cos(angle) + share * leaf->slide.x,
+                leaf->pivot.y + far * sin(angle) + share * leaf->slide.y, p.z + share * leaf->rise);
+}
+
+static bool in_quad(const Vec3 quad[4], Vec3 p, double slack) {
+    for (int i = 0; i < 4; i++) {
+        Vec3 a = quad[i], b = quad[(i + 1) % 4];
+        double length = hypot(b.x - a.x, b.y - a.y);
+        if ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) < -slack * length) return false;
+    }
+    return true;
+}
+
+// A leaf anywhere, turned any way, that turns, slides, rises or does some of that; the corners of what is drawn of it, in `v`.
+static Leaf random_leaf(Random *random, Vec3 v[8]) {
+    double way = random_between(random, 0, 2 * M_PI), long_side = random_between(random, 0.3, 2);
+    Vec2 pivot = {random_between(random, -300, 300), random_between(random, -300, 300)};
+    Leaf leaf = {.pivot = pivot, .thickness = 0.04, .z0 = 0, .z1 = 2};
+    leaf.axis[0] = pivot;
+    leaf.axis[1] = vec2(pivot.x + long_side * cos(way), pivot.y + long_side * sin(way));
+    if (random_index(random, 3)) leaf.turn = random_between(random, -3, 3);
+    if (random_index(random, 2))
+        leaf.slide = vec2(random_between(random, -2, 2), random_between(random, -2, 2));
+    if (random_index(random, 3) == 0) leaf.rise = random_between(random, -3, 3);
+    // With a handle, or a jamb's play: neither in the middle of the axis nor from its end.
+    double x0 = random_between(random, -0.2, 0.1), x1 = long_side + random_between(random, -0.1, 0.1),
+           y0 = random_between(random, -0.3, 0.05), y1 = y0 + random_between(random, 0.02, 0.4);
+    for (int i = 0; i < 8; i++) {
+        double x = i & 1 ? x1 : x0, y = i & 2 ? y1 : y0;
+        v[i] = vec3(pivot.x + x * cos(way) - y * sin(way), pivot.y + x * sin(way) + y * cos(way),
+                    i & 4 ? 2.1 : 0.1);
+    }
+    return leaf;
+}
+
+// Proves that what a leaf sweeps holds any point of it at any share, and nothing more than that with the width of half a step around;
+// and that a pose puts every vertex of a leaf where it is at its door's share, wide open where no shares are told, and no other vertex.
+Test(leaves, sweep_all_their_way) {
+    Random random = {8};
+    for (int n = 0; n < support_count(2000, 50000); n++) {
+        Vec3 v[12], posed[12] = {{0, 0, 0}};
+        Leaf leaf = random_leaf(&random, v);
+        for (int i = 8; i < 12; i++) v[i] = fixture_direction(&random);
+        Polygon polygons[] = {{8, 4, 0}, {0, 8, 0}};
+        Object objects[] = {{.leaf = -1, .polygon_count = 1},
+                            {.leaf = 0, .first_polygon = 1, .polygon_count = 1}};
+        Building b = {.leaves = &leaf, .leaf_count = 1, .object_count = 2, .objects = objects};
+        CellGraph g = {.building = &b, .objects = objects, .polygons = polygons, .vertices = v};
+        SweptLeaf swept;
+        build_swept(&g, 1, &swept);
+        double reach = 0;
+        for (int i = 0; i < 8; i++) reach = fmax(reach, hypot(v[i].x - leaf.pivot.x, v[i].y - leaf.pivot.y));
+        double half = (reach * fabs(leaf.turn) + vec2_length(leaf.slide)) / (2 * (SWEPT_STEPS - 1));
+        for (int k = 0; k < 40; k++) {
+            double share = k < 2 ? k : random_unit(&random);
+            Vec3 p = v[random_index(&random, 8)];
+            if (k % 2) p = vec3_lerp(p, v[random_index(&random, 8)], random_unit(&random));
+            p = moved(&leaf, share, p);
+            bool held = p.z > swept.z0 - 1e-9 && p.z < swept.z1 + 1e-9, in_plan = false;
+            for (int i = 0; i < SWEPT_STEPS; i++) in_plan = in_plan || in_quad(swept.plan[i], p, 1e-9);
+            cr_assert(held && in_plan, "leaf %d at %g: a point is not held", n, share);
+        }
+        cr_assert_float_eq(swept.z0, 0.1 + fmin(0, leaf.rise), 1e-9);
+        cr_assert_float_eq(swept.z1, 2.1 + fmax(0, leaf.rise), 1e-9);
+        const Vec3 closed[4] = {v[0], v[1], v[3], v[2]};
+        for (int i = 0; i < SWEPT_STEPS; i++) {
+            Vec3 box[4];
+            for (int k = 0; k < 4; k++) box[k] = moved(&leaf, (double)i / (SWEPT_STEPS - 1), closed[k]);
+            for (int k = 0; k < 4; k++)
+                cr_assert(in_quad(box, swept.plan[i][k], half + 1e-9) && in_quad(swept.plan[i], box[k], 1e-9),
+                          "leaf %d: what is swept at step %d is too much", n, i);
+        }
+        float open = (float)random_unit(&random);
+        for (int told = 0; told < 2; told++) {
+            vis_pose(&g, told ? &open : NULL, posed);
+            for (int i = 0; i < 8; i++)
+                cr_assert_lt(vec3_length(vec3_sub(posed[i], moved(&leaf, told ? (double)open : 1, v[i]))),
+                             1e-9);
+            for (int i = 8; i < 12; i++) cr_assert(vec3_equal(posed[i], vec3(0, 0, 0)));
+        }
+    }
 }

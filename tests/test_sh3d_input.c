@@ -157,6 +157,44 @@ Test(sh3d, limits_what_is_unpacked_in_all) {
     arena_free(&arena);
 }
 
+// Proves that no entry comes out other than it went in, packed or stored: with any byte of its data changed it is refused, and so it is
+// where the directory says fewer bytes than there are, or more.
+Test(sh3d, refuses_entries_that_changed) {
+    Arena arena = {0};
+    Error error;
+    Bytes out;
+    unsigned char noise[200], text[4000];
+    Random random = {3};
+    for (size_t i = 0; i < sizeof noise; i++) noise[i] = (unsigned char)random_index(&random, 256);
+    for (size_t i = 0; i < sizeof text; i++)
+        text[i] = (unsigned char)('a' + i % 7 + (size_t)random_index(&random, 2));
+    const HomeEntry ENTRIES[] = {{"stored", noise, sizeof noise}, {"packed", text, sizeof text}};
+    for (int k = 0; k < 2; k++) {
+        Bytes good = home_zip(&arena, &ENTRIES[k], 1);
+        // The local header is 30 bytes and the name, then comes the data; the directory's sizes are 20 and 24 bytes into it.
+        size_t from = 30 + 6, directory = from;
+        while (memcmp(good.data + directory, "PK\1\2", 4) != 0) directory++;
+        for (size_t at = from; at <= directory + 1; at++) {
+            Bytes bad = {arena_alloc(&arena, good.size, 1), good.size};
+            memcpy(bad.data, good.data, good.size);
+            if (at < directory)
+                bad.data[at] ^= (unsigned char)(1 << random_index(&random, 8));
+            else
+                for (size_t field = 20; field <= 24; field += 4)
+                    if (k == 0 || field == 24) bad.data[directory + field] += at == directory ? 1 : 255;
+            Archive *archive;
+            if (!archive_open(bad, "changed.zip", &arena, &archive, &error)) continue;
+            bool read = archive_read(archive, ENTRIES[k].name, 1 << 20, &arena, &out, &error);
+            cr_assert(!read ||
+                          (out.size == ENTRIES[k].size && memcmp(out.data, ENTRIES[k].data, out.size) == 0),
+                      "entry %s, byte %zu: %zu bytes come out", ENTRIES[k].name, at - from, out.size);
+            cr_assert(read || strstr(error.text, "changed.zip: "), "%s", error.text);
+            archive_close(archive);
+        }
+    }
+    arena_free(&arena);
+}
+
 // A home with a door, a model with its library, and a stair, as a small file to spoil.
 static Bytes small_file(Arena *arena) {
     static const char XML[] =

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "engine/core/memory.h"
 #include "maps/maps.h"
 #include "tests/fixture.h"
 #include "tests/hostile.h"
@@ -56,6 +57,24 @@ static Vec3 in_cell(const CellGraph *graph, int c, Random *random) {
     return vec3_lerp(a, b, random_between(random, 0.2, 0.8));
 }
 
+// Sight is symmetric, and trees hold the cells that their roots see, each way through cells that they see.
+static void expect_settled(const StabForest *f) {
+    unsigned char *met = memory_grow(NULL, (size_t)f->cell_count);
+    for (int a = 0; a < f->cell_count; a++) {
+        memset(met, 0, (size_t)f->cell_count);
+        for (int n = f->root[a]; n < f->root[a + 1]; n++) {
+            cr_assert(vis_sees(f, a, f->nodes[n].cell), "the tree of %d holds %d, which it does not see", a,
+                      f->nodes[n].cell);
+            met[f->nodes[n].cell] = 1;
+        }
+        for (int b = 0; b < f->cell_count; b++) {
+            cr_assert_eq(vis_sees(f, a, b), vis_sees(f, b, a), "of %d and %d one sees the other", a, b);
+            cr_assert(f->bounded[a] || vis_sees(f, a, b) == met[b], "%d sees %d by no way of its tree", a, b);
+        }
+    }
+    memory_free(met);
+}
+
 typedef struct Lines {
     long walked, far;  // of these through five portals or more
 } Lines;
@@ -85,6 +104,7 @@ static void check_lines(const char *path, bool known) {
     Random random = {9};
     read_cells(path, &g);
     grow(&g, 0, known);
+    expect_settled(&g.forest);
     for (int i = 0; i < support_count(1000, 50000); i++) {
         int cell = random_index(&random, g.graph.cell_count);
         if (g.graph.cells[cell].contact_count > 0) walk_lines(path, &g, cell, &random, &lines);
@@ -143,6 +163,7 @@ Test(trees, know_a_row_of_rooms) {
         VisOptions options = vis_default_options();
         StabForest forest;
         cr_assert(vis_build_forest(row_graph(&arena, &row), &options, NULL, &arena, &forest));
+        expect_settled(&forest);
         for (int a = 0; a < row.room_count; a++) {
             for (int b = a + 1; b < row.room_count; b++) {
                 RowSight sight = row_sight(&row, a, b, true);

@@ -299,6 +299,7 @@ Test(trees, of_very_many_cells, .timeout = 120) {
     cr_assert_eq(g.forest.node_count, first.node_count);
     cr_assert_eq(memcmp(g.forest.nodes, first.nodes, sizeof *first.nodes * (size_t)first.node_count), 0);
     cr_assert(cell_rows_equal(&g.forest.seen, &first.seen));
+    expect_settled(&first);
     for (int c = 0; c < g.graph.cell_count; c += 61) walk_lines("grid", &g, c, &random, &lines);
     cr_assert_gt(lines.far, 50, "%ld of %ld lines go far", lines.far, lines.walked);
 

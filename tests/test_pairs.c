@@ -454,6 +454,13 @@ static Winding random_winding(Random *random, double spread) {
     return w;
 }
 
+// Surely, as its plane is known to: to `bend`, and by `tilt` a metre less away from its middle.
+static bool is_ahead(const Winding *edges, int side, Vec3 p) {
+    const Facet *f = &edges->facet;
+    double doubt = f->bend + f->tilt * vec3_length(vec3_sub(p, f->middle));
+    return side * plane_distance(f->plane, p) > 1e-9 + doubt;
+}
+
 // Proves that the tangents from the edges of a polygon are all there are: of each edge the plane, if there is one, that has on the wanted
 // side all of the other polygon, touched in some corner of it that lies before the edges; by trying every corner.
 Test(pairs, tangents_are_all_there_are) {
@@ -466,16 +473,16 @@ Test(pairs, tangents_are_all_there_are) {
         int side = n % 2 ? 1 : -1, count = 0, ahead = 0;
         WindingKeep keep = n / 2 % 2 ? KEEP_OTHER : KEEP_EDGES;
         Separator out[WINDING_MAX];
+        if (n % 3 == 0) edges.facet.bend = 1e-3, edges.facet.tilt = 0.05;
         int given = winding_tangents(&edges, &other, side, keep, EPSILON, out);
-        for (int k = 0; k < other.count; k++)
-            ahead += side * plane_distance(edges.facet.plane, other.p[k]) > EPSILON;
+        for (int k = 0; k < other.count; k++) ahead += is_ahead(&edges, side, other.p[k]);
         partly += ahead > 0 && ahead < other.count;
         for (int i = 0; i < edges.count; i++) {
             Vec3 a = edges.p[i], along = vec3_scale(vec3_sub(edges.p[(i + 1) % edges.count], a), side),
                  normal = {0, 0, 0};
             bool there = false;
             for (int k = 0; k < other.count && !there; k++) {
-                if (side * plane_distance(edges.facet.plane, other.p[k]) <= EPSILON) continue;
+                if (!is_ahead(&edges, side, other.p[k])) continue;
                 normal = vec3_normalize(vec3_cross(along, vec3_sub(other.p[k], a)));
                 there = true;
                 for (int c = 0; c < other.count; c++)

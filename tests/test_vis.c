@@ -684,7 +684,7 @@ Test(squares, hold_what_touches_them) {
     arena_free(&arena);
 }
 
-// Proves that given cells are bounded by the corners of their portals and nothing else.
+// Proves that given cells are bounded by the corners and the planes of their portals and nothing else.
 Test(cells, given_ones_have_the_box_of_their_portals) {
     Random random = {2};
     for (int k = 0; k < 20; k++) {
@@ -701,6 +701,20 @@ Test(cells, given_ones_have_the_box_of_their_portals) {
             }
             cr_assert(vec3_equal(cell->box.min, box.min) && vec3_equal(cell->box.max, box.max),
                       "row %d, cell %d", k, c);
+            cr_assert(cell->z0 == box.min.z && cell->z1 == box.max.z && cell->edge_count == 4);
+            const Vec2 *plan = g->plan + cell->first_edge, corner[4] = {{box.min.x, box.min.y},
+                                                                        {box.max.x, box.min.y},
+                                                                        {box.max.x, box.max.y},
+                                                                        {box.min.x, box.max.y}};
+            for (int i = 0; i < 4; i++) cr_assert(vec2_equal(plan[i], corner[i]), "row %d, cell %d", k, c);
+            cr_assert_eq(cell->face_count, cell->contact_count);
+            for (int i = 0; i < cell->face_count; i++) {
+                const Portal *portal = &g->portals[g->contacts[cell->first_contact + i].portal];
+                Plane face = g->faces[cell->first_face + i];
+                double side = portal->cell[0] == c ? 1 : -1;
+                cr_assert(vec3_equal(face.n, vec3_scale(portal->plane.n, side)) &&
+                          face.d == side * portal->plane.d);
+            }
         }
         arena_free(&arena);
     }

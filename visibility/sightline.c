@@ -22,7 +22,7 @@ static int tangent(Vec2 pivot, int turn, int side, const Vec2 *points, int count
     return best;
 }
 
-// Has the directed line all left ends on its left, and all right ends on its right?
+// Has the directed line these left ends on its left, and these right ends on its right? An end that it runs through need not be asked.
 static bool separates(const Sightline *line, int left_count, int right_count, Vec2 from, Vec2 to) {
     for (int i = 0; i < left_count; i++) {
         if (orient2d(from, to, line->left[i]) < 0) return false;
@@ -42,12 +42,12 @@ static bool add_right(Sightline *line, int k, int left_count) {
     if (past_ccw) {
         line->ccw_from = k;
         line->ccw_to = tangent(r, 1, 1, line->left, left_count);
-        if (past_cw && !separates(line, left_count, k + 1, r, line->left[line->ccw_to])) return false;
+        if (past_cw && !separates(line, left_count, k, r, line->left[line->ccw_to])) return false;
     }
     if (past_cw) {
         line->cw_from = tangent(r, -1, 1, line->left, left_count);
         line->cw_to = k;
-        if (past_ccw && !separates(line, left_count, k + 1, line->left[line->cw_from], r)) return false;
+        if (past_ccw && !separates(line, left_count, k, line->left[line->cw_from], r)) return false;
     }
     return true;
 }
@@ -59,12 +59,12 @@ static bool add_left(Sightline *line, int k, int right_count) {
     if (past_ccw) {
         line->ccw_from = tangent(l, -1, -1, line->right, right_count);
         line->ccw_to = k;
-        if (past_cw && !separates(line, k + 1, right_count, line->right[line->ccw_from], l)) return false;
+        if (past_cw && !separates(line, k, right_count, line->right[line->ccw_from], l)) return false;
     }
     if (past_cw) {
         line->cw_from = k;
         line->cw_to = tangent(l, 1, -1, line->right, right_count);
-        if (past_ccw && !separates(line, k + 1, right_count, l, line->right[line->cw_to])) return false;
+        if (past_ccw && !separates(line, k, right_count, l, line->right[line->cw_to])) return false;
     }
     return true;
 }

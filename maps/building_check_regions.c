@@ -64,15 +64,20 @@ static int edges_near_edge(Check *c, const Outline *outline, Edge e, BoxHits *hi
                       vec2(fmax(e.a.x, e.b.x), fmax(e.a.y, e.b.y)), hits);
 }
 
-// +1 inside, 0 on the boundary, -1 outside the first rings of a region.
+// +1 inside, 0 on the boundary, -1 outside the first rings of a region. By a ray along x just above p: on its own height may lie all
+// edges of a long straight wall.
 static int locate(Check *c, const Outline *outline, int ring_count, Vec2 p) {
     bool inside = false;
-    edges_near(c, outline, p, vec2(INFINITY, p.y), &c->row);
+    edges_near(c, outline, p, p, &c->row);
     for (int i = 0; i < c->row.count; i++) {
         Edge e = outline->edges[c->row.items[i]];
-        if (e.ring >= ring_count) continue;
-        if (vec2_equal(p, e.b) || strictly_between(e.a, e.b, p)) return 0;
-        if ((e.b.y > p.y) == (e.a.y > p.y)) continue;
+        if (e.ring < ring_count && (vec2_equal(p, e.b) || strictly_between(e.a, e.b, p))) return 0;
+    }
+    double above = nextafter(p.y, INFINITY);
+    edges_near(c, outline, vec2(p.x, above), vec2(INFINITY, above), &c->row);
+    for (int i = 0; i < c->row.count; i++) {
+        Edge e = outline->edges[c->row.items[i]];
+        if (e.ring >= ring_count || (e.b.y > p.y) == (e.a.y > p.y)) continue;
         int side = e.a.y < e.b.y ? orient2d(e.a, e.b, p) : orient2d(e.b, e.a, p);
         if (side > 0) inside = !inside;
     }

@@ -110,11 +110,17 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 // are, since the order of the faces follows from them.
 enum { STOREYS_ONCE = 200 };
 
+// More lines than these are noded in an order without pattern, short ones before long ones. GEOS keeps the points where lines cross in
+// a k-d tree that it does not balance: those along one straight wall, in the order in which they lie, would make it a list. Few lines
+// are noded as they come, since the order of the faces follows from theirs.
+enum { LINES_IN_ORDER = 4000 };
+
 // A ring, or an open line.
 typedef struct Line {
     const Vec2 *points;
     int count;
     bool close;
+    uint64_t rank;  // of many lines: the order in which they are noded
 } Line;
 
 typedef struct Lines {
@@ -123,7 +129,7 @@ typedef struct Lines {
 } Lines;
 
 static void add_line(Enclosure *e, Lines *lines, const Vec2 *points, int count, bool close) {
-    *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = (Line){points, count, close};
+    *ARENA_PUSH(e->scratch, lines->items, lines->count, lines->capacity) = (Line){points, count, close, 0};
 }
 
 static void add_shape(Enclosure *e, Lines *lines, const Shape *shape) {
@@ -192,11 +198,33 @@ static bool line_is_new(const Lines *lines, Hash *hash, int line) {
     return true;
 }
 
+static uint64_t mix(uint64_t x) {
+    x = (x ^ (x >> 31)) * 0x9e3779b97f4a7c15u;
+    return x ^ (x >> 29);
+}
+
+static int by_rank(const void *pa, const void *pb) {
+    const Line *a = pa, *b = pb;
+    return (a->rank > b->rank) - (a->rank < b->rank);
+}
+
+// By the power of two next to a line's extent; among those of the same, by a number that follows from the line's place in the list.
+static void mix_lines(Enclosure *e, const Lines *lines) {
+    for (int i = 0; i < lines->count; i++) {
+        Line *line = &lines->items[i];
+        Shape shape = shape_of_points(e->scratch, line->points, line->count);
+        double extent = fmax(shape.max.x - shape.min.x, shape.max.y - shape.min.y);
+        line->rank = ((uint64_t)ilogb(fmax(extent, 1)) << 56) | (mix((uint64_t)i + 1) >> 8);
+    }
+    qsort(lines->items, (size_t)lines->count, sizeof *lines->items, by_rank);
+}
+
 static GEOSGeometry *lines_to_geos(Enclosure *e, const Lines *lines) {
     GEOSGeometry **items = ARENA_ARRAY(e->scratch, GEOSGeometry *, lines->count);
     Hash hash = hash_new(e->scratch, lines->count);
     int count = 0;
     bool once = e->b->storey_count > STOREYS_ONCE;
+    if (lines->count > LINES_IN_ORDER) mix_lines(e, lines);
     for (int i = 0; i < lines->count; i++) {
         const Line *l = &lines->items[i];
         if (once && !line_is_new(lines, &hash, i)) continue;
@@ -208,11 +236,6 @@ static GEOSGeometry *lines_to_geos(Enclosure *e, const Lines *lines) {
 }
 
 // ---- faces
-
-static uint64_t mix(uint64_t x) {
-    x = (x ^ (x >> 31)) * 0x9e3779b97f4a7c15u;
-    return x ^ (x >> 29);
-}
 
 static int find_vertex(Plan *plan, Hash *hash, Vec2 p) {
     size_t at = mix((uint64_t)(int64_t)p.x * 0x100000001b3u + mix((uint64_t)(int64_t)p.y)) & hash->mask;

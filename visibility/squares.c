@@ -5,6 +5,7 @@
 // rows and columns of squares. The leaf of a door belongs wherever it may come.
 #include <string.h>
 
+#include "engine/core/box_tree.h"
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "visibility/build.h"
@@ -73,8 +74,8 @@ typedef struct Registrar {
     CellBuilder *builder;
     Registration *list;
     int count, capacity;
-    int *tried;  // [cell_count] the last polygon or prism tried against a cell, by its serial number
-    int serial;
+    BoxTree cells;  // of all cells' boxes
+    BoxHits near;
     int *registered;  // [square_count] the last object registered in a square
     int *
         filled;  // [cell_count] and in how many of a cell's squares the object at hand is, if it is the last of `filler`
@@ -213,29 +214,19 @@ static bool is_covered(const Registrar *r, int cell, Box box, int object) {
 // Registers a polygon, or, `upright`, all that lies over and under it within `box`.
 static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_count, Box box, bool upright) {
     CellGraph *graph = r->builder->graph;
-    int serial = r->serial++;
     graph->object_boxes[object] = box_union(graph->object_boxes[object], box);
     box = box_grow(box, graph->touch);
-    const CellMesh *locator = &graph->locator;
-    Range x = squares_of(locator->origin.x, locator->size, locator->nx, box.min.x, box.max.x, graph->touch);
-    Range y = squares_of(locator->origin.y, locator->size, locator->ny, box.min.y, box.max.y, graph->touch);
-    for (int j = y.from; j <= y.to; j++) {
-        for (int i = x.from; i <= x.to; i++) {
-            int square = j * locator->nx + i;
-            for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
-                int c = graph->locator_cells[k];
-                if (r->tried[c] == serial || !box_overlap(box, graph->cells[c].box)) continue;
-                r->tried[c] = serial;
-                if (is_filled(r, c, object) || is_covered(r, c, box, object)) continue;
-                const Plane *planes = r->planes + r->first_plane[c];
-                int sides = r->first_plane[c + 1] - r->first_plane[c];
-                int count = upright ? clip_to_planes(planes, sides, v, vertex_count, graph->touch,
-                                                     r->buffer[0], r->buffer[1])
-                                    : clip_to_cell(graph, &graph->cells[c], planes, sides, v, vertex_count,
-                                                   graph->touch, r->buffer[0], r->buffer[1]);
-                if (count > 0) register_squares(r, c, r->buffer[0], count, object);
-            }
-        }
+    box_tree_find(&r->cells, box, r->builder->scratch, &r->near);
+    for (int i = 0; i < r->near.count; i++) {
+        int c = r->near.items[i];
+        if (is_filled(r, c, object) || is_covered(r, c, box, object)) continue;
+        const Plane *planes = r->planes + r->first_plane[c];
+        int sides = r->first_plane[c + 1] - r->first_plane[c];
+        int count =
+            upright ? clip_to_planes(planes, sides, v, vertex_count, graph->touch, r->buffer[0], r->buffer[1])
+                    : clip_to_cell(graph, &graph->cells[c], planes, sides, v, vertex_count, graph->touch,
+                                   r->buffer[0], r->buffer[1]);
+        if (count > 0) register_squares(r, c, r->buffer[0], count, object);
     }
 }
 
@@ -282,16 +273,18 @@ static void store(Registrar *r) {
 static Registrar new_registrar(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     Registrar r = {.builder = builder,
-                   .tried = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
                    .registered = ARENA_ARRAY(builder->scratch, int, graph->square_count),
                    .filled = ARENA_ARRAY(builder->scratch, int, graph->cell_count),
                    .filler = ARENA_ARRAY(builder->scratch, int, graph->cell_count)};
+    Box *boxes = ARENA_ARRAY(builder->scratch, Box, graph->cell_count);
     int edges = 0;
     for (int c = 0; c < graph->cell_count; c++) {
-        r.tried[c] = r.filler[c] = -1;
+        boxes[c] = graph->cells[c].box;
+        r.filler[c] = -1;
         edges += graph->cells[c].edge_count;
     }
     for (int s = 0; s < graph->square_count; s++) r.registered[s] = -1;
+    r.cells = box_tree_build(boxes, graph->cell_count, builder->scratch);
     r.first_plane = ARENA_ARRAY(builder->scratch, int, graph->cell_count + 1);
     r.planes = ARENA_ARRAY(builder->scratch, Plane, edges);
     for (int c = 0; c < graph->cell_count; c++)

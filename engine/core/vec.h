@@ -69,9 +69,11 @@ static inline Box box_empty(void) {
     return (Box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 static inline bool box_is_empty(Box b) { return !(b.min.x <= b.max.x); }
+// By comparisons, as fmin and fmax find it, which the compiler may not inline. Coordinates that are no numbers add nothing.
 static inline Box box_add(Box b, Vec3 p) {
-    return (Box){{fmin(b.min.x, p.x), fmin(b.min.y, p.y), fmin(b.min.z, p.z)},
-                 {fmax(b.max.x, p.x), fmax(b.max.y, p.y), fmax(b.max.z, p.z)}};
+    return (Box){
+        {p.x <= b.min.x ? p.x : b.min.x, p.y <= b.min.y ? p.y : b.min.y, p.z <= b.min.z ? p.z : b.min.z},
+        {p.x >= b.max.x ? p.x : b.max.x, p.y >= b.max.y ? p.y : b.max.y, p.z >= b.max.z ? p.z : b.max.z}};
 }
 static inline Box box_union(Box a, Box b) { return box_add(box_add(a, b.min), b.max); }
 static inline Box box_grow(Box b, double by) {

@@ -126,18 +126,17 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
     int depth = 0;
     stack[depth++] = first->to;
     row_add(row, first->to);
-    while (depth > 0) {
+    bool all = false;
+    while (depth > 0 && !all) {
         int cell = stack[--depth];
-        if (tried > most) {
-            memset(row, 0xff, (size_t)graph->words * sizeof *row);
-            if (graph->cell_count % 64) row[graph->words - 1] = ((uint64_t)1 << (graph->cell_count % 64)) - 1;
-            break;
-        }
-        for (int i = graph->first[cell]; i < graph->first[cell + 1]; i++) {
+        all = tried > most;
+        // With cells left on the stack the flood is known to take too long before a cell of thousands of ways is done.
+        for (int i = graph->first[cell]; i < graph->first[cell + 1] && !all; i++) {
             int index = graph->list[i];
             const Way *next = &graph->ways[index];
             if (index == (way ^ 1) || row_has(row, next->to)) continue;
             tried++;
+            all = tried > most && depth > 0;
             double doubt = way_doubt(first, next);
             if (plane_distance(first->facet.plane, next->facet.middle) < -next->radius - doubt) continue;
             if (!reaches(next, first->facet.plane, 1, graph->epsilon - doubt)) continue;
@@ -145,6 +144,10 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
             row_add(row, next->to);
             stack[depth++] = next->to;
         }
+    }
+    if (all) {
+        memset(row, 0xff, (size_t)graph->words * sizeof *row);
+        if (graph->cell_count % 64) row[graph->words - 1] = ((uint64_t)1 << (graph->cell_count % 64)) - 1;
     }
     return tried;
 }

@@ -29,9 +29,9 @@ TABLE = [
     (r"maps/building\w*\.c", ["figures/@(plans|files)", "@(building|plan|prt|quads)/*", "@(curved|sh3d|soup|soup_obj|wad)/!(polygons_*)"]),
     (r"maps/enclose\w*\.c", ["figures/@(plans|files)", "enclose/!(random_plans)", "@(enclose|enclose_plans)/*"]),
     (r"visibility/pairs/\w+\.c", ["figures/*sight", "@(pairs|witness|seen)/!(sightlines_*)", "pairs/sightlines_*"]),
-    (r"visibility/query\w*\.c", ["figures/sight", "@(query_slot|query_cone|query|query_oracle)/*", "@(leaves|layers|walk)/*"]),
+    (r"visibility/query\w*\.c", ["figures/sight", "@(query_slot|query_cone|query_eye|query|query_oracle)/*", "@(leaves|layers|walk)/*"]),
     (r"visibility/soup\w*\.c", ["figures/*sight", "@(soup|soup_doors|soup_merge)/!(polygons_*)", "@(soup|stability)/*"]),
-    (r"visibility/(given|winding|beam|ways)\.c", ["figures/*sight", "@(prt|pairs|witness)/!(sightlines_*)", "@(sightline|query|query_oracle|trees)/!(are_the_same*)"]),
+    (r"visibility/(given|winding|beam|ways)\.c", ["figures/*sight", "@(prt|pairs|witness|cells)/!(sightlines_*)", "@(sightline|query|query_oracle|trees)/!(are_the_same*)"]),
     (r"visibility/leaves\.c", ["figures/walks", "@(leaves|doors)/*"]),
     (r"visibility/vis_file\.c", ["@(vis_file|derived)/*", "agreement/*"]),
     (r"visibility/(forest|forest_tree|sightline)\.c", ["figures/*sight", "@(forest|sightline|trees)/!(are_the_same*|hold_every_line_of_doom*|hold_every_line_of_portal*)",
@@ -43,8 +43,8 @@ TABLE = [
     (r"radiosity/sky\w*\.c", ["figures/light", "sky/!(room_*|box_*)", "sky/*"]),
     (r"radiosity/(reconstruct\w*|nodes)\.c", ["figures/light", "reconstruct/*", "bake_probes/*"]),
     (r"engine/walk/(body|solid|obstacles)\.c",
-     ["figures/walks", "@(solid|body)/!(apartment|four_bedrooms|home_*|house|office)", "@(body|doors)/!(four_bedrooms|apartment|home_*)"]),
-    (r"engine/walk/(doors|door_part|door_states)\.c", ["figures/walks", "@(doors|leaves)/*", "wad/*"]),
+     ["figures/walks", "@(solid|body|door_frames)/!(apartment|four_bedrooms|home_*|house|office)", "@(body|doors)/!(four_bedrooms|apartment|home_*)"]),
+    (r"engine/walk/(doors|door_part|door_states)\.c", ["figures/walks", "@(doors|door_frames|leaves)/*", "wad/*"]),
     (r"engine/walk/exposure\.c", ["exposure/!(tours*)", "exposure/*"]),
 ]
 

@@ -62,7 +62,7 @@ void figures_scene(Figures *f, const char *name) {
 
 void figures_sum(Figures *f, const char *what, Sum sum) {
     if (f->out) {
-        fprintf(f->out, " %s=%d:%.12g", what, sum.count, sum.sum);
+        fprintf(f->out, " %s=%d:%.14g", what, sum.count, sum.sum);
         return;
     }
     char *word = f->line ? strsep(&f->line, " ") : NULL, name[32] = "";
@@ -70,9 +70,9 @@ void figures_sum(Figures *f, const char *what, Sum sum) {
     double expected = 0;
     bool good =
         word && sscanf(word, "%31[^=]=%d:%lf", name, &count, &expected) == 3 && strcmp(name, what) == 0;
-    if (good && count == sum.count && fabs(sum.sum - expected) <= 1e-9 * (1 + sum.size)) return;
+    if (good && count == sum.count && fabs(sum.sum - expected) <= 1e-11 * (1 + sum.size)) return;
     f->different++;
-    cr_log_error("%s: %s: %s: %d numbers, sum %.12g (expected %s)", f->path, f->scene, what, sum.count,
+    cr_log_error("%s: %s: %s: %d numbers, sum %.14g (expected %s)", f->path, f->scene, what, sum.count,
                  sum.sum, word ? word : "no more");
 }
 

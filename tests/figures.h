@@ -35,7 +35,7 @@ typedef struct Figures {
 Figures figures_begin(const char *name);
 void figures_scene(Figures *f, const char *name);
 void figures_sum(Figures *f, const char *what, Sum sum);
-// The test fails where a count differs, or a sum by more than rounding: 1e-9 of the magnitudes added.
+// The test fails where a count differs, or a sum by more than rounding: 1e-11 of the magnitudes added.
 void figures_end(Figures *f);
 
 #endif

@@ -137,15 +137,97 @@ static bool read_hostile(const HostileKind *k, const char *folder, Arena *arena,
     return maps_read(path, arena, out, &error);
 }
 
-// Proves that the free space found in random plans is what it was.
+// A low wall along an arc, of many corners.
+static void draw_arc(Draft *d, Random *r, int storey) {
+    enum { HALF = 70 };
+    Vec2 p[2 * HALF], middle = vec2(random_between(r, 0, 10), random_between(r, 0, 8));
+    int half = 40 + random_index(r, HALF - 40);
+    for (int i = 0; i < half; i++) {
+        double angle = 3.0 * i / half;
+        p[i] = vec2_add(middle, vec2(2 * cos(angle), 2 * sin(angle)));
+        p[2 * half - 1 - i] = vec2_add(middle, vec2(1.8 * cos(angle), 1.8 * sin(angle)));
+    }
+    draft_wall_shape(d, storey, p, 2 * half, 0.3, random_between(r, 0.3, 1.5));
+}
+
+// A row of rooms, closed by walls of their own or by drawn ones that leave gaps of centimetres at their corners, with doors,
+// passages and windows between and outwards, some of them oddly high, low or deep.
+static void draw_row(Draft *d, Random *r, int storey) {
+    double x = random_between(r, 0, 2), y = random_between(r, -6, -4), wall = random_between(r, 0.05, 0.3);
+    bool own = random_index(r, 2);
+    for (int i = 0; i < 3; i++) {
+        double width = random_between(r, 2, 4), z = d->b.storeys[storey].floor;
+        draft_room(d, storey, x, y, x + width, y + 3);
+        SketchRoom *room = &d->s.rooms[d->s.room_count - 1];
+        if (own) room->wall = wall;
+        if (random_index(r, 3) == 0) room->z0 = z + random_between(r, -0.4, 0.4);
+        if (random_index(r, 4) == 0) room->z1 = z + random_between(r, 1.5, 3);
+        double low = y - wall / 2, high = y + 3 + wall / 2, gap = random_between(r, -0.1, 0.1);
+        if (!own) {
+            draft_wall(d, storey, x - wall, low, x + width + wall - gap, low, wall, DRAFT_HEIGHT);
+            draft_wall(d, storey, x + width, high, x - wall, high, wall, DRAFT_HEIGHT);
+            draft_wall(d, storey, x + width + wall / 2, y - wall, x + width + wall / 2, y + 3 + wall - gap,
+                       wall, DRAFT_HEIGHT);
+            if (i == 0)
+                draft_wall(d, storey, x - wall / 2, y + gap, x - wall / 2, y + 3 + wall, wall, DRAFT_HEIGHT);
+        }
+        SketchOpening *o = draft_opening(d, (OpeningKind)random_index(r, OPENING_KINDS), storey,
+                                         x + width + wall / 2, y + random_between(r, 0, 3), M_PI / 2,
+                                         random_between(r, 0.3, 1.2), random_between(r, 0, 0.3));
+        o->sill += random_between(r, -0.3, 0.5);
+        draft_opening(d, (OpeningKind)random_index(r, OPENING_KINDS), storey, x + width / 2, low, 0,
+                      random_between(r, 0.3, 2), wall);
+        x += width + wall;
+    }
+}
+
+// Materials, turns and swings at random, walls and rooms either way round.
+static void dress(Draft *d, Random *r) {
+    Sketch *s = &d->s;
+    for (int i = 0; i < s->point_count; i++) s->edge_material[i] = random_index(r, 6) - 1;
+    for (int i = 0; i < s->wall_count; i++) {
+        Vec2 *p = s->points + s->walls[i].first_point;
+        for (int k = 0, n = s->walls[i].point_count; i % 3 == 0 && k < n / 2; k++) {
+            Vec2 other = p[n - 1 - k];
+            p[n - 1 - k] = p[k];
+            p[k] = other;
+        }
+    }
+    for (int i = 0; i < s->room_count; i++) {
+        s->rooms[i].wall_material = random_index(r, 6) - 1;
+        s->rooms[i].floor_material = random_index(r, 4);
+        s->rooms[i].ceiling_material = random_index(r, 4);
+    }
+    for (int i = 0; i < s->opening_count; i++) {
+        SketchOpening *o = &s->openings[i];
+        o->hinge = random_index(r, 3);
+        o->swing = random_between(r, -2, 2);
+        o->slide = random_index(r, 3) ? 0 : random_between(r, -1, 1);
+        o->open = random_unit(r);
+        o->glazed = random_index(r, 4) == 0;
+        o->material = random_index(r, 6) - 1;
+    }
+}
+
+// Proves that the free space found in random plans is what it was: as drawn, and with all that makes plans hard.
 Test(figures, plans, .timeout = 60) {
     Figures f = figures_begin("plans");
-    for (int seed = 1; seed <= 120; seed++) {
+    for (int seed = 1; seed <= 150; seed++) {
         Random r = {(uint64_t)seed + 5000};
         int storeys = 1 + random_index(&r, 3);
         Draft d = draft_new(storeys);
         d.s.ground = random_index(&r, 3) ? 0 : random_between(&r, -1, 3);
-        for (int k = 0; k < storeys; k++) draft_random_storey(&d, &r, k, true);
+        d.s.outer_material = 0;
+        if (seed % 3 == 1) {
+            d.turn = random_between(&r, 0, 6);
+            d.shift = vec2(random_between(&r, -1000, 1000), random_between(&r, -1000, 1000));
+        }
+        for (int k = 0; k < storeys; k++) {
+            if (seed % 2 || seed % 4 == 0) draw_row(&d, &r, k);
+            if (seed % 10 == 3) draw_arc(&d, &r, k);
+            if (seed % 4) draft_random_storey(&d, &r, k, true);
+        }
+        if (seed % 2) dress(&d, &r);
         Error error = {""};
         if (maps_enclose(&d.s, &d.b, &d.arena, &error))
             sum_building(&f, arena_format(&f.arena, "plan-%d", seed), &d.b);

@@ -251,3 +251,60 @@ Test(enclose, towers_keep_their_rooms) {
         draft_free(&d);
     }
 }
+
+// A comb of teeth `pitch` apart along x (or y), each reaching across the others of a crossing comb.
+static int comb(Vec2 *out, int teeth, double pitch, bool upright) {
+    int count = 0;
+    double far = teeth * pitch;
+    out[count++] = vec2(-1, -1);
+    for (int i = 0; i < teeth; i++) {
+        out[count++] = vec2(i * pitch, -1);
+        out[count++] = vec2(i * pitch, far);
+        out[count++] = vec2((i + 0.5) * pitch, far);
+        out[count++] = vec2((i + 0.5) * pitch, -1);
+    }
+    out[count++] = vec2(far, -1);
+    out[count++] = vec2(far, -2);
+    out[count++] = vec2(-1, -2);
+    for (int i = 0; i < count && !upright; i++) out[i] = vec2(out[i].y, out[i].x);
+    return count;
+}
+
+// Proves that of outlines that cross at more than 10,000 places those are left out that come too late, whatever they are, each by its
+// name and where it begins, and that later ones which cross nothing are there.
+Test(enclose, crossing_outlines_have_a_limit) {
+    enum { TEETH = 46, MOST = 4 * TEETH + 4 };  // two combs cross at 4 * 46 * 46 = 8,464 places
+    for (int kind = 0; kind < 2; kind++) {
+        Draft d = draft_new(2);
+        Vec2 p[MOST];
+        for (int k = 0; k < 2; k++) draft_room(&d, k, -3, -3, 12, 12);
+        for (int i = 0; i < 3; i++) {
+            int count = comb(p, TEETH, 0.2, i != 1);
+            for (int n = 0; i == 2 && n < count; n++) p[n] = vec2(p[n].x + 0.05, p[n].y + 0.05);
+            if (kind == 0) {
+                draft_room_shape(&d, 1, p, count);
+                d.s.rooms[d.s.room_count - 1].place = arena_format(&d.arena, "comb-%d", i);
+            } else {
+                int first = draft_points(&d, p, count, true);
+                draft_cutout(&d, 1, 0, 0, 1, 1);
+                d.s.cutouts[i] = (SketchCutout){1, first, count, arena_format(&d.arena, "comb-%d", i)};
+            }
+        }
+        draft_cutout(&d, 1, 10.5, 10.5, 11, 11);
+        draft_room(&d, 1, 13, 13, 15, 15);
+        draft_enclose(&d);
+        int notes = 0;
+        for (int i = 0; i < d.b.note_count; i++) {
+            const Note *note = &d.b.notes[i];
+            if (!strstr(note->text, "too many")) continue;
+            notes++;
+            cr_expect(strstr(note->text, kind ? "cut-out comb-2 left out" : "room comb-2 left out"), "%s",
+                      note->text);
+            cr_expect_float_eq(note->place.x, -0.95, 1e-6, "%g", note->place.x);
+        }
+        cr_expect_eq(notes, 1, "%d", notes);
+        cr_expect_eq(draft_kind_at(&d, 10.7, 10.7, DRAFT_HEIGHT + 0.1), REGION_SHAFT);
+        cr_expect_eq(draft_kind_at(&d, 14, 14, DRAFT_HEIGHT + 1), REGION_ROOM);
+        draft_free(&d);
+    }
+}

@@ -308,3 +308,36 @@ Test(enclose, crossing_outlines_have_a_limit) {
         draft_free(&d);
     }
 }
+
+// Proves that an outline whose corner touches its own edge does not cross itself, wherever it begins and either way round, and that
+// one which goes through does.
+Test(enclose, touching_is_not_crossing) {
+    enum { COUNT = 7 };
+    for (int deep = 0; deep < 3; deep++) {
+        // The notch from above ends above the lower edge, on it, below it.
+        Vec2 shape[COUNT] = {{0, 0}, {6, 0}, {6, 4}, {4, 4}, {3, deep == 0 ? 0.5 : deep == 1 ? 0 : -0.5},
+                             {2, 4}, {0, 4}};
+        for (int first = 0; first < COUNT; first++) {
+            for (int back = 0; back < 2; back++) {
+                for (int turned = 0; turned < 2; turned++) {
+                    Draft d = draft_new(1);
+                    Vec2 p[COUNT];
+                    for (int i = 0; i < COUNT; i++) {
+                        Vec2 q = shape[(first + (back ? COUNT - i : i)) % COUNT];
+                        p[i] = turned ? vec2(-q.y, q.x) : q;
+                    }
+                    draft_room_shape(&d, 0, p, COUNT);
+                    d.s.rooms[0].wall = 0.1;
+                    Error error = {""};
+                    cr_assert(maps_enclose(&d.s, &d.b, &d.arena, &error), "%s", error.text);
+                    int notes = 0;
+                    for (int i = 0; i < d.b.note_count; i++)
+                        notes += strstr(d.b.notes[i].text, "crosses itself") != NULL;
+                    cr_expect_eq(notes, deep == 2, "%d notes of an outline from corner %d, notch %d", notes,
+                                 first, deep);
+                    draft_free(&d);
+                }
+            }
+        }
+    }
+}

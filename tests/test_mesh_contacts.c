@@ -160,6 +160,22 @@ Test(mesh_contacts, a_box_on_the_floor) {
     }
 }
 
+// Proves the same in a doll's house, narrower than a metre along x or y.
+Test(mesh_contacts, a_box_in_a_small_room) {
+    static const Vec3 SIZES[] = {{0.75, 16, 1}, {16, 0.75, 1}};
+    for (int i = 0; i < 2; i++) {
+        Lit *lit = lit_new();
+        const Rectangle outline = {0.31, 0.23, 0.53, 0.47};
+        lit_box(lit, vec3(0, 0, 0), SIZES[i], true, LIT_WALL, 0);
+        lit_box(lit, vec3(outline.x0, outline.y0, 0.01), vec3(outline.x1, outline.y1, 0.3), false, LIT_RED,
+                0);
+        finish(lit, 0.2, 2, NULL);
+        // Tolerance: what is thinner than a millimetre is not cut off.
+        cr_assert_float_eq(check_floor(lit, &outline, 1), 0.22 * 0.24, 1e-3);
+        lit_free(lit);
+    }
+}
+
 // Proves that what is farther from the floor cuts nothing.
 Test(mesh_contacts, a_box_beyond_close) {
     Lit *lit = room();

@@ -643,6 +643,9 @@ Test(squares, take_more) {
                 kept = kept || more.square_objects[i] == g->square_objects[k];
             cr_assert(kept && again, "square %d no longer lists object %d", s, g->square_objects[k]);
         }
+        for (int i = more.square_first[s]; i + 1 < more.square_first[s + 1]; i++)
+            for (int k = i + 1; k < more.square_first[s + 1]; k++)
+                cr_assert_neq(more.square_objects[i], more.square_objects[k], "square %d lists one twice", s);
     }
     for (int o = 0; o < g->object_count; o++) {
         for (int i = 0; i < 5; i++) {

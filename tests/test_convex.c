@@ -1,0 +1,149 @@
+// test_convex.c - plan polygons with holes cut into convex pieces, by either way of triangulating: nothing lost, nothing twice.
+#include <criterion/criterion.h>
+#include <math.h>
+
+#include "engine/core/random.h"
+#include "visibility/convex.h"
+
+enum { HOLE = 5 };  // corners
+
+// A room with a raster of holes, each a pentagon in a square of 1 m, at whole millimetres.
+typedef struct Holey {
+    Arena arena;
+    Vec2 *points;
+    int *first, *size;
+    int rings, count, side;  // side: metres
+} Holey;
+
+static Vec2 snap(double x, double y) { return vec2(nearbyint(x * 1000) / 1000, nearbyint(y * 1000) / 1000); }
+
+static Holey make(Random *r, int side, int holes, Vec2 shift) {
+    Holey h = {.side = side, .rings = 1 + holes};
+    h.points = ARENA_ARRAY(&h.arena, Vec2, 4 + HOLE * holes);
+    h.first = ARENA_ARRAY(&h.arena, int, h.rings);
+    h.size = ARENA_ARRAY(&h.arena, int, h.rings);
+    for (int i = 0; i < 4; i++)
+        h.points[h.count++] = snap(shift.x + (i == 1 || i == 2) * side, shift.y + i / 2 * side);
+    h.size[0] = 4;
+    for (int k = 0; k < holes; k++) {
+        Vec2 middle = vec2_add(shift, vec2(k % side + 0.5, (double)(k / side) + 0.5));
+        double radius = random_between(r, 0.05, 0.499), turn = random_between(r, 0, 7);
+        h.first[k + 1] = h.count;
+        h.size[k + 1] = HOLE;
+        for (int i = 0; i < HOLE; i++) {  // clockwise; now and then with a dent
+            double angle = turn - 2 * M_PI * i / HOLE, far = random_index(r, 4) ? radius : radius / 4;
+            h.points[h.count++] = snap(middle.x + far * cos(angle), middle.y + far * sin(angle));
+        }
+    }
+    return h;
+}
+
+static double ring_area(const Vec2 *p, int count) {
+    double area = 0;
+    for (int i = 1; i + 1 < count; i++)
+        area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0])) / 2;
+    return area;
+}
+
+static double area_of(const Holey *h) {
+    double area = 0;
+    for (int i = 0; i < h->rings; i++) area += ring_area(h->points + h->first[i], h->size[i]);
+    return area;
+}
+
+static bool in_ring(const Vec2 *p, int count, Vec2 at) {
+    bool inside = false;
+    for (int i = 0, j = count - 1; i < count; j = i++)
+        if ((p[i].y > at.y) != (p[j].y > at.y) &&
+            at.x < p[i].x + (at.y - p[i].y) * (p[j].x - p[i].x) / (p[j].y - p[i].y))
+            inside = !inside;
+    return inside;
+}
+
+// Points at random lie in one piece where they are in the room and in no hole, else in none.
+static void expect_cover(const Holey *h, Random *r, const Vec2 *pieces, const int *first, int count) {
+    for (int i = 0; i < 300; i++) {
+        Vec2 at = vec2_add(h->points[0], vec2(random_between(r, -0.5, h->side + 0.5),
+                                              random_between(r, -0.5, h->side + 0.5)));
+        int in = 0;
+        bool free = false;
+        for (int k = 0; k < h->rings; k++) free ^= in_ring(h->points + h->first[k], h->size[k], at);
+        for (int k = 0; k < count; k++) in += in_ring(pieces + first[k], first[k + 1] - first[k], at);
+        cr_assert_eq(in, free, "(%g, %g) is in %d pieces, and %s", at.x, at.y, in, free ? "free" : "solid");
+    }
+}
+
+// Convex pieces that turn to the left and have the area of the whole. Tolerance: sums of products of a few thousand corners.
+static void expect_pieces(const Holey *h, Random *r, const Vec2 *pieces, const int *first, int count) {
+    double sum = 0;
+    for (int k = 0; k < count; k++) {
+        const Vec2 *p = pieces + first[k];
+        int n = first[k + 1] - first[k];
+        cr_assert_geq(n, 3);
+        for (int i = 0; i < n; i++) {
+            Vec2 a = p[i], b = p[(i + 1) % n], c = p[(i + 2) % n];
+            // A thousandth of a square millimetre: corners are whole millimetres but for their last bits.
+            cr_assert_geq(vec2_cross(vec2_sub(b, a), vec2_sub(c, b)), -1e-9, "piece %d bends inwards", k);
+        }
+        double area = ring_area(p, n);
+        cr_assert_gt(area, 0);
+        sum += area;
+    }
+    cr_assert_float_eq(sum, area_of(h), 1e-6, "%g m^2 in %d pieces of %g", sum, count, area_of(h));
+    expect_cover(h, r, pieces, first, count);
+}
+
+// Proves that rooms of no holes, some, and more than the fat triangulation takes (1,000) fall into convex pieces that cover them once.
+Test(convex, pieces_cover_the_polygon_once) {
+    static const int HOLES[] = {0, 1, 7, 60, 999, 1000, 1500};
+    Random r = {5};
+    for (int i = 0; i < 7; i++) {
+        int side = (int)ceil(sqrt(HOLES[i])) + 1;
+        Holey h = make(&r, side, HOLES[i], i % 2 ? vec2(-70.001, 312.5) : vec2(0, 0));
+        ConvexPieces out;
+        Error error = {""};
+        cr_assert(convex_decompose(h.points, h.first, h.size, h.rings, &h.arena, &out, &error), "%s",
+                  error.text);
+        Vec2 *pieces = ARENA_ARRAY(&h.arena, Vec2, out.first[out.count]);
+        for (int k = 0; k < out.first[out.count]; k++) pieces[k] = h.points[out.vertex[k]];
+        expect_pieces(&h, &r, pieces, out.first, out.count);
+        arena_free(&h.arena);
+    }
+}
+
+// Proves the same of the triangles of the sweep alone, whose number Euler's formula tells: corners + 2 * holes - 2.
+Test(convex, the_sweep_covers_the_polygon_once) {
+    Random r = {6};
+    for (int i = 0; i < 40; i++) {
+        int holes = i * 3;
+        Holey h = make(&r, (int)ceil(sqrt(holes)) + 1, holes, vec2(0, 0));
+        int(*edges)[2] = arena_alloc(&h.arena, (size_t)h.count, sizeof *edges), *triangles, n = 0;
+        Vec2 *whole = ARENA_ARRAY(&h.arena, Vec2, h.count);
+        for (int k = 0; k < h.rings; k++) {
+            for (int c = 0; c < h.size[k]; c++, n++) {
+                whole[n] = vec2(nearbyint(h.points[n].x * 1000), nearbyint(h.points[n].y * 1000));
+                edges[n][0] = n;
+                edges[n][1] = h.first[k] + (c + 1) % h.size[k];
+            }
+        }
+        int count = convex_sweep(whole, (const int(*)[2])edges, n, &h.arena, &triangles);
+        cr_assert_eq(count, n + 2 * holes - 2, "%d triangles of %d corners, %d holes", count, n, holes);
+        Vec2 *pieces = ARENA_ARRAY(&h.arena, Vec2, 3 * count);
+        int *first = ARENA_ARRAY(&h.arena, int, count + 1);
+        for (int k = 0; k < 3 * count; k++) pieces[k] = h.points[triangles[k]];
+        for (int k = 0; k <= count; k++) first[k] = 3 * k;
+        expect_pieces(&h, &r, pieces, first, count);
+        arena_free(&h.arena);
+    }
+}
+
+// Proves that edges which are no polygon are refused: one that runs the wrong way, and one that is missing.
+Test(convex, the_sweep_refuses_what_is_no_polygon) {
+    Arena arena = {0};
+    const Vec2 square[4] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+    const int backwards[4][2] = {{0, 3}, {3, 2}, {2, 1}, {1, 0}}, open[3][2] = {{0, 1}, {1, 2}, {2, 3}};
+    int *triangles;
+    cr_expect_eq(convex_sweep(square, backwards, 4, &arena, &triangles), -1);
+    cr_expect_eq(convex_sweep(square, open, 3, &arena, &triangles), -1);
+    arena_free(&arena);
+}

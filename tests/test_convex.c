@@ -1,9 +1,15 @@
-// test_convex.c - plan polygons with holes cut into convex pieces, by either way of triangulating: nothing lost, nothing twice.
+// test_convex.c - plan polygons with holes cut into convex pieces, by either way of triangulating, and floors into what tiles leave of
+// them: nothing lost, nothing twice.
 #include <criterion/criterion.h>
 #include <math.h>
+#include <stdio.h>
 
+#include "engine/core/polygon.h"
 #include "engine/core/random.h"
+#include "maps/maps.h"
+#include "tests/support.h"
 #include "visibility/convex.h"
+#include "visibility/vis.h"
 
 enum { HOLE = 5 };  // corners
 
@@ -146,4 +152,80 @@ Test(convex, the_sweep_refuses_what_is_no_polygon) {
     cr_expect_eq(convex_sweep(square, backwards, 4, &arena, &triangles), -1);
     cr_expect_eq(convex_sweep(square, open, 3, &arena, &triangles), -1);
     arena_free(&arena);
+}
+
+// ---- floors with much let into them
+
+static double floor_area(const CellGraph *g, bool surfaces) {
+    double area = 0;
+    for (int o = surfaces ? g->surface_first[0] : 0; o < (surfaces ? g->object_count : g->surface_first[0]);
+         o++) {
+        for (int p = g->objects[o].first_polygon;
+             p < g->objects[o].first_polygon + g->objects[o].polygon_count; p++) {
+            const Vec3 *v = g->vertices + g->polygons[p].first_vertex;
+            if (v[0].z == 0 && v[1].z == 0 && v[2].z == 0)
+                area += polygon_area(v, g->polygons[p].vertex_count);
+        }
+    }
+    return area;
+}
+
+static int polygons_at(const CellGraph *g, Vec2 at) {
+    int found = 0;
+    for (int p = 0; p < g->polygon_count; p++) {
+        const Vec3 *v = g->vertices + g->polygons[p].first_vertex;
+        Vec2 ring[64];
+        int count = g->polygons[p].vertex_count;
+        for (int i = 0; i < count && i < 64; i++) ring[i] = vec2(v[i].x, v[i].y);
+        found += v[0].z == 0 && v[1].z == 0 && v[2].z == 0 && count <= 64 && in_ring(ring, count, at);
+    }
+    return found;
+}
+
+// Proves that a floor and hundreds of tiles let into it cover the room once, near the origin and far from it, in a long room and in a
+// deep one: more than MANY of them, so that pieces are looked for by squares (surfaces.c).
+Test(convex, tiles_and_the_floor_cover_the_room_once) {
+    static const struct {
+        int x, y, nx, ny;
+    } ROOMS[] = {{0, 0, 20, 15}, {-70, 200, 50, 6}, {300, -90, 4, 60}};
+    Random r = {7};
+    for (int k = 0; k < 3; k++) {
+        Arena arena = {0};
+        Building b;
+        CellGraph g;
+        Error error = {""};
+        VisOptions options = vis_default_options();
+        const char *path = arena_format(&arena, "%s/tiles.plan", support_folder(&arena));
+        FILE *f = fopen(path, "w");
+        int x = ROOMS[k].x, y = ROOMS[k].y, right = x + ROOMS[k].nx, top = y + ROOMS[k].ny;
+        fprintf(f,
+                "plan 1\nmaterial tile #aa5533\nstorey s floor 0 height 2.5\nroom a %d,%d %d,%d %d,%d %d,%d "
+                "wall 0.2\n",
+                x, y, right, y, right, top, x, top);
+        for (int i = 0; i < ROOMS[k].nx * ROOMS[k].ny; i++) {
+            double radius = random_between(&r, 0.05, 0.5), turn = random_between(&r, 0, 7);
+            int corners = 3 + random_index(&r, 4);
+            fputs("inlay tile floor", f);
+            for (int c = 0; c < corners; c++) {
+                double angle = turn + 2 * M_PI * c / corners;
+                fprintf(f, " %.3f,%.3f", x + i % ROOMS[k].nx + 0.5 + radius * cos(angle),
+                        y + i / ROOMS[k].nx + 0.5 + radius * sin(angle));
+            }
+            fputs("\n", f);
+        }
+        fclose(f);
+        cr_assert(maps_read(path, &arena, &b, &error), "%s", error.text);
+        cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+        double tiles = floor_area(&g, false), floor = floor_area(&g, true), room = ROOMS[k].nx * ROOMS[k].ny;
+        cr_assert_eq(b.inlay_count, (int)room);
+        // Tolerance: slivers of up to VIS_SLIVER are left out, a few for each tile.
+        cr_assert_float_eq(tiles + floor, room, 1e-6 + 8 * VIS_SLIVER * room,
+                           "tiles %.9g, floor %.9g of %g m^2", tiles, floor, room);
+        for (int i = 0; i < 500; i++) {
+            Vec2 at = vec2(random_between(&r, x, right), random_between(&r, y, top));
+            cr_assert_eq(polygons_at(&g, at), 1, "%d polygons of the floor at (%g, %g)", polygons_at(&g, at),
+                         at.x, at.y);
+        }
+        arena_free(&arena);
+    }
 }

@@ -228,7 +228,7 @@ static inline bool span_equal(const Span *a, const Span *b) {
 
 // ---- enclose_regions.c
 void regions_trace(Enclosure *e);
-int enclose_push_point(Enclosure *e, Vec2 metres, int material);
+void enclose_push_point(Enclosure *e, Vec2 metres, int material);
 
 // ---- enclose_openings.c
 void openings_append(Enclosure *e);  // before the regions that refer to them

@@ -131,17 +131,16 @@ static void label_rooms(Enclosure *e, Pass *pass) {
 }
 
 // Openings may stand above one another; where they overlap, the first one wins.
-static bool place_hole(const Enclosure *e, Spot *spot, int hole) {
+static void place_hole(const Enclosure *e, Spot *spot, int hole) {
     const Hole *h = &e->holes[hole];
     for (int k = 0; k < SPOT_HOLES; k++) {
         if (spot->hole[k] < 0) {
             spot->hole[k] = hole;
-            return true;
+            return;
         }
         const Hole *other = &e->holes[spot->hole[k]];
-        if (h->sill < other->head && other->sill < h->head) return false;
+        if (h->sill < other->head && other->sill < h->head) return;
     }
-    return false;
 }
 
 static void label_holes(Enclosure *e, Pass *pass) {

@@ -13,7 +13,7 @@ static const double SIDE_REACH = 30;
 // Sides of walls that cover the solid behind an edge go before others by this, mm.
 static const double COVER_BONUS = 100;
 
-int enclose_push_point(Enclosure *e, Vec2 metres, int material) {
+void enclose_push_point(Enclosure *e, Vec2 metres, int material) {
     Building *b = e->b;
     if (b->edge_capacity <= b->point_count) {
         // A reader may have added points of inlays without materials.
@@ -26,7 +26,6 @@ int enclose_push_point(Enclosure *e, Vec2 metres, int material) {
     }
     b->edge_material[b->point_count] = material;
     *ARENA_PUSH(e->arena, b->points, b->point_count, b->point_capacity) = metres;
-    return b->point_count - 1;
 }
 
 // ---- materials of edges

@@ -14,8 +14,6 @@
 
 enum { ALIGNMENT = 64 };
 static const size_t MEGABYTE = (size_t)1 << 20;
-// What a fence leaves to libraries beyond the budget: for heaps in pieces.
-static const size_t FENCE_SLACK = (size_t)32 << 20;
 
 // One memory a process: what is global here belongs to it.
 static atomic_size_t used, peak;
@@ -141,12 +139,14 @@ static void move_fence(void) {
 static void raise_fence(void) {
 // The sanitizers' own memory is data too.
 #ifndef __SANITIZE_ADDRESS__
+    // What a fence leaves to libraries beyond the budget: for heaps in pieces.
+    static const size_t SLACK = (size_t)32 << 20;
     Process now;
     // Threads must not meet a fence: their stacks are data too.
     if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure(&now) || now.threads != 1 ||
         now.data <= memory_used())
         return;
-    fence_base = now.data - memory_used() + FENCE_SLACK;
+    fence_base = now.data - memory_used() + SLACK;
     move_fence();
 #endif
 }

@@ -4,6 +4,7 @@
 #include "engine/walk/door_states.h"
 #include "engine/walk/doors.h"
 #include "maps/maps.h"
+#include "tests/fixture.h"
 #include "tests/support.h"
 
 static const char ROOMS[] = "plan 1\nstorey s floor 0 height 2.6\n"
@@ -322,4 +323,101 @@ Test(doors, stand_as_they_are_told) {
     cr_expect_float_eq(wide / (double)DRAWS, 0.25, 0.009);
     cr_expect_float_eq(hardly / (double)DRAWS, (1.0 / 16 + 0.5) / 4, 0.009);
     cr_expect_float_eq(most / (double)DRAWS, (0.1 + 1 - sqrt(sqrt(0.9))) / 4, 0.009);
+}
+
+// ---- what is looked at
+
+static bool in_leaf(const Building *b, const Leaf *leaf, double open, Vec3 p, double grown) {
+    Vec2 corner[LEAF_CORNERS];
+    int count = leaf_plan(b, leaf, open, corner);
+    double low = leaf->z0 + open * leaf->rise, high = leaf->z1 + open * leaf->rise;
+    if (p.z < low - grown || p.z > high + grown) return false;
+    for (int i = 0; i < count; i++) {
+        Vec2 a = corner[i], edge = vec2_sub(corner[(i + 1) % count], a);
+        if (vec2_cross(edge, vec2_sub(vec2(p.x, p.y), a)) < -grown * vec2_length(edge)) return false;
+    }
+    return true;
+}
+
+// Where the ray passes a doorway between its jambs, sill and head, all moved outwards by `grown`; or INFINITY.
+static double passes_doorway(const Opening *o, Vec3 eye, Vec3 way, double grown) {
+    Vec2 along = vec2_sub(o->line[1], o->line[0]);
+    double width = vec2_length(along);
+    along = vec2_scale(along, 1 / width);
+    Vec2 n = vec2(-along.y, along.x), from = vec2_sub(vec2(eye.x, eye.y), o->line[0]);
+    double t = -vec2_dot(n, from) / vec2_dot(n, vec2(way.x, way.y));
+    double at = vec2_dot(along, from) + t * vec2_dot(along, vec2(way.x, way.y)), z = eye.z + t * way.z;
+    bool inside =
+        t >= 0 && at >= -grown && at <= width + grown && z >= o->sill - grown && z <= o->head + grown;
+    return inside ? t : INFINITY;
+}
+
+// The door whose leaf or doorway a ray comes to first, in steps of 4 mm, leaves and doorways larger by `grown`; -1: a wall or a window
+// comes first; -2: two doors, or the wall, are about as near.
+static int meant(const Doors *d, Vec3 eye, Vec3 way, double clear, double grown) {
+    static const double STEP = 0.004, ABOUT = 0.03;
+    const Building *b = d->graph->building;
+    double nearest = INFINITY, next = INFINITY;
+    int found = -1;
+    for (int i = 0; i < b->opening_count; i++) {
+        if (!doors_usable(d, i)) continue;
+        double hit = passes_doorway(&b->openings[i], eye, way, grown);
+        for (int k = 0; k < b->openings[i].leaf_count; k++) {
+            const Leaf *leaf = &b->leaves[b->openings[i].first_leaf + k];
+            Vec2 to = vec2_sub(leaf->pivot, vec2(eye.x, eye.y));
+            if (vec2_length(to) > clear + 3) continue;
+            for (double t = 0; t < fmin(hit, clear + ABOUT); t += STEP)
+                if (in_leaf(b, leaf, (double)d->open[i], vec3_add(eye, vec3_scale(way, t)), grown)) hit = t;
+        }
+        if (hit < nearest)
+            next = nearest, nearest = hit, found = i;
+        else
+            next = fmin(next, hit);
+    }
+    if (fabs(nearest - clear) < ABOUT || (next - nearest < ABOUT && nearest < clear)) return -2;
+    return nearest < clear ? found : -1;
+}
+
+// Proves which door is meant in houses, from anywhere and in any direction, doors at any angle: that whose leaf or doorway a ray comes to
+// first, before a wall or a window.
+Test(doors, looked_at_by_rays) {
+    static const char *const FILES[] = {"build/maps/house.plan", "build/maps/house.sh3d",
+                                        "build/maps/villa.sh3d"};
+    int some = 0, none = 0;
+    for (int f = 0; f < 3; f++) {
+        Made m = {.arena = {0}};
+        Error error;
+        Random random = {(uint64_t)f + 1};
+        VisOptions options = vis_default_options();
+        cr_assert(maps_read(FILES[f], &m.arena, &m.building, &error), "%s", error.text);
+        cr_assert(vis_build_cells(&m.building, &options, &m.arena, &m.graph, &error), "%s", error.text);
+        m.doors = doors_new(&m.graph, &m.arena);
+        for (int n = 0; n < support_count(1200, 20000); n++) {
+            for (int i = 0; n % 10 == 0 && i < m.building.opening_count; i++)
+                doors_set(&m.doors, i, walk_random_share(&random));
+            int cell = random_index(&random, m.graph.cell_count);
+            Vec3 eye = fixture_point(&m.graph, &random, cell), way = fixture_direction(&random);
+            way = vec3_normalize(vec3(way.x, way.y, 0.3 * way.z));
+            double reach = n % 2 ? DOORS_REACH : 6;
+            Trace trace;
+            if (!fixture_trace(&m.graph, cell, eye, way, NULL, &trace)) continue;
+            double clear = fmin(reach, vec3_length(vec3_sub(trace.hit, eye)));
+            for (int i = 0; i < trace.count; i++) {
+                int opening = vis_region(&m.graph, trace.cells[i])->opening;
+                if (opening < 0 || m.building.openings[opening].kind != OPENING_WINDOW) continue;
+                Plane plane = {{0, 0, 0}, 0};
+                if (i > 0) plane = m.graph.portals[trace.portals[i - 1]].plane;
+                clear = i == 0 ? 0 : fmin(clear, -plane_distance(plane, eye) / vec3_dot(plane.n, way));
+            }
+            int expected = meant(&m.doors, eye, way, clear, 0.006);
+            if (expected == -2 || expected != meant(&m.doors, eye, way, clear, -0.006)) continue;
+            int found = doors_looked_at(&m.doors, eye, cell, way, reach);
+            cr_assert_eq(found, expected, "%s, ray %d from (%g, %g, %g): door %d, not %d", FILES[f], n, eye.x,
+                         eye.y, eye.z, found, expected);
+            some += found >= 0;
+            none += found < 0;
+        }
+        arena_free(&m.arena);
+    }
+    cr_assert(some > 200 && none > 1000, "%d at doors, %d not", some, none);
 }

@@ -182,14 +182,14 @@ static int polygons_at(const CellGraph *g, Vec2 at) {
     return found;
 }
 
-// Proves that a floor and hundreds of tiles let into it cover the room once, near the origin and far from it, in a long room and in a
+// Proves that a floor and hundreds of tiles let into it cover the room once, near the origin and far from it, in long rooms and in a
 // deep one: more than MANY of them, so that pieces are looked for by squares (surfaces.c).
 Test(convex, tiles_and_the_floor_cover_the_room_once) {
     static const struct {
         int x, y, nx, ny;
-    } ROOMS[] = {{0, 0, 20, 15}, {-70, 200, 50, 6}, {300, -90, 4, 60}};
+    } ROOMS[] = {{0, 0, 20, 15}, {-70, 200, 50, 6}, {300, -90, 5, 60}, {-70, -40, 35, 10}};
     Random r = {7};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         Arena arena = {0};
         Building b;
         CellGraph g;

@@ -229,3 +229,39 @@ Test(convex, tiles_and_the_floor_cover_the_room_once) {
         arena_free(&arena);
     }
 }
+
+// Proves it of rows of holes that touch each other at their corners: several corners in one place.
+Test(convex, holes_that_touch) {
+    enum { SIDE = 6, COUNT = 4 + 4 * SIDE * SIDE };
+    Random r = {8};
+    Holey h = {.side = SIDE + 2, .rings = 1, .count = 4};
+    h.points = ARENA_ARRAY(&h.arena, Vec2, COUNT);
+    h.first = ARENA_ARRAY(&h.arena, int, 1 + SIDE * SIDE);
+    h.size = ARENA_ARRAY(&h.arena, int, 1 + SIDE * SIDE);
+    h.size[0] = 4;
+    for (int i = 0; i < 4; i++) h.points[i] = vec2((i == 1 || i == 2) * h.side, i / 2 * h.side);
+    for (int k = 0; k < SIDE * SIDE; k++, h.rings++) {
+        h.first[h.rings] = h.count;
+        h.size[h.rings] = 4;
+        double x = k % SIDE + 1.5, y = k / SIDE + 1.5;
+        h.points[h.count++] = vec2(x - 0.5, y);
+        h.points[h.count++] = vec2(x, y + 0.4);
+        h.points[h.count++] = vec2(x + 0.5, y);
+        h.points[h.count++] = vec2(x, y - 0.4);
+    }
+    int(*edges)[2] = arena_alloc(&h.arena, COUNT, sizeof *edges), *triangles, first[3 * COUNT];
+    Vec2 whole[COUNT], pieces[3 * 3 * COUNT];
+    for (int k = 0, n = 0; k < h.rings; k++) {
+        for (int c = 0; c < h.size[k]; c++, n++) {
+            whole[n] = vec2(1000 * h.points[n].x, 1000 * h.points[n].y);
+            edges[n][0] = n;
+            edges[n][1] = h.first[k] + (c + 1) % h.size[k];
+        }
+    }
+    int count = convex_sweep(whole, (const int(*)[2])edges, COUNT, &h.arena, &triangles);
+    cr_assert(count > 0 && count < 3 * COUNT, "%d", count);
+    for (int k = 0; k < 3 * count; k++) pieces[k] = h.points[triangles[k]];
+    for (int k = 0; k <= count; k++) first[k] = 3 * k;
+    expect_pieces(&h, &r, pieces, first, count);
+    arena_free(&h.arena);
+}

@@ -722,3 +722,31 @@ Test(building, clipped_polygons_have_room) {
 Test(building, names) {
     for (int i = 0; i < OPENING_KINDS; i++) cr_expect_gt(strlen(opening_kind_name((OpeningKind)i)), 0);
 }
+
+// Proves that a portal between given cells may bend by 4 mm, and not by 5 (building_check_forms.c, GIVEN_BEND): a corner is moved out of the
+// plane of a rectangle, of which the plane between then lies off by a quarter.
+Test(building, check_knows_bent_portals) {
+    static const struct {
+        double moved;
+        bool sound;
+    } CASES[] = {{0, true}, {0.015, true}, {-0.015, true}, {0.02, false}, {-0.02, false}, {1, false}};
+    for (int i = 0; i < (int)(sizeof CASES / sizeof *CASES); i++) {
+        Arena arena = {0};
+        Vec3 v[4] = {{0, 0, 0}, {0, 0, 1}, {CASES[i].moved, 2, 1}, {0, 2, 0}};
+        GivenPortal portal = {{0, 1}, 0, 4};
+        Building b = {.form = FORM_CELLS,
+                      .source = "bent",
+                      .given_cell_count = 2,
+                      .given_portals = &portal,
+                      .given_portal_count = 1,
+                      .vertices = v,
+                      .vertex_count = 4,
+                      .world = {{-1, 0, 0}, {1, 2, 1}}};
+        const char *fault = "";
+        int count = building_check(&b, &arena, &fault, 1);
+        cr_expect_eq(count, !CASES[i].sound, "moved by %g: %d faults, first: %s", CASES[i].moved, count,
+                     fault);
+        cr_expect(CASES[i].sound || strstr(fault, "bends by"), "%s", fault);
+        arena_free(&arena);
+    }
+}

@@ -13,6 +13,8 @@
 
 // Closing small gaps must enclose at least this much more to be worth it, mm^2.
 static const double LEAST_GAIN = 2.5e5;
+// Of all spots: less is not tried.
+static const double LEAST_SHARE = 1.0 / 4096;
 
 static void on_geos_error(const char *message, void *context) {
     Enclosure *e = context;
@@ -24,12 +26,14 @@ static bool run_pass(Enclosure *e, bool with_plugs, Pass *pass) {
     *pass = (Pass){.leaking = false};
     if (!plan_build(e, with_plugs, &pass->plan)) return false;
     long long spots = (long long)e->b->storey_count * pass->plan.face_count;
-    if (spots > ENCLOSE_MOST_SPOTS)
+    if (spots > ENCLOSE_MOST_SPOTS) {
+        e->too_many = true;
         return error_set(
             e->error,
             "%d storeys, whose outlines make a common plan of %d pieces, are too much (allowed: %d, "
             "storeys times pieces)",
             e->b->storey_count, pass->plan.face_count, ENCLOSE_MOST_SPOTS);
+    }
     cover_label(e, pass, with_plugs);
     indoor_label(e, pass);
     return true;
@@ -80,13 +84,28 @@ static bool enclose(Enclosure *e) {
     return true;
 }
 
-bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error) {
+static bool try_share(const Sketch *sketch, double share, Building *b, Arena *arena, bool *again,
+                      Error *error) {
     Arena scratch = {0};
-    Enclosure e = {.sketch = sketch, .b = b, .arena = arena, .scratch = &scratch, .error = error};
+    Enclosure e = {
+        .sketch = sketch, .b = b, .arena = arena, .scratch = &scratch, .error = error, .share = share};
     e.geos = GEOS_init_r();
     GEOSContext_setErrorMessageHandler_r(e.geos, on_geos_error, &e);
     bool ok = enclose(&e);
     GEOS_finish_r(e.geos);
     arena_free(&scratch);
+    *again = e.too_many;
     return ok;
+}
+
+bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error) {
+    const Building before = *b;
+    bool again = false;
+    for (double share = 1; share >= LEAST_SHARE; share /= 4) {
+        // Arrays only grow: their counts take back what was appended.
+        *b = before;
+        if (try_share(sketch, share, b, arena, &again, error)) return true;
+        if (!again) return false;
+    }
+    return false;
 }

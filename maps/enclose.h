@@ -13,7 +13,8 @@
 #include "maps/sketch.h"
 
 #define ENCLOSE_MM 1000.0  // millimetres in a metre
-// The plan is one for all storeys, and each has a table of its faces: storeys times faces.
+// The plan is one for all storeys, and each has a table of its faces: storeys times faces. Where outlines make more, they are tried
+// again with a smaller share of it.
 #define ENCLOSE_MOST_SPOTS 4000000
 
 // A polygon of any number of rings, even-odd.
@@ -133,6 +134,8 @@ typedef struct Enclosure {
     Vec2 origin;  // metres, whole
     Vec2 world_min, world_max;
     double bottom, top;  // of all columns
+    double share;        // of the spots that outlines may take, 1 at first
+    bool too_many;       // spots: a smaller share may help
     Shape *walls, *rooms, *cutouts;
     bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
     bool *room_used, *cutout_used;

@@ -35,8 +35,10 @@ typedef struct Crossings {
     bool *taken;  // [segment_count] of the first of equal ones: an outline that was taken has it
     BoxTree tree;
     long long meetings, touches, looks;  // so far
+    long long outlines;                  // so far, but those that lie on others
     bool any;                            // an outline was taken
-    bool looked_out;                     // the last one tried would take more looks than are allowed
+    // Why the last one tried was not taken: looks, or outlines of so many storeys, would be more than are allowed. Else meetings.
+    bool looked_out, crowded;
 } Crossings;
 
 static PlanSegment segment_between(Vec2 a, Vec2 b) {
@@ -110,19 +112,22 @@ static int ends_on(const PlanSegment *s, const PlanSegment *t) {
     return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
 }
 
-// Takes an outline if it meets those taken before at few enough places.
+// Takes an outline if it meets those taken before at few enough places, and if these are few enough: each makes a piece of the plan at
+// least.
 static bool take(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,
-              spots = ENCLOSE_MOST_SPOTS / 2 / (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1),
+              spots = (long long)(c->e->share * ENCLOSE_MOST_SPOTS / 2 /
+                                  (c->e->b->storey_count > 0 ? c->e->b->storey_count : 1)),
               count = 0, touches = 0;
     if (most > spots) most = spots;
     int end = c->first[outline];
-    bool good = true;
+    bool good = true, fresh = false;
     for (; end < c->first[outline + 1] && good; end++) {
         int i = end;
         c->segments[i].fresh = !c->taken[c->segments[i].same];
         if (!c->segments[i].fresh) continue;
+        fresh = true;
         i = c->segments[i].same;
         long long before = c->e->near.looked;
         box_tree_find(&c->tree, c->tree.boxes[i], c->e->scratch, &c->e->near);
@@ -139,11 +144,14 @@ static bool take(Crossings *c, int outline) {
         c->taken[i] = true;
         good = c->meetings + count <= most && c->touches + touches <= TOUCHES && c->looks <= looks;
     }
+    c->crowded = fresh && c->outlines >= 2 * spots;
     c->looked_out = c->looks > looks;
+    good = good && !c->crowded;
     if (!c->any) c->looks = 0;
     if (good) {
         c->meetings += count;
         c->touches += touches;
+        c->outlines += fresh;
         return c->any = true;
     }
     for (int i = c->first[outline]; i < end; i++)
@@ -162,6 +170,11 @@ static void leave_out(const Crossings *c, const Shape *shape, int storey, const 
                       "%s %s left out: at (%.2f, %.2f) the edges of its outline (%d) lie among so many that "
                       "crossings cannot be looked for",
                       what, enclose_text(place), p.x, p.y, shape->ring[shape->ring_count]);
+    else if (c->crowded)
+        building_note(e->arena, e->b, NOTE_DROPPED, p,
+                      "%s %s left out: at (%.2f, %.2f) its outline would be one too many of %d storeys "
+                      "(allowed here: %lld)",
+                      what, enclose_text(place), p.x, p.y, e->b->storey_count, c->outlines);
     else
         building_note(e->arena, e->b, NOTE_DROPPED, p,
                       "%s %s left out: at (%.2f, %.2f) its outline would be one too many that cross others",

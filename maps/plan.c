@@ -199,6 +199,7 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     int index = building_add_material(arena, out, plain);
     if (!plan_declare(&plan->line, &plan->materials, "material", PLAIN, index)) return false;
     if (!read_lines(plan, content)) return false;
+    plan_note_ramps(plan);
     if (!plan_fit_openings(plan)) return false;
     Error why = {""};
     if (!maps_enclose(&plan->sketch, out, arena, &why)) return error_set(error, "%s: %.900s", path, why.text);

@@ -42,7 +42,11 @@ typedef struct Plan {
     bool begun, ground;
     Vec3 start;
     double start_yaw;
-    int start_line;  // 0: the file names no start
+    int start_line;      // 0: the file names no start
+    int stair_polygons;  // of all flights so far
+    int ramp_count;      // flights beyond their share of polygons: each is a slope
+    Vec3 first_ramp;
+    const char *first_ramp_place;
 } Plan;
 
 // `house.plan:12: door pantry`
@@ -60,6 +64,7 @@ bool plan_read_facade(Plan *plan);
 bool plan_read_slabs(Plan *plan);
 bool plan_read_stairwell(Plan *plan);
 bool plan_read_stair(Plan *plan);
+void plan_note_ramps(Plan *plan);  // of all stairs, at the end
 bool plan_read_light(Plan *plan);
 bool plan_read_inlay(Plan *plan);
 bool plan_read_place(Plan *plan);

@@ -174,6 +174,15 @@ void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int 
     }
 }
 
+void plan_add_ramp(Arena *arena, PlanModels *models, Vec3 size, int material) {
+    double x = size.x / 2, y = size.y / 2, z = size.z;
+    Building *b = &models->shapes;
+    building_add_polygon(arena, b, (Vec3[]){{-x, -y, 0}, {x, -y, 0}, {x, y, z}, {-x, y, z}}, 4, material);
+    building_add_polygon(arena, b, (Vec3[]){{x, y, 0}, {-x, y, 0}, {-x, y, z}, {x, y, z}}, 4, material);
+    building_add_polygon(arena, b, (Vec3[]){{-x, y, 0}, {-x, -y, 0}, {-x, y, z}}, 3, material);
+    building_add_polygon(arena, b, (Vec3[]){{x, -y, 0}, {x, y, 0}, {x, y, z}}, 3, material);
+}
+
 Vec3 plan_turn_point(const PlanTurn *t, Vec3 p) {
     double x = t->stand.mirror ? -p.x : p.x;
     Vec3 at = t->stand.at;

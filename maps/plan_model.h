@@ -53,6 +53,8 @@ bool plan_light(PlanLine *line, const char *name, Light *out);  // x,y,z and opt
 
 // Appends a straight flight of solid steps to the last model: centred in plan, rising along +y.
 void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int material);
+// Likewise one slope of the same size, four polygons.
+void plan_add_ramp(Arena *arena, PlanModels *models, Vec3 size, int material);
 
 // Where a stand puts a point of a model, and a direction.
 typedef struct PlanTurn {

@@ -159,9 +159,28 @@ bool plan_read_stair(Plan *plan) {
         return false;
     PlanModels one = {0};
     building_add_object(plan->arena, &one.shapes, OBJECT_STAIR, name);
-    plan_add_stair(plan->arena, &one, size, steps, material);
     PlanStand stand = {vec3(at.x, at.y, plan_storey_floor(plan) + at.z), angle, false};
+    // Beyond half of all polygons allowed a flight is one slope: more steps do not make a building more usable.
+    if (plan->stair_polygons <= building_polygons_allowed(plan->b->file_size) / 2) {
+        plan_add_stair(plan->arena, &one, size, steps, material);
+    } else {
+        plan_add_ramp(plan->arena, &one, size, material);
+        if (plan->ramp_count++ == 0) {
+            plan->first_ramp = stand.at;
+            plan->first_ramp_place = plan_place_text(plan, "stair", name);
+        }
+    }
+    plan->stair_polygons += one.shapes.polygon_count;
     return plan_stand_model(line, plan->arena, &one, 0, name, stand, plan->b);
+}
+
+void plan_note_ramps(Plan *plan) {
+    if (plan->ramp_count == 0) return;
+    building_note(plan->arena, plan->b, NOTE_CHANGED, plan->first_ramp,
+                  "%d flights of stairs stand as slopes, the first of them %s: their steps would take more "
+                  "than half of the %d "
+                  "polygons allowed",
+                  plan->ramp_count, plan->first_ramp_place, building_polygons_allowed(plan->b->file_size));
 }
 
 bool plan_read_light(Plan *plan) {

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "engine/core/polygon.h"
 #include "maps/maps.h"
 #include "tests/hostile.h"
 #include "tests/support.h"
@@ -124,6 +125,79 @@ Test(limits, of_repetition) {
         refuse(&arena, path, CASES[i].expected);
         unlink(path);
     }
+    arena_free(&arena);
+}
+
+static Building open_with_note(Arena *arena, const char *path, const char *expected) {
+    Building b = {0};
+    Error error = {""};
+    cr_assert(maps_read(path, arena, &b, &error), "%s", error.text);
+    bool said = false;
+    for (int i = 0; i < b.note_count; i++) said = said || strstr(b.notes[i].text, expected);
+    cr_expect(said, "%s: no note `%s`", path, expected);
+    return b;
+}
+
+// Flights of stairs whose steps would be more polygons than a building may have: it opens, those beyond half of the polygons are
+// slopes. Proves for each flight that it reaches from its foot to its top, and, by the volume between its polygons and the floor, that
+// it is whole and faces outwards: n steps hold (n + 1) / 2n of their box, a slope holds half. Tolerance: the box is of whole
+// centimetres, rounding in 1e8 m gives 1e-8.
+Test(limits, of_stairs) {
+    enum { FLIGHTS = 500, STEPS = 200 };
+    Arena arena = {0};
+    const char *path = arena_format(&arena, "%s/stairs.plan", support_folder(&arena));
+    FILE *file = fopen(path, "w");
+    cr_assert(file && fputs(PLAN, file) >= 0);
+    for (int i = 0; i < FLIGHTS; i++)
+        fprintf(file, "stair s%d 2,1 width 1 depth 3 height 2 steps %d angle %d\n", i, STEPS, i % 360);
+    cr_assert_eq(fclose(file), 0);
+    Building b = open_with_note(
+        &arena, path,
+        "stairs.plan:193: stair s188: their steps would take more than half of the 300000 polygons allowed");
+    int slopes = 0;
+    for (int i = 0; i < b.object_count; i++) {
+        const Object *o = &b.objects[i];
+        if (o->kind != OBJECT_STAIR) continue;
+        double volume = 0;
+        for (int k = o->first_polygon; k < o->first_polygon + o->polygon_count; k++) {
+            const Polygon *p = &b.polygons[k];
+            const Vec3 *v = b.vertices + p->first_vertex;
+            Vec3 at = vec3_sub(v[0], vec3(2, 1, 0));
+            volume +=
+                vec3_dot(plane_of_polygon(v, p->vertex_count).n, at) * polygon_area(v, p->vertex_count) / 3;
+        }
+        bool slope = o->polygon_count == 4;
+        slopes += slope;
+        cr_expect_float_eq(volume, slope ? 3 : 3.0 * (STEPS + 1) / STEPS, 1e-8, "flight %d holds %.10g m^3",
+                           i, volume);
+        cr_expect(o->proxy_z0 == 0 && o->proxy_z1 == 2, "flight %d reaches from %g to %g", i, o->proxy_z0,
+                  o->proxy_z1);
+    }
+    cr_expect_eq(slopes, 312);
+    unlink(path);
+    arena_free(&arena);
+}
+
+// Rooms of so many storeys, no two above one another, that the table of storeys and pieces of the plan would be too large: the first
+// ones are there with their area, to the square millimetre, and the others are noted and counted as lost.
+Test(limits, of_storeys) {
+    enum { STOREYS = 1500, SIDE = 6 };
+    Arena arena = {0};
+    const char *path = arena_format(&arena, "%s/storeys.plan", support_folder(&arena));
+    FILE *file = fopen(path, "w");
+    cr_assert(file && fputs("plan 1\n", file) >= 0);
+    for (int i = 0; i < STOREYS; i++) {
+        int x = 8 * (i % 50), y = 8 * (i / 50);
+        fprintf(file, "storey s%d floor %g height 2.5\nroom a %d,%d %d,%d %d,%d %d,%d\n", i, 2.75 * i, x, y,
+                x + SIDE, y, x + SIDE, y + SIDE, x, y + SIDE);
+    }
+    cr_assert_eq(fclose(file), 0);
+    Building b =
+        open_with_note(&arena, path, "its outline would be one too many of 1500 storeys (allowed here: 666)");
+    cr_expect_eq(b.region_count, 666);
+    cr_expect_float_eq(b.drawn_area - b.lost_area, 666.0 * SIDE * SIDE, 1e-6);
+    for (int i = 0; i < b.region_count; i++) cr_expect_eq(b.regions[i].z0, 2.75 * i);
+    unlink(path);
     arena_free(&arena);
 }
 

@@ -208,6 +208,8 @@ typedef struct Building {
     const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
     uint64_t hash;    // of the file's content, and of `map`
     double file_size;  // bytes; 0: not read from a file. What may be spent on a building grows with it
+    const char *
+        *beside;  // [beside_count] paths of the files that the one read refers to, of those that are there
     Material *materials;
     Storey *storeys;
     Region *regions;
@@ -232,11 +234,12 @@ typedef struct Building {
     int given_cell_count, given_portal_count;
     int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
         polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
-        tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count;
+        tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count,
+        beside_count;
     int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
         opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
         light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
-        control_capacity, trim_capacity, ball_capacity;
+        control_capacity, trim_capacity, ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;

@@ -161,7 +161,7 @@ static bool read_gltf(const char *path, Bytes content, Arena *arena, Building *o
     Gltf g = {.path = path,
               .pixels = TEXTURE_FREE_PIXELS,
               .size = content.size,
-              .folder = {.path = path},
+              .folder = {.path = path, .arena = arena, .b = out},
               .arena = arena,
               .scratch = &scratch,
               .b = out,

@@ -1,5 +1,6 @@
 // soup_files.c - files that a building's file refers to. Symbolic links are followed: whoever made the folder made them.
 #include <string.h>
+#include <unistd.h>
 
 #include "maps/soup_readers.h"
 
@@ -27,6 +28,9 @@ bool soup_read_beside(SoupFolder *folder, const char *name, Arena *arena, Bytes 
     folder->files++;
     const char *slash = strrchr(path, '/');
     char *full = arena_format(arena, "%.*s%s", slash ? (int)(slash - path + 1) : 0, path, slashed);
+    if (access(full, F_OK) == 0)
+        *ARENA_PUSH(folder->arena, folder->b->beside, folder->b->beside_count, folder->b->beside_capacity) =
+            arena_string(folder->arena, full);
     if (!file_read(full, SOUP_MAX_BYTES - folder->bytes, arena, out, error)) return false;
     folder->bytes += out->size;
     folder->hash = file_hash(out->data, out->size, folder->hash);

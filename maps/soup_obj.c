@@ -226,7 +226,7 @@ static bool read_file(void *context, const char *name, Arena *arena, Bytes *out)
 
 static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
-    SoupFolder folder = {.path = path};
+    SoupFolder folder = {.path = path, .arena = arena, .b = out};
     double pixels = TEXTURE_FREE_PIXELS;
     ObjFiles files = {read_file, &folder, &pixels};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);

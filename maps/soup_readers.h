@@ -19,9 +19,11 @@
 
 // ---- soup_files.c
 
-// The files beside the one at `path`, which refers to them. Start with {.path = path}.
+// The files beside the one at `path`, which refers to them. Start with {.path = path, .arena = arena, .b = b}.
 typedef struct SoupFolder {
     const char *path;
+    Arena *arena;   // of the building
+    Building *b;    // gets the paths of the files that are there
     uint64_t hash;  // of what was read
     size_t bytes;   // read so far
     int files;

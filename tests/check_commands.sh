@@ -301,6 +301,50 @@ written_twice walk OUT/own.plan --offscreen OUT/x --stats OUT/x.mp4 --video OUT/
 END
 same $two "$work/own.plan" 'the building that was read is overwritten'
 
+# Nor are files written that a model refers to, by their own names or by links: a library and a picture of an .obj, the numbers and a
+# picture of a .gltf. Nor is light found beside a building, nor a picture among those of an off-screen walk.
+mkdir -p "$work/model" "$work/frames"
+printf 'mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n' >"$work/model/a.obj"
+printf 'newmtl m\nmap_Kd own.png\n' >"$work/model/own.mtl"
+base64 -d >"$work/model/own.png" <<<'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=='
+# Three points, as 36 bytes: the origin, (1, 0, 0) and (0, 0, 1).
+printf '%b' "$(printf '\\0%.0s' {1..12})\\0\\0\\0200\\077$(printf '\\0%.0s' {1..8})$(printf '\\0%.0s' {1..8})\\0\\0\\0200\\077" >"$work/model/own.bin"
+cat >"$work/model/b.gltf" <<END
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+ "buffers": [{"uri": "own.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 1]}],
+ "images": [{"uri": "own.png"}], "textures": [{"source": 0}],
+ "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]}
+END
+ln -s ../model/own.mtl "$work/frames/soft"
+ln "$work/model/own.bin" "$work/frames/hard"
+ln "$work/model/own.png" "$work/frames/hard.glb"
+ln "$work/model/own.png" "$work/frames/frame-00003.png"
+cp $two "$work/model/c.plan" && cp "$work/1.vis" "$work/model/c.rad"
+cp -r "$work/model" "$work/model.kept"
+expect 0 "$program" info "$work/model/a.obj"
+expect 0 "$program" info "$work/model/b.gltf"
+while read -r out command; do
+    expect 1 "$program" ${command//MODEL/$work/model} "$work/$out" && sentence
+    says err "^enfilade: $work/$out.*: is read, and would be overwritten (allowed: another file)\$"
+done <<END
+model/own.mtl bake MODEL/a.obj -o
+frames/hard.glb bake MODEL/a.obj -o
+frames/soft vis MODEL/a.obj -o
+model/own.png vis MODEL/a.obj --pairs
+frames/soft plan MODEL/a.obj -o
+model/own.mtl render MODEL/a.obj -o
+model/own.bin bake MODEL/b.gltf -o
+model/own.png render MODEL/b.gltf -o
+frames/hard bench visibility MODEL/b.gltf --csv
+model/own.bin walk MODEL/b.gltf --offscreen $work/frames --stats
+model/own.bin walk MODEL/b.gltf --offscreen $work/frames --video
+frames walk MODEL/b.gltf --offscreen
+model/c.rad walk MODEL/c.plan --offscreen $work/frames --stats
+END
+diff -r "$work/model" "$work/model.kept" || fail 'a file that a model refers to is overwritten'
+
 # What is printed arrives, or the exit status tells: on a full disk, to a closed standard output, which no file takes the place of, and
 # to a reader that has gone, by the signal or without it. A file that the shell opened is written into.
 expect 1 bash -c "$program info $two >/dev/full" && says err 'standard output: cannot be written: No space left' && sentence

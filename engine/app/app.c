@@ -93,14 +93,34 @@ bool app_cache_takes(const char *path, size_t size) {
     return false;
 }
 
-bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
-                     Error *error) {
-    for (int i = 0; i < write_count; i++) {
-        if (!written[i]) continue;
+// What the command writes, as app_check_files was told: what a building refers to is known only when it has been read.
+static struct {
+    const char *paths[APP_MOST_WRITTEN];
+    int count;
+} output;
+
+bool app_spares(const char *const *written, int write_count, const char *const *read, int read_count,
+                Error *error) {
+    for (int i = 0; i < write_count; i++)
         for (int k = 0; k < read_count; k++)
-            if (read[k] && file_same(written[i], read[k]))
+            if (written[i] && read[k] && file_same(written[i], read[k]))
                 return error_set(error, "%s: is read, and would be overwritten (allowed: another file)",
                                  written[i]);
+    return true;
+}
+
+bool app_output_spares(const char *const *read, int read_count, Error *error) {
+    return app_spares(output.paths, output.count, read, read_count, error);
+}
+
+bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
+                     Error *error) {
+    CORE_ASSERT(write_count <= APP_MOST_WRITTEN);
+    memcpy(output.paths, written, (size_t)write_count * sizeof *written);
+    output.count = write_count;
+    if (!app_output_spares(read, read_count, error)) return false;
+    for (int i = 0; i < write_count; i++) {
+        if (!written[i]) continue;
         for (int k = 0; k < i; k++)
             if (written[k] && file_same(written[i], written[k]))
                 return error_set(error, "%s: would be written twice (allowed: different files)", written[i]);
@@ -166,7 +186,9 @@ bool app_load_cells(const char *path, const AppOptions *options, Arena *arena, A
     *out = (AppScene){0};
     double start = clock_seconds();
     app_open_budget(path);
-    if (!maps_read_map(path, options->map, arena, &out->building, error)) return false;
+    if (!maps_read_map(path, options->map, arena, &out->building, error) ||
+        !app_output_spares(out->building.beside, out->building.beside_count, error))
+        return false;
     if (options->lamps) out->lamp_faces = lamp_faces_add(arena, &out->building);
     double read = clock_seconds();
     memory_set_stage("making cells");

@@ -69,10 +69,16 @@ bool app_cache_check(const char *path, size_t size, Error *error);
 // The same for those who do without: where it cannot, one sentence says so on standard error, once in a process.
 bool app_cache_takes(const char *path, size_t size);
 
-// Before the work: can each of the files be written, and is it none of those that are read, nor another of these? NULLs are passed
-// over.
+// Are the files that are written none of those that are read? NULLs are passed over, here and below.
+bool app_spares(const char *const *written, int write_count, const char *const *read, int read_count,
+                Error *error);
+// Before the work: can each of the files be written, and is it none of those that are read, nor another of these? The paths
+// last: app_load and app_load_cells refuse a building that refers to one of the files.
+enum { APP_MOST_WRITTEN = 4 };
 bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,
                      Error *error);
+// The same of files that the command comes to read later.
+bool app_output_spares(const char *const *read, int read_count, Error *error);
 
 // ---- memory (app_memory.c)
 

@@ -1,4 +1,6 @@
 // cmd_walk.c - `enfilade walk FILE`: a walk through a building, in a window or off-screen.
+#include <dirent.h>
+#include <fnmatch.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -354,6 +356,7 @@ static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScen
     const char *lights[APP_LIGHTS];
     app_open_budget(path);
     int count = a->walk.verify ? 0 : app_find_lights(path, a->map, a->light, arena, lights);
+    if (!app_output_spares(lights, count, error)) return false;
     bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
     load.map = a->map;
     load.work = "walking";
@@ -389,16 +392,29 @@ static bool bake_first(Arguments *a, AppBake *bake, Arena *arena, Error *error) 
 }
 
 // Frames are written after the light was baked, which may take long.
-static bool check_folder(const Arguments *a, Arena *arena, Error *error) {
-    return file_make_folder(a->walk.folder, error) &&
-           file_check(arena_format(arena, "%s/frame-00000.png", a->walk.folder), 0, error);
+static bool check_folder(const Arguments *a, const Building *b, Arena *arena, Error *error) {
+    if (!file_make_folder(a->walk.folder, error) ||
+        !file_check(arena_format(arena, "%s/frame-00000.png", a->walk.folder), 0, error))
+        return false;
+    // How many pictures there will be is not known yet: each name that one may have counts.
+    const char *read[] = {a->file, a->light, a->walk.replay};
+    DIR *folder = opendir(a->walk.folder);
+    bool good = true;
+    for (struct dirent *entry; good && folder && (entry = readdir(folder));) {
+        if (fnmatch("frame-*.png", entry->d_name, 0) != 0) continue;
+        const char *path = arena_format(arena, "%s/%s", a->walk.folder, entry->d_name);
+        good =
+            app_spares(&path, 1, read, 3, error) && app_spares(&path, 1, b->beside, b->beside_count, error);
+    }
+    if (folder) closedir(folder);
+    return good;
 }
 
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     AppScene scene;
     AppBake *bake;
     if (!load_lit(a, a->file, arena, &scene, &a->walk.light, &bake, error) ||
-        !check_folder(a, arena, error) || (bake && !bake_first(a, bake, arena, error)))
+        !check_folder(a, &scene.building, arena, error) || (bake && !bake_first(a, bake, arena, error)))
         return false;
     if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
     if (a->walk.look == WALK_BAKED && !a->walk.light)

@@ -314,7 +314,8 @@ static void note(Sh3d *s, const Sh3dTally *tally, const char *what) {
 static void add_notes(Sh3d *s) {
     note(s, &s->missing_models, "models are not in the file, their pieces are boxes or plain stairs");
     note(s, &s->missing_frames, "models of doors and windows are not in the file, they have no frames");
-    note(s, &s->missing_textures, "textures are not in the file, the default colour stands for them");
+    note(s, &s->missing_textures,
+         "textures are missing or could not be decoded, another colour stands for them");
     note(s, &s->dark_lights, "lamps have no light source and give no light");
     note(s, &s->unknown_joins, "wall ends name a wall that is not in the file and are not joined");
     note(s, &s->bad_shapes, "outlines of holes make no sense and are rectangles");

@@ -8,6 +8,7 @@
 #include "tests/prt_scene.h"
 #include "tests/support.h"
 #include "visibility/pairs/compare.h"
+#include "visibility/pairs/rounds.h"
 #include "visibility/pairs/sample.h"
 #include "visibility/pairs/seen_file.h"
 #include "visibility/pairs/witness.h"
@@ -639,6 +640,71 @@ Test(pairs, what_is_stopped_errs_towards_visible) {
     sample_pairs(graph, &options, &progress, &arena, &part);
     cr_expect(part.stopped);
     cr_expect_eq(pairs_compare(whole.proven, part.proven, graph->cell_count).missed, 0);
+    arena_free(&arena);
+}
+
+static void arrive(Flow *flow, int depth) {
+    int cell = flow_cell(flow, depth);
+    row_add(((Finding *)flow->context)->kept, cell);
+    row_drop(flow->unknown, cell);
+}
+
+// With `scale` times the usual work.
+static PairSet search_with(const CellGraph *graph, double scale, Arena *arena) {
+    PairOptions options = {.threads = 2};
+    PairSet set;
+    Rounds rounds;
+    rounds_start(&rounds, graph, &options, NULL, arena, &set);
+    rounds.ways.scale = scale;
+    rounds_search(&rounds, NULL, arrive);
+    rounds_end(&rounds);
+    return set;
+}
+
+// Proves that searches which may do little work are given up and counted, and that what was in doubt then counts as visible, up to all
+// that the flood reaches.
+Test(pairs, given_up_errs_towards_visible) {
+    Arena arena = {0};
+    Random random = {8};
+    CellGraph *graph = rooms_graph(&arena, &random, 4, 4, 1);
+    PairSet whole = search_with(graph, 1, &arena), less = whole,
+            flood = find(graph, pair_method("flood"), 2, NULL, &arena);
+    cr_expect_eq(whole.work.given_up, 0);
+    // A thousandth of the usual work is too little for a few searches, a ten-millionth for any but the easiest.
+    for (int k = 3; k < 8; k++) {
+        PairSet part = search_with(graph, pow(10, -k), &arena);
+        cr_expect(part.work.given_up > 0 && part.work.given_up >= less.work.given_up, "1e-%d: %lld", k,
+                  part.work.given_up);
+        cr_expect_eq(pairs_compare(part.seen, less.seen, graph->cell_count).missed, 0, "1e-%d", k);
+        cr_expect_eq(pairs_compare(flood.seen, part.seen, graph->cell_count).missed, 0, "1e-%d", k);
+        cr_expect_eq(asymmetries(part.seen, graph->cell_count), 0, "1e-%d", k);
+        less = part;
+    }
+    cr_expect_gt(pair_count(less.seen, less.cell_count, less.words),
+                 pair_count(whole.seen, whole.cell_count, whole.words));
+    arena_free(&arena);
+}
+
+// Proves that work grows with the square of a file's size above a megabyte, and is 24 times as much for a map of Doom.
+Test(pairs, work_grows_with_the_file) {
+    static const struct {
+        double size;
+        const char *map;
+        long long expected;
+    } CASES[] = {{0, NULL, 100},     {1, NULL, 100},       {1e6, NULL, 100},    {3e6, NULL, 900},
+                 {1e7, NULL, 10000}, {1e5, "MAP01", 2400}, {2e6, "MAP01", 9600}};
+    Arena arena = {0};
+    Random random = {8};
+    CellGraph graph = *rooms_graph(&arena, &random, 2, 1, 1);
+    Building building = *graph.building;
+    graph.building = &building;
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        WayGraph ways;
+        building.file_size = CASES[i].size;
+        building.map = CASES[i].map;
+        ways_build(&graph, &arena, &ways);
+        cr_expect_eq(ways_work(&ways, 100), CASES[i].expected, "%zu: %lld", i, ways_work(&ways, 100));
+    }
     arena_free(&arena);
 }
 

@@ -369,6 +369,26 @@ Test(enclose, overlapping_and_self_crossing_rooms) {
     draft_free(&d);
 }
 
+// Proves that an opening much wider than its wall widens the world on all sides: it ends ten metres beyond the opening, twenty
+// beyond the walls. Tolerance: the grid of a millimetre.
+Test(enclose, wide_openings_widen_the_world) {
+    for (int k = 0; k < 2; k++) {
+        Draft d = draft_new(1);
+        draft_box_walls(&d, 0, 0, 0, 4, 4);
+        draft_room(&d, 0, 0, 0, 4, 4);
+        draft_opening(&d, OPENING_DOOR, 0, k ? 2 : 4.1, k ? 4.1 : 2, k ? 0 : M_PI / 2, 60, 0.2);
+        draft_enclose(&d);
+        const Box *w = &d.b.world;
+        const double along[2] = {k ? w->min.x : w->min.y, k ? w->max.x : w->max.y},
+                     across[2] = {k ? w->min.y : w->min.x, k ? w->max.y : w->max.x};
+        cr_expect_float_eq(along[0], 2 - 30 - 10, 2e-3, "from %g", along[0]);
+        cr_expect_float_eq(along[1], 2 + 30 + 10, 2e-3, "to %g", along[1]);
+        cr_expect_float_eq(across[0], -DRAFT_WALL - 20, 2e-3, "from %g", across[0]);
+        cr_expect_float_eq(across[1], 4 + DRAFT_WALL + 20, 2e-3, "to %g", across[1]);
+        draft_free(&d);
+    }
+}
+
 // Proves that an arched opening keeps its rectangle as region, its corners filled by spandrels that face away from
 // the wall on both sides, and a round one too.
 Test(enclose, arched_opening) {

@@ -613,6 +613,60 @@ static void expect_registered(const CellGraph *g, Random *random, int points, co
         }
     }
 }
+
+// Proves that an object is in both squares of a cell although others, each in one of them, were registered before it: that it fills the
+// cell is not known from their squares. The room is 4 m by 2 m, its squares 2 m.
+Test(squares, each_object_is_counted_alone) {
+    Arena arena = {0};
+    Building b;
+    CellGraph g;
+    Error error;
+    VisOptions options = vis_default_options();
+    options.square = 2;
+    const char *path = arena_format(&arena, "%s/room.plan", support_folder(&arena)),
+               *text = "plan 1\nmaterial m #808080\nstorey s floor 0 height 2.6\n"
+                       "room r 0,0 4,0 4,2 0,2 wall 0.1\n"
+                       "model one\npoly m 0.5,0.5,1 1,0.5,1 1,1,1\nend\n"
+                       "model two\npoly m 0.5,0.5,2 1,0.5,2 1,1,2\npoly m 3,0.5,2 3.5,0.5,2 3.5,1,2\nend\n"
+                       "place one 0,0\nplace two 0,0\n";
+    cr_assert(file_write(path, text, strlen(text), &error), "%s", error.text);
+    cr_assert(maps_read(path, &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+    int cell = vis_locate(&g, vec3(2, 1, 1), -1), listed = 0;
+    cr_assert(cell >= 0 && b.object_count == 2);
+    const CellMesh *mesh = &g.meshes[cell];
+    cr_assert(mesh->nx == 2 && mesh->ny == 1);
+    for (int k = g.square_first[mesh->first_square]; k < g.square_first[mesh->first_square + 2]; k++)
+        listed += g.square_objects[k] == 0 || g.square_objects[k] == 1;
+    cr_expect_eq(listed, 3);
+    cr_expect(is_registered(&g, cell, vec3(0.8, 0.6, 1), VIS_TOUCH / 2, 0));
+    cr_expect(is_registered(&g, cell, vec3(0.8, 0.6, 2), VIS_TOUCH / 2, 1));
+    cr_expect(is_registered(&g, cell, vec3(3.3, 0.6, 2), VIS_TOUCH / 2, 1));
+    arena_free(&arena);
+}
+
+// Proves which widths squares may have.
+Test(squares, are_of_widths_within_limits) {
+    static const struct {
+        double square;
+        bool allowed;
+    } CASES[] = {{0.25, true}, {100, true}, {0.2499, false}, {100.01, false}, {-1, false}, {NAN, false}};
+    Arena arena = {0};
+    Random random = {8};
+    const Building *b = fixture_rooms(&arena, &random, 1, 1, 1);
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        CellGraph g;
+        Error error = {""};
+        VisOptions options = vis_default_options();
+        options.square = CASES[i].square;
+        cr_expect_eq(vis_build_cells(b, &options, &arena, &g, &error), CASES[i].allowed, "%g",
+                     CASES[i].square);
+        cr_expect_eq(strstr(error.text, "(allowed 0.25 to 100)") != NULL, !CASES[i].allowed, "%s",
+                     error.text);
+    }
+    arena_free(&arena);
+}
+
 // Proves that what is registered stays so where more is to be registered, and that what is added is found.
 Test(squares, take_more) {
     Made m;

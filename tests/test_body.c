@@ -171,6 +171,42 @@ Test(solid, levels_hold_every_point_over_the_disc) {
     cr_assert_gt(seen, 1000);
 }
 
+// Proves that the heights of a bent quadrilateral hold every point of its triangles over the disc, and are not much farther: one
+// corner is off the others' plane by up to a millimetre, as is allowed.
+Test(solid, levels_hold_what_is_bent) {
+    Random r = {13};
+    for (int i = 0; i < support_count(2000, 40000); i++) {
+        Vec3 v[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        double sx = random_between(&r, -0.7, 0.7), sy = random_between(&r, -0.7, 0.7);
+        Solid s = {.vertices = v, .count = 4, .box = box_empty()};
+        double bend = random_between(&r, -0.001, 0.001), radius = random_between(&r, 0.1, 0.4);
+        for (int k = 0; k < 4; k++) {
+            v[k].z = sx * v[k].x + sy * v[k].y + (k == 2 ? bend : 0);
+            s.box = box_add(s.box, v[k]);
+        }
+        Vec2 at = vec2(random_between(&r, -0.5, 0.5), random_between(&r, -0.5, 0.5));
+        Band levels, points = {INFINITY, -INFINITY};
+        cr_assert(solid_levels(&s, at, radius, &levels));
+        for (int k = 0; k < 400; k++) {
+            // Cut from the bent corner to the one across, or between the others: below, and above the diagonal.
+            double a = 2 * M_PI * k / 400, x = at.x + radius * cos(a), y = at.y + radius * sin(a);
+            double along = fmin(x, y) + 1, off = fmax(0, x + y), z = sx * x + sy * y;
+            for (int cut = 0; cut < 2; cut++) {
+                double at_point = z + bend * (cut ? off / 2 : along / 2);
+                points = (Band){fmin(points.z0, at_point), fmax(points.z1, at_point)};
+            }
+        }
+        cr_assert(levels.z0 <= points.z0 + 1e-9 && levels.z1 >= points.z1 - 1e-9,
+                  "case %d: from %g to %g, levels from %g to %g", i, points.z0, points.z1, levels.z0,
+                  levels.z1);
+        // Levels are two bends off the plane, of a quarter of what the corner is off; points of the rim miss its highest by 0.02 mm.
+        double most = fabs(bend) + 2e-5;
+        cr_assert(levels.z0 >= points.z0 - most && levels.z1 <= points.z1 + most,
+                  "case %d: from %g to %g, levels from %g to %g", i, points.z0, points.z1, levels.z0,
+                  levels.z1);
+    }
+}
+
 // ---- what is in the way
 
 static double from_segment(Vec2 a, Vec2 b, Vec2 p) {

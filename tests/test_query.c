@@ -411,8 +411,9 @@ Test(query_eye, cells_are_told_by_distance) {
               "%d alone, %d joined, %d at walls", tally.alone, tally.joined, tally.at_wall);
 }
 
-// Proves that what goes on through a portal in whose plane the eye is holds all that is seen through it: slits as high as rooms
-// and as narrow as a jamb, seen from beside their foot.
+// Proves that what goes on through a portal in whose plane the eye is holds all that is seen through it, with a millimetre on either
+// side of its plane, and not much more: slits as high as rooms and as narrow as a jamb, seen from beside their foot. Tolerance: the
+// planes stand within a fifth of the portal's.
 Test(query_cone, edge_on_holds_all_of_the_portal) {
     int kept = 0;
     for (uint64_t seed = 1; seed <= 20000; seed++) {
@@ -434,11 +435,15 @@ Test(query_cone, edge_on_holds_all_of_the_portal) {
         Cone before = {.count = 0}, beyond;
         query_beyond(&query, &before, PASSAGE_EDGE, &gate, &part, &beyond);
         kept += beyond.count > 0;
-        for (int i = 0; i < beyond.count; i++)
-            for (int k = 0; k < 4; k++)
-                cr_assert_geq(plane_distance(beyond.plane[i], corner[k]), 0,
-                              "seed %d: corner %d, %g x %g m, %g beside", (int)seed, k, width, height,
-                              beside);
+        cr_assert_not(beyond.is_slot);
+        double length = 0;
+        for (int k = 0; k < 4; k++) length = fmax(length, vec3_length(vec3_sub(corner[k], eye)));
+        for (int i = 0; i < beyond.count; i++) {
+            double nearest = INFINITY;
+            for (int k = 0; k < 4; k++) nearest = fmin(nearest, plane_distance(beyond.plane[i], corner[k]));
+            cr_assert(nearest > 0.8 * ON_PLANE && nearest < 3.2 * ON_PLANE + ANGLE_SLACK * length,
+                      "seed %d: %g m, of %g x %g m, %g beside", (int)seed, nearest, width, height, beside);
+        }
     }
     cr_assert_gt(kept, 10000);
 }

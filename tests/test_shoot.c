@@ -79,6 +79,30 @@ Test(shoot, loses_no_power) {
     }
 }
 
+// Proves that shooting ends when its shooters had so many faces before them: in a room of one cell each has all faces, so that so many
+// shots are done as the limit holds all faces, the same shots as without it, and no power is lost.
+Test(shoot, ends_when_faces_were_looked_at) {
+    static const int SHOTS[] = {1, 5, 40};
+    Lit *lit = lit_new();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    lit_finish(lit, 0.4, 2);
+    for (int i = 0; i < 3; i++) {
+        for (int more = 0; more < 2; more++) {
+            RadOptions options = options_to(1e-9), counted = options_to(1e-9);
+            options.looks = lit->mesh.face_count * SHOTS[i] + (more ? lit->mesh.face_count - 1 : 0);
+            counted.shots = SHOTS[i];
+            RadSolution s, same;
+            lit_shoot(lit, &options, &s);
+            lit_shoot(lit, &counted, &same);
+            cr_expect_eq(s.shots, SHOTS[i], "%lld shots, not %d", s.shots, SHOTS[i]);
+            cr_expect_arr_eq(s.radiosity, same.radiosity, (size_t)s.element_count * sizeof *s.radiosity);
+            cr_expect_lt(lost_power(lit, &s), 1e-12, "%g of the power is lost", lost_power(lit, &s));
+        }
+    }
+    lit_free(lit);
+}
+
 // Proves that what nobody asked for is fitted to the mesh, finer the fewer patches there are, and what was asked for stays.
 Test(shoot, fits_what_is_left_open) {
     static const int PATCHES[] = {1, 4000, 4001, 10000, 10001, 1000000};

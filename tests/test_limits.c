@@ -230,6 +230,19 @@ Test(limits, of_a_wad) {
     arena_free(&arena);
 }
 
+// A room of four corners, counter-clockwise, without walls of its own.
+static void add_room(Arena *arena, Building *b, const Vec2 corner[4]) {
+    Region *region = ARENA_PUSH(arena, b->regions, b->region_count, b->region_capacity);
+    *region = (Region){.kind = REGION_ROOM, .name = "", .opening = -1, .first_ring = b->ring_count, .z1 = 2};
+    region->ring_count = 1;
+    *ARENA_PUSH(arena, b->rings, b->ring_count, b->ring_capacity) = (Ring){b->point_count, 4};
+    for (int k = 0; k < 4; k++) {
+        int edge = b->point_count;
+        *ARENA_PUSH(arena, b->edge_material, edge, b->edge_capacity) = 0;
+        *ARENA_PUSH(arena, b->points, b->point_count, b->point_capacity) = corner[k];
+    }
+}
+
 // Rooms that are a cell more than there may be.
 Test(limits, of_cells) {
     Arena arena = {0};
@@ -237,16 +250,7 @@ Test(limits, of_cells) {
     for (int i = 0; i <= MAPS_MAX_CELLS; i++) {
         double x = 5 * (i % 256), y = 5 * (i / 256);
         const Vec2 corner[4] = {{x, y}, {x + 4, y}, {x + 4, y + 3}, {x, y + 3}};
-        Region *region = ARENA_PUSH(&arena, b.regions, b.region_count, b.region_capacity);
-        *region =
-            (Region){.kind = REGION_ROOM, .name = "", .opening = -1, .first_ring = b.ring_count, .z1 = 2};
-        region->ring_count = 1;
-        *ARENA_PUSH(&arena, b.rings, b.ring_count, b.ring_capacity) = (Ring){b.point_count, 4};
-        for (int k = 0; k < 4; k++) {
-            int edge = b.point_count;
-            *ARENA_PUSH(&arena, b.edge_material, edge, b.edge_capacity) = 0;
-            *ARENA_PUSH(&arena, b.points, b.point_count, b.point_capacity) = corner[k];
-        }
+        add_room(&arena, &b, corner);
     }
     CellGraph graph;
     Error error;
@@ -442,4 +446,46 @@ Test(limits, of_pictures) {
     }
     home_free(&h);
     arena_free(&arena);
+}
+
+// Strips along the diagonal, so that the box around each long side holds corners of most others; then two rooms side by side, of which
+// one is the longer. Returns how many corners the surfaces of these two have beyond four each, and in `count` these surfaces.
+static int corners_beside_strips(int strips, int *count) {
+    Arena arena = {0};
+    Error error;
+    CellGraph graph;
+    VisOptions options = vis_default_options();
+    Building b = {.form = FORM_REGIONS, .source = "strips.plan"};
+    building_add_material(&arena, &b, (Material){.name = "m", .alpha = 1});
+    options.square = 100;
+    for (int i = 0; i < strips; i++) {
+        // Beside one another, each begins and ends somewhere else along.
+        double aside = 0.004 * i, along = 100 * ((i * 7919) % strips) / strips, w = 0.002, far = 1000;
+        double x = along + aside, y = along - aside;
+        add_room(&arena, &b,
+                 (Vec2[4]){{x, y}, {x + w, y - w}, {x + w + far, y - w + far}, {x + far, y + far}});
+    }
+    add_room(&arena, &b, (Vec2[4]){{-10, 0}, {-8, 0}, {-8, 4}, {-10, 4}});
+    add_room(&arena, &b, (Vec2[4]){{-8, 1}, {-6, 1}, {-6, 2}, {-8, 2}});
+    cr_assert(vis_build_cells(&b, &options, &arena, &graph, &error), "%s", error.text);
+    int corners = 0;
+    *count = 0;
+    for (int c = strips; c < graph.cell_count; c++) {
+        for (int o = graph.surface_first[c]; o < graph.surface_first[c + 1]; o++) {
+            for (int p = 0; p < graph.objects[o].polygon_count; p++, ++*count)
+                corners += graph.polygons[graph.objects[o].first_polygon + p].vertex_count - 4;
+        }
+    }
+    arena_free(&arena);
+    return corners;
+}
+
+// Proves that where looking for corners on the edges of others takes too long the rest of the surfaces keep their form: the two rooms
+// have the same surfaces beside few strips and beside so many that the looks are spent on these, but without corners of each other.
+Test(limits, of_looks_for_corners, .timeout = 600) {
+    if (!support_soak()) cr_skip_test("a minute: make soak");
+    int few, many;
+    cr_expect_gt(corners_beside_strips(10, &few), 0);
+    cr_expect_eq(corners_beside_strips(8000, &many), 0);
+    cr_expect_eq(few, many);
 }

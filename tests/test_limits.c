@@ -260,26 +260,6 @@ Test(limits, of_cells) {
     arena_free(&arena);
 }
 
-// Storeys anywhere over each other, a room each, make a common plan of too many pieces for so many. Proves that the sentence tells both
-// numbers.
-Test(limits, of_storeys) {
-    enum { STOREYS = 2500 };
-    Arena arena = {0};
-    Building b;
-    Error error = {""};
-    int storeys = 0, pieces = 0;
-    const char *path = arena_format(&arena, "%s/tower.plan", support_folder(&arena));
-    cr_assert(hostile_write(hostile_find("storeys-overlapping"), STOREYS, 1, path));
-    cr_assert_not(maps_read(path, &arena, &b, &error));
-    cr_expect(strstr(error.text, "(allowed: 4000000, storeys times pieces)"), "%s", error.text);
-    cr_assert_eq(sscanf(error.text,
-                        "%*[^:]: %d storeys, whose outlines make a common plan of %d pieces, are too much",
-                        &storeys, &pieces),
-                 2, "%s", error.text);
-    cr_expect(storeys == STOREYS && (long long)storeys * pieces > 4000000, "%s", error.text);
-    arena_free(&arena);
-}
-
 // Proves that arc walls share 16,000 chords where they would have more, which is noted, and that each keeps two at least.
 Test(limits, of_chords) {
     enum { WALLS = 1500, SHARED = 16000 };

@@ -25,8 +25,11 @@ endif
 submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 dir := build/$(config)
-layers := engine/core maps visibility visibility/hidden visibility/pairs visibility/rays radiosity engine/library \
-          engine/walk engine/stills engine/app
+layers := engine/core engine/gl maps/building maps/curved maps/enclose maps/plan maps/polygons maps/sweethome \
+          maps/doom maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
+          visibility/prepare visibility/pairs visibility/bezier visibility/rays visibility/hidden radiosity/mesh \
+          radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show engine/sim \
+          engine/library engine/draw engine/overlay engine/walk engine/stills engine/app engine/bench
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of
 # multiply and add: the same input gives the same bytes whatever the compiler. The objects serve the shared library
@@ -40,7 +43,7 @@ flags_asan := $(sanitize) -fsanitize=address,undefined
 # By clang: of gcc's OpenMP the thread sanitizer does not know who waits for whom.
 flags_tsan := -O1 -fno-omit-frame-pointer -fsanitize=thread
 flags_fuzz := $(sanitize) -fsanitize=address,undefined,fuzzer-no-link
-# Counts what runs, edge by edge: tests/hostile_cost.c alone.
+# Counts what runs, edge by edge: tests/maps/hostile_cost.c alone.
 flags_counted := -O1 -g0 -fsanitize-coverage=trace-pc
 # Without sanitizers a reader is tried ten times as often. What is found so goes through config=fuzz, too.
 flags_swift := -O2 -fsanitize-coverage=inline-8bit-counters,pc-table
@@ -52,19 +55,19 @@ libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.
-only_asan := tests/keep_libraries.c
+only_asan := tests/support/keep_libraries.c
 objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/gl.o
 library := $(filter-out $(dir)/engine/app/main.o,$(objects))
 # What the installed library is made of: all below the walk.
-public := $(filter-out $(dir)/engine/walk/% $(dir)/engine/stills/% $(dir)/engine/app/%,$(library))
+public := $(filter-out $(patsubst %,$(dir)/engine/%/%,draw overlay walk stills app bench),$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
-programs_of_tests := tests/try_fuzz.c tests/mutator.c tests/make_hostile.c tests/hostile_cost.c tests/fail_malloc.c
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz_% tests/target.c tests/store_target.c $(programs_of_tests) \
-         $(only_asan),$(wildcard tests/*.c))) \
-         $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*.cpp))
-fuzzers := $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-fuzz_help := $(patsubst %,$(dir)/tests/%.o,target store_target wad_builder home_fixture fixture)
+programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/core/fail_malloc.c
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
+         $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*/*.cpp))
+fuzzers := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
+fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/wad_builder support/home_fixture \
+             support/fixture)
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan build/maps/flat.Home.xml build/maps/hillside.sh3d build/maps/villa.sh3d
 
@@ -101,24 +104,24 @@ $(dir)/enfilade: $(objects)
 $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
 # From an archive, so that a target holds what it needs and no more: after every try libFuzzer looks at all counters.
-# Files come from the target where it serves them (tests/target.h).
+# Files come from the target where it serves them (tests/fuzz/target.h).
 $(dir)/fuzzed.a: $(library) $(fuzz_help)
 	@rm -f $@ && ar rcs $@ $^
-$(dir)/tests/fuzz_%: $(dir)/tests/fuzz_%.o $(dir)/tests/mutator.o $(dir)/fuzzed.a
+$(dir)/tests/fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/mutator.o $(dir)/fuzzed.a
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -Wl,--wrap=file_read -o $@ $^ $(libs)
-$(dir)/tests/try_fuzz_%: $(dir)/tests/fuzz_%.o $(dir)/tests/try_fuzz.o $(dir)/tests/mutator.o $(dir)/fuzzed.a
+$(dir)/tests/try_fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/try_fuzz.o $(dir)/tests/fuzz/mutator.o $(dir)/fuzzed.a
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -Wl,--wrap=file_read -o $@ $^ $(libs)
-$(dir)/tests/make_hostile: $(dir)/tests/hostile.o $(dir)/tests/make_hostile.o
+$(dir)/tests/make_hostile: $(dir)/tests/support/hostile.o $(dir)/tests/maps/make_hostile.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
 # What opens a building, without what draws or lights it.
-counted := $(patsubst %.c,$(dir)/%.o,$(foreach l,engine/core maps visibility visibility/pairs visibility/rays,$(wildcard $(l)/*.c)))
-$(dir)/tests/hostile_cost: $(counted) $(dir)/tests/hostile.o $(dir)/tests/hostile_cost.o
+counted := $(patsubst %.c,$(dir)/%.o,$(foreach l,$(filter-out visibility/hidden,$(filter engine/core maps% visibility%,$(layers))),$(wildcard $(l)/*.c)))
+$(dir)/tests/hostile_cost: $(counted) $(dir)/tests/support/hostile.o $(dir)/tests/maps/hostile_cost.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/%.o: %.c build/glad/include/glad/gl.h $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CC) $<"
 	@$(CC) $(CFLAGS_ALL) $(strict) -c -o $@ $<
 # Private: the flags file, on which everything depends, must not see it.
-$(dir)/engine/walk/font.o: private CFLAGS_ALL += -Wa,-I$(fonts)
+$(dir)/engine/overlay/font.o: private CFLAGS_ALL += -Wa,-I$(fonts)
 $(dir)/%.o: %.cpp $(dir)/flags | check-packages
 	@mkdir -p $(@D) && echo "$(CXX) $<"
 	@$(CXX) $(patsubst -std=c17,-std=c++17,$(CFLAGS_ALL)) $(strict) -c -o $@ $<
@@ -185,7 +188,7 @@ fuzz:
 	$(submake) config=fuzz CC=clang $(fuzzers:%=build/fuzz/tests/%)
 	$(submake) config=swift CC=clang $(fuzzers:%=build/swift/tests/%)
 	$(submake) config=coverage $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
-	@bash tests/fuzz.sh $(fuzz_seconds); status=$$?; bash tests/coverage.sh build/coverage maps '' build/fuzz/corpus; exit $$status
+	@bash tests/fuzz/fuzz.sh $(fuzz_seconds); status=$$?; bash tests/coverage.sh build/coverage maps '' build/fuzz/corpus; exit $$status
 # Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
 mutants: maps $(dir)/enfilade $(dir)/tests/all
 	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
@@ -252,7 +255,7 @@ charts:
 	    tests/plots/$$chart.gp && cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:
 	$(call install,$(to_lint))
-	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*.[ch] tests/*.cpp)
+	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
 # The library gives away only the names of its headers.
@@ -297,6 +300,6 @@ docs:
 clean:
 	rm -rf build
 
--include $(objects:.o=.d) $(tests:.o=.d) $(patsubst %,$(dir)/tests/%.d,$(fuzzers) try_fuzz mutator make_hostile hostile_cost)
+-include $(objects:.o=.d) $(tests:.o=.d) $(wildcard $(dir)/tests/*/*.d)
 .DELETE_ON_ERROR:
 .SECONDARY:

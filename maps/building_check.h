@@ -3,7 +3,7 @@
 #define MAPS_BUILDING_CHECK_H
 
 #include "engine/core/box_tree.h"
-#include "maps/building.h"
+#include "maps/building/building.h"
 
 typedef struct Check {
     const Building *b;

@@ -1,6 +1,6 @@
 // building_check_curved.c - faults of curved shapes, of what they consist of, and of materials where rays are traced.
 #include "maps/building_check.h"
-#include "maps/curved_patch.h"
+#include "maps/curved/curved_patch.h"
 
 // Cosine between axes of a frame that counts as square: rounding of a turn, many times over.
 static const double SQUARE = 1e-9;

@@ -7,8 +7,8 @@
 #include <strings.h>
 
 #include "engine/core/memory.h"
-#include "maps/soup_doors.h"
-#include "maps/soup_split.h"
+#include "maps/polygons/soup_doors.h"
+#include "maps/polygons/soup_split.h"
 
 extern const MapsReader MAPS_READER_PLAN, MAPS_READER_SH3D, MAPS_READER_PRT, MAPS_READER_QUADS,
     MAPS_READER_OBJ, MAPS_READER_GLTF, MAPS_READER_WAD;

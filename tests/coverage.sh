@@ -8,26 +8,27 @@ corpus=$4
 find "$build" -name '*.gcda' -delete
 [ -z "$3" ] || ENFILADE_BUILD=$build "$build/tests/all" -j"$(nproc)" --filter "$3" >"$build/tests/all.log" 2>&1 ||
     echo "not all tests pass: $build/tests/all.log"
-for target in tests/fuzz_*.c; do
+for target in tests/fuzz/fuzz_*.c; do
     name=$(basename "$target" .c)
     mapfile -t inputs < <(find tests/seeds ${corpus:+"$corpus/${name#fuzz_}"} -type f 2>/dev/null)
     "$build/tests/try_$name" 0 1 "${inputs[@]}" >"$build/tests/$name.log" 2>&1 || echo "fails: $build/tests/$name.log"
 done
 # `File 'maps/x.c'`, then `Lines executed:98.00% of 50`; a file may be told of with each that includes it.
-for object in "$build/$folder"/*.gcno; do
+find "$build/$folder" -name '*.gcno' | while read -r object; do
     gcov -n "$object" 2>/dev/null | awk -v folder="$folder/" '
         /^File/ { name = substr($2, 2, length($2) - 2) }
         /^Lines/ && index(name, folder) == 1 && name ~ /\.c$/ { split($0, p, /[:%]| of /); print name, p[2], p[4] }'
 done | sort -u | awk '
     function tell(name, run, lines) { printf "%-32s %6.2f %% of %5d\n", name, 100 * run / (lines ? lines : 1), lines }
     function group(name) {
-        if (name ~ /maps\/(plan|curved)/) return "plan"
-        if (name ~ /maps\/(enclose)/) return "plan and sh3d: enclosing"
-        if (name ~ /maps\/(sh3d|zip|texture)/) return "sh3d"
-        if (name ~ /maps\/gltf/) return "gltf"
-        if (name ~ /maps\/(soup|obj)/) return "obj and soups"
-        if (name ~ /maps\/(prt|scan)/) return "prt"
-        if (name ~ /maps\/(quads|wad)/) return substr(name, 6, match(name, /[_.]/) - 6)
+        if (name ~ /maps\/(plan|curved)\//) return "plan"
+        if (name ~ /maps\/enclose\//) return "plan and sh3d: enclosing"
+        if (name ~ /maps\/sweethome\/|building\/(zip|texture)/) return "sh3d"
+        if (name ~ /maps\/doom\//) return "wad"
+        if (name ~ /polygons\/gltf/) return "gltf"
+        if (name ~ /polygons\/(soup|obj)/) return "obj and soups"
+        if (name ~ /polygons\/prt|building\/scan/) return "prt"
+        if (name ~ /polygons\/quads/) return "quads"
         return "all others"
     }
     { run = $2 * $3 / 100; tell($1, run, $3); lines += $3; ran += run

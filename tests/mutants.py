@@ -23,59 +23,59 @@ MEMORY = 6 << 30  # bytes a test may map: several times what any of them takes
 # Files, and stages of tests: filters of Criterion, run in this order until one notices. The quick ones come first.
 TABLE = [
     (r"engine/core/predicates\.c", ["predicates/*", "@(sightline|query_oracle|soup)/!(polygons_*)"]),
-    (r"engine/core/polygon\.c", ["figures/@(plans|files|*sight)", "@(polygon|building|soup_split|cells)/*", "@(curved|soup|mesh|near_pairs)/!(polygons_*)"]),
+    (r"engine/core/polygon\.c", ["sums/@(plans|files|*sight)", "@(polygon|building|soup_split|cells)/*", "@(curved|soup|mesh|near_pairs)/!(polygons_*)"]),
     (r"engine/core/file\.c", ["@(file|seen|derived)/*", "@(rad_file|recording)/*"]),
-    (r"maps/zip\.c", ["@(sh3d|zip)/*"]),
-    (r"maps/building\w*\.c", ["figures/@(plans|files)", "@(building|plan|prt|quads)/*", "@(curved|sh3d|soup|soup_obj|wad)/!(polygons_*)"]),
-    (r"maps/enclose\w*\.c", ["figures/@(plans|files)", "enclose/!(random_plans)", "@(enclose|enclose_plans)/*"]),
-    (r"visibility/pairs/\w+\.c", ["figures/*sight", "@(pairs|witness|seen)/!(sightlines_*)", "pairs/sightlines_*"]),
-    (r"visibility/query\w*\.c", ["figures/sight", "@(query_slot|query_cone|query_eye|query|query_oracle)/*", "@(leaves|layers|walk)/*"]),
-    (r"visibility/soup\w*\.c", ["figures/*sight", "@(soup|soup_doors|soup_merge)/!(polygons_*)", "@(soup|stability)/*"]),
-    (r"visibility/(given|winding|beam|ways)\.c", ["figures/*sight", "@(prt|pairs|witness|cells)/!(sightlines_*)", "@(sightline|query|query_oracle|trees)/!(are_the_same*)"]),
-    (r"visibility/leaves\.c", ["figures/walks", "@(leaves|doors)/*"]),
+    (r"maps/building/zip\.c", ["@(sh3d|zip)/*"]),
+    (r"maps/(building/)?building\w*\.c", ["sums/@(plans|files)", "@(building|plan|prt|quads)/*", "@(curved|sh3d|soup|soup_obj|wad)/!(polygons_*)"]),
+    (r"maps/enclose/\w+\.c", ["sums/@(plans|files)", "enclose/!(random_plans)", "@(enclose|enclose_plans)/*"]),
+    (r"visibility/pairs/\w+\.c", ["sums/*sight", "@(pairs|witness|seen)/!(sightlines_*)", "pairs/sightlines_*"]),
+    (r"visibility/query/\w+\.c", ["sums/sight", "@(query_slot|query_cone|query_eye|query|query_oracle)/*", "@(leaves|layers|walk)/*"]),
+    (r"visibility/soup/\w+\.c", ["sums/*sight", "@(soup|soup_doors|soup_merge)/!(polygons_*)", "@(soup|stability)/*"]),
+    (r"visibility/(cells/given|cells/contacts|winding|beam|ways)\.c", ["sums/*sight", "@(prt|pairs|witness|cells)/!(sightlines_*)", "@(sightline|query|query_oracle|trees)/!(are_the_same*)"]),
+    (r"visibility/cells/leaves\.c", ["sums/walks", "@(leaves|doors)/*"]),
     (r"visibility/vis_file\.c", ["@(vis_file|derived)/*", "agreement/*"]),
-    (r"visibility/(forest|forest_tree|sightline)\.c", ["figures/*sight", "@(forest|sightline|trees)/!(are_the_same*|hold_every_line_of_doom*|hold_every_line_of_portal*)",
+    (r"visibility/(trees/\w+|sightline)\.c", ["sums/*sight", "@(forest|sightline|trees)/!(are_the_same*|hold_every_line_of_doom*|hold_every_line_of_portal*)",
                                                            "@(trees|query|query_oracle)/!(are_the_same*)"]),
-    (r"visibility/(cells|convex|convex_sweep|portals|surfaces|squares)\.c",
-     ["figures/*sight", "@(cells|convex|squares|layers|solid|fixture|query|leaves)/*", "@(query_oracle|mesh|trees|enclose)/!(random_*|are_the_same*|hold_every_line_of_doom*)"]),
-    (r"radiosity/shoot\w*\.c", ["figures/light", "@(shoot|ambient)/*", "@(bake_probes|rad_file)/!(refuses_what*)"]),
-    (r"radiosity/mesh\w*\.c", ["figures/light", "@(mesh|mesh_contacts|mesh_splits)/*", "@(reconstruct|shoot|cells)/*"]),
-    (r"radiosity/sky\w*\.c", ["figures/light", "sky/!(room_*|box_*)", "sky/*"]),
-    (r"radiosity/(reconstruct\w*|nodes)\.c", ["figures/light", "reconstruct/*", "bake_probes/*"]),
-    (r"engine/walk/(body|solid|obstacles)\.c",
-     ["figures/walks", "@(solid|body|door_frames)/!(apartment|four_bedrooms|home_*|house|office)", "@(body|doors)/!(four_bedrooms|apartment|home_*)"]),
-    (r"engine/walk/(doors|door_part|door_states)\.c", ["figures/walks", "@(doors|door_frames|leaves)/*", "wad/*"]),
-    (r"engine/walk/exposure\.c", ["exposure/!(tours*)", "exposure/*"]),
+    (r"visibility/(prepare/build_cells|cells/(cells|convex|convex_sweep|portals|surfaces|squares))\.c",
+     ["sums/*sight", "@(cells|convex|squares|layers|solid|fixture|query|leaves)/*", "@(query_oracle|mesh|trees|enclose)/!(random_*|are_the_same*|hold_every_line_of_doom*)"]),
+    (r"radiosity/shoot/shoot\w*\.c", ["sums/light", "@(shoot|ambient)/*", "@(bake_probes|rad_file)/!(refuses_what*)"]),
+    (r"radiosity/mesh/mesh\w*\.c", ["sums/light", "@(mesh|mesh_contacts|mesh_splits)/*", "@(reconstruct|shoot|cells)/*"]),
+    (r"radiosity/shoot/sky\w*\.c", ["sums/light", "sky/!(room_*|box_*)", "sky/*"]),
+    (r"radiosity/(show/reconstruct\w*|mesh/nodes)\.c", ["sums/light", "reconstruct/*", "bake_probes/*"]),
+    (r"engine/sim/(body|solid|obstacles)\.c",
+     ["sums/walks", "@(solid|body|door_frames)/!(apartment|four_bedrooms|home_*|house|office)", "@(body|doors)/!(four_bedrooms|apartment|home_*)"]),
+    (r"engine/sim/(doors|door_part|door_states)\.c", ["sums/walks", "@(doors|door_frames|leaves)/*", "wad/*"]),
+    (r"engine/draw/exposure\.c", ["exposure/!(tours*)", "exposure/*"]),
 ]
 
 # Faults that the tests once let pass: name, file, text, what replaces it. The text occurs once in the file.
 PLANTED = [
     ("an undecided half counts as excluded", "visibility/pairs/settle.c",
      "if (verdict == OPEN) worst = OPEN;", ";"),
-    ("closed doors block no sight in the walk", "visibility/query_walk.c",
+    ("closed doors block no sight in the walk", "visibility/query/query_walk.c",
      "if (!query_door_closed(q, nearest)) look_around", "look_around"),
-    ("the wedge's first side is narrowed", "visibility/query_cone.c",
+    ("the wedge's first side is narrowed", "visibility/query/query_cone.c",
      "1 / vec2_length(cone->from)), -1, nearest)", "1 / vec2_length(cone->from)), 1, nearest)"),
-    ("the wedge's second side is narrowed", "visibility/query_cone.c",
+    ("the wedge's second side is narrowed", "visibility/query/query_cone.c",
      "1 / vec2_length(cone->to)), 1, nearest)", "1 / vec2_length(cone->to)), -1, nearest)"),
-    ("no gap between leaves", "engine/walk/doors.c",
+    ("no gap between leaves", "engine/sim/doors.c",
      "if (gap >= CLEAR) return false;", "if (gap >= 0) return false;"),
-    ("doors step eight times as far", "engine/walk/doors.c", "return CLEAR / longest;", "return 8 * CLEAR / longest;"),
-    ("doors are used through windows", "engine/walk/doors.c",
+    ("doors step eight times as far", "engine/sim/doors.c", "return CLEAR / longest;", "return 8 * CLEAR / longest;"),
+    ("doors are used through windows", "engine/sim/doors.c",
      "b->openings[region->opening].kind == OPENING_WINDOW) break;",
      "b->openings[region->opening].kind == OPENING_WINDOW && false) break;"),
-    ("the open share of the sky is turned over", "radiosity/sky.c", "0.5 + 0.5 * normal.z", "0.5 - 0.5 * normal.z"),
-    ("a patch in half shade stands free", "radiosity/sky.c", "STANDS_FREE = 0.1;", "STANDS_FREE = 0.6;"),
-    ("elements weigh 1/d", "radiosity/reconstruct.c", "1 / fmax(square, NEAREST), 0}", "1 / sqrt(fmax(square, NEAREST)), 0}"),
-    ("more of the rest is laid on top", "radiosity/reconstruct.c", "MOST_REST = 0.2;", "MOST_REST = 0.9;"),
-    ("light weighs the exposure without its root", "engine/walk/exposure.c",
+    ("the open share of the sky is turned over", "radiosity/shoot/sky.c", "0.5 + 0.5 * normal.z", "0.5 - 0.5 * normal.z"),
+    ("a patch in half shade stands free", "radiosity/shoot/sky.c", "STANDS_FREE = 0.1;", "STANDS_FREE = 0.6;"),
+    ("elements weigh 1/d", "radiosity/show/reconstruct.c", "1 / fmax(square, NEAREST), 0}", "1 / sqrt(fmax(square, NEAREST)), 0}"),
+    ("more of the rest is laid on top", "radiosity/show/reconstruct.c", "MOST_REST = 0.2;", "MOST_REST = 0.9;"),
+    ("light weighs the exposure without its root", "engine/draw/exposure.c",
      "double weight = angle * sqrt(b);", "double weight = angle * b;"),
-    ("light does not weigh the exposure", "engine/walk/exposure.c",
+    ("light does not weigh the exposure", "engine/draw/exposure.c",
      "double weight = angle * sqrt(b);", "double weight = angle;"),
-    ("what triangles have in common is no portal", "visibility/portals.c", "if (count < 3) return;", "if (count <= 3) return;"),
-    ("no limit of all entries", "maps/zip.c",
+    ("what triangles have in common is no portal", "visibility/cells/portals.c", "if (count < 3) return;", "if (count <= 3) return;"),
+    ("no limit of all entries", "maps/building/zip.c",
      "if (archive->unpacked + stat->size > ARCHIVE_MAX_TOTAL)", "if (archive->unpacked + stat->size > SIZE_MAX)"),
-    ("what is unpacked is not counted", "maps/zip.c", "archive->unpacked += out->size;", ";"),
+    ("what is unpacked is not counted", "maps/building/zip.c", "archive->unpacked += out->size;", ";"),
 ]
 
 # ---- what to change
@@ -174,8 +174,8 @@ def stages_of(path):
 
 
 def sources():
-    folders = {os.path.dirname(pattern) for pattern, _ in TABLE}
-    return sorted(path for folder in folders for path in glob.glob(folder + "/*.c") if stages_of(path))
+    return sorted(path for top in ("engine", "maps", "visibility", "radiosity") for path in glob.glob(top + "/**/*.c", recursive=True)
+                  if stages_of(path))
 
 
 # ---- compiling and running
@@ -422,7 +422,7 @@ def main():
     parser.add_argument("--count", type=int, default=340, help="mutants besides the planted ones")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--only", help="of places as visibility/query.c:12 that match this pattern alone")
+    parser.add_argument("--only", help="of places as visibility/query/query.c:12 that match this pattern alone")
     parser.add_argument("--again", action="store_true", help="run those that survived anew")
     parser.add_argument("--quick", action="store_true", help="run the first stage of each alone")
     parser.add_argument("--tests", help="run this filter alone")

@@ -1,5 +1,5 @@
 #!/bin/bash
-# run.sh BUILD - runs the test binary BUILD/tests/all and every tests/check_*.sh, and ends with the one line
+# run.sh BUILD - runs the test binary BUILD/tests/all and every tests/app/check_*.sh, and ends with the one line
 # `N passed, N failed, N skipped`. A script passes with 0, is skipped with 77, fails with anything else.
 # Counts come from Criterion's TAP report: its closing line leaves skipped tests out.
 build=${1:?usage: tests/run.sh BUILD}
@@ -31,8 +31,8 @@ run() {
 }
 # The one in the window takes as long as all others and waits half of that time: they run beside it. Not the binary, which takes all
 # cores: what a window does is also a question of time. What each says is told when all are through.
-window=tests/check_window.sh
-others=$(ls tests/check_*.sh | grep -vx $window)
+window=tests/app/check_window.sh
+others=$(ls tests/app/check_*.sh | grep -vx $window)
 scripts="$window $others"
 set -m  # a group of its own, so that Ctrl-C ends it whole
 run $window &

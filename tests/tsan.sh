@@ -1,7 +1,7 @@
 #!/bin/bash
 # tsan.sh - what several threads do at once, by the program of `make tsan`, under the thread sanitizer: each report is a failure, and so
 # is a wrong exit status. More threads than this machine has cores: the sanitizer follows what waits for what, not who comes first.
-. tests/checks.sh
+. tests/app/checks.sh
 grep -q __tsan_init "$program" || die "$program is not built with the thread sanitizer: make tsan"
 # Mesa, LLVM and the like are not built with it: what they do among themselves is not looked at. What OpenMP's threads wait for is told
 # to the sanitizer by Archer, a part of LLVM's OpenMP.
@@ -75,7 +75,7 @@ all_right 0 "$program" bench light "$work/closet.plan" --methods default --point
 
 # The window: light arrives, the file changes meanwhile, the walk is left in the middle of a bake.
 start_screen
-python3 tests/drive_window.py "$program" $maps/two-rooms.plan "$work" "$work/Xvfb_screen0" tests/references --threads \
+python3 tests/app/drive_window.py "$program" $maps/two-rooms.plan "$work" "$work/Xvfb_screen0" tests/references --threads \
     >"$work/log" 2>&1 || { bad=1; sed "s/^/$script: /" "$work/log"; }
 
 reports=$(cat "$work"/report.* 2>/dev/null | grep -c '^WARNING: ThreadSanitizer')

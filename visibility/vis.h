@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 #include "engine/core/progress.h"
-#include "maps/building.h"
+#include "maps/building/building.h"
 #include "visibility/cell_rows.h"
 
 // A convex polyhedron of free space. Of a building of regions it is an upright prism, part of one region: its plan

@@ -13,7 +13,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
-#include "maps/lamp_faces.h"
+#include "maps/building/lamp_faces.h"
 #include "maps/maps.h"
 #include "visibility/pairs/pairs.h"
 

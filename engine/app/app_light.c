@@ -5,7 +5,7 @@
 
 #include "engine/app/bake.h"
 #include "maps/maps.h"
-#include "radiosity/fine_mesh.h"
+#include "radiosity/show/fine_mesh.h"
 
 const char *app_light_place(const Building *building, Arena *arena) {
     return app_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));

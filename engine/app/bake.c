@@ -9,9 +9,9 @@
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
-#include "radiosity/final_gather.h"
-#include "radiosity/fine_mesh.h"
-#include "radiosity/sky.h"
+#include "radiosity/shoot/sky.h"
+#include "radiosity/show/final_gather.h"
+#include "radiosity/show/fine_mesh.h"
 
 // An element for every grain of sand: what was asked for is surely a mistake.
 static const double MOST_ELEMENTS = 30e6;

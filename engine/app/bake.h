@@ -4,7 +4,7 @@
 
 #include "engine/app/app.h"
 #include "engine/app/bake_probes.h"
-#include "radiosity/adapt.h"
+#include "radiosity/shoot/adapt.h"
 
 enum { BAKE_DOORS_DRAWN, BAKE_DOORS_OPEN, BAKE_DOORS_CLOSED, BAKE_DOORS };
 extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-#include "radiosity/gather.h"
+#include "radiosity/show/gather.h"
 
 typedef struct Probe {
     Vec3 place, normal;    // unit

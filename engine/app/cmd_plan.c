@@ -5,7 +5,7 @@
 
 #include "engine/app/app.h"
 #include "engine/core/file.h"
-#include "visibility/figure.h"
+#include "visibility/prepare/figure.h"
 
 static const char HELP[] =
     "usage: enfilade plan FILE [--map NAME] [-o OUT.svg] [--from X,Y,Z] [--storey N] [--depth N] [--width "

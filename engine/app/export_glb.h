@@ -2,7 +2,7 @@
 #ifndef APP_EXPORT_GLB_H
 #define APP_EXPORT_GLB_H
 
-#include "radiosity/shoot.h"
+#include "radiosity/shoot/shoot.h"
 
 // Elements as triangles, each vertex in the light that leaves it times an exposure, which `extras` of the scene tell.
 // Storeys, rooms and things are nodes under their names, leaves of doors turn about their hinges, viewpoints are cameras. The

@@ -5,7 +5,7 @@
 #include <jansson.h>
 
 #include "engine/app/export_tree.h"
-#include "radiosity/reconstruct.h"
+#include "radiosity/show/reconstruct.h"
 
 // How a polygon is drawn: walls from their front alone, things from both sides, glass as it lets light through.
 typedef enum ExportLook { EXPORT_WALL, EXPORT_THING, EXPORT_GLASS, EXPORT_LOOKS } ExportLook;

@@ -6,7 +6,7 @@
 
 #include "engine/app/app_light.h"
 #include "engine/core/clock.h"
-#include "engine/walk/image.h"
+#include "engine/draw/image.h"
 
 // Where neither the command nor a view of the building says, radians.
 static const double USUAL_FOV = 70 * (M_PI / 180);

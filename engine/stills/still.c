@@ -5,8 +5,8 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
-#include "engine/walk/view.h"
-#include "engine/walk/walk_shade.h"
+#include "engine/draw/view.h"
+#include "engine/draw/walk_shade.h"
 
 const char *const STILL_DIRECT_NAMES[STILL_DIRECTS] = {"baked", "rays"};
 

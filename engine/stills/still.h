@@ -2,9 +2,9 @@
 #ifndef STILLS_STILL_H
 #define STILLS_STILL_H
 
+#include "engine/draw/exposure.h"
+#include "engine/draw/walk_light.h"
 #include "engine/stills/whitted.h"
-#include "engine/walk/exposure.h"
-#include "engine/walk/walk_light.h"
 
 typedef enum StillDirect { STILL_BAKED, STILL_RAYS, STILL_DIRECTS } StillDirect;
 extern const char *const STILL_DIRECT_NAMES[STILL_DIRECTS];

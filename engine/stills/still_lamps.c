@@ -4,10 +4,10 @@
 // control variate: Kalos & Whitlock 1986). So there is noise only where something hides a part of a lamp, however many there are.
 #include "engine/stills/still_lamps.h"
 
+#include "engine/draw/false_colour.h"
 #include "engine/stills/still_lamps_parts.h"
-#include "engine/walk/false_colour.h"
-#include "radiosity/analytic.h"
-#include "radiosity/gather.h"
+#include "radiosity/factors/analytic.h"
+#include "radiosity/show/gather.h"
 
 // Lamps of which an element saw nothing are asked for once in a while.
 static const double ONCE_IN_A_WHILE = 0.25;

@@ -1,7 +1,7 @@
 // still_lamps_seen.c - which lamps a side of an element sees, by some rays when it is first looked at: the others are hidden from it, or
 // turn away, and are seldom asked for.
 #include "engine/stills/still_lamps_parts.h"
-#include "radiosity/gather.h"
+#include "radiosity/show/gather.h"
 
 // On curved shapes facets say little of what lies around them: of all that may be seen something is taken to be.
 static const float CURVED_SEEN = 0.2f;

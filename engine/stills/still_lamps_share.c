@@ -3,7 +3,7 @@
 // Source: Lambert 1760 for polygons; Snyder 1996, Area Light Sources for Real-Time Graphics, for balls. Points are drawn by what they
 // send (Talbot, Cline & Egbert 2005, Importance Resampling).
 #include "engine/stills/still_lamps_parts.h"
-#include "radiosity/analytic.h"
+#include "radiosity/factors/analytic.h"
 
 // Seen from farther than so many times its radius, a polygon is as good as a point of its area, and a quadrilateral as four: within
 // 1 %.

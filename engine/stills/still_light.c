@@ -3,7 +3,7 @@
 // Calculation in Diffuse-Specular Scenes).
 #include "engine/stills/still_light.h"
 
-#include "engine/walk/walk_shade.h"
+#include "engine/draw/walk_shade.h"
 
 // Facets of curved shapes are so small that shots hit some of them twice and others not at all: their light is a mean over those within
 // this of them, metres, and so many of their own sizes, that look the same way.

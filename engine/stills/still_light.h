@@ -3,7 +3,7 @@
 #define STILLS_STILL_LIGHT_H
 
 #include "engine/stills/still_lamps.h"
-#include "radiosity/reconstruct.h"
+#include "radiosity/show/reconstruct.h"
 
 typedef struct StillLight {
     const StillScene *scene;

@@ -3,7 +3,7 @@
 #define STILLS_STILL_SCENE_H
 
 #include "engine/stills/glass.h"
-#include "radiosity/mesh.h"
+#include "radiosity/mesh/mesh.h"
 #include "visibility/rays/ray_grid.h"
 #include "visibility/rays/ray_tree.h"
 

@@ -2,8 +2,8 @@
 // be read. Its clock advances by frames, so nothing depends on how fast the machine is.
 #include <glad/gl.h>
 
+#include "engine/gl/gl_context.h"
 #include "engine/walk/display_back_end.h"
-#include "visibility/hidden/gl_context.h"
 
 // Frames of a second of its clock.
 static const double FRAMES_PER_SECOND = 60;

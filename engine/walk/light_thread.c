@@ -8,7 +8,7 @@
 #include <time.h>
 
 #include "engine/core/parallel.h"
-#include "radiosity/ambient.h"
+#include "radiosity/shoot/ambient.h"
 
 // States of the light: a few in a second show it arriving, and each costs a pass over the building.
 static const double SHOW_EVERY = 0.3;

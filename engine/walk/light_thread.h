@@ -3,7 +3,7 @@
 #ifndef WALK_LIGHT_THREAD_H
 #define WALK_LIGHT_THREAD_H
 
-#include "engine/walk/lit_mesh.h"
+#include "engine/draw/lit_mesh.h"
 
 // What a bake in the background is told, and tells.
 typedef struct LightHooks {

@@ -3,11 +3,11 @@
 #ifndef WALK_SESSION_H
 #define WALK_SESSION_H
 
+#include "engine/draw/walk_renderer.h"
+#include "engine/overlay/hud.h"
 #include "engine/walk/display.h"
-#include "engine/walk/hud.h"
 #include "engine/walk/light_thread.h"
 #include "engine/walk/walk_offscreen.h"
-#include "engine/walk/walk_renderer.h"
 
 // What is walked through. All live as long as the arena they were loaded into.
 typedef struct WalkScene {

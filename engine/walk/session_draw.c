@@ -1,7 +1,7 @@
 // session_draw.c - a frame: what is visible, the building, and over it what the keys asked for.
 #include "engine/core/clock.h"
+#include "engine/draw/view.h"
 #include "engine/walk/session_state.h"
-#include "engine/walk/view.h"
 
 // Weight of the newest frame in the figures shown.
 static const double FRESH = 0.1;

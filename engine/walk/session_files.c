@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "engine/core/clock.h"
-#include "engine/walk/image.h"
+#include "engine/draw/image.h"
 #include "engine/walk/session_state.h"
 
 // Between two lines of a trace, seconds.

@@ -2,11 +2,11 @@
 #ifndef WALK_SESSION_STATE_H
 #define WALK_SESSION_STATE_H
 
-#include "engine/walk/doors.h"
+#include "engine/overlay/hud.h"
+#include "engine/sim/doors.h"
+#include "engine/sim/person.h"
+#include "engine/sim/recording.h"
 #include "engine/walk/file_watch.h"
-#include "engine/walk/hud.h"
-#include "engine/walk/person.h"
-#include "engine/walk/recording.h"
 #include "engine/walk/session.h"
 
 // Ticks of a walk in a second. Recorded paths keep every second one.

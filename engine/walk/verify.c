@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "engine/core/clock.h"
-#include "visibility/hidden/gl_context.h"
+#include "engine/gl/gl_context.h"
 #include "visibility/hidden/gl_items.h"
 
 struct WalkVerify {

@@ -4,7 +4,7 @@
 #define WALK_VERIFY_H
 
 #include "engine/core/random.h"
-#include "engine/walk/view.h"
+#include "engine/draw/view.h"
 
 typedef struct WalkVerify WalkVerify;
 

@@ -2,7 +2,7 @@
 // tenth of a millimetre: an eye in a wall's own plane sees into the wall, and there is nothing to be right about.
 #include <string.h>
 
-#include "engine/walk/door_states.h"
+#include "engine/sim/door_states.h"
 #include "engine/walk/verify.h"
 
 // How near corners the eyes come, metres.

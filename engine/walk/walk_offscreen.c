@@ -5,13 +5,13 @@
 #include "engine/core/file.h"
 #include "engine/core/random.h"
 #include "engine/core/text.h"
-#include "engine/walk/hud.h"
-#include "engine/walk/image.h"
-#include "engine/walk/recording.h"
+#include "engine/draw/image.h"
+#include "engine/draw/walk_renderer.h"
+#include "engine/gl/gl_context.h"
+#include "engine/overlay/hud.h"
+#include "engine/sim/recording.h"
 #include "engine/walk/verify.h"
 #include "engine/walk/video.h"
-#include "engine/walk/walk_renderer.h"
-#include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/hidden.h"
 
 // Frames of a tour in a second of video.

@@ -2,9 +2,9 @@
 #ifndef WALK_OFFSCREEN_H
 #define WALK_OFFSCREEN_H
 
-#include "engine/walk/door_states.h"
-#include "engine/walk/tour.h"
-#include "engine/walk/walk_renderer.h"
+#include "engine/draw/walk_renderer.h"
+#include "engine/sim/door_states.h"
+#include "engine/sim/tour.h"
 
 typedef struct WalkOptions {
     const char *tour;       // see tour_make

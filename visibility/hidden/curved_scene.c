@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "maps/curved_tessellate.h"
+#include "maps/curved/curved_tessellate.h"
 
 // A shape nearer than this is subdivided as from there, metres: an eye may be within it.
 static const double NEAREST = 0.05;

@@ -9,9 +9,9 @@
 #include <glad/gl.h>
 
 #include "engine/core/polygon.h"
+#include "engine/gl/gl_context.h"
+#include "engine/gl/gl_math.h"
 #include "visibility/hidden/facets.h"
-#include "visibility/hidden/gl_context.h"
-#include "visibility/hidden/gl_math.h"
 
 // A surface whose plane is this near the eye is seen edge-on, metres: it covers no pixel but by rounding.
 static const double EDGE_ON = 1e-5;

@@ -1,4 +1,4 @@
-// hidden.c - the camera, the item buffer and the table of hidden-surface methods.
+// hidden.c - the item buffer and the table of hidden-surface methods.
 #include "visibility/hidden/hidden.h"
 
 #include <string.h>
@@ -45,24 +45,6 @@ bool hidden_draw(const HiddenMethod *method, void *prepared, const Camera *camer
                          camera->tan_y);
     CORE_ASSERT(out->width == width && out->height == height);
     return method->draw(prepared, camera, out, work, error);
-}
-
-Camera camera_look(Vec3 eye, double yaw, double pitch, double fov, int width, int height) {
-    Camera camera = {.eye = eye, .width = width, .height = height};
-    camera.forward = vec3(cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch));
-    // From the yaw alone, so that it stands when the view is straight up or down.
-    camera.right = vec3(sin(yaw), -cos(yaw), 0);
-    camera.up = vec3_cross(camera.right, camera.forward);
-    camera.tan_x = tan(fov / 2);
-    camera.tan_y = camera.tan_x * height / width;
-    return camera;
-}
-
-Vec3 camera_ray(const Camera *camera, double i, double j) {
-    double x = (2 * i / camera->width - 1) * camera->tan_x;
-    double y = (1 - 2 * j / camera->height) * camera->tan_y;
-    Vec3 across = vec3_add(vec3_scale(camera->right, x), vec3_scale(camera->up, y));
-    return vec3_add(camera->forward, across);
 }
 
 ItemBuffer item_buffer_new(Arena *arena, int width, int height) {

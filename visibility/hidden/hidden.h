@@ -8,21 +8,9 @@
 #include <stdint.h>
 
 #include "engine/core/arena.h"
+#include "engine/core/camera.h"
 #include "engine/core/error.h"
-#include "maps/building.h"
-
-// A pinhole camera. Pixel (i, j) looks through x = (2(i + 0.5)/width - 1) * tan_x along `right`,
-// y = (1 - 2(j + 0.5)/height) * tan_y along `up`, 1 along `forward`: row 0 is the top.
-typedef struct Camera {
-    Vec3 eye, forward, right, up;  // unit, orthogonal, right-handed: right x up = -forward
-    double tan_x, tan_y;           // half the view's extent at distance 1
-    int width, height;             // pixels
-} Camera;
-
-// Looks along yaw and pitch (see Viewpoint) with a horizontal field of view `fov`, radians.
-Camera camera_look(Vec3 eye, double yaw, double pitch, double fov, int width, int height);
-Vec3 camera_ray(const Camera *camera, double i,
-                double j);  // through pixel coordinates; not normalised: forward part 1
+#include "maps/building/building.h"
 
 // The polygons to draw, in order; of coincident surfaces the first in the list is seen. Polygons are seen from both
 // sides. Any will do: without area they are not seen, bent or concave ones are cut into triangles, and one that crosses

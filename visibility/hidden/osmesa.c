@@ -1,6 +1,6 @@
 // osmesa.c - the hidden-surface method `osmesa`: an item buffer by Mesa's software rasteriser.
+#include "engine/gl/gl_context.h"
 #include "visibility/hidden/facets.h"
-#include "visibility/hidden/gl_context.h"
 #include "visibility/hidden/gl_items.h"
 #include "visibility/hidden/hidden.h"
 

@@ -1,7 +1,7 @@
 // seen_file.c - reading and writing `.seen` files.
 #include "visibility/pairs/seen_file.h"
 
-#include "maps/building.h"
+#include "maps/building/building.h"
 
 enum { HEAD = 4 };
 

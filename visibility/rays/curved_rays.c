@@ -3,7 +3,7 @@
 
 #include <assert.h>
 
-#include "visibility/rays/bezier_clip.h"
+#include "visibility/bezier/bezier_clip.h"
 #include "visibility/rays/metaball_hit.h"
 #include "visibility/rays/quadric_hit.h"
 

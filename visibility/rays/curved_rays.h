@@ -3,14 +3,8 @@
 #define RAYS_CURVED_RAYS_H
 
 #include "engine/core/arena.h"
-#include "maps/building.h"
-#include "visibility/rays/ray.h"
-
-// What was done to find hits, to compare methods by.
-typedef struct CurvedWork {
-    long long rays, clips, splits, steps;  // asked; Bezier clips; halvings; steps of Newton
-    long long undecided;                   // where the iteration was ended by its bound
-} CurvedWork;
+#include "maps/building/building.h"
+#include "visibility/bezier/ray.h"
 
 // All curved shapes of a building, made ready for rays. Rays may be asked of it from many threads at once.
 typedef struct CurvedRays CurvedRays;

@@ -2,7 +2,7 @@
 #ifndef RAYS_FLAT_HIT_H
 #define RAYS_FLAT_HIT_H
 
-#include "visibility/rays/hit_list.h"
+#include "visibility/bezier/hit_list.h"
 
 // Of a simple polygon, or of several loops joined by seams, with its plane. No ray slips between polygons that share an
 // edge: their corners decide, exactly, and nothing that is computed of one polygon alone.

@@ -8,7 +8,7 @@
 #include "visibility/rays/metaball_hit.h"
 
 #include "engine/core/four.h"
-#include "visibility/rays/bernstein.h"
+#include "visibility/bezier/bernstein.h"
 
 enum { FIELD = 6 };  // its degree
 

@@ -2,9 +2,9 @@
 #ifndef RAYS_METABALL_HIT_H
 #define RAYS_METABALL_HIT_H
 
-#include "maps/building.h"
+#include "maps/building/building.h"
+#include "visibility/bezier/hit_list.h"
 #include "visibility/rays/curved_rays.h"
-#include "visibility/rays/hit_list.h"
 
 // Of w = 1 - (r / radius)^2, at the ends and the middle (in Bernstein's basis) of an interval, the coefficients of the field
 // weight (5 w^2 + 4 w^3) / 9 there, which is that of CurvedBall, are added to `field`.

@@ -2,8 +2,8 @@
 #ifndef RAYS_QUADRIC_HIT_H
 #define RAYS_QUADRIC_HIT_H
 
-#include "maps/curved.h"
-#include "visibility/rays/hit_list.h"
+#include "maps/building/curved.h"
+#include "visibility/bezier/hit_list.h"
 
 typedef struct Quadric {
     CurvedKind kind;

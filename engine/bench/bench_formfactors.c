@@ -1,0 +1,287 @@
+// bench_formfactors.c - one shot by each form-factor method, at each resolution and with each culling: time, and error
+// against a great many independent random rays.
+//
+// The error is L1 = sum |F - F_ref| over all elements, the mean of the shooters: patches spread evenly over the mesh. Times
+// are of one thread, the look at what is in view included (rays need none); the least of several passes for each shooter, so
+// that what else the machine does shows little.
+#include <math.h>
+#include <stdio.h>
+
+#include "engine/bench/bench.h"
+#include "engine/bench/shot_reference.h"
+#include "engine/core/clock.h"
+#include "engine/core/file.h"
+#include "engine/core/text.h"
+#include "radiosity/factors/form_factor.h"
+#include "visibility/hidden/hidden.h"
+
+static const char HEAD[] = "building,method,resolution,culling,shooters,ms_a_shot,ms_a_look,l1,faces_drawn,"
+                           "elements_drawn,samples,tests,rays_of_reference,front\n";
+
+enum { PASSES = 9, RUN_SECONDS = 2 };
+
+// A row of the table.
+typedef struct Run {
+    const FormFactorMethod *method;
+    const char *hidden;  // that fills the hemicube's sides; NULL: none
+    char name[40];
+    ViewCulling culling;
+    int resolution;
+    double ms, look_ms, l1;
+    FormFactorWork work;  // of all shooters once
+    Arena arena;
+    FormFactor *rows;
+    double *least, *least_look;  // [shooter_count] seconds
+    double spent;                // in all passes
+} Run;
+
+typedef struct ShotBench {
+    const char *file;
+    const BenchArguments *arguments;
+    AppScene scene;
+    Mesh mesh;
+    Viewer *viewer;
+    int *shooters;  // [shooter_count] patches
+    int shooter_count;
+    ShotReference reference;
+    Run *runs;
+    int run_count, run_capacity;
+} ShotBench;
+
+static ViewPoint point_of(const ShotBench *b, int shooter) {
+    const Patch *patch = &b->mesh.patches[b->shooters[shooter]];
+    return (ViewPoint){patch->centre, b->mesh.faces[patch->face].plane.n, patch->cell};
+}
+
+static void choose_shooters(ShotBench *b, Arena *arena) {
+    int wanted = b->arguments->shooters;
+    b->shooters = ARENA_ARRAY(arena, int, wanted);
+    for (int i = 0; i < wanted; i++) {
+        int patch = (int)((i + 0.5) * b->mesh.patch_count / wanted);
+        if (b->mesh.patches[patch].cell >= 0) b->shooters[b->shooter_count++] = patch;
+    }
+}
+
+static ShotReference make_reference(const ShotBench *b, Arena *arena) {
+    ViewPoint *from = ARENA_ARRAY(arena, ViewPoint, b->shooter_count + 1);
+    for (int s = 0; s < b->shooter_count; s++) from[s] = point_of(b, s);
+    return shot_reference(&b->mesh, from, b->shooter_count, b->arguments->rays, b->arguments->seed, arena);
+}
+
+// ---- the methods
+
+static void shoot(ShotBench *b, Run *run, int s, bool first) {
+    ViewPoint from = point_of(b, s);
+    View axes = {.eye = from.eye, .z = from.normal};
+    const View *view = &axes;
+    view_axes(axes.z, &axes.x, &axes.y);
+    double start = clock_thread_seconds();
+    if (!run->method->whole_mesh) view = viewer_look(b->viewer, &from, run->culling);
+    double looked = clock_thread_seconds();
+    const Row *row = form_factor_row(run->rows, view);
+    double end = clock_thread_seconds();
+    run->spent += end - start;
+    if (first) run->l1 += shot_reference_l1(&b->reference, s, row) / b->shooter_count;
+    if (first || end - start < run->least[s]) run->least[s] = end - start;
+    if (first || looked - start < run->least_look[s]) run->least_look[s] = looked - start;
+}
+
+static void begin_run(ShotBench *b, Run *run) {
+    FormFactorOptions options = form_factor_default_options();
+    options.resolution = run->resolution;
+    options.hidden = run->hidden;
+    run->rows = form_factor_new(run->method, &b->mesh, &options, &run->arena);
+    run->least = ARENA_ARRAY(&run->arena, double, b->shooter_count);
+    run->least_look = ARENA_ARRAY(&run->arena, double, b->shooter_count);
+}
+
+static void end_run(ShotBench *b, Run *run) {
+    for (int s = 0; s < b->shooter_count; s++) {
+        run->ms += 1000 * run->least[s] / b->shooter_count;
+        run->look_ms += 1000 * run->least_look[s] / b->shooter_count;
+    }
+    form_factor_end(run->rows);
+    arena_free(&run->arena);
+}
+
+// All runs in turn, pass after pass: a spell in which the machine is slow falls on all of them.
+static void measure_all(ShotBench *b) {
+    for (int i = 0; i < b->run_count; i++) begin_run(b, &b->runs[i]);
+    for (int pass = 0; pass < PASSES; pass++) {
+        for (int i = 0; i < b->run_count; i++) {
+            Run *run = &b->runs[i];
+            if (run->spent > RUN_SECONDS) continue;
+            for (int s = 0; s < b->shooter_count; s++) shoot(b, run, s, pass == 0);
+            if (pass == 0) run->work = form_factor_work(run->rows);
+        }
+    }
+    for (int i = 0; i < b->run_count; i++) end_run(b, &b->runs[i]);
+}
+
+// Is no other run both as fast and as right: does it lie on the Pareto front?
+static bool on_front(const ShotBench *b, const Run *run) {
+    for (int i = 0; i < b->run_count; i++) {
+        const Run *other = &b->runs[i];
+        if (other->ms <= run->ms && other->l1 <= run->l1 && (other->ms < run->ms || other->l1 < run->l1))
+            return false;
+    }
+    return true;
+}
+
+static void add_row(const ShotBench *b, const Run *run, Text *table) {
+    double n = b->shooter_count;
+    text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
+                run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
+                run->look_ms, run->l1, (double)run->work.faces_drawn / n,
+                (double)run->work.elements_drawn / n, (double)run->work.samples / n,
+                (double)run->work.tests / n, b->reference.rays, on_front(b, run));
+}
+
+// ---- what to run
+
+static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling,
+                     Arena *arena) {
+    const BenchArguments *a = b->arguments;
+    for (int r = 0; r < a->resolution_count; r++) {
+        Run *run = ARENA_PUSH(arena, b->runs, b->run_count, b->run_capacity);
+        *run = (Run){.method = method, .hidden = hidden, .resolution = a->resolutions[r], .culling = culling};
+        snprintf(run->name, sizeof run->name, "%s%s%s", method->name, hidden ? "-" : "",
+                 hidden ? hidden : "");
+    }
+}
+
+// A hemicube filled by one of HIDDEN_METHODS goes by both names; NULL: it is none.
+static const char *hidden_of(const char *name) {
+    static const char PREFIX[] = "hemicube-";
+    if (strncmp(name, PREFIX, sizeof PREFIX - 1) != 0) return NULL;
+    const HiddenMethod *hidden = hidden_find(name + sizeof PREFIX - 1);
+    return hidden ? hidden->name : NULL;
+}
+
+static bool knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
+
+static void choose_runs(ShotBench *b, Arena *arena) {
+    const BenchArguments *a = b->arguments;
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        const FormFactorMethod *method = FORM_FACTOR_METHODS[m];
+        if (!bench_listed(a->methods, method->name)) continue;
+        for (int c = 0; c < VIEW_CULLINGS; c++) {
+            // Rays are culled by their own tree.
+            if (method->whole_mesh ? c == CULL_NOTHING : bench_listed(a->cullings, VIEW_CULLING_NAMES[c]))
+                add_runs(b, method, NULL, (ViewCulling)c, arena);
+        }
+    }
+    // Hidden-surface methods draw all there is.
+    for (int h = 0; HIDDEN_METHODS[h]; h++) {
+        char name[40];
+        snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
+        if (bench_listed(a->methods, name))
+            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING, arena);
+    }
+}
+
+static void print_runs(const ShotBench *b, Text *table) {
+    size_t start = table->size;
+    for (int i = 0; i < b->run_count; i++) add_row(b, &b->runs[i], table);
+    if (b->run_count > 0) fputs(table->data + start, stdout);
+    fflush(stdout);
+}
+
+// ---- equal error
+
+// The time a method takes to an error, on the straight line between its points in logarithms; beyond them, along the
+// nearest two. Negative: it has less than two points.
+static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCulling culling, double l1) {
+    const Run *low = NULL, *high = NULL;
+    for (int i = 0; i + 1 < b->run_count; i++) {
+        const Run *p = &b->runs[i], *q = &b->runs[i + 1];
+        if (p->method != method || q->method != method || p->hidden || q->hidden || p->culling != culling ||
+            q->culling != culling || p->l1 == q->l1)
+            continue;
+        if (!low || q->l1 >= l1 || p->l1 >= l1) low = p, high = q;
+    }
+    if (!low) return -1;
+    double t = (log(l1) - log(low->l1)) / (log(high->l1) - log(low->l1));
+    return exp(log(low->ms) + t * (log(high->ms) - log(low->ms)));
+}
+
+static const Run *find_run(const ShotBench *b, const char *method, int resolution, ViewCulling culling) {
+    for (int i = 0; i < b->run_count; i++)
+        if (strcmp(b->runs[i].name, method) == 0 && b->runs[i].resolution == resolution &&
+            b->runs[i].culling == culling)
+            return &b->runs[i];
+    return NULL;
+}
+
+// How much faster each method is at the error of Embree's hemicube of 100 rays a side.
+static void print_ratios(const ShotBench *b) {
+    const Run *goal = find_run(b, "ray-hemicube", 100, CULL_NOTHING);
+    if (!goal) return;
+    double best = goal->ms;
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        double ms = FORM_FACTOR_METHODS[m]->whole_mesh
+                        ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NOTHING, goal->l1)
+                        : -1;
+        if (ms > 0 && ms < best) best = ms;
+    }
+    fprintf(stderr,
+            "%s: at the error of ray-hemicube 100, L1 %.4f (%.3f ms a shot, the best rays %.3f ms):\n",
+            bench_name(b->file), goal->l1, goal->ms, best);
+    for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
+        for (int c = 0; c < VIEW_CULLINGS; c++) {
+            double ms = ms_at(b, FORM_FACTOR_METHODS[m], (ViewCulling)c, goal->l1);
+            if (ms <= 0) continue;
+            fprintf(stderr,
+                    "  %-22s %-8s %8.3f ms a shot: %5.2f times as fast as that, %5.2f as the best rays\n",
+                    FORM_FACTOR_METHODS[m]->name, VIEW_CULLING_NAMES[c], ms, goal->ms / ms, best / ms);
+        }
+    }
+}
+
+static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
+    Arena arena = {0};
+    ShotBench *b = ARENA_ARRAY(&arena, ShotBench, 1);
+    b->file = file;
+    b->arguments = a;
+    AppOptions options = app_default_options();
+    options.map = a->map;
+    MeshOptions mesh = mesh_default_options();
+    mesh.close = 0;  // the scene of the figures that are compared
+    bool good = app_load(file, &options, &arena, &b->scene, error) && app_has_walls(&b->scene, error) &&
+                mesh_build(&b->scene.graph, NULL, NULL, &mesh, &arena, &b->mesh, error);
+    if (good) {
+        b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
+        choose_shooters(b, &arena);
+        b->reference = make_reference(b, &arena);
+        choose_runs(b, &arena);
+        measure_all(b);
+        print_runs(b, table);
+        print_ratios(b);
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static bool measure(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, bench_file, error);
+}
+
+const Bench BENCH_FORMFACTORS = {
+    .name = "formfactors",
+    .help = "  formfactors    one shot by each form-factor method: time and error against random rays, what "
+            "was drawn; and how\n"
+            "                 much faster than rays it is at equal error\n"
+            "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them); "
+            "hemicube-NAME\n"
+            "                        is the hemicube whose sides a hidden-surface method fills\n"
+            "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
+            "    --cullings A,..     of none, depth, cells, plan, portals (default none,depth,portals)\n"
+            "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
+            "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
+            "    --seed N            of the reference\n"
+            "    --quick             20 shooters, 300000 rays\n"
+            "    --csv OUT           as above\n",
+    .run = measure,
+    .knows = knows,
+    .list = "bake",
+};

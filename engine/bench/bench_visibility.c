@@ -1,0 +1,290 @@
+// bench_visibility.c - the cell-to-cell methods side by side: what each costs, and how far it lies above a lower bound of
+// what is visible. The bound is made here, of what shares nothing with the methods: sampled sightlines, a .seen file
+// beside the building, and the sightlines of the methods themselves as far as they hold when walked again.
+//
+// Every run has a process of its own: peak memory is the run's, and no thread is left over from an earlier one.
+#include <stdio.h>
+#include <unistd.h>
+
+#include "engine/app/peer.h"
+#include "engine/bench/apart.h"
+#include "engine/bench/bench.h"
+#include "engine/core/clock.h"
+#include "engine/core/text.h"
+#include "visibility/pairs/compare.h"
+#include "visibility/pairs/sample.h"
+#include "visibility/pairs/seen_file.h"
+
+enum { MOST_METHODS = 32, FIGURES = 17 };
+static const char HEAD[] =
+    "building,method,cells,portals,cpu_s_1_thread,wall_s_1_thread,cpu_s_2_threads,wall_s_2_threads,peak_mb,"
+    "visible_pairs,symmetric_pairs,proven_pairs,over_percent,symmetric_over_percent,misses,undecided,chains,"
+    "clips,"
+    "separators,stopped,note\n";
+
+// One run of a method, in shared memory: the process that runs it fills in the results.
+typedef struct MethodRun {
+    const CellGraph *graph;
+    const PairMethod *method;
+    PairOptions options;
+    double seconds;  // to stop after; 0: when done
+    double cpu_seconds, wall_seconds, peak_mb;
+    long long refuted;
+    PairWork work;
+    bool stopped, has_proofs;
+    uint64_t *seen, *checked;  // [cell_count * words] in shared memory, too
+} MethodRun;
+
+typedef struct FileBench {
+    const char *file;
+    const BenchArguments *arguments;
+    AppScene scene;
+    size_t rows_size;  // bytes of a matrix
+    uint64_t *bound;
+    const PairMethod *methods[MOST_METHODS];
+    MethodRun *one[MOST_METHODS], *two[MOST_METHODS],
+        *proving[MOST_METHODS];  // on 1 and 2 threads; with witnesses
+    int method_count;
+    PeerRun peer[2];  // on 1 and 2 threads
+    bool has_peer;
+    Error no_peer;  // why
+} FileBench;
+
+static void find_pairs(void *context) {
+    MethodRun *run = context;
+    Arena arena = {0};
+    PairSet set;
+    Progress progress = app_progress_stoppable(run->seconds);
+    ApartUsage before = apart_usage();
+    double start = clock_seconds();
+    run->method->find(run->graph, &run->options, &progress, &arena, &set);
+    run->wall_seconds = clock_seconds() - start;
+    ApartUsage after = apart_usage();
+    app_progress_end();
+    run->cpu_seconds = after.cpu_seconds - before.cpu_seconds;
+    run->peak_mb = after.peak_mb;
+    run->work = set.work;
+    run->stopped = set.stopped;
+    size_t size = (size_t)set.cell_count * (size_t)set.words;
+    memcpy(run->seen, set.seen, size * sizeof *set.seen);
+    run->has_proofs = pair_count(set.proven, set.cell_count, set.words) > set.cell_count;
+    run->refuted = pairs_check_witnesses(run->graph, &set, run->checked);
+    arena_free(&arena);
+}
+
+static MethodRun *run_method(FileBench *b, const PairMethod *method, int threads, bool witnesses,
+                             Error *error) {
+    MethodRun *run = apart_memory(sizeof *run);
+    *run = (MethodRun){.graph = &b->scene.graph,
+                       .method = method,
+                       .options = {.threads = threads, .witnesses = witnesses},
+                       .seconds = b->arguments->seconds,
+                       .seen = apart_memory(b->rows_size),
+                       .checked = apart_memory(b->rows_size)};
+    return apart_run(find_pairs, run, method->name, error) ? run : NULL;
+}
+
+static void free_run(const FileBench *b, MethodRun *run) {
+    if (!run) return;
+    apart_memory_free(run->seen, b->rows_size);
+    apart_memory_free(run->checked, b->rows_size);
+    apart_memory_free(run, sizeof *run);
+}
+
+// Times are taken without witnesses, as compilers work; a third run tells what can be proven.
+static bool run_methods(FileBench *b, Error *error) {
+    int cells = b->scene.graph.cell_count;
+    for (int i = 0; i < b->method_count; i++) {
+        const PairMethod *method = b->methods[i];
+        if (!(b->one[i] = run_method(b, method, 1, false, error))) return false;
+        if (!(b->two[i] = run_method(b, method, 2, false, error))) return false;
+        bool ended = !b->one[i]->stopped && !b->two[i]->stopped;
+        if (ended && memcmp(b->one[i]->seen, b->two[i]->seen, b->rows_size) != 0)
+            return error_set(error, "%s: %s finds other pairs on 2 threads than on 1", b->file, method->name);
+        if (!b->one[i]->has_proofs) continue;
+        if (!(b->proving[i] = run_method(b, method, 2, true, error))) return false;
+        pairs_unite(b->proving[i]->checked, cells, b->bound);
+        if (b->proving[i]->refuted > 0)
+            fprintf(stderr, "%s: %lld sightlines of %s do not hold when walked again\n", b->file,
+                    b->proving[i]->refuted, method->name);
+    }
+    return true;
+}
+
+typedef struct Sampling {
+    const CellGraph *graph;
+    SampleOptions options;
+    uint64_t *proven;
+} Sampling;
+
+static void sample(void *context) {
+    Sampling *sampling = context;
+    Arena arena = {0};
+    SampleSet set;
+    Progress progress = app_progress();
+    sample_pairs(sampling->graph, &sampling->options, &progress, &arena, &set);
+    app_progress_end();
+    memcpy(sampling->proven, set.proven, (size_t)set.cell_count * (size_t)set.words * sizeof *set.proven);
+    arena_free(&arena);
+}
+
+static SampleOptions sample_options(const BenchArguments *a) {
+    SampleOptions options = sample_default_options();
+    options.points = a->samples;
+    options.seed = a->seed;
+    return options;
+}
+
+// What is known to be visible before any method ran.
+static bool make_bound(FileBench *b, Arena *arena, Error *error) {
+    int cells = b->scene.graph.cell_count, words = (cells + 63) / 64;
+    b->rows_size = (size_t)cells * (size_t)words * sizeof *b->bound;
+    b->bound = ARENA_ARRAY(arena, uint64_t, (size_t)cells * (size_t)words);
+    for (int c = 0; c < cells; c++)
+        b->bound[(size_t)c * (size_t)words + (size_t)c / 64] |= (uint64_t)1 << (c % 64);
+    if (b->arguments->samples > 0) {
+        Sampling sampling = {&b->scene.graph, sample_options(b->arguments), apart_memory(b->rows_size)};
+        if (!apart_run(sample, &sampling, "sampling", error)) return false;
+        pairs_unite(sampling.proven, cells, b->bound);
+        apart_memory_free(sampling.proven, b->rows_size);
+    }
+    const char *dot = strrchr(b->file, '.');
+    const char *beside = arena_format(arena, "%.*s.seen", (int)(dot ? dot - b->file : 0), b->file);
+    uint64_t *rows;
+    if (access(beside, R_OK) != 0) return true;
+    if (!seen_read(beside, cells, arena, &rows, error)) return false;
+    pairs_unite(rows, cells, b->bound);
+    return true;
+}
+
+static void run_peer(FileBench *b, Arena *arena) {
+    const char *program = b->arguments->peer;
+    if (!program) {
+        error_set(&b->no_peer, "no --peer was given");
+        return;
+    }
+    b->has_peer = true;
+    for (int i = 0; i < 2 && b->has_peer; i++)
+        b->has_peer = peer_run(program, b->file, i + 1, arena, &b->peer[i], &b->no_peer);
+}
+
+// Where a proven pair is missed: the sightline, so that it can be looked into.
+static void print_miss(const FileBench *b, const char *method, const PairFigures *f) {
+    PairWitness line;
+    SampleOptions options = sample_options(b->arguments);
+    fprintf(stderr, "%s: %s misses that cells %d and %d see each other", b->file, method, f->miss[0],
+            f->miss[1]);
+    if (b->arguments->samples > 0 &&
+        (sample_sightline(&b->scene.graph, &options, f->miss[0], f->miss[1], &line) ||
+         sample_sightline(&b->scene.graph, &options, f->miss[1], f->miss[0], &line)))
+        fprintf(stderr, " along %.17g,%.17g,%.17g to %.17g,%.17g,%.17g, which starts in %d", line.from.x,
+                line.from.y, line.from.z, line.to.x, line.to.y, line.to.z, line.a);
+    fputc('\n', stderr);
+}
+
+// The columns on pairs: of a set as it is, and of what is left when both cells of a pair must see each other.
+static void add_pairs(const FileBench *b, const char *method, const uint64_t *seen, Text *row) {
+    Arena scratch = {0};
+    int cells = b->scene.graph.cell_count;
+    uint64_t *both = arena_alloc(&scratch, b->rows_size, 1);
+    pairs_intersect_transpose(seen, cells, both);
+    PairFigures f = pairs_compare(seen, b->bound, cells), s = pairs_compare(both, b->bound, cells);
+    text_append(row, "%lld,%lld,%lld,%.4f,%.4f,%lld,", f.visible, s.visible, f.bound, pairs_over(&f),
+                pairs_over(&s), f.missed);
+    if (f.missed > 0) print_miss(b, method, &f);
+    arena_free(&scratch);
+}
+
+static void add_head(const FileBench *b, const char *method, Text *row) {
+    text_append(row, "%s,%s,%d,%d,", bench_name(b->file), method, b->scene.graph.cell_count,
+                b->scene.graph.portal_count);
+}
+
+static void add_method(const FileBench *b, int i, Text *row) {
+    const MethodRun *one = b->one[i], *two = b->two[i], *proving = b->proving[i];
+    add_head(b, one->method->name, row);
+    text_append(row, "%.4f,%.4f,%.4f,%.4f,%.1f,", one->cpu_seconds, one->wall_seconds, two->cpu_seconds,
+                two->wall_seconds, one->peak_mb);
+    add_pairs(b, one->method->name, one->seen, row);
+    // Of a method without sightlines all pairs but those of a cell with itself are undecided.
+    PairFigures own = pairs_compare(one->seen, (proving ? proving : one)->checked, b->scene.graph.cell_count);
+    text_append(row, "%lld,%lld,%lld,%lld,%s,\n", own.beyond, one->work.chains, one->work.clips,
+                one->work.separators, one->stopped || two->stopped ? "yes" : "no");
+}
+
+static void add_peer(const FileBench *b, Text *row) {
+    add_head(b, "peer", row);
+    if (b->has_peer) {
+        const PeerRun *one = &b->peer[0], *two = &b->peer[1];
+        text_append(row, "%.4f,%.4f,%.4f,%.4f,%.1f,", one->cpu_seconds, one->wall_seconds, two->cpu_seconds,
+                    two->wall_seconds, one->peak_mb);
+        add_pairs(b, "peer", one->seen, row);
+        text_append(row, ",,,,no,%s\n", bench_name(b->arguments->peer));
+    } else {
+        for (int i = 0; i < FIGURES - 1; i++) text_append(row, "skipped,");
+        text_append(row, "\"%s\"\n", b->no_peer.text);
+    }
+}
+
+static void choose_methods(FileBench *b) {
+    const char *names = b->arguments->methods;
+    for (int i = 0; PAIR_METHODS[i] && !names; i++) {
+        CORE_ASSERT(i < MOST_METHODS);
+        b->methods[b->method_count++] = PAIR_METHODS[i];
+    }
+    while (names && *names && b->method_count < MOST_METHODS) {
+        char name[32];
+        int length = (int)strcspn(names, ",");
+        snprintf(name, sizeof name, "%.*s", length, names);
+        b->methods[b->method_count++] = pair_method(name);
+        names += length + (names[length] == ',');
+    }
+}
+
+static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
+    Arena arena = {0};
+    FileBench b = {.file = file, .arguments = a};
+    AppOptions options = app_default_options();
+    options.map = a->map;
+    choose_methods(&b);
+    run_peer(&b, &arena);  // first: while this process is small, the peak of its child is the child's own
+    bool good = app_load_cells(file, &options, &arena, &b.scene, error) && make_bound(&b, &arena, error) &&
+                run_methods(&b, error);
+    size_t start = table->size;
+    for (int i = 0; i < b.method_count && good; i++) add_method(&b, i, table);
+    if (good) add_peer(&b, table);
+    if (good) fputs(table->data + start, stdout);
+    fflush(stdout);
+    for (int i = 0; i < b.method_count; i++) {
+        free_run(&b, b.one[i]);
+        free_run(&b, b.two[i]);
+        free_run(&b, b.proving[i]);
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static bool measure(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, bench_file, error);
+}
+
+static bool knows(const char *name) { return pair_method(name) != NULL; }
+
+const Bench BENCH_VISIBILITY = {
+    .name = "visibility",
+    .help =
+        "  visibility     each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible "
+        "pairs, over-estimate\n"
+        "                 against pairs proven by sightlines, misses, pairs left undecided\n"
+        "    --methods A,B   some of the methods (default: all; `enfilade vis --help` lists them)\n"
+        "    --samples N     points on each portal for the proven pairs, 0 to 1000000 (default 12); a file "
+        "of proven\n"
+        "                    pairs beside FILE, with the suffix .seen, is taken besides\n"
+        "    --seed N        of the samples\n"
+        "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
+        "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
+        "    --csv OUT       writes the table there besides, whole or not at all\n",
+    .run = measure,
+    .knows = knows,
+    .list = "vis",
+};

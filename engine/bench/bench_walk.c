@@ -1,0 +1,120 @@
+// bench_walk.c - each way of culling along the automatic tour of each building.
+#include <stdio.h>
+
+#include "engine/bench/bench.h"
+#include "engine/core/clock.h"
+#include "engine/draw/view.h"
+#include "engine/draw/walk_renderer.h"
+#include "engine/gl/gl_context.h"
+#include "engine/sim/tour.h"
+
+typedef struct Sums {
+    double polygons, cells, query, frame, portals, objects;
+    int frames;
+} Sums;
+
+// A building and what looks at it.
+typedef struct Watch {
+    AppScene scene;
+    TourPath path;
+    VisQuery *query;
+    WalkRenderer *renderer;
+    int cell;  // of the last eye
+} Watch;
+
+// Draws one frame; what it took and showed is added to the sums, if there are any.
+static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMethod method, Sums *sums,
+                 Error *error) {
+    Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
+    Eye eye = walk_eye(&camera);
+    w->cell = vis_locate(&w->scene.graph, at->eye, w->cell);
+    double start = clock_seconds();
+    VisResult v = vis_query(w->query, &eye, w->cell, NULL, method);
+    double asked = clock_seconds();
+    if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||
+        !walk_renderer_finish_scene(w->renderer, error))
+        return false;
+    walk_renderer_finish();
+    if (!sums) return true;
+    sums->frame += clock_seconds() - start;
+    sums->query += asked - start;
+    sums->polygons += v.polygon_count;
+    sums->cells += v.cell_count;
+    sums->portals += v.portals_tested;
+    sums->objects += v.objects_tested;
+    sums->frames++;
+    return true;
+}
+
+// Frames taken evenly over the tour, each after the one before it in the tour, as a walk shows them: what that left in the
+// caches is part of what the next one costs. The first of all, which has none before it, comes twice.
+static bool measure_method(Watch *w, const BenchArguments *a, VisMethod method, Sums *out, Error *error) {
+    *out = (Sums){0};
+    int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;
+    w->cell = -1;
+    for (int i = 0; i < taken; i++) {
+        const TourFrame *at = &w->path.frames[(long)i * count / taken];
+        const TourFrame *before = at > w->path.frames ? at - 1 : at;
+        if (!draw(w, before, a, method, NULL, error) || !draw(w, at, a, method, out, error)) return false;
+    }
+    return true;
+}
+
+static bool bench_building(const char *file, const BenchArguments *a, GlContext *context, Arena *arena,
+                           Error *error) {
+    AppOptions load = app_default_options();
+    load.map = a->map;
+    Watch watch = {.cell = -1};
+    TourOptions options = tour_default_options();
+    if (!app_load(file, &load, arena, &watch.scene, error) || !app_has_walls(&watch.scene, error))
+        return false;
+    const CellGraph *graph = &watch.scene.graph;
+    if (!tour_make(graph, "auto", &options, arena, &watch.path, error)) return false;
+    watch.query = vis_query_new(graph, &watch.scene.forest, arena);
+    if (!gl_context_use(context, error)) return false;
+    watch.renderer = walk_renderer_new(graph, arena, error);
+    if (!watch.renderer) return false;
+    bool good = true;
+    for (int m = 0; m < VIS_METHODS && good; m++) {
+        Sums s;
+        good = measure_method(&watch, a, (VisMethod)m, &s, error);
+        if (!good) break;
+        double n = s.frames;
+        printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), VIS_METHOD_NAMES[m], s.frames,
+               graph->polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n, 1e3 * s.frame / n,
+               s.portals / n, s.objects / n);
+        fflush(stdout);
+    }
+    walk_renderer_free(watch.renderer);
+    return good;
+}
+
+static bool measure(const BenchArguments *a, Error *error) {
+    Arena arena = {0};
+    GlContext *context = gl_context_open(&arena, error);
+    bool good = context != NULL;
+    if (good) {
+        puts("building,method,frames,polygons_total,polygons_drawn_mean,cells_visible_mean,query_us_mean,"
+             "frame_ms_mean,portals_tested_mean,objects_tested_mean");
+    }
+    for (int i = 0; i < a->file_count && good; i++) {
+        Arena building = {0};
+        good = bench_building(a->files[i], a, context, &building, error);
+        arena_free(&building);
+    }
+    gl_context_close(context);
+    arena_free(&arena);
+    return good;
+}
+
+const Bench BENCH_WALK = {
+    .name = "walk",
+    .help = "  walk           each culling method along the auto tour of each building: polygons drawn, "
+            "cells seen, time of\n"
+            "                 the query and of the whole frame\n"
+            "    --size WxH   of the frames, pixels, 16 to 8192 each (default 640x360)\n"
+            "    --look NAME  fast (default) or fine\n"
+            "    --frames N   of the tour, evenly taken, each after the one before it, 1 to 1000000 (default "
+            "200)\n",
+    .run = measure,
+};

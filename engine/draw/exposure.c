@@ -1,0 +1,70 @@
+// exposure.c - an exposure by the logarithmic mean (Reinhard, Stark, Shirley & Ferwerda 2002, equation 1) of the elements in
+// view, weighted by solid angle and the root of their light: counted alike, a dark garden behind a window would make a room
+// too bright; counted by their light, the spot above a lamp would make it too dark.
+// From the elements rather than from the frame before: no pixels to read back, and the same view has the same exposure.
+#include "engine/draw/exposure.h"
+
+// What a place of middling brightness becomes before the curve of the screen: rooms are mostly light paint.
+static const double MIDDLE = 0.65;
+// How much of a difference between what is seen and the whole building the eye makes up for: dark rooms stay a little darker.
+static const double ADAPTATION = 0.85;
+// An eye adapts no further than to this factor below and above the building's level: the dark is dark.
+static const double REACH = 1000;
+// In which the difference falls to 1/e, seconds: soon enough not to be waited for, too slow to flicker.
+static const double ADAPTATION_SECONDS = 0.4;
+
+typedef struct Sum {
+    double weight, logs;
+} Sum;
+
+static void add_element(const LitMesh *lit, const LitLight *light, const Camera *camera, Vec3 eye, Vec3 n,
+                        int element, Sum *sum) {
+    const LitSpot *spot = &lit->spot[element];
+    double b = (double)light->luminous[element];
+    if (!(b > 0)) return;
+    Vec3 way = vec3_sub(vec3((double)spot->place[0], (double)spot->place[1], (double)spot->place[2]), eye);
+    double ahead = vec3_dot(way, camera->forward);
+    if (ahead <= 0 || fabs(vec3_dot(way, camera->right)) > camera->tan_x * ahead ||
+        fabs(vec3_dot(way, camera->up)) > camera->tan_y * ahead)
+        return;
+    // Of a disc seen from its axis, as good as exact; bounded where the eye is near.
+    double r2 = vec3_dot(way, way), area = (double)spot->area;
+    double angle = area * fabs(vec3_dot(way, n)) / (sqrt(r2) * (r2 + area));
+    double weight = angle * sqrt(b);
+    sum->weight += weight;
+    sum->logs += weight * log(b);
+}
+
+double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
+                      int object_count) {
+    const Mesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->graph;
+    // Walls, floors and ceilings tell enough; a soup has objects alone.
+    bool surfaces_only = graph->surface_first[graph->cell_count] > graph->surface_first[0];
+    Vec3 eye = vec3_sub(camera->eye, lit->origin);
+    Sum sum = {0};
+    for (int k = 0; k < object_count; k++) {
+        const Object *o = &graph->objects[objects[k]];
+        if (surfaces_only && o->kind != OBJECT_SURFACE) continue;
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+            int f = mesh->face_of[p];
+            if (f < 0 || (surfaces_only && plane_distance(lit->plane[p], camera->eye) <= 0)) continue;
+            const Face *face = &mesh->faces[f];
+            for (int e = face->first_element; e < face->first_element + face->element_count; e++)
+                add_element(lit, light, camera, eye, face->plane.n, e, &sum);
+        }
+    }
+    return sum.weight > 0 ? exp(sum.logs / sum.weight) : 0;
+}
+
+void exposure_adapt(Exposure *e, double seen, double usual, double seconds) {
+    if (!(usual > 0) || (e->level > 0 && (e->fixed || !(seen > 0)))) return;
+    if (!(seen > 0)) seen = usual;
+    double wanted = usual * pow(fmin(fmax(seen / usual, 1 / REACH), REACH), ADAPTATION);
+    if (e->level > 0)
+        e->level = wanted * pow(e->level / wanted, exp(-seconds / ADAPTATION_SECONDS));
+    else
+        e->level = wanted;
+}
+
+double exposure_scale(const Exposure *e) { return e->level > 0 ? MIDDLE / e->level * exp2(e->stops) : 1; }

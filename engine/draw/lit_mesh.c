@@ -1,0 +1,196 @@
+// lit_mesh.c - elements become triangles with every vertex of their neighbours, so that no crack shows between them.
+#include "engine/draw/lit_mesh.h"
+
+#include "engine/core/polygon.h"
+#include "engine/draw/lit_twins.h"
+#include "radiosity/show/reconstruct.h"
+
+// How far behind its place a face is drawn where another lies that has the light of both: more than depths are uncertain by at ten
+// metres, less than is seen at its border. Metres.
+static const double SET_BACK = 5e-4;
+// Of the scales of false colours: this share of the area is brighter than they reach, the places right above lamps.
+static const double BRIGHTEST_AREA = 0.002;
+
+Vec3 lit_origin(const CellGraph *graph) {
+    Vec3 middle = vec3_lerp(graph->box.min, graph->box.max, 0.5);
+    return vec3(round(middle.x), round(middle.y), round(middle.z));
+}
+
+// ---- triangles
+
+static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
+
+static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face, int source) {
+    const Building *b = lit->mesh->graph->building;
+    Vec3 p = vec3_sub(at, lit->origin), n = face->plane.n;
+    lit->vertex[vertex] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
+                                      {(float)n.x, (float)n.y, (float)n.z},
+                                      face->material,
+                                      emits(&b->materials[face->material])};
+    lit->source[vertex] = source;
+}
+
+// How much of each a polygon takes.
+static void count_polygon(const Mesh *mesh, int object, int polygon, int *vertices, int *indices) {
+    int f = mesh->face_of[polygon], corners = mesh->graph->polygons[polygon].vertex_count;
+    *vertices = *indices = 0;
+    if (f < 0) return;
+    if (mesh->graph->objects[object].leaf >= 0) {
+        *vertices = corners;
+        *indices = 3 * (corners - 2);
+        return;
+    }
+    const Face *face = &mesh->faces[f];
+    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
+        *vertices += mesh->elements[e].corner_count;
+        *indices += 3 * (mesh->elements[e].corner_count - 2);
+    }
+}
+
+static void count_all(LitMesh *lit, Arena *arena) {
+    const CellGraph *graph = lit->mesh->graph;
+    int vertices = 0, indices = 0;
+    lit->first_vertex = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
+    lit->first_index = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
+    for (int o = 0; o < graph->object_count; o++) {
+        const Object *object = &graph->objects[o];
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            int v, i;
+            lit->first_vertex[p] = vertices;
+            lit->first_index[p] = indices;
+            count_polygon(lit->mesh, o, p, &v, &i);
+            vertices += v;
+            indices += i;
+        }
+    }
+    lit->first_vertex[graph->polygon_count] = vertices;
+    lit->first_index[graph->polygon_count] = indices;
+    lit->vertex = ARENA_ARRAY(arena, LitVertex, vertices + 1);
+    lit->source = ARENA_ARRAY(arena, int, vertices + 1);
+    lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
+    lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
+    lit->spot = ARENA_ARRAY(arena, LitSpot, lit->mesh->element_count + 1);
+}
+
+static void triangulate(const LitMesh *lit, const Vec3 *v, int count, int vertex, int index) {
+    int *triangle = (int *)(lit->index + index);
+    polygon_triangulate(v, count, triangle);
+    for (int k = 0; k < 3 * (count - 2); k++) triangle[k] += vertex;
+}
+
+static void put_spot(const LitMesh *lit, int element, const Vec3 *v, int count) {
+    Vec3 sum = vec3(0, 0, 0);
+    for (int i = 0; i < count; i++) sum = vec3_add(sum, v[i]);
+    Vec3 middle = vec3_sub(vec3_scale(sum, 1.0 / count), lit->origin);
+    lit->spot[element] = (LitSpot){{(float)middle.x, (float)middle.y, (float)middle.z},
+                                   (float)lit->mesh->elements[element].area};
+}
+
+// `whole`: the polygon is drawn as one.
+static void fill_elements(const LitMesh *lit, int polygon, bool whole, bool twin, Arena *scratch) {
+    const Mesh *mesh = lit->mesh;
+    const Face *face = &mesh->faces[mesh->face_of[polygon]];
+    Vec3 back = vec3_scale(face->plane.n, twin ? -SET_BACK : 0);
+    int vertex = lit->first_vertex[polygon], index = lit->first_index[polygon];
+    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        Vec3 *v = ARENA_ARRAY(scratch, Vec3, element->corner_count);
+        for (int i = 0; i < element->corner_count; i++)
+            v[i] = mesh->vertices[mesh->corners[element->first_corner + i]];
+        put_spot(lit, e, v, element->corner_count);
+        if (whole) continue;
+        for (int i = 0; i < element->corner_count; i++)
+            put_vertex(lit, vertex + i, vec3_add(v[i], back), face, element->first_corner + i);
+        triangulate(lit, v, element->corner_count, vertex, index);
+        vertex += element->corner_count;
+        index += 3 * (element->corner_count - 2);
+    }
+}
+
+static void fill_leaf(const LitMesh *lit, int polygon) {
+    const CellGraph *graph = lit->mesh->graph;
+    const Polygon *p = &graph->polygons[polygon];
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    int face = lit->mesh->face_of[polygon], vertex = lit->first_vertex[polygon];
+    for (int i = 0; i < p->vertex_count; i++)
+        put_vertex(lit, vertex + i, v[i], &lit->mesh->faces[face], -1 - face);
+    triangulate(lit, v, p->vertex_count, vertex, lit->first_index[polygon]);
+}
+
+LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena) {
+    const CellGraph *graph = mesh->graph;
+    LitMesh *lit = ARENA_ARRAY(arena, LitMesh, 1);
+    Arena scratch = {0}, kept = {0};
+    *lit = (LitMesh){.mesh = mesh, .origin = lit_origin(graph)};
+    count_all(lit, arena);
+    const bool *twins = lit_twins(mesh, &kept);
+    for (int o = 0; o < graph->object_count; o++) {
+        const Object *object = &graph->objects[o];
+        bool leaf = object->leaf >= 0;
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            if (mesh->face_of[p] < 0) continue;
+            lit->plane[p] = mesh->faces[mesh->face_of[p]].plane;
+            arena_reset(&scratch);
+            fill_elements(lit, p, leaf, twins[mesh->face_of[p]], &scratch);
+            if (leaf) fill_leaf(lit, p);
+        }
+    }
+    arena_free(&kept);
+    arena_free(&scratch);
+    return lit;
+}
+
+// ---- light
+
+LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
+    return (LitLight){.vertex =
+                          arena_alloc(arena, (size_t)lit_vertex_count(lit) + 1, sizeof *(LitLight){0}.vertex),
+                      .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1)};
+}
+
+static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
+    const Mesh *mesh = lit->mesh;
+    double weights = 0, logs = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        double b = light_luminous(solution->radiosity[e]);
+        out->luminous[e] = emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
+        if (!(out->luminous[e] > 0)) continue;
+        double weight = mesh->elements[e].area * sqrt(b);
+        logs += weight * log(b);
+        weights += weight;
+    }
+    out->level = weights > 0 ? exp(logs / weights) : 0;
+}
+
+// Areas by the value there, in bins of a tenth of an octave around 1.
+enum { BINS = 800, BINS_AN_OCTAVE = 10 };
+
+static LightRange range_of(const LitMesh *lit, const RadSolution *solution, FalseColour quantity) {
+    const Mesh *mesh = lit->mesh;
+    double areas[BINS] = {0}, all = 0, above = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Material *m = mesh_material(mesh, mesh->elements[e].face);
+        double value = emits(m) ? 0 : false_colour_value(quantity, solution->radiosity[e], m);
+        if (!(value > 0)) continue;
+        areas[(int)fmin(fmax(BINS / 2 + BINS_AN_OCTAVE * log2(value), 0), BINS - 1)] +=
+            mesh->elements[e].area;
+        all += mesh->elements[e].area;
+    }
+    int bin = BINS - 1;
+    while (bin > 0 && (above += areas[bin]) <= BRIGHTEST_AREA * all) bin--;
+    return light_range(all > 0 ? exp2((bin - BINS / 2) / (double)BINS_AN_OCTAVE) : 1);
+}
+
+void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
+    Arena scratch = {0};
+    VertexLight light = reconstruct_light(lit->mesh, solution, &scratch);
+    for (int v = 0; v < lit_vertex_count(lit); v++) {
+        int at = lit->source[v];
+        const double *from = at < 0 ? light.face[-1 - at] : light.corner[at];
+        for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
+    }
+    arena_free(&scratch);
+    fill_luminous(lit, solution, out);
+    for (int q = FALSE_COLOUR_RADIOSITY; q < FALSE_COLOURS; q++)
+        out->ranges[q] = range_of(lit, solution, (FalseColour)q);
+}

@@ -1,0 +1,292 @@
+// walk_bake.c - light computed beforehand, by the formulas of walk_shade.h, with ambient occlusion by distances.
+//
+// A texel is how bright a surface is on the screen by its brightness in usual light, in which its colour is given: one
+// channel of eleven bits shows no steps on a wall near by, where three of eight would, and is filtered in less time.
+//
+// The texels of all surfaces in one plane lie on one grid through the origin, and reach past the surface's edge: two
+// surfaces that meet there have the same texels on both sides, so that no seam shows between them.
+#include "engine/draw/walk_bake.h"
+
+#include <stdlib.h>
+
+#include "engine/draw/walk_occlusion.h"
+#include "engine/draw/walk_shade.h"
+
+// Sides of texels, metres: rooms show the occlusion of corners, the outdoors that of houses.
+#define TEXEL_INDOORS 0.125
+#define TEXEL_OUTDOORS 0.5
+// A surface has at most so many texels each way, so that rows hold a few.
+#define TEXELS_MOST 512
+#define ATLAS_WIDTH 2048
+// All texels together: 2 MiB as halves, computed in a fifth of a second.
+#define TEXELS_BUDGET (1 << 20)
+// Even so, texels grow no larger than this many times: then each surface has its fewest, four.
+#define COARSENESS_MOST 100.0
+// What of a lamp's strength falls on a surface, usually; and no surface counts as darker than this on the screen, so that
+// black ones can be divided by.
+#define USUAL_LAMP 0.4f
+#define DARKEST (1.0f / 255)
+// Rounding may not reach for a texel that is not there: so far from the outermost middles, in texels.
+#define TEXEL_MARGIN (1.0 / 16)
+
+// A surface's texels: texel (i, j) is at row + j, column + i; its middle is (first_u + i + 0.5, first_v + j + 0.5)
+// texel sides from the origin along the plane's two axes.
+typedef struct Patch {
+    Plane plane;
+    double side;
+    double first_u, first_v;
+    int column, row, width, height;
+} Patch;
+
+struct WalkBake {
+    const CellGraph *graph;
+    const WalkLights *lights;
+    const WalkOcclusion *occlusion;
+    Vec3 origin;
+    Patch *patches;  // [polygon_count - first_polygon] of surfaces
+    int *object;     // [polygon_count - first_polygon]
+    int first_polygon, patch_count;
+};
+
+// ---- light at a point
+
+static const Rgb BLACK = {0, 0, 0};
+
+static Rgb rgb_mix(Rgb a, Rgb b, float t) {
+    return (Rgb){a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
+}
+static Rgb rgb_add(Rgb a, Rgb b, float share) {
+    return (Rgb){a.r + share * b.r, a.g + share * b.g, a.b + share * b.b};
+}
+static Rgb rgb_multiply(Rgb a, Rgb b) { return (Rgb){a.r * b.r, a.g * b.g, a.b * b.b}; }
+
+static float facing(Vec3 n, Vec3 way) { return (float)fmax(vec3_dot(n, way), 0); }
+
+static Rgb ambient_light(Vec3 n, bool outdoors) {
+    Rgb light = rgb_mix((Rgb){WALK_BELOW}, (Rgb){WALK_ABOVE}, (float)n.z * 0.5f + 0.5f);
+    light = rgb_add(light, (Rgb){WALK_SUN_INDOORS}, facing(n, vec3(WALK_SUN_WAY)));
+    light = rgb_add(light, (Rgb){WALK_SIDE}, facing(n, vec3(WALK_SIDE_WAY)));
+    light = rgb_add(light, (Rgb){WALK_BACK}, facing(n, vec3(WALK_BACK_WAY)));
+    if (!outdoors) return light;
+    light = rgb_mix(BLACK, light, WALK_OUTDOORS_DIMMING);
+    return rgb_add(light, (Rgb){WALK_SUN_OUTDOORS}, facing(n, vec3(WALK_SUN_WAY)));
+}
+
+static Rgb lamp_light(const WalkLights *lights, int object, Vec3 place, Vec3 n) {
+    Rgb sum = {0, 0, 0};
+    const WalkLamp *lamp = lights->lamps + lights->first[object];
+    for (const WalkLamp *end = lamp + lights->count[object]; lamp < end; lamp++) {
+        Vec3 way =
+            vec3(lamp->position[0] - place.x, lamp->position[1] - place.y, lamp->position[2] - place.z);
+        double r2 = vec3_dot(way, way), cosine = vec3_dot(n, way) / fmax(sqrt(r2), 0.01);
+        float face = fminf(fmaxf((float)cosine * (1 - WALK_LAMP_WRAP) + WALK_LAMP_WRAP, 0), 1);
+        Rgb colour = {lamp->colour[0], lamp->colour[1], lamp->colour[2]};
+        sum = rgb_add(sum, rgb_mix(colour, (Rgb){1, 1, 1}, WALK_LAMP_WHITENESS),
+                      lamp->strength * face * WALK_LAMP_STRENGTH / (1 + WALK_LAMP_FALL * (float)r2));
+    }
+    return sum;
+}
+
+static float screen(float light) {
+    float x = light * WALK_EXPOSURE;
+    x = x * (1 + x * WALK_SHOULDER_TOP) / (1 + x * WALK_SHOULDER_BOTTOM);
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f;
+}
+
+static Rgb rgb_screen(Rgb light) { return (Rgb){screen(light.r), screen(light.g), screen(light.b)}; }
+
+static Rgba8 to_bytes(Rgb c, float alpha) {
+    return (Rgba8){walk_byte(c.r), walk_byte(c.g), walk_byte(c.b), walk_byte(alpha)};
+}
+
+Rgb walk_glow(const Material *m) {
+    Rgb e = m->emission;
+    float most = fmaxf(fmaxf(e.r, e.g), e.b);
+    return most > 1 ? rgb_mix(BLACK, e, 1 / most) : e;
+}
+
+// What leaves a surface that faces n at a point, on the screen.
+static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 point, Vec3 n) {
+    float open = (float)walk_occlusion_open(bake->occlusion, point, n, bake->lights->region[object], object);
+    Rgb warm = rgb_mix((Rgb){1, 1, 1}, (Rgb){WALK_OCCLUSION_WARMTH}, 1 - open);
+    Rgb shade = rgb_mix((Rgb){1, 1, 1}, rgb_mix(BLACK, warm, open), WALK_OCCLUSION_STRENGTH);
+    Rgb light = rgb_multiply(ambient_light(n, walk_outdoors(bake->graph, bake->lights, object)), shade);
+    light = rgb_add(light, lamp_light(bake->lights, object, vec3_sub(point, bake->origin), n),
+                    1 - WALK_LAMP_OPENNESS * (1 - open));
+    light = rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1);
+    return rgb_screen(m->alpha < 1 ? rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE) : light);
+}
+
+// The same in the usual light of the room: alike for all surfaces of a material that face one way.
+static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 n) {
+    const WalkLights *lights = bake->lights;
+    Rgb light = ambient_light(n, walk_outdoors(bake->graph, bake->lights, object));
+    for (int i = lights->first[object]; i < lights->first[object] + lights->count[object]; i++) {
+        const WalkLamp *lamp = &lights->lamps[i];
+        Rgb colour = {lamp->colour[0], lamp->colour[1], lamp->colour[2]};
+        light =
+            rgb_add(light, rgb_mix(colour, (Rgb){1, 1, 1}, WALK_LAMP_WHITENESS), USUAL_LAMP * lamp->strength);
+    }
+    return rgb_screen(rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1));
+}
+
+// Of a colour on the screen (the luma of ITU-R BT.709).
+static float brightness(Rgb c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
+Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point, Vec3 n) {
+    const Material *m = &bake->graph->building->materials[material];
+    return to_bytes(look_at(bake, object, m, point, n), m->alpha);
+}
+
+Rgba8 walk_bake_surface(const WalkBake *bake, int polygon) {
+    const Material *m = &bake->graph->building->materials[bake->graph->polygons[polygon].material];
+    int index = polygon - bake->first_polygon;
+    return to_bytes(usual_look(bake, bake->object[index], m, bake->patches[index].plane.n), 1);
+}
+
+// ---- layout
+
+typedef struct Axes {
+    Vec3 u, v;
+} Axes;
+
+// Of the two axes in a level or upright plane; the same for all surfaces in it.
+static Axes axes_of(Plane plane) {
+    if (fabs(plane.n.z) > 0.5) return (Axes){{1, 0, 0}, {0, 1, 0}};
+    return (Axes){{-plane.n.y, plane.n.x, 0}, {0, 0, 1}};
+}
+
+typedef struct Extent {
+    double u0, u1, v0, v1;
+} Extent;
+
+static Extent extent_of(const WalkBake *bake, int polygon, Axes axes) {
+    const Polygon *p = &bake->graph->polygons[polygon];
+    Extent e = {INFINITY, -INFINITY, INFINITY, -INFINITY};
+    for (int i = p->first_vertex; i < p->first_vertex + p->vertex_count; i++) {
+        Vec3 at = vec3_sub(bake->graph->vertices[i], bake->origin);
+        double u = vec3_dot(axes.u, at), v = vec3_dot(axes.v, at);
+        e = (Extent){fmin(e.u0, u), fmax(e.u1, u), fmin(e.v0, v), fmax(e.v1, v)};
+    }
+    return e;
+}
+
+// The first texel whose middle is not past x, and how many there are up to the first one past y.
+static double first_texel(double x, double side) { return floor(x / side - 0.5 - TEXEL_MARGIN); }
+static int texels_to(double first, double y, double side) {
+    return (int)(floor(y / side - 0.5 + TEXEL_MARGIN) - first) + 2;
+}
+
+static Patch make_patch(const WalkBake *bake, int polygon, double coarseness) {
+    const Polygon *p = &bake->graph->polygons[polygon];
+    Patch patch = {.plane = plane_of_polygon(bake->graph->vertices + p->first_vertex, p->vertex_count)};
+    Extent e = extent_of(bake, polygon, axes_of(patch.plane));
+    bool outdoors = walk_outdoors(bake->graph, bake->lights, bake->object[polygon - bake->first_polygon]);
+    patch.side = coarseness * (outdoors ? TEXEL_OUTDOORS : TEXEL_INDOORS);
+    while (fmax(e.u1 - e.u0, e.v1 - e.v0) > patch.side * TEXELS_MOST) patch.side *= 2;
+    patch.first_u = first_texel(e.u0, patch.side);
+    patch.first_v = first_texel(e.v0, patch.side);
+    patch.width = texels_to(patch.first_u, e.u1, patch.side);
+    patch.height = texels_to(patch.first_v, e.v1, patch.side);
+    return patch;
+}
+
+static int by_height(const void *p, const void *q) {
+    const Patch *const *a = p, *const *b = q;
+    if ((*a)->height != (*b)->height) return (*b)->height - (*a)->height;
+    return (*a > *b) - (*a < *b);
+}
+
+// Rows of patches of like height, the highest first. Returns the height of all.
+static int place_patches(WalkBake *bake, Patch **order) {
+    for (int i = 0; i < bake->patch_count; i++) order[i] = &bake->patches[i];
+    qsort(order, (size_t)bake->patch_count, sizeof *order, by_height);
+    int row = 0, column = 0, height = 0;
+    for (int i = 0; i < bake->patch_count; i++) {
+        if (column + order[i]->width > ATLAS_WIDTH) {
+            row += height;
+            column = height = 0;
+        }
+        if (column == 0) height = order[i]->height;
+        order[i]->column = column;
+        order[i]->row = row;
+        column += order[i]->width;
+    }
+    return row + height;
+}
+
+static long make_patches(WalkBake *bake, double coarseness) {
+    long texels = 0;
+    for (int i = 0; i < bake->patch_count; i++) {
+        bake->patches[i] = make_patch(bake, bake->first_polygon + i, coarseness);
+        texels += (long)bake->patches[i].width * bake->patches[i].height;
+    }
+    return texels;
+}
+
+static void fill_patch(const WalkBake *bake, int index, const WalkAtlas *atlas) {
+    const Patch *patch = &bake->patches[index];
+    Axes axes = axes_of(patch->plane);
+    Vec3 n = patch->plane.n;
+    // The origin's foot on the plane, from where u and v lead to any point of it.
+    Vec3 foot = vec3_sub(bake->origin, vec3_scale(n, plane_distance(patch->plane, bake->origin)));
+    const Material *m =
+        &bake->graph->building->materials[bake->graph->polygons[bake->first_polygon + index].material];
+    float usual = fmaxf(brightness(usual_look(bake, bake->object[index], m, n)), DARKEST);
+    for (int j = 0; j < patch->height; j++) {
+        Vec3 start = vec3_add(foot, vec3_scale(axes.v, (patch->first_v + j + 0.5) * patch->side));
+        float *row = atlas->texels + (size_t)(patch->row + j) * (size_t)atlas->width + patch->column;
+        for (int i = 0; i < patch->width; i++) {
+            Vec3 at = vec3_add(start, vec3_scale(axes.u, (patch->first_u + i + 0.5) * patch->side));
+            row[i] = brightness(look_at(bake, bake->object[index], m, at, n)) / usual;
+        }
+    }
+}
+
+// ---- interface
+
+WalkBake *walk_bake_new(const CellGraph *graph, const WalkLights *lights, Vec3 origin, Arena *arena) {
+    WalkBake *bake = ARENA_ARRAY(arena, WalkBake, 1);
+    bake->graph = graph;
+    bake->lights = lights;
+    bake->origin = origin;
+    bake->occlusion = walk_occlusion_new(graph, arena);
+    int first = graph->surface_first[0], end = graph->surface_first[graph->cell_count];
+    bake->first_polygon =
+        first < graph->object_count ? graph->objects[first].first_polygon : graph->polygon_count;
+    bake->object = ARENA_ARRAY(arena, int, graph->polygon_count - bake->first_polygon + 1);
+    for (int o = first; o < end; o++) {
+        for (int i = 0; i < graph->objects[o].polygon_count; i++) bake->object[bake->patch_count++] = o;
+    }
+    bake->patches = ARENA_ARRAY(arena, Patch, bake->patch_count + 1);
+    return bake;
+}
+
+bool walk_bake_surfaces(WalkBake *bake, int max_side, Arena *arena, WalkAtlas *out, Error *error) {
+    Arena scratch = {0};
+    Patch **order = ARENA_ARRAY(&scratch, Patch *, bake->patch_count + 1);
+    double coarseness = 1;
+    while (make_patches(bake, coarseness) > TEXELS_BUDGET && coarseness < COARSENESS_MOST) coarseness *= 1.5;
+    *out = (WalkAtlas){.width = ATLAS_WIDTH, .height = place_patches(bake, order) + 1};
+    bool good = out->height <= max_side && out->width <= max_side;
+    if (good) {
+        out->texels = ARENA_ARRAY(arena, float, (size_t)out->width *(size_t)out->height);
+#pragma omp parallel for schedule(dynamic, 16)
+        for (int i = 0; i < bake->patch_count; i++) fill_patch(bake, i, out);
+    } else {
+        error_set(error,
+                  "the light of %d surfaces takes a texture of %d x %d texels (OpenGL has up to %d each)",
+                  bake->patch_count, out->width, out->height, max_side);
+    }
+    arena_free(&scratch);
+    return good;
+}
+
+Vec2 walk_bake_place(const WalkBake *bake, const WalkAtlas *atlas, int polygon, Vec3 corner) {
+    const Patch *patch = &bake->patches[polygon - bake->first_polygon];
+    Axes axes = axes_of(patch->plane);
+    Vec3 at = vec3_sub(corner, bake->origin);
+    double u = vec3_dot(axes.u, at) / patch->side - patch->first_u,
+           v = vec3_dot(axes.v, at) / patch->side - patch->first_v;
+    return vec2((patch->column + u) / atlas->width, (patch->row + v) / atlas->height);
+}

@@ -1,0 +1,157 @@
+// walk_lights.c - lamps by room. Not light transport: no shadows, no bounces, and strengths that make a room of any
+// size pleasantly bright, so that a plan can be looked at before its light is computed.
+#include "engine/draw/walk_lights.h"
+
+#include "engine/core/polygon.h"
+
+// A lamp let into a ceiling is found in the room below: how far down to look, metres.
+#define LAMP_DROP 0.4
+// A polygon that emits is a lamp this far in front of it, metres: the ceiling around a panel is lit a little too.
+#define LAMP_FRONT 0.15
+// Lamps nearer than this are one, metres: the arms of a chandelier, the parts of a panel that spans cells.
+#define LAMP_JOIN 0.7
+// So many lamps in one room are told apart, so that the shader's loop stays short; others join the nearest.
+enum { LAMPS_IN_ROOM = 8 };
+
+typedef struct Lamp {
+    Vec3 position;
+    Rgb flux;
+    double weight;  // of what joined so far
+} Lamp;
+
+typedef struct RoomLamps {
+    Lamp lamps[LAMPS_IN_ROOM];
+    int count;
+} RoomLamps;
+
+static int region_at(const CellGraph *graph, Vec3 p) {
+    int cell = vis_locate(graph, p, -1);
+    return cell >= 0 ? graph->cells[cell].region : -1;
+}
+
+// Of an object: where its middle is; else any region it is registered in.
+static void find_regions(const CellGraph *graph, int *region) {
+    for (int o = 0; o < graph->object_count; o++) {
+        Box box = graph->object_boxes[o];
+        region[o] = box_is_empty(box) ? -1 : region_at(graph, vec3_lerp(box.min, box.max, 0.5));
+    }
+    for (int c = 0; c < graph->cell_count; c++) {
+        // The cell's own surfaces lie around it, not in it: a ceiling's middle is on the boundary.
+        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++)
+            region[o] = graph->cells[c].region;
+        const CellMesh *mesh = &graph->meshes[c];
+        int begin = graph->square_first[mesh->first_square];
+        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        for (int k = begin; k < end; k++) {
+            int o = graph->square_objects[k];
+            if (region[o] < 0) region[o] = graph->cells[c].region;
+        }
+    }
+}
+
+static int lamp_region(const CellGraph *graph, Vec3 p) {
+    for (double down = 0; down <= LAMP_DROP; down += LAMP_DROP / 8) {
+        int region = region_at(graph, vec3(p.x, p.y, p.z - down));
+        if (region >= 0 && graph->building->regions[region].kind == REGION_ROOM) return region;
+    }
+    return -1;
+}
+
+static float brightest(Rgb c) { return fmaxf(c.r, fmaxf(c.g, c.b)); }
+
+static void add_lamp(RoomLamps *room, Vec3 position, Rgb flux) {
+    Lamp *nearest = NULL;
+    double distance = INFINITY, weight = fmax((double)brightest(flux), 1e-6);
+    for (int i = 0; i < room->count; i++) {
+        double d = vec3_length(vec3_sub(room->lamps[i].position, position));
+        if (d >= distance) continue;
+        distance = d;
+        nearest = &room->lamps[i];
+    }
+    if (distance > LAMP_JOIN && room->count < LAMPS_IN_ROOM) {
+        room->lamps[room->count++] = (Lamp){position, flux, weight};
+        return;
+    }
+    nearest->weight += weight;
+    nearest->position = vec3_lerp(nearest->position, position, weight / nearest->weight);
+    nearest->flux = (Rgb){nearest->flux.r + flux.r, nearest->flux.g + flux.g, nearest->flux.b + flux.b};
+}
+
+// Lamps of the building's own list are drawn with a glowing shade, which is no second lamp.
+static bool has_light(const Building *b, int object) {
+    for (int i = 0; i < b->light_count; i++) {
+        if (b->lights[i].object == object) return true;
+    }
+    return false;
+}
+
+static void add_emitters(const CellGraph *graph, int object, const int *region, RoomLamps *rooms) {
+    const Building *b = graph->building;
+    const Object *o = &graph->objects[object];
+    for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        Rgb e = b->materials[p->material].emission;
+        if (brightest(e) <= 0) continue;
+        const Vec3 *v = graph->vertices + p->first_vertex;
+        Vec3 middle = vec3(0, 0, 0);
+        for (int k = 0; k < p->vertex_count; k++) middle = vec3_add(middle, v[k]);
+        Vec3 front = vec3_scale(plane_of_polygon(v, p->vertex_count).n, LAMP_FRONT);
+        middle = vec3_add(vec3_scale(middle, 1.0 / p->vertex_count), front);
+        int in = o->kind == OBJECT_SURFACE ? region[object] : region_at(graph, middle);
+        if (in < 0 || b->regions[in].kind != REGION_ROOM) continue;
+        float area = (float)polygon_area(v, p->vertex_count);
+        add_lamp(&rooms[in], middle, (Rgb){e.r * area, e.g * area, e.b * area});
+    }
+}
+
+static RoomLamps *find_lamps(const CellGraph *graph, const int *region, Arena *scratch) {
+    const Building *b = graph->building;
+    RoomLamps *rooms = ARENA_ARRAY(scratch, RoomLamps, b->region_count + 1);
+    for (int i = 0; i < b->light_count; i++) {
+        int in = lamp_region(graph, b->lights[i].position);
+        if (in >= 0) add_lamp(&rooms[in], b->lights[i].position, b->lights[i].flux);
+    }
+    for (int o = 0; o < graph->object_count; o++) {
+        if (!has_light(b, o)) add_emitters(graph, o, region, rooms);
+    }
+    return rooms;
+}
+
+// The lamps of a room share what makes it bright by their flux; more of them make it a little brighter.
+static void write_lamps(const RoomLamps *room, Vec3 origin, WalkLamp *out) {
+    double sum = 0;
+    for (int i = 0; i < room->count; i++) sum += room->lamps[i].weight;
+    for (int i = 0; i < room->count; i++) {
+        const Lamp *lamp = &room->lamps[i];
+        Vec3 p = vec3_sub(lamp->position, origin);
+        float most = fmaxf(brightest(lamp->flux), 1e-6f);
+        out[i] = (WalkLamp){{(float)p.x, (float)p.y, (float)p.z},
+                            (float)(sqrt(room->count) * lamp->weight / sum),
+                            {lamp->flux.r / most, lamp->flux.g / most, lamp->flux.b / most},
+                            0};
+    }
+}
+
+WalkLights walk_lights(const CellGraph *graph, Vec3 origin, Arena *arena) {
+    int objects = graph->object_count, regions = graph->building->region_count;
+    Arena scratch = {0};
+    WalkLights lights = {.region = ARENA_ARRAY(arena, int, objects + 1),
+                         .first = ARENA_ARRAY(arena, int, objects + 1),
+                         .count = ARENA_ARRAY(arena, int, objects + 1)};
+    find_regions(graph, lights.region);
+    const RoomLamps *rooms = find_lamps(graph, lights.region, &scratch);
+    int *first = ARENA_ARRAY(&scratch, int, regions + 1);
+    for (int r = 0; r < regions; r++) {
+        first[r] = lights.lamp_count;
+        lights.lamp_count += rooms[r].count;
+    }
+    lights.lamps = ARENA_ARRAY(arena, WalkLamp, lights.lamp_count + 1);
+    for (int r = 0; r < regions; r++) write_lamps(&rooms[r], origin, lights.lamps + first[r]);
+    for (int o = 0; o < objects; o++) {
+        if (lights.region[o] < 0) continue;
+        lights.first[o] = first[lights.region[o]];
+        lights.count[o] = rooms[lights.region[o]].count;
+    }
+    arena_free(&scratch);
+    return lights;
+}

@@ -1,0 +1,215 @@
+// walk_lit.c - two buffers of light: while one is shown the next state of the light goes into the other, a slice a frame, and
+// then the shader fades from the one to the other. So no frame waits for a large building, and none shows half a state.
+#include "engine/draw/walk_lit.h"
+
+#include <glad/gl.h>
+
+#include "engine/draw/walk_mesh.h"
+
+enum { LIGHTS = 2 };
+
+struct WalkLit {
+    LitMesh *mesh;
+    float *share;        // [leaf_count] where leaves stand; NAN before the first time
+    unsigned *list;      // of the frame
+    int things, all;     // indices in it: of things, and with the surfaces
+    int vertices_there;  // of LitMesh, uploaded
+    int light_there,
+        newest;  // of the light that comes; which buffer holds the last one that is complete, -1: none
+    double fade;
+    unsigned array, vertex_buffer, list_buffer, light_buffer[LIGHTS], material_buffer, material_texture;
+};
+
+// ---- upload
+
+// Places in the shaders.
+enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
+
+static void describe_vertices(const WalkLit *lit) {
+    GLsizei stride = sizeof(LitVertex);
+    glBindVertexArray(lit->array);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    glVertexAttribPointer(PLACE_POSITION, 3, GL_FLOAT, GL_FALSE, stride,
+                          (const void *)offsetof(LitVertex, position));
+    glVertexAttribPointer(PLACE_NORMAL, 3, GL_FLOAT, GL_FALSE, stride,
+                          (const void *)offsetof(LitVertex, normal));
+    glVertexAttribIPointer(PLACE_KIND, 2, GL_INT, stride, (const void *)offsetof(LitVertex, material));
+    static const unsigned PLACES[] = {PLACE_POSITION, PLACE_NORMAL, PLACE_KIND, PLACE_BEFORE, PLACE_LIGHT};
+    for (size_t i = 0; i < sizeof PLACES / sizeof *PLACES; i++) glEnableVertexAttribArray(PLACES[i]);
+}
+
+static void describe_light(const WalkLit *lit, unsigned place, int which) {
+    glBindVertexArray(lit->array);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[which]);
+    glVertexAttribPointer(place, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+}
+
+static unsigned make_buffer(size_t bytes) {
+    unsigned buffer;
+    glGenBuffers(1, &buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)bytes, NULL, GL_STATIC_DRAW);
+    return buffer;
+}
+
+// Two texels a material: reflectance, exitance.
+static void upload_materials(WalkLit *lit) {
+    const Building *b = lit->mesh->mesh->graph->building;
+    Arena scratch = {0};
+    float(*texels)[2][4] = arena_alloc(&scratch, (size_t)b->material_count + 1, sizeof *texels);
+    for (int i = 0; i < b->material_count; i++) {
+        Rgb r = b->materials[i].reflectance, e = b->materials[i].emission;
+        float both[2][4] = {{r.r, r.g, r.b, 0}, {e.r, e.g, e.b, 0}};
+        memcpy(texels[i], both, sizeof both);
+    }
+    glGenBuffers(1, &lit->material_buffer);
+    glBindBuffer(GL_TEXTURE_BUFFER, lit->material_buffer);
+    glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)((size_t)(b->material_count + 1) * sizeof *texels), texels,
+                 GL_STATIC_DRAW);
+    glGenTextures(1, &lit->material_texture);
+    walk_lit_bind(lit);
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, lit->material_buffer);
+    arena_free(&scratch);
+}
+
+WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
+    WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
+    const CellGraph *graph = mesh->mesh->graph;
+    size_t vertices = (size_t)lit_vertex_count(mesh);
+    *lit = (WalkLit){.mesh = mesh, .newest = -1};
+    lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
+    for (int i = 0; i < graph->building->leaf_count; i++) lit->share[i] = NAN;
+    lit->list = ARENA_ARRAY(arena, unsigned, mesh->first_index[graph->polygon_count] + 1);
+    glGenVertexArrays(1, &lit->array);
+    lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
+    for (int i = 0; i < LIGHTS; i++) lit->light_buffer[i] = make_buffer(vertices * sizeof(float[3]));
+    describe_vertices(lit);
+    glGenBuffers(1, &lit->list_buffer);
+    upload_materials(lit);
+    return lit;
+}
+
+void walk_lit_free(WalkLit *lit) {
+    if (!lit) return;
+    unsigned buffers[] = {lit->vertex_buffer, lit->list_buffer, lit->light_buffer[0], lit->light_buffer[1],
+                          lit->material_buffer};
+    glDeleteVertexArrays(1, &lit->array);
+    glDeleteBuffers(5, buffers);
+    glDeleteTextures(1, &lit->material_texture);
+}
+
+const LitMesh *walk_lit_mesh(const WalkLit *lit) { return lit->mesh; }
+
+// The next slice of an array of vertices; lessens `bytes` by it.
+static void upload_slice(unsigned buffer, const void *data, size_t size, int count, int *there,
+                         size_t *bytes) {
+    size_t most = *bytes / size + 1, first = (size_t)*there, left = (size_t)count - first;
+    size_t slice = left < most ? left : most;
+    if (slice == 0) return;
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)(first * size), (GLsizeiptr)(slice * size),
+                    (const char *)data + first * size);
+    *there += (int)slice;
+    *bytes = slice * size < *bytes ? *bytes - slice * size : 0;
+}
+
+bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
+    int count = lit_vertex_count(lit->mesh), next = lit->newest < 0 ? 0 : 1 - lit->newest;
+    upload_slice(lit->vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
+                 &bytes);
+    if (lit->vertices_there < count || bytes == 0) return false;
+    upload_slice(lit->light_buffer[next], light->vertex, sizeof *light->vertex, count, &lit->light_there,
+                 &bytes);
+    if (lit->light_there < count) return false;
+    describe_light(lit, PLACE_BEFORE, lit->newest < 0 ? next : lit->newest);
+    describe_light(lit, PLACE_LIGHT, next);
+    lit->fade = lit->newest < 0 ? 1 : 0;
+    lit->newest = next;
+    lit->light_there = 0;
+    return true;
+}
+
+void walk_lit_fade(WalkLit *lit, double share) { lit->fade = fmin(share, 1); }
+double walk_lit_faded(const WalkLit *lit) { return lit->fade; }
+
+// ---- doors
+
+static void put_place(float out[3], Vec3 p) {
+    out[0] = (float)p.x;
+    out[1] = (float)p.y;
+    out[2] = (float)p.z;
+}
+
+static void move_leaf(WalkLit *lit, int object, double open) {
+    const LitMesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->mesh->graph;
+    const Object *o = &graph->objects[object];
+    const Leaf *leaf = &graph->building->leaves[o->leaf];
+    int first = mesh->first_vertex[o->first_polygon],
+        end = mesh->first_vertex[o->first_polygon + o->polygon_count];
+    for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+        const Polygon *polygon = &graph->polygons[p];
+        LitVertex *vertex = mesh->vertex + mesh->first_vertex[p];
+        if (mesh->first_vertex[p + 1] == mesh->first_vertex[p]) continue;
+        Vec3 corner[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+        for (int i = 0; i < polygon->vertex_count; i++) {
+            Vec3 at = leaf_point(leaf, open, graph->vertices[polygon->first_vertex + i]);
+            if (i < 3) corner[i] = at;
+            put_place(vertex[i].position, vec3_sub(at, mesh->origin));
+        }
+        Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
+        for (int i = 0; i < polygon->vertex_count; i++) put_place(vertex[i].normal, n);
+    }
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
+                    (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
+}
+
+void walk_lit_pose(WalkLit *lit, const float *door_open) {
+    const Building *b = lit->mesh->mesh->graph->building;
+    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
+    for (int o = 0; o < b->object_count; o++) {
+        int leaf = lit->mesh->mesh->graph->objects[o].leaf;
+        if (leaf < 0) continue;
+        float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
+        if (lit->share[leaf] != share) move_leaf(lit, o, (double)share);
+    }
+    for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
+}
+
+static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bool surfaces, int at) {
+    const LitMesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->mesh->graph;
+    for (int k = 0; k < count; k++) {
+        const Object *o = &graph->objects[objects[k]];
+        if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+            // As in the other looks: where two surfaces lie back to back, each is seen from inside its cell only.
+            if (surfaces && plane_distance(mesh->plane[p], eye) <= 0) continue;
+            int indices = mesh->first_index[p + 1] - mesh->first_index[p];
+            memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);
+            at += indices;
+        }
+    }
+    return at;
+}
+
+void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count) {
+    lit->things = add_objects(lit, eye, objects, object_count, false, 0);
+    lit->all = add_objects(lit, eye, objects, object_count, true, lit->things);
+    glBindVertexArray(lit->array);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, lit->list_buffer);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)lit->all * sizeof *lit->list), lit->list,
+                 GL_STREAM_DRAW);
+}
+
+void walk_lit_bind(const WalkLit *lit) {
+    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_LAMPS);
+    glBindTexture(GL_TEXTURE_BUFFER, lit->material_texture);
+}
+
+void walk_lit_draw(const WalkLit *lit, bool surfaces) {
+    int first = surfaces ? lit->things : 0, count = surfaces ? lit->all - lit->things : lit->things;
+    if (count == 0) return;
+    glBindVertexArray(lit->array);
+    glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *lit->list));
+}

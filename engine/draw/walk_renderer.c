@@ -1,0 +1,389 @@
+// walk_renderer.c - a frame in one of two looks. Fast: what stands in rooms and their surfaces, lit beforehand, then
+// sky and glass. Fine: depth alone, ambient occlusion from it, the surfaces lit in the fragment with four samples a
+// pixel, then sky and glass. Row 0 of all frames is the top of the image: drawn upside down, read as they are.
+#include "engine/draw/walk_renderer.h"
+
+#include <glad/gl.h>
+
+#include "engine/draw/lit_look.h"
+#include "engine/draw/walk_lit.h"
+#include "engine/draw/walk_mesh.h"
+#include "engine/draw/walk_shaders.h"
+#include "engine/draw/walk_targets.h"
+#include "engine/gl/gl_context.h"
+#include "engine/gl/gl_math.h"
+
+// Nearer than this nothing is drawn, metres: less than a head's distance from any wall; depth, a float of 1 - near/z,
+// is then good to a fifth of a millimetre at 10 m.
+#define WALK_NEAR 0.05
+// Surfaces of cells lie a trifle farther than drawn, so that what stands on them, or is let into them, shows: by this
+// share of their slope a pixel (a rasteriser rounds vertices to a 256th) and these roundings of depth.
+#define WALK_OFFSET_SLOPE (1.0f / 64)
+#define WALK_OFFSET_UNITS 8.0f
+
+// A new state of the light is faded to in this time.
+#define FADE_SECONDS 0.25
+
+// In false colours, of what has no value: glass is left out, and the sky is grey (linear in the screen's own curve).
+#define NO_VALUE 0.12f
+
+const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
+
+typedef enum SceneShader {
+    SCENE_THINGS,    // fast
+    SCENE_SURFACES,  // fast
+    SCENE_PANES,     // fast
+    SCENE_DEPTH,     // fine
+    SCENE_FINE,
+    SCENE_LINES,
+    SCENE_SHADERS
+} SceneShader;
+
+// A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
+typedef struct SceneProgram {
+    unsigned program;
+    int clip, eye, size, colour, day;
+} SceneProgram;
+
+struct WalkRenderer {
+    WalkMesh *mesh;
+    WalkLit *lit;           // NULL: no light was baked
+    const LitLight *light;  // the newest state of it that is all there, or NULL
+    bool plain;             // one sample a pixel
+    LitLook lit_look;
+    LitTone tone;
+    WalkTargets targets;
+    WalkTarget drawn;  // the frame that the scene is in
+    SceneProgram scene[SCENE_SHADERS];
+    unsigned sky, occlusion, blur;  // programs
+    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
+    unsigned no_vertices;  // the array of programs that make up their own
+};
+
+// ---- set-up
+
+static bool make_scene_program(SceneProgram *out, const char *vertex, const char *fragment, Error *error) {
+    unsigned program = gl_program(vertex, fragment, error);
+    if (program == 0) return false;
+    *out = (SceneProgram){program,
+                          glGetUniformLocation(program, "clip"),
+                          glGetUniformLocation(program, "eye"),
+                          glGetUniformLocation(program, "size"),
+                          glGetUniformLocation(program, "colour"),
+                          glGetUniformLocation(program, "day")};
+    glUseProgram(program);
+    glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
+    glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
+    glUniform1i(glGetUniformLocation(program, "occlusion"), WALK_UNIT_FREE);
+    return true;
+}
+
+static bool make_scene_programs(WalkRenderer *w, Error *error) {
+    static const struct {
+        const char *vertex, *fragment;
+    } SHADERS[SCENE_SHADERS] = {
+        [SCENE_THINGS] = {WALK_THING_VERTEX, WALK_THING_FRAGMENT},
+        [SCENE_SURFACES] = {WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT},
+        [SCENE_PANES] = {WALK_THING_VERTEX, WALK_PANE_FRAGMENT},
+        [SCENE_DEPTH] = {WALK_LINE_VERTEX, WALK_DEPTH_FRAGMENT},
+        [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
+        [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
+    };
+    for (int i = 0; i < SCENE_SHADERS; i++) {
+        if (!make_scene_program(&w->scene[i], SHADERS[i].vertex, SHADERS[i].fragment, error)) return false;
+    }
+    return true;
+}
+
+static bool make_programs(WalkRenderer *w, Error *error) {
+    if (!make_scene_programs(w, error)) return false;
+    w->sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
+    w->occlusion = w->sky ? gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error) : 0;
+    w->blur = w->occlusion ? gl_program(WALK_SCREEN_VERTEX, WALK_BLUR_FRAGMENT, error) : 0;
+    if (!w->blur) return false;
+    w->sky_forward = glGetUniformLocation(w->sky, "forward");
+    w->sky_right = glGetUniformLocation(w->sky, "right");
+    w->sky_up = glGetUniformLocation(w->sky, "up");
+    w->sky_day = glGetUniformLocation(w->sky, "day");
+    w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
+    glUseProgram(w->occlusion);
+    glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
+    glUniform1f(glGetUniformLocation(w->occlusion, "near"), (float)WALK_NEAR);
+    glUseProgram(w->blur);
+    glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
+    glGenVertexArrays(1, &w->no_vertices);
+    return lit_look_new(&w->lit_look, error);
+}
+
+WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
+    WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
+    if (make_programs(w, error)) w->mesh = walk_mesh_new(graph, arena, error);
+    if (w->mesh && gl_check("uploading a building", error)) return w;
+    walk_renderer_free(w);
+    return NULL;
+}
+
+bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, Error *error) {
+    LitMesh *mesh = lit_mesh_new(light->mesh, arena);
+    LitLight *state = ARENA_ARRAY(arena, LitLight, 1);
+    *state = lit_light_new(mesh, arena);
+    lit_light_fill(mesh, light->solution, state);
+    walk_renderer_expect(w, mesh, arena);
+    walk_renderer_take(w, state, SIZE_MAX);
+    return gl_check("uploading the light of a building", error);
+}
+
+void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
+    CORE_ASSERT(!w->lit);
+    w->lit = walk_lit_new(mesh, arena);
+    walk_lit_pose(w->lit, NULL);
+}
+
+bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
+    CORE_ASSERT(!walk_renderer_fading(w));
+    if (!walk_lit_upload(w->lit, light, bytes)) return false;
+    w->light = light;
+    return true;
+}
+
+void walk_renderer_fade(WalkRenderer *w, double seconds) {
+    if (w->lit) walk_lit_fade(w->lit, walk_lit_faded(w->lit) + seconds / FADE_SECONDS);
+}
+
+bool walk_renderer_fading(const WalkRenderer *w) { return w->light && walk_lit_faded(w->lit) < 1; }
+const LitMesh *walk_renderer_mesh(const WalkRenderer *w) { return w->lit ? walk_lit_mesh(w->lit) : NULL; }
+const LitLight *walk_renderer_lit(const WalkRenderer *w) { return w->light; }
+
+void walk_renderer_plain(WalkRenderer *w, bool plain) { w->plain = plain; }
+
+void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) {
+    w->tone = (LitTone){exposure, quantity};
+}
+
+void walk_renderer_free(WalkRenderer *w) {
+    if (!w) return;
+    walk_lit_free(w->lit);
+    walk_targets_free(&w->targets);
+    walk_mesh_free(w->mesh);
+    unsigned programs[] = {w->sky, w->occlusion, w->blur};
+    for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
+    for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
+    glDeleteVertexArrays(1, &w->no_vertices);
+    lit_look_free(&w->lit_look);
+}
+
+void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
+    walk_mesh_pose(w->mesh, door_open);
+    if (w->lit) walk_lit_pose(w->lit, door_open);
+}
+
+// ---- the scene
+
+static void set_vector(int place, Vec3 v) { glUniform3f(place, (float)v.x, (float)v.y, (float)v.z); }
+
+static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, const Camera *camera) {
+    const SceneProgram *program = &w->scene[shader];
+    glUseProgram(program->program);
+    mat4 clip = GLM_MAT4_ZERO_INIT;
+    gl_clip_matrix(camera, WALK_NEAR, true, clip);
+    glUniformMatrix4fv(program->clip, 1, GL_FALSE, &clip[0][0]);
+    set_vector(program->eye, vec3_sub(camera->eye, walk_mesh_origin(w->mesh)));
+    glUniform2f(program->size, (float)camera->width, (float)camera->height);
+    return program;
+}
+
+static void draw_surfaces(const WalkRenderer *w) {
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
+    walk_mesh_draw(w->mesh, WALK_SURFACES);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+static void draw_screen(const WalkRenderer *w, unsigned program) {
+    glUseProgram(program);
+    glBindVertexArray(w->no_vertices);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static void use_texture(unsigned texture) {
+    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
+    glBindTexture(GL_TEXTURE_2D, texture);
+}
+
+// Depth of the solid surfaces, then the open share of each pixel.
+static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) {
+    WalkTargets *t = &w->targets;
+    if (!walk_targets_bind(t, WALK_TARGET_DEPTH, error)) return false;
+    glClear(GL_DEPTH_BUFFER_BIT);
+    walk_mesh_bind(w->mesh);
+    use_scene(w, SCENE_DEPTH, camera);
+    walk_mesh_draw(w->mesh, WALK_THINGS);
+    draw_surfaces(w);
+    glDisable(GL_DEPTH_TEST);
+    if (!walk_targets_bind(t, WALK_TARGET_OCCLUSION, error)) return false;
+    use_texture(t->texture[WALK_TARGET_DEPTH]);
+    glUseProgram(w->occlusion);
+    glUniform2f(w->occlusion_tangents, (float)camera->tan_x, (float)camera->tan_y);
+    draw_screen(w, w->occlusion);
+    if (!walk_targets_bind(t, WALK_TARGET_BLUR, error)) return false;
+    use_texture(t->texture[WALK_TARGET_OCCLUSION]);
+    draw_screen(w, w->blur);
+    glEnable(GL_DEPTH_TEST);
+    return true;
+}
+
+static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day) {
+    glUseProgram(w->sky);
+    glUniform1f(w->sky_day, day);
+    set_vector(w->sky_forward, camera->forward);
+    set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
+    set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
+    glDepthFunc(GL_LEQUAL);
+    draw_screen(w, w->sky);
+    glDepthFunc(GL_LESS);
+}
+
+static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera, bool day) {
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    walk_mesh_bind(w->mesh);
+    glUniform1f(use_scene(w, shader, camera)->day, day);
+    walk_mesh_draw(w->mesh, WALK_PANES);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+}
+
+static bool begin(WalkRenderer *w, WalkTarget target, Error *error) {
+    w->drawn = target;
+    if (!walk_targets_bind(&w->targets, target, error)) return false;
+    glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+    walk_mesh_bind(w->mesh);
+    return true;
+}
+
+static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
+    if (!begin(w, WALK_TARGET_FAST, error)) return false;
+    use_scene(w, SCENE_THINGS, camera);
+    walk_mesh_draw(w->mesh, WALK_THINGS);
+    use_scene(w, SCENE_SURFACES, camera);
+    draw_surfaces(w);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_PANES, camera, true);
+    return true;
+}
+
+static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
+    if (!draw_occlusion(w, camera, error) || !begin(w, WALK_TARGET_FINE, error)) return false;
+    use_texture(w->targets.texture[WALK_TARGET_BLUR]);
+    use_scene(w, SCENE_FINE, camera);
+    walk_mesh_draw(w->mesh, WALK_THINGS);
+    draw_surfaces(w);
+    draw_sky(w, camera, true);
+    draw_panes(w, SCENE_FINE, camera, true);
+    return true;
+}
+
+static void use_lit(const WalkRenderer *w, const Camera *camera) {
+    mat4 clip = GLM_MAT4_ZERO_INIT;
+    gl_clip_matrix(camera, WALK_NEAR, true, clip);
+    walk_lit_bind(w->lit);
+    lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+                 vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit));
+}
+
+static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
+    bool numbers = w->tone.quantity != FALSE_COLOUR_OFF;
+    if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
+    if (!begin(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
+    use_lit(w, camera);
+    walk_lit_draw(w->lit, false);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
+    walk_lit_draw(w->lit, true);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    if (numbers) return true;
+    draw_sky(w, camera, false);
+    draw_panes(w, SCENE_PANES, camera, false);
+    return true;
+}
+
+// All that drawing here relies on: others draw in the same context.
+static void set_state(void) {
+    static const unsigned OFF[] = {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST,
+                                   GL_POLYGON_OFFSET_FILL};
+    for (size_t i = 0; i < sizeof OFF / sizeof *OFF; i++) glDisable(OFF[i]);
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_MULTISAMPLE);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearDepth(1);
+    glClearColor(0, 0, 0, 1);
+}
+
+bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
+                        WalkLook look, Error *error) {
+    CORE_ASSERT(look < WALK_LOOKS);
+    if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
+    set_state();
+    walk_mesh_list(w->mesh, camera->eye, objects, object_count);
+    bool baked = look == WALK_BAKED && w->light, good;
+    if (baked) {
+        walk_lit_list(w->lit, camera->eye, objects, object_count);
+        good = draw_baked(w, camera, error);
+    } else {
+        good = look == WALK_FINE ? draw_fine(w, camera, error) : draw_fast(w, camera, error);
+    }
+    return good && gl_check("drawing", error);
+}
+
+bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
+                             const float colour[4], Error *error) {
+    if (!walk_targets_bind(&w->targets, w->drawn, error)) return false;
+    set_state();
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    const SceneProgram *lines = use_scene(w, SCENE_LINES, camera);
+    glUniform4fv(lines->colour, 1, colour);
+    walk_mesh_draw_edges(w->mesh, objects, object_count);
+    glDisable(GL_BLEND);
+    return gl_check("drawing lines", error);
+}
+
+// ---- the final frame
+
+bool walk_renderer_finish_scene(WalkRenderer *w, Error *error) {
+    WalkTargets *t = &w->targets;
+    if (!walk_targets_bind(t, WALK_TARGET_FINAL, error)) return false;
+    if (w->drawn == WALK_TARGET_FINE) {
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINE]);
+        glBlitFramebuffer(0, 0, t->width, t->height, 0, 0, t->width, t->height, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
+    }
+    glDisable(GL_DEPTH_TEST);
+    return gl_check("finishing a frame", error);
+}
+
+void walk_renderer_show(WalkRenderer *w, unsigned framebuffer, int width, int height) {
+    const WalkTargets *t = &w->targets;
+    bool same = width == t->width && height == t->height;
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glDisable(GL_SCISSOR_TEST);
+    glBlitFramebuffer(0, 0, t->width, t->height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
+                      same ? GL_NEAREST : GL_LINEAR);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+}
+
+void walk_renderer_finish(void) { glFinish(); }
+
+bool walk_renderer_read(WalkRenderer *w, uint8_t *rgb, Error *error) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, w->targets.frame[WALK_TARGET_FINAL]);
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, w->targets.width, w->targets.height, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+    return gl_check("reading an image back", error);
+}

@@ -1,0 +1,317 @@
+// walk_shaders.c - a soft sky and ground light by the surface's direction, three weak lights from fixed directions so
+// that walls differ, the lamps of the room, and ambient occlusion from the depth buffer (after M. Mittring, Finding
+// next gen: CryEngine 2, 2007; here samples on a disc around the pixel count by how far they rise over its surface),
+// which darkens corners and the floor under furniture. Or all of that baked, and nothing left to do but to show it.
+#include "engine/draw/walk_shaders.h"
+
+#include "engine/draw/walk_shade.h"
+
+#define VERSION "#version 330 core\n"
+
+#define TRIPLE(name) "const vec3 " #name " = vec3(" WALK_TEXT(WALK_##name) ");\n"
+#define NUMBER(name) "const float " #name " = " WALK_TEXT(WALK_##name) ";\n"
+
+// Of walk_shade.h, without the prefix.
+#define CONSTANTS                                                                                            \
+    TRIPLE(BELOW)                                                                                            \
+    TRIPLE(ABOVE)                                                                                            \
+    TRIPLE(SUN_WAY)                                                                                          \
+    TRIPLE(SUN_INDOORS)                                                                                      \
+    TRIPLE(SUN_OUTDOORS)                                                                                     \
+    TRIPLE(SIDE_WAY)                                                                                         \
+    TRIPLE(SIDE)                                                                                             \
+    TRIPLE(BACK_WAY)                                                                                         \
+    TRIPLE(BACK)                                                                                             \
+    NUMBER(OUTDOORS_DIMMING)                                                                                 \
+    NUMBER(LAMP_WRAP)                                                                                        \
+    NUMBER(LAMP_STRENGTH)                                                                                    \
+    NUMBER(LAMP_FALL)                                                                                        \
+    NUMBER(LAMP_WHITENESS)                                                                                   \
+    NUMBER(LAMP_OPENNESS)                                                                                    \
+    NUMBER(OCCLUSION_REACH)                                                                                  \
+    NUMBER(OCCLUSION_STRENGTH)                                                                               \
+    TRIPLE(OCCLUSION_WARMTH)                                                                                 \
+    TRIPLE(PANE)                                                                                             \
+    NUMBER(PANE_SHARE)                                                                                       \
+    TRIPLE(NIGHT_ZENITH)                                                                                     \
+    TRIPLE(NIGHT_HORIZON)                                                                                    \
+    TRIPLE(NIGHT_GROUND)                                                                                     \
+    NUMBER(NIGHT_PANE)                                                                                       \
+    NUMBER(BACK_SHARE)                                                                                       \
+    NUMBER(GLARE)                                                                                            \
+    NUMBER(EXPOSURE)                                                                                         \
+    NUMBER(SHOULDER_TOP)                                                                                     \
+    NUMBER(SHOULDER_BOTTOM)
+
+#define DISPLAY                                                                                              \
+    "vec3 display(vec3 light) {\n"                                                                           \
+    "    light *= EXPOSURE;\n"                                                                               \
+    "    light *= (1.0 + light * SHOULDER_TOP) / (1.0 + light * SHOULDER_BOTTOM);\n"                         \
+    "    return mix(12.92 * light, 1.055 * pow(max(light, 0.0031), vec3(1.0 / 2.4)) - 0.055,\n"              \
+    "               step(vec3(0.0031308), light));\n"                                                        \
+    "}\n"
+
+// Glass mirrors the sky at a grazing angle (Schlick 1994).
+#define GLASS                                                                                                \
+    "float glass(float alpha, vec3 n, vec3 view) {\n"                                                        \
+    "    float around = 1.0 - abs(dot(n, normalize(view))), square = around * around;\n"                     \
+    "    return min(alpha * 0.5 + 0.04 + 0.6 * square * square * around, 0.9);\n"                            \
+    "}\n"
+
+const char WALK_FINE_VERTEX[] =
+    VERSION "layout(location = 0) in vec3 position;\n"
+            "layout(location = 1) in vec3 normal;\n"
+            "layout(location = 2) in vec4 colour;\n"    // square root of the reflectance, alpha
+            "layout(location = 3) in vec4 emission;\n"  // rgb; w: outdoors
+            "layout(location = 4) in ivec2 lamps;\n"
+            "uniform mat4 clip;\n"
+            "uniform vec3 eye;\n"
+            "out vec3 vPosition;\n"
+            "flat out vec3 vNormal;\n"
+            "flat out vec4 vColour, vEmission;\n"
+            "flat out ivec2 vLamps;\n"
+            "void main() {\n"
+            "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+            "    vPosition = position; vNormal = normal; vLamps = lamps;\n"
+            "    vColour = vec4(colour.rgb * colour.rgb, colour.a); vEmission = emission;\n"
+            "}\n";
+
+const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS
+    "in vec3 vPosition;\n"
+    "flat in vec3 vNormal;\n"
+    "flat in vec4 vColour, vEmission;\n"
+    "flat in ivec2 vLamps;\n"
+    "uniform vec3 eye;\n"
+    "uniform samplerBuffer lamps;\n"
+    "uniform sampler2D occlusion;\n"
+    "uniform vec2 size;\n"
+    "out vec4 result;\n"
+    "vec3 lamp_light(vec3 n) {\n"
+    "    vec3 sum = vec3(0.0);\n"
+    "    for (int i = 0; i < vLamps.y; i++) {\n"
+    "        vec4 place = texelFetch(lamps, 2 * (vLamps.x + i));\n"
+    "        vec3 colour = texelFetch(lamps, 2 * (vLamps.x + i) + 1).rgb;\n"
+    "        vec3 way = place.xyz - vPosition;\n"
+    "        float r2 = dot(way, way), cosine = dot(n, way) / max(sqrt(r2), 0.01);\n"
+    "        float facing = clamp(cosine * (1.0 - LAMP_WRAP) + LAMP_WRAP, 0.0, 1.0);\n"
+    "        sum += mix(colour, vec3(1.0), LAMP_WHITENESS) * place.w * facing *\n"
+    "               LAMP_STRENGTH / (1.0 + LAMP_FALL * r2);\n"
+    "    }\n"
+    "    return sum;\n"
+    "}\n"
+    "void main() {\n"
+    "    vec3 view = eye - vPosition;\n"
+    "    vec3 n = dot(vNormal, view) < 0.0 ? -vNormal : vNormal;\n"
+    "    float sun = max(dot(n, SUN_WAY), 0.0);\n"
+    "    vec3 light = mix(BELOW, ABOVE, n.z * 0.5 + 0.5) + SUN_INDOORS * sun +\n"
+    "                 SIDE * max(dot(n, SIDE_WAY), 0.0) + BACK * max(dot(n, BACK_WAY), 0.0);\n"
+    "    if (vEmission.w > 0.5) light = light * OUTDOORS_DIMMING + SUN_OUTDOORS * sun;\n"
+    "    float open = texture(occlusion, gl_FragCoord.xy / size).r;\n"
+    "    vec3 warm = open * mix(vec3(1.0), OCCLUSION_WARMTH, 1.0 - open);\n"
+    "    light = light * mix(vec3(1.0), warm, OCCLUSION_STRENGTH) +\n"
+    "            lamp_light(n) * mix(1.0, open, LAMP_OPENNESS);\n"
+    "    vec3 out_light = vColour.rgb * light + vEmission.rgb;\n"
+    "    float alpha = vColour.a;\n"
+    "    if (alpha < 1.0) {\n"
+    "        alpha = glass(alpha, n, view);\n"
+    "        out_light = mix(out_light, PANE, PANE_SHARE);\n"
+    "    }\n"
+    "    result = vec4(display(out_light), alpha);\n"
+    "}\n";
+
+const char WALK_DEPTH_FRAGMENT[] = VERSION "void main() {}\n";
+
+const char WALK_BAKED_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
+                                         "layout(location = 5) in vec4 front;\n"
+                                         "layout(location = 7) in vec2 place;\n"
+                                         "uniform mat4 clip;\n"
+                                         "uniform vec3 eye;\n"
+                                         "flat out vec3 vColour;\n"
+                                         "out vec2 vPlace;\n"
+                                         "void main() {\n"
+                                         "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                                         "    vColour = front.rgb; vPlace = place;\n"
+                                         "}\n";
+
+const char WALK_BAKED_FRAGMENT[] =
+    VERSION "flat in vec3 vColour;\n"
+            "in vec2 vPlace;\n"
+            "uniform sampler2D atlas;\n"
+            "out vec4 result;\n"
+            "void main() { result = vec4(vColour * texture(atlas, vPlace).r, 1.0); }\n";
+
+// Lit from both sides; a polygon is flat, so that all its corners choose alike.
+const char WALK_THING_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
+                                         "layout(location = 1) in vec3 normal;\n"
+                                         "layout(location = 5) in vec4 front;\n"
+                                         "layout(location = 6) in vec4 back;\n"
+                                         "uniform mat4 clip;\n"
+                                         "uniform vec3 eye;\n"
+                                         "out vec4 vColour;\n"
+                                         "out vec3 vView;\n"
+                                         "flat out vec3 vNormal;\n"
+                                         "void main() {\n"
+                                         "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                                         "    vView = eye - position; vNormal = normal;\n"
+                                         "    vColour = dot(normal, vView) < 0.0 ? back : front;\n"
+                                         "}\n";
+
+const char WALK_THING_FRAGMENT[] = VERSION "in vec4 vColour;\n"
+                                           "out vec4 result;\n"
+                                           "void main() { result = vColour; }\n";
+
+const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
+    "in vec4 vColour;\n"
+    "in vec3 vView;\n"
+    "flat in vec3 vNormal;\n"
+    "uniform float day;\n"
+    "out vec4 result;\n"
+    "void main() {\n"
+    "    result = vec4(vColour.rgb * mix(NIGHT_PANE, 1.0, day), glass(vColour.a, vNormal, vView));\n"
+    "}\n";
+
+#define LIT_PLACES                                                                                           \
+    "layout(location = 0) in vec3 position;\n"                                                               \
+    "layout(location = 1) in vec3 normal;\n"                                                                 \
+    "layout(location = 4) in ivec2 kind;\n" /* material, does it emit */                                     \
+    "layout(location = 8) in vec3 before;\n"                                                                 \
+    "layout(location = 9) in vec3 light;\n"                                                                  \
+    "uniform mat4 clip;\n"                                                                                   \
+    "uniform vec3 eye;\n"                                                                                    \
+    "uniform float fade;\n"
+
+// The back of a face reflects nothing, as light is computed. Curtains and leaves are one polygon all the same: they show
+// some of their front's light. Lamps are bright however little the exposure leaves of them.
+const char WALK_LIT_VERTEX[] =
+    VERSION CONSTANTS LIT_PLACES "uniform float exposure;\n"
+                                 "centroid out vec3 vLight;\n"
+                                 "void main() {\n"
+                                 "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                                 "    vLight = mix(before, light, fade) * exposure;\n"
+                                 "    bool front = dot(normal, eye - position) >= 0.0;\n"
+                                 "    if (!front) vLight *= BACK_SHARE;\n"
+                                 "    float most = max(max(vLight.r, vLight.g), max(vLight.b, 1e-20));\n"
+                                 "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
+                                 "}\n";
+
+// By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
+const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
+    "centroid in vec3 vLight;\n"
+    "out vec4 result;\n"
+    "void main() {\n"
+    "    vec3 x = max(vLight, 0.0);\n"
+    "    x = min(" WALK_TEXT(WALK_CURVE(
+        x)) ", 1.0);\n"
+            "    vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);\n"
+            "    vec3 y = 0.662002687 * a + 0.684122060 * b - 0.323583601 * c - 0.0225411470 * x;\n"
+            "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
+            "}\n";
+
+// What arrives is what leaves, less what is emitted, by the reflectance; where nothing is reflected it is not known: -1.
+const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
+    "uniform samplerBuffer materials;\n"
+    "uniform vec3 weights;\n"
+    "uniform bool arriving;\n"
+    "centroid out float vValue;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    vec3 value = mix(before, light, fade);\n"
+    "    if (arriving) {\n"
+    "        vec3 rho = texelFetch(materials, 2 * kind.x).rgb;\n"
+    "        value = max(value - texelFetch(materials, 2 * kind.x + 1).rgb, 0.0) / max(rho, 1e-20);\n"
+    "        if (min(rho.r, min(rho.g, rho.b)) == 0.0) value = vec3(-1.0);\n"
+    "    }\n"
+    "    vValue = dot(value, weights);\n"
+    "}\n";
+
+const char WALK_FALSE_FRAGMENT[] = VERSION "centroid in float vValue;\n"
+                                           "uniform sampler2D scale;\n"
+                                           "uniform float low, octaves;\n"  // of the scale
+                                           "out vec4 result;\n"
+                                           "void main() {\n"
+                                           "    float place = log2(max(vValue, 1e-20) / low) / octaves;\n"
+                                           "    vec3 colour = texture(scale, vec2(place, 0.5)).rgb;\n"
+                                           "    result = vec4(vValue < 0.0 ? vec3(0.35) : colour, 1.0);\n"
+                                           "}\n";
+
+const char WALK_LINE_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
+                                        "uniform mat4 clip;\n"
+                                        "uniform vec3 eye;\n"
+                                        "void main() { gl_Position = clip * vec4(position - eye, 1.0); }\n";
+
+const char WALK_LINE_FRAGMENT[] = VERSION "uniform vec4 colour;\n"
+                                          "out vec4 result;\n"
+                                          "void main() { result = colour; }\n";
+
+const char WALK_SCREEN_VERTEX[] =
+    VERSION "out vec2 at;\n"
+            "void main() {\n"
+            "    at = vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID & 2) * 2 - 1);\n"
+            // At the far plane, so that what was drawn before stays.
+            "    gl_Position = vec4(at, 1.0, 1.0);\n"
+            "}\n";
+
+// Mixed on the screen, of colours that a compiler makes once: a power a pixel took longer than all the rest.
+const char WALK_SKY_FRAGMENT[] =
+    VERSION CONSTANTS DISPLAY "in vec2 at;\n"
+                              "uniform vec3 forward, right, up;\n"
+                              "uniform float day;\n"
+                              "out vec4 result;\n"
+                              "void main() {\n"
+                              "    vec3 zenith = display(mix(NIGHT_ZENITH, vec3(0.30, 0.52, 0.82), day));\n"
+                              "    vec3 horizon = display(mix(NIGHT_HORIZON, vec3(0.82, 0.88, 0.93), day));\n"
+                              "    vec3 ground = display(mix(NIGHT_GROUND, vec3(0.50, 0.56, 0.44), day));\n"
+                              "    vec3 ray = forward + at.x * right + at.y * up;\n"
+                              "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
+                              "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
+                              "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
+                              "}\n";
+
+// Depth d is 1 - near / z. Around each pixel, directions on a spiral disc whose radius is half a metre there; a sample
+// counts by how far it rises over the surface's tangent plane, found from the depths themselves.
+const char WALK_OCCLUSION_FRAGMENT[] = VERSION CONSTANTS
+    "in vec2 at;\n"
+    "uniform sampler2D depth;\n"
+    "uniform vec2 tangents;\n"  // of the half angles of the view
+    "uniform float near;\n"
+    "layout(location = 0) out vec2 result;\n"  // open share, z
+    "float z_of(vec2 p) { return near / max(1.0 - texture(depth, p * 0.5 + 0.5).r, 1e-7); }\n"
+    "vec3 point(vec2 p) { float z = z_of(p); return vec3(p * tangents * z, z); }\n"
+    "void main() {\n"
+    "    vec3 centre = point(at);\n"
+    "    if (centre.z > 60.0) { result = vec2(1.0, centre.z); return; }\n"
+    "    vec2 pixel = 6.0 / vec2(textureSize(depth, 0));\n"
+    "    vec3 l = centre - point(at - vec2(pixel.x, 0.0)), r = point(at + vec2(pixel.x, 0.0)) - centre;\n"
+    "    vec3 d = centre - point(at - vec2(0.0, pixel.y)), u = point(at + vec2(0.0, pixel.y)) - centre;\n"
+    "    vec3 n = normalize(cross(abs(l.z) < abs(r.z) ? l : r, abs(d.z) < abs(u.z) ? d : u));\n"
+    "    if (dot(n, centre) > 0.0) n = -n;\n"
+    "    vec2 reach = min(OCCLUSION_REACH / centre.z / tangents, vec2(0.5));\n"
+    "    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));\n"
+    "    const int SAMPLES = 14;\n"
+    "    float blocked = 0.0;\n"
+    "    for (int i = 0; i < SAMPLES; i++) {\n"
+    "        float share = (float(i) + 0.5) / float(SAMPLES);\n"
+    "        float angle = noise * 6.2831853 + float(i) * 2.3999632;\n"
+    "        vec3 way = point(at + sqrt(share) * reach * vec2(cos(angle), sin(angle))) - centre;\n"
+    "        float far2 = dot(way, way), rise = dot(way, n) - 0.003 - 0.01 * centre.z;\n"
+    "        float near_by = max(1.0 - far2 / (OCCLUSION_REACH * OCCLUSION_REACH), 0.0);\n"
+    "        blocked += max(rise, 0.0) * inversesqrt(far2 + 1e-4) * near_by;\n"
+    "    }\n"
+    "    result = vec2(clamp(1.0 - 1.9 * blocked / float(SAMPLES), 0.0, 1.0), centre.z);\n"
+    "}\n";
+
+const char WALK_BLUR_FRAGMENT[] =
+    VERSION "in vec2 at;\n"
+            "uniform sampler2D source;\n"
+            "layout(location = 0) out float result;\n"
+            "void main() {\n"
+            "    ivec2 p = ivec2(gl_FragCoord.xy), most = textureSize(source, 0) - 1;\n"
+            "    vec2 here = texelFetch(source, p, 0).rg;\n"
+            "    float sum = 0.0, weights = 0.0;\n"
+            "    for (int j = -2; j <= 2; j++) for (int i = -2; i <= 2; i++) {\n"
+            "        vec2 there = texelFetch(source, clamp(p + ivec2(i, j), ivec2(0), most), 0).rg;\n"
+            "        float weight = max(1.0 - abs(there.g - here.g) / (0.05 * here.g), 0.0);\n"
+            "        sum += weight * there.r; weights += weight;\n"
+            "    }\n"
+            "    result = weights > 0.0 ? sum / weights : here.r;\n"
+            "}\n";

@@ -1,0 +1,23 @@
+// gl_context.h - OpenGL 3.3 in memory (OSMesa), without a window or a display, and what every user of OpenGL needs.
+#ifndef ENGINE_GL_CONTEXT_H
+#define ENGINE_GL_CONTEXT_H
+
+#include <stdbool.h>
+
+#include "engine/core/arena.h"
+#include "engine/core/error.h"
+
+// One per thread that draws; what is made in one does not exist in another.
+typedef struct GlContext GlContext;
+
+// Becomes current. NULL with the reason when there is no OpenGL 3.3.
+GlContext *gl_context_open(Arena *arena, Error *error);
+bool gl_context_use(GlContext *context, Error *error);  // makes it current
+void gl_context_close(GlContext *context);              // frees all that was made in it; NULL is allowed
+
+// A linked program of the current context, 0 on failure.
+unsigned gl_program(const char *vertex, const char *fragment, Error *error);
+// False, naming `stage`, when OpenGL has reported an error since the last call (out of memory, mostly).
+bool gl_check(const char *stage, Error *error);
+
+#endif

@@ -1,0 +1,19 @@
+// hud_legend.h - the scale of false colours as a panel: what is shown, in which unit, and which colour is how much.
+#ifndef WALK_HUD_LEGEND_H
+#define WALK_HUD_LEGEND_H
+
+#include "engine/draw/false_colour.h"
+#include "engine/overlay/overlay.h"
+
+typedef struct HudLegend {
+    FalseColour quantity;
+    LightRange range;
+} HudLegend;
+
+// The whole panel, points; `height` is the scale's own.
+double hud_legend_width(void);
+double hud_legend_height(double height);
+void hud_legend_draw(Overlay *overlay, const HudLegend *legend, double x, double y, double height,
+                     Arena *scratch);
+
+#endif

@@ -1,0 +1,331 @@
+// plan_view.c - the plan in layers: cells as the eye sees them, stairs and tree, walls and doors, names, the eye.
+#include "engine/overlay/plan_view.h"
+
+#include "engine/sim/body.h"
+#include "visibility/prepare/figure.h"
+
+// Cut at this height over the floor, metres: through doors, and through most windows.
+#define PLAN_CUT 1.2
+// Kept free around the rooms and the eye, metres.
+#define PLAN_MARGIN 0.6
+// Treads of stairs are hatched so far apart, metres: as real ones are.
+#define PLAN_TREAD 0.28
+// Seen cells pale to half at this distance from the eye, metres: a large room.
+#define PLAN_FADE 8.0
+// Deeper levels of the tree are left out: by then lines cross everywhere.
+#define PLAN_TREE_LEVELS 24
+
+// Sizes below are in points.
+static const double NAME_SIZE = 9.5, NAME_MARGIN = 3, EYE_RADIUS = 4.2, WEDGE_REACH = 44;
+
+static const unsigned OUTDOORS = 0x1a2026, ROOM = 0x333d49, THRESHOLD = 0x3f4650, SEEN = 0x3f8fe0,
+                      HERE = 0xcd7a28, NAME = 0xf4f6f8, EYE = 0xffffff, WEDGE = 0xffd966;
+
+typedef struct PlanDrawing {
+    const PlanView *view;
+    const Draw *draw;
+    Box area;
+    double z, point;
+    Arena *scratch;
+} PlanDrawing;
+
+int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye) {
+    const Building *b = graph->building;
+    int storey = cell >= 0 ? vis_region(graph, cell)->storey : -1;
+    if (storey >= 0 || b->storey_count == 0) return storey;
+    storey = 0;
+    for (int i = 1; i < b->storey_count; i++) {
+        bool below = b->storeys[i].floor <= eye.z, best_below = b->storeys[storey].floor <= eye.z;
+        bool higher = b->storeys[i].floor > b->storeys[storey].floor;
+        if (below ? higher || !best_below : !best_below && !higher) storey = i;
+    }
+    return storey;
+}
+
+static double cut_height(const PlanView *view) {
+    if (view->storey < 0) return view->eye.z - (BODY_EYE - PLAN_CUT);
+    const Storey *s = &view->graph->building->storeys[view->storey];
+    return s->floor + fmin(PLAN_CUT, s->height / 2);
+}
+
+// ---- what to show
+
+// The part of least .. most that is no longer than `longest`, around `middle` as far as the ends allow.
+static void shorten(double *least, double *most, double middle, double longest) {
+    if (*most - *least <= longest) return;
+    double from = fmin(fmax(middle - longest / 2, *least), *most - longest);
+    *least = from;
+    *most = from + longest;
+}
+
+Box plan_view_area(const PlanView *view, double most) {
+    const CellGraph *graph = view->graph;
+    Box box = box_empty();
+    double z = cut_height(view);
+    for (int c = 0; c < graph->cell_count; c++) {
+        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
+        if (!outdoors && figure_cuts(graph, c, z)) box = box_union(box, graph->cells[c].box);
+    }
+    box = box_grow(box_add(box, view->eye), PLAN_MARGIN);
+    shorten(&box.min.x, &box.max.x, view->eye.x, most);
+    shorten(&box.min.y, &box.max.y, view->eye.y, most);
+    return box;
+}
+
+static bool in_area(const PlanDrawing *d, Box box) {
+    return box.min.x <= d->area.max.x && box.max.x >= d->area.min.x && box.min.y <= d->area.max.y &&
+           box.max.y >= d->area.min.y;
+}
+
+static bool cell_shows(const PlanDrawing *d, int cell) {
+    return figure_cuts(d->view->graph, cell, d->z) && in_area(d, d->view->graph->cells[cell].box);
+}
+
+// ---- cells
+
+static unsigned mixed(unsigned below, unsigned above, double share) {
+    unsigned out = 0;
+    for (int shift = 0; shift <= 16; shift += 8) {
+        double a = below >> shift & 255, b = above >> shift & 255;
+        out |= (unsigned)lround(a + (b - a) * share) << shift;
+    }
+    return out;
+}
+
+// Each cell once: the blue of what is seen is mixed here, not on the screen.
+static void draw_cells(const PlanDrawing *d) {
+    const PlanView *view = d->view;
+    const CellGraph *graph = view->graph;
+    double *strength = ARENA_ARRAY(d->scratch, double, graph->cell_count);
+    for (int i = 0; view->visible && i < view->visible->cell_count; i++) {
+        const VisibleCell *seen = &view->visible->cells[i];
+        strength[seen->cell] = 0.2 + 0.6 / (1 + seen->distance / PLAN_FADE);
+    }
+    for (int c = 0; c < graph->cell_count; c++) {
+        RegionKind kind = vis_region(graph, c)->kind;
+        bool outdoors = kind == REGION_OUTDOORS;
+        if (!cell_shows(d, c) || (outdoors && c != view->cell && strength[c] == 0)) continue;
+        unsigned ground = outdoors ? OUTDOORS : kind == REGION_ROOM ? ROOM : THRESHOLD;
+        DrawStyle style = {.fill = mixed(ground, SEEN, strength[c]), .fill_opacity = 1};
+        // A garden is too large for so strong a colour.
+        if (c == view->cell) style.fill = mixed(ground, HERE, outdoors ? 0.4 : 1);
+        figure_fill(graph, c, &style, d->draw);
+    }
+}
+
+// ---- the stab tree
+
+typedef struct TreeStep {
+    int from, to;  // portals; from -1: the eye
+    int depth;     // the least, 0: there is no such step
+} TreeStep;
+
+static bool portal_shows(const CellGraph *graph, int portal, double z) {
+    Vec2 ends[2];
+    return figure_portal(graph, portal, z, ends);
+}
+
+// Which contact of the cell is the portal?
+static int contact_of(const CellGraph *graph, int cell, int portal) {
+    const Cell *c = &graph->cells[cell];
+    for (int i = 0; i < c->contact_count; i++) {
+        if (graph->contacts[c->first_contact + i].portal == portal) return i;
+    }
+    return 0;
+}
+
+// The steps of the tree, each once: those from a cell's contact i to its contact j are at first[cell] + i * contacts
+// + j, and last come the ways out of the root.
+static TreeStep *tree_steps(const PlanDrawing *d, int *count) {
+    const CellGraph *graph = d->view->graph;
+    const StabForest *forest = d->view->forest;
+    int root = forest->root[d->view->cell], end = forest->root[d->view->cell + 1];
+    int *first = ARENA_ARRAY(d->scratch, int, graph->cell_count + 1);
+    int *depth = ARENA_ARRAY(d->scratch, int, end - root);
+    for (int c = 0; c < graph->cell_count; c++) {
+        first[c + 1] = first[c] + graph->cells[c].contact_count * graph->cells[c].contact_count;
+    }
+    *count = first[graph->cell_count] + graph->cells[d->view->cell].contact_count;
+    TreeStep *steps = ARENA_ARRAY(d->scratch, TreeStep, *count + 1);
+    for (int n = root + 1; n < end; n++) {
+        const StabNode *node = &forest->nodes[n], *parent = &forest->nodes[node->parent];
+        depth[n - root] = depth[node->parent - root] + 1;
+        int out = contact_of(graph, parent->cell, node->portal),
+            contacts = graph->cells[parent->cell].contact_count;
+        int at = node->parent == root
+                     ? first[graph->cell_count] + out
+                     : first[parent->cell] + contact_of(graph, parent->cell, parent->portal) * contacts + out;
+        if (steps[at].depth && steps[at].depth <= depth[n - root]) continue;
+        steps[at] = (TreeStep){parent->portal, node->portal, depth[n - root]};
+    }
+    return steps;
+}
+
+static Vec2 portal_middle(const CellGraph *graph, int portal) {
+    return vec2_scale(vec2_add(graph->portals[portal].left, graph->portals[portal].right), 0.5);
+}
+
+// From yellow at the root over red to violet, darker and thinner: deep steps first, so that the near ones lie on top.
+static void draw_tree(const PlanDrawing *d) {
+    static const unsigned LEVELS[] = {0xffe14d, 0xffb02e, 0xff7a3c, 0xf4506a, 0xd048a8, 0xa04ccc, 0x7a50c8};
+    enum { LEVEL_COUNT = sizeof LEVELS / sizeof *LEVELS };
+    const PlanView *view = d->view;
+    if (!view->forest || view->cell < 0) return;
+    int count;
+    const TreeStep *steps = tree_steps(d, &count);
+    for (int depth = PLAN_TREE_LEVELS; depth > 0; depth--) {
+        int level = depth <= LEVEL_COUNT ? depth - 1 : LEVEL_COUNT - 1;
+        DrawStyle style = {.stroke = LEVELS[level], .width = d->point * fmax(0.6, 1.9 - 0.2 * level)};
+        for (int i = 0; i < count; i++) {
+            const TreeStep *s = &steps[i];
+            if (s->depth != depth || !portal_shows(view->graph, s->to, d->z)) continue;
+            if (s->from >= 0 && !portal_shows(view->graph, s->from, d->z)) continue;
+            Vec2 from = s->from < 0 ? vec2(view->eye.x, view->eye.y) : portal_middle(view->graph, s->from);
+            d->draw->line(d->draw->context, from, portal_middle(view->graph, s->to), &style);
+        }
+    }
+}
+
+// ---- things
+
+// The outline of an object's coarse box, hatched across its longer side: treads.
+static void draw_stair(const PlanDrawing *d, const Object *object) {
+    DrawStyle line = {.stroke = 0x9aa6b4, .width = 0.7 * d->point};
+    const Vec2 *p = object->proxy;
+    int side = vec2_length(vec2_sub(p[1], p[0])) >= vec2_length(vec2_sub(p[2], p[1])) ? 0 : 1;
+    Vec2 along = vec2_sub(p[side + 1], p[side]), across = vec2_sub(p[(side + 3) % 4], p[side]);
+    int treads = (int)fmin(fmax(vec2_length(along) / PLAN_TREAD, 1), 100);
+    for (int i = 0; i <= treads; i++) {
+        Vec2 from = vec2_add(p[side], vec2_scale(along, (double)i / treads));
+        d->draw->line(d->draw->context, from, vec2_add(from, across), &line);
+    }
+    for (int i = side; i < 4; i += 2) d->draw->line(d->draw->context, p[i], p[(i + 1) % 4], &line);
+}
+
+// Those that stand on this storey or come up to it.
+static void draw_stairs(const PlanDrawing *d) {
+    const Building *b = d->view->graph->building;
+    for (int i = 0; i < b->object_count; i++) {
+        const Object *o = &b->objects[i];
+        if (o->kind != OBJECT_STAIR || o->proxy_z0 >= o->proxy_z1) continue;
+        Box box = d->view->graph->object_boxes[i];
+        bool here = o->proxy_z0 < d->z && o->proxy_z1 > d->z - PLAN_CUT;
+        if (here && in_area(d, box)) draw_stair(d, o);
+    }
+}
+
+static void draw_walls(const PlanDrawing *d) {
+    const CellGraph *graph = d->view->graph;
+    DrawStyle portal = {.stroke = 0x8fb4dc, .width = 0.45 * d->point};
+    DrawStyle wall = {.stroke = 0xe4e9ee, .width = 1.5 * d->point};
+    for (int c = 0; c < graph->cell_count; c++) {
+        // Cells under the sky are large and many; how they are cut says nothing.
+        bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
+        if (!outdoors && cell_shows(d, c)) figure_portals(graph, c, d->z, &portal, d->draw);
+    }
+    for (int c = 0; c < graph->cell_count; c++) {
+        if (cell_shows(d, c)) figure_walls(graph, c, d->z, &wall, d->draw);
+    }
+    if (graph->building->form == FORM_SOUP) figure_polygons(graph, d->z, d->area, &wall, d->draw);
+}
+
+// Green stands open, red is closed, amber is between. A leaf is thinner than lines are wide, or hardly thicker: a line.
+static void draw_leaves(const PlanDrawing *d, const Opening *door) {
+    const PlanView *view = d->view;
+    const Building *b = view->graph->building;
+    double open = view->door_open ? (double)view->door_open[door - b->openings] : 1;
+    DrawStyle style = {.stroke = open <= 0 ? 0xff5a4a : open >= 1 ? 0x6fdc8c : 0xffc040};
+    for (int i = door->first_leaf; i < door->first_leaf + door->leaf_count; i++) {
+        const Leaf *leaf = &b->leaves[i];
+        Vec2 corner[4];
+        leaf_box(leaf, open, corner);
+        style.width = fmax(leaf->thickness, (door->glazed ? 1.2 : 1.8) * d->point);
+        Vec2 hinge = vec2_scale(vec2_add(corner[0], corner[3]), 0.5),
+             end = vec2_scale(vec2_add(corner[1], corner[2]), 0.5);
+        d->draw->line(d->draw->context, hinge, end, &style);
+    }
+}
+
+static void draw_openings(const PlanDrawing *d) {
+    const Building *b = d->view->graph->building;
+    DrawStyle glass = {.stroke = 0x6fd3f0, .width = 1.5 * d->point};
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        if (o->sill > d->z || o->head < d->z) continue;
+        Box box = box_add(box_add(box_empty(), vec3(o->line[0].x, o->line[0].y, 0)),
+                          vec3(o->line[1].x, o->line[1].y, 0));
+        // An open leaf reaches as far as the opening is wide.
+        double reach = vec2_length(vec2_sub(o->line[1], o->line[0]));
+        if (!in_area(d, box_grow(box, reach))) continue;
+        if (o->kind == OPENING_WINDOW) d->draw->line(d->draw->context, o->line[0], o->line[1], &glass);
+        if (o->kind == OPENING_DOOR) draw_leaves(d, o);
+    }
+}
+
+// Where it fits and does not hide the eye.
+static void draw_name(const PlanDrawing *d, int region, const char *name) {
+    const PlanView *view = d->view;
+    double size = NAME_SIZE * d->point, margin = 2 * NAME_MARGIN * d->point;
+    double width = d->draw->text_width ? d->draw->text_width(d->draw->context, size, name)
+                                       : 0.6 * size * (double)strlen(name);
+    Vec2 at;
+    if (!figure_name_place(view->graph->building, region, d->area, width + margin, size + margin, &at))
+        return;
+    bool hides =
+        fabs(view->eye.x - at.x) < (width + margin) / 2 && fabs(view->eye.y - at.y) < (size + margin) / 2;
+    if (!hides) d->draw->text(d->draw->context, at, size, NAME, name);
+}
+
+static void draw_names(const PlanDrawing *d) {
+    const CellGraph *graph = d->view->graph;
+    int named = -1;  // the cells of a region follow each other
+    for (int c = 0; c < graph->cell_count; c++) {
+        int r = graph->cells[c].region;
+        const Region *region = vis_region(graph, c);
+        if (r == named || region->kind != REGION_ROOM || !*region->name || !cell_shows(d, c)) continue;
+        draw_name(d, r, region->name);
+        named = r;
+    }
+}
+
+// ---- the eye
+
+static Vec2 from_eye(const PlanDrawing *d, double angle, double distance) {
+    return vec2_add(vec2(d->view->eye.x, d->view->eye.y), vec2_scale(vec2(cos(angle), sin(angle)), distance));
+}
+
+// What the eye may see, as a sector; sectors of half a turn and more are cut in pieces, which are convex.
+static void draw_wedge(const PlanDrawing *d) {
+    enum { ARC = 16 };
+    double reach = WEDGE_REACH * d->point, from = d->view->yaw - d->view->fov / 2, step = d->view->fov / ARC;
+    DrawStyle style = {.fill = WEDGE, .fill_opacity = 0.4};
+    for (int half = 0; half < 2; half++) {
+        Vec2 p[ARC / 2 + 2] = {vec2(d->view->eye.x, d->view->eye.y)};
+        for (int i = 0; i <= ARC / 2; i++)
+            p[i + 1] = from_eye(d, from + (half * (ARC / 2) + i) * step, reach);
+        d->draw->polygon(d->draw->context, p, ARC / 2 + 2, &style);
+    }
+}
+
+static void draw_eye(const PlanDrawing *d) {
+    Vec2 eye = vec2(d->view->eye.x, d->view->eye.y);
+    DrawStyle ray = {.stroke = WEDGE, .width = 1.3 * d->point};
+    for (int side = -1; side <= 1; side += 2) {
+        Vec2 end = from_eye(d, d->view->yaw + side * d->view->fov / 2, WEDGE_REACH * d->point);
+        d->draw->line(d->draw->context, eye, end, &ray);
+    }
+    DrawStyle dot = {.fill = EYE, .fill_opacity = 1, .stroke = 0x10151b, .width = 1.4 * d->point};
+    d->draw->circle(d->draw->context, eye, EYE_RADIUS * d->point, &dot);
+}
+
+void plan_view_draw(const PlanView *view, Box area, double point, Arena *scratch, const Draw *draw) {
+    PlanDrawing d = {view, draw, area, cut_height(view), point, scratch};
+    draw_cells(&d);
+    draw_stairs(&d);
+    draw_wedge(&d);
+    draw_walls(&d);
+    draw_tree(&d);
+    draw_openings(&d);
+    draw_names(&d);
+    draw_eye(&d);
+}

@@ -1,0 +1,26 @@
+// door_part.h - what of a door is in the way: its leaves where they stand, and whether its frame lets a body pass.
+#ifndef WALK_DOOR_PART_H
+#define WALK_DOOR_PART_H
+
+#include "engine/sim/solid.h"
+#include "visibility/vis.h"
+
+// A leaf, or the line of a door without leaves.
+typedef struct DoorPart {
+    Vec2 plan[LEAF_CORNERS];  // counter-clockwise
+    int count;                // 2 for a line
+    Band heights;
+} DoorPart;
+
+int door_part_count(const Building *building, int opening);  // 0 for passages and windows
+// Where it is at share `open` of its way. A door without leaves is there only while closed: false when open.
+bool door_part(const Building *building, int opening, int part, double open, DoorPart *out);
+// As a solid; `plan` [LEAF_CORNERS] keeps its vertices.
+Solid door_part_solid(const DoorPart *part, Vec3 *plan);
+// All that a leaf comes to on its way.
+Box door_leaf_reach(const Leaf *leaf);
+
+// Can a disc pass the door wide open? With its frame as drawn, or with none.
+bool door_lets_pass(const CellGraph *graph, int opening, bool with_frame);
+
+#endif

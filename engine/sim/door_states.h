@@ -1,0 +1,22 @@
+// door_states.h - how the doors of a building stand when a walk begins.
+#ifndef WALK_DOOR_STATES_H
+#define WALK_DOOR_STATES_H
+
+#include "engine/core/random.h"
+#include "maps/building/building.h"
+
+typedef enum WalkDoors {
+    WALK_DOORS_OPEN,
+    WALK_DOORS_CLOSED,
+    WALK_DOORS_DRAWN,   // as the file has them
+    WALK_DOORS_RANDOM,  // at any angle
+    WALK_DOORS
+} WalkDoors;
+extern const char *const WALK_DOORS_NAMES[WALK_DOORS];
+
+// How far one door is open, as for vis_query; `random` goes on with every call.
+float walk_door_share(const Building *building, int opening, WalkDoors doors, Random *random);
+// Closed, wide open, or anything between, hardly open too.
+float walk_random_share(Random *random);
+
+#endif

@@ -1,0 +1,270 @@
+// doors.c - doors that move.
+//
+// A door moves in steps so small that no point of its leaves goes farther than they keep clear of what they must not
+// touch; a step that would bring them nearer than that is not taken, unless it leads away. So two leaves never cross,
+// and none ever touches a body. Leaves go through walls and furniture, as those of many drawn homes would have to: no
+// doorway is lost by that.
+#include "engine/sim/doors.h"
+
+#include "engine/core/error.h"
+#include "engine/sim/door_part.h"
+
+// From closed to wide open, seconds.
+static const double SWING_SECONDS = 0.9;
+// Leaves keep this far from bodies and from other leaves, and no point of them goes farther than that in one step, so
+// that halfway through it they are clear too. Metres.
+static const double CLEAR = 0.01;
+// A ray is in the next cell this far beyond the last, metres: far above rounding, thinner than any wall.
+static const double BEYOND = 1e-6;
+
+bool doors_usable(const Doors *doors, int opening) {
+    const Opening *o = &doors->graph->building->openings[opening];
+    if (o->kind != OPENING_DOOR) return false;
+    return doors->graph->building->form != FORM_REGIONS || (o->region[0] >= 0 && o->region[1] >= 0);
+}
+
+static bool may_meet(const Building *b, const Opening *p, const Opening *q) {
+    for (int i = p->first_leaf; i < p->first_leaf + p->leaf_count; i++) {
+        Box box = box_grow(door_leaf_reach(&b->leaves[i]), CLEAR);
+        for (int k = q->first_leaf; k < q->first_leaf + q->leaf_count; k++) {
+            if (box_overlap(box, door_leaf_reach(&b->leaves[k]))) return true;
+        }
+    }
+    return false;
+}
+
+Doors doors_new(const CellGraph *graph, Arena *arena) {
+    const Building *b = graph->building;
+    Doors d = {.graph = graph,
+               .open = ARENA_ARRAY(arena, float, b->opening_count + 1),
+               .wanted = ARENA_ARRAY(arena, float, b->opening_count + 1),
+               .halt = ARENA_ARRAY(arena, unsigned char, b->opening_count + 1),
+               .near_first = ARENA_ARRAY(arena, int, b->opening_count + 1)};
+    int capacity = 0, count = 0;
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        d.open[i] = d.wanted[i] = o->kind == OPENING_DOOR ? (float)o->open : 1;
+        d.near_first[i] = count;
+        for (int k = 0; k < b->opening_count; k++) {
+            if (k != i && may_meet(b, o, &b->openings[k])) *ARENA_PUSH(arena, d.near, count, capacity) = k;
+        }
+    }
+    d.near_first[b->opening_count] = count;
+    return d;
+}
+
+bool doors_toggle(Doors *doors, int opening) {
+    if (opening < 0 || !doors_usable(doors, opening)) return false;
+    doors->wanted[opening] = doors->wanted[opening] < 0.5f ? 1 : 0;
+    return true;
+}
+
+void doors_set(Doors *doors, int opening, float share) {
+    CORE_ASSERT(share >= 0 && share <= 1);
+    doors->open[opening] = doors->wanted[opening] = share;
+    doors->halt[opening] = DOOR_FREE;
+}
+
+// ---- what stops a step
+
+// A part before and after a step; before, it may not have been there.
+typedef struct PartStep {
+    DoorPart from, to;
+    bool was_there;
+} PartStep;
+
+static double part_distance(const DoorPart *part, Vec2 at) {
+    Vec3 plan[LEAF_CORNERS];
+    Solid solid = door_part_solid(part, plan);
+    return solid_distance(&solid, part->heights, at);
+}
+
+static bool bands_overlap(Band a, Band b) { return a.z0 < b.z1 && b.z0 < a.z1; }
+
+static double overlap(Band a, Band b) { return fmin(a.z1, b.z1) - fmax(a.z0, b.z0); }
+
+// What comes up from below a foot.
+static bool comes_under(const PartStep *s, const Body *body) {
+    return s->was_there && s->from.heights.z1 <= body->foot.z + BODY_TOLERANCE &&
+           s->to.heights.z1 > s->from.heights.z1 && s->to.heights.z1 > body->foot.z &&
+           part_distance(&s->to, vec2(body->foot.x, body->foot.y)) < BODY_RADIUS;
+}
+
+static bool meets_body(const Doors *d, const PartStep *s, const Body *body) {
+    Band upright = {body->foot.z, body->foot.z + body->height};
+    Vec2 at = vec2(body->foot.x, body->foot.y);
+    if (!bands_overlap(s->to.heights, upright)) return false;
+    // It carries whom it does not press against the ceiling.
+    if (comes_under(s, body) && body->cell >= 0)
+        return d->graph->cells[body->cell].z1 < s->to.heights.z1 + BODY_LOWEST;
+    double distance = part_distance(&s->to, at);
+    if (distance >= BODY_RADIUS + CLEAR) return false;
+    return !s->was_there || distance < part_distance(&s->from, at) ||
+           overlap(s->to.heights, upright) > overlap(s->from.heights, upright);
+}
+
+static bool meets_part(const PartStep *s, const DoorPart *other) {
+    if (!bands_overlap(s->to.heights, other->heights)) return false;
+    double gap = solid_gap(s->to.plan, s->to.count, other->plan, other->count);
+    if (gap >= CLEAR) return false;
+    if (!s->was_there) return true;
+    double before = solid_gap(s->from.plan, s->from.count, other->plan, other->count);
+    // Those that are drawn through one another may part in whatever way.
+    return before >= 0 && gap < before;
+}
+
+static bool meets_doors(const Doors *d, int opening, const PartStep *s) {
+    const Building *b = d->graph->building;
+    for (int i = d->near_first[opening]; i < d->near_first[opening + 1]; i++) {
+        int near = d->near[i];
+        for (int k = 0; k < door_part_count(b, near); k++) {
+            DoorPart other;
+            if (door_part(b, near, k, (double)d->open[near], &other) && meets_part(s, &other)) return true;
+        }
+    }
+    return false;
+}
+
+// A part of a door as it is, and as it is at another share; false where it is not there then.
+static bool part_step(const Doors *d, int opening, int part, float share, PartStep *out) {
+    const Building *b = d->graph->building;
+    out->was_there = door_part(b, opening, part, (double)d->open[opening], &out->from);
+    return door_part(b, opening, part, (double)share, &out->to);
+}
+
+static DoorHalt halted(const Doors *d, int opening, float share, const Body *body) {
+    for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
+        PartStep s;
+        if (!part_step(d, opening, i, share, &s)) continue;
+        if (body && meets_body(d, &s, body)) return DOOR_MEETS_BODY;
+        if (meets_doors(d, opening, &s)) return DOOR_MEETS_DOOR;
+    }
+    return DOOR_FREE;
+}
+
+// Up with what rises under it.
+static void carry(const Doors *d, int opening, float share, Body *body) {
+    for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
+        PartStep s;
+        if (!part_step(d, opening, i, share, &s) || !comes_under(&s, body) || body->cell < 0) continue;
+        double top = s.to.heights.z1, ceiling = d->graph->cells[body->cell].z1;
+        body->foot.z = top;
+        body->height = fmin(body->height, ceiling - top);
+        body->head = fmin(body->head, ceiling - top);
+        body->standing = true;
+        body->fall = 0;
+    }
+}
+
+// The share of its way in which no point of its leaves goes farther than CLEAR.
+static double small_step(const Building *b, const Opening *o) {
+    double longest = CLEAR;
+    for (int i = o->first_leaf; i < o->first_leaf + o->leaf_count; i++) {
+        const Leaf *leaf = &b->leaves[i];
+        Box reach = door_leaf_reach(leaf);
+        double radius = fmax(reach.max.x - leaf->pivot.x, leaf->pivot.x - reach.min.x);
+        longest = fmax(longest, radius * fabs(leaf->turn) + vec2_length(leaf->slide) + fabs(leaf->rise));
+    }
+    return CLEAR / longest;
+}
+
+void doors_advance(Doors *d, double seconds, Body *body) {
+    const Building *b = d->graph->building;
+    for (int i = 0; i < b->opening_count; i++) {
+        if (d->open[i] == d->wanted[i]) continue;
+        double left = seconds / SWING_SECONDS, step = small_step(b, &b->openings[i]);
+        d->halt[i] = DOOR_FREE;
+        while (left > 0 && d->open[i] != d->wanted[i]) {
+            double way = fmin(step, left), to_go = (double)d->wanted[i] - (double)d->open[i];
+            float next =
+                fabs(to_go) <= way ? d->wanted[i] : (float)((double)d->open[i] + copysign(way, to_go));
+            // Less than a float can hold.
+            if (next == d->open[i]) break;
+            d->halt[i] = (unsigned char)halted(d, i, next, body);
+            if (d->halt[i] != DOOR_FREE) break;
+            if (body) carry(d, i, next, body);
+            d->open[i] = next;
+            left -= way;
+        }
+    }
+}
+
+// ---- looking at doors
+
+// How far a ray goes before it leaves a cell.
+static double way_out(const CellGraph *graph, const Cell *cell, Vec3 eye, Vec3 direction) {
+    double out = INFINITY;
+    if (direction.z != 0) out = ((direction.z > 0 ? cell->z1 : cell->z0) - eye.z) / direction.z;
+    for (int i = 0; i < cell->edge_count; i++) {
+        Vec2 a = graph->plan[cell->first_edge + i],
+             b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
+        Vec2 edge = vec2_sub(b, a);
+        double speed = vec2_cross(edge, vec2(direction.x, direction.y));
+        double off = vec2_cross(edge, vec2_sub(vec2(eye.x, eye.y), a));
+        if (speed < 0) out = fmin(out, off / -speed);
+    }
+    return out;
+}
+
+// Where a ray meets a wall or a window, metres; no farther than `reach`.
+static double clear_length(const CellGraph *graph, Vec3 eye, int cell, Vec3 direction, double reach) {
+    const Building *b = graph->building;
+    double gone = 0;
+    while (cell >= 0 && gone < reach) {
+        const Region *region = vis_region(graph, cell);
+        if (region->opening >= 0 && b->openings[region->opening].kind == OPENING_WINDOW) break;
+        // A little farther each time, so that it ends even where rounding leaves it in a cell it has left.
+        gone = fmax(gone, way_out(graph, &graph->cells[cell], eye, direction)) + BEYOND;
+        cell = vis_locate(graph, vec3_add(eye, vec3_scale(direction, gone)), cell);
+    }
+    return fmin(gone, reach);
+}
+
+// Where a ray enters an upright prism, or INFINITY.
+static double prism_hit(const DoorPart *part, Vec3 eye, Vec3 direction) {
+    double in = 0, out = INFINITY;
+    for (int i = 0; i < part->count + 2; i++) {
+        // Beyond the plane where `off` + t * `speed` < 0.
+        double off, speed;
+        if (i < part->count) {
+            Vec2 a = part->plan[i], edge = vec2_sub(part->plan[(i + 1) % part->count], a);
+            off = vec2_cross(edge, vec2_sub(vec2(eye.x, eye.y), a));
+            speed = vec2_cross(edge, vec2(direction.x, direction.y));
+        } else {
+            off = i == part->count ? eye.z - part->heights.z0 : part->heights.z1 - eye.z;
+            speed = i == part->count ? direction.z : -direction.z;
+        }
+        if (speed == 0 && off < 0) return INFINITY;
+        if (speed > 0) in = fmax(in, -off / speed);
+        if (speed < 0) out = fmin(out, off / -speed);
+    }
+    return in <= out ? in : INFINITY;
+}
+
+static double doorway_hit(const Opening *o, Vec3 eye, Vec3 direction) {
+    Vec2 along = vec2_sub(o->line[1], o->line[0]), to = vec2_sub(o->line[0], vec2(eye.x, eye.y));
+    Vec2 way = vec2(direction.x, direction.y);
+    double across = vec2_cross(way, along);
+    if (across == 0) return INFINITY;
+    double t = vec2_cross(to, along) / across, u = vec2_cross(to, way) / across, z = eye.z + t * direction.z;
+    return t >= 0 && u >= 0 && u <= 1 && z >= o->sill && z <= o->head ? t : INFINITY;
+}
+
+int doors_looked_at(const Doors *d, Vec3 eye, int cell, Vec3 direction, double reach) {
+    const Building *b = d->graph->building;
+    double nearest = clear_length(d->graph, eye, cell, direction, reach);
+    int found = -1;
+    for (int i = 0; i < b->opening_count; i++) {
+        if (!doors_usable(d, i)) continue;
+        double hit = doorway_hit(&b->openings[i], eye, direction);
+        for (int k = 0; k < b->openings[i].leaf_count; k++) {
+            DoorPart part;
+            if (door_part(b, i, k, (double)d->open[i], &part))
+                hit = fmin(hit, prism_hit(&part, eye, direction));
+        }
+        if (hit >= nearest) continue;
+        nearest = hit;
+        found = i;
+    }
+    return found;
+}

@@ -1,0 +1,390 @@
+// obstacles.c - what is solid about a body.
+//
+// Source: K. Shudo et al. (Oki), 3.2: whoever stays in a cell meets only the boundary of that cell, so no other wall is
+// looked at. Departures: a body has a radius, so cells that it reaches into through portals count too; and furniture,
+// which Oki does not treat, comes from a plan grid of its polygons, finer than the squares of the graph, since models
+// have thousands within a metre. What of it stands behind a wall is farther than the wall, and so never met.
+#include "engine/sim/obstacles.h"
+
+#include <string.h>
+
+#include "engine/sim/door_part.h"
+
+// Side of the squares in which polygons of furniture are looked up, metres: about a body's radius.
+static const double SQUARE = 0.25;
+// The squares are made larger until there are no more entries than this for each polygon.
+enum { ENTRIES_PER_POLYGON = 32, LEAST_ENTRIES = 1 << 16, MOST_SQUARES = 1024 };  // along a side
+// The upright share of a normal below which nobody stands on a polygon: slopes of more than 45 degrees, and walls.
+static const double STEEP = 0.7;
+// A way that comes this near a portal touches it, metres: far above rounding at the edge of the allowed world (1e-8),
+// far below the grid of the plan.
+static const double TOUCH = 1e-6;
+
+// Items: polygons of furniture, then leaves of doors (polygon_count + leaf), these wherever they may come.
+typedef struct PlanGrid {
+    Vec2 origin;
+    double size;
+    int nx, ny;
+    int *first;  // [nx * ny + 1]
+    int *items;  // run s is items[first[s]] .. items[first[s + 1] - 1]
+} PlanGrid;
+
+struct Obstacles {
+    const CellGraph *graph;
+    PlanGrid grid;
+    Box *item_box;                    // [polygon_count + leaf_count]
+    bool *steep;                      // [polygon_count]
+    Box *portal_box;                  // [portal_count]
+    unsigned char *shut;              // [cell_count] inside a window: nobody enters
+    int *bare_door;                   // [portal_count] the door without leaves that closes it, or -1
+    Vec3 border[4][4];                // the sides of the world
+    Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] of leaves gathered
+    // Of the last call:
+    unsigned serial;
+    unsigned *cell_seen, *item_seen;  // the last call that saw it
+    int *cells;                       // [cell_count] reached
+    int cell_count;
+    Solid *solids;  // [polygon_count + portal_count + leaf_count + 4]
+    int solid_count, wall_tests, object_tests;
+};
+
+static Box box_of(const Vec3 *v, int count) {
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) box = box_add(box, v[i]);
+    return box;
+}
+
+// ---- made once
+
+static int clamp(double x, int count) { return x < 0 ? 0 : x >= count ? count - 1 : (int)x; }
+
+typedef struct Range {
+    int x0, x1, y0, y1;
+} Range;
+
+static Range squares_under(const PlanGrid *grid, Box box) {
+    return (Range){clamp((box.min.x - grid->origin.x) / grid->size, grid->nx),
+                   clamp((box.max.x - grid->origin.x) / grid->size, grid->nx),
+                   clamp((box.min.y - grid->origin.y) / grid->size, grid->ny),
+                   clamp((box.max.y - grid->origin.y) / grid->size, grid->ny)};
+}
+
+// What never moves of the building, then what may come of its doors. `list` [polygon_count + leaf_count].
+static int list_items(const CellGraph *graph, Arena *scratch, int *list) {
+    const Building *b = graph->building;
+    unsigned char *frameless = ARENA_ARRAY(scratch, unsigned char, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) {
+        // A frame that alone bars its door, as models cut into parts may have it, is seen and not felt.
+        frameless[i] = b->openings[i].kind == OPENING_DOOR && !door_lets_pass(graph, i, true) &&
+                       door_lets_pass(graph, i, false);
+    }
+    int count = 0;
+    for (int i = 0; i < graph->surface_first[0]; i++) {
+        const Object *object = &graph->objects[i];
+        if (object->plug || object->leaf >= 0) continue;
+        if (object->kind == OBJECT_FRAME && object->opening >= 0 && frameless[object->opening]) continue;
+        for (int p = 0; p < object->polygon_count; p++) list[count++] = object->first_polygon + p;
+    }
+    for (int i = 0; i < b->leaf_count; i++) list[count++] = graph->polygon_count + i;
+    return count;
+}
+
+static PlanGrid grid_over(Box box, double size) {
+    return (PlanGrid){.origin = {box.min.x, box.min.y},
+                      .size = size,
+                      .nx = (int)fmax(1, ceil((box.max.x - box.min.x) / size)),
+                      .ny = (int)fmax(1, ceil((box.max.y - box.min.y) / size))};
+}
+
+static long count_entries(const Obstacles *o, const PlanGrid *grid, const int *list, int count) {
+    long entries = 0;
+    for (int i = 0; i < count; i++) {
+        Range r = squares_under(grid, o->item_box[list[i]]);
+        entries += (long)(r.x1 - r.x0 + 1) * (r.y1 - r.y0 + 1);
+    }
+    return entries;
+}
+
+// Counts the entries of each square when `fill` is NULL, else puts them in their places.
+static void enter_items(Obstacles *o, const int *list, int count, int *fill) {
+    PlanGrid *grid = &o->grid;
+    for (int i = 0; i < count; i++) {
+        Range r = squares_under(grid, o->item_box[list[i]]);
+        for (int y = r.y0; y <= r.y1; y++) {
+            for (int x = r.x0; x <= r.x1; x++) {
+                int square = y * grid->nx + x;
+                if (fill) {
+                    grid->items[fill[square]++] = list[i];
+                } else {
+                    grid->first[square + 1]++;
+                }
+            }
+        }
+    }
+}
+
+static void build_grid(Obstacles *o, Arena *arena) {
+    const CellGraph *graph = o->graph;
+    Arena scratch = {0};
+    int *list = ARENA_ARRAY(&scratch, int, graph->polygon_count + graph->building->leaf_count + 1);
+    int count = list_items(graph, &scratch, list);
+    Box box = graph->box;
+    double size = fmax(SQUARE, fmax(box.max.x - box.min.x, box.max.y - box.min.y) / MOST_SQUARES);
+    o->grid = grid_over(box, size);
+    while (count_entries(o, &o->grid, list, count) > (long)ENTRIES_PER_POLYGON * count + LEAST_ENTRIES)
+        o->grid = grid_over(box, size *= 2);
+    int squares = o->grid.nx * o->grid.ny;
+    o->grid.first = ARENA_ARRAY(arena, int, squares + 1);
+    enter_items(o, list, count, NULL);
+    for (int s = 0; s < squares; s++) o->grid.first[s + 1] += o->grid.first[s];
+    o->grid.items = ARENA_ARRAY(arena, int, o->grid.first[squares] + 1);
+    int *fill = ARENA_ARRAY(&scratch, int, squares);
+    memcpy(fill, o->grid.first, (size_t)squares * sizeof *fill);
+    enter_items(o, list, count, fill);
+    arena_free(&scratch);
+}
+
+static void build_boxes(Obstacles *o, Arena *arena) {
+    const CellGraph *graph = o->graph;
+    const Building *b = graph->building;
+    o->item_box = ARENA_ARRAY(arena, Box, graph->polygon_count + b->leaf_count + 1);
+    o->steep = ARENA_ARRAY(arena, bool, graph->polygon_count + 1);
+    for (int i = 0; i < graph->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        o->item_box[i] = box_of(graph->vertices + p->first_vertex, p->vertex_count);
+        o->steep[i] = fabs(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n.z) < STEEP;
+    }
+    for (int i = 0; i < b->leaf_count; i++)
+        o->item_box[graph->polygon_count + i] = door_leaf_reach(&b->leaves[i]);
+    o->portal_box = ARENA_ARRAY(arena, Box, graph->portal_count + 1);
+    for (int i = 0; i < graph->portal_count; i++) {
+        const Portal *p = &graph->portals[i];
+        o->portal_box[i] = box_of(graph->portal_vertices + p->first_vertex, p->vertex_count);
+    }
+}
+
+// Nobody enters windows, and doors without leaves bar the contact of their halves.
+static void mark_openings(Obstacles *o, Arena *arena) {
+    const CellGraph *graph = o->graph;
+    const Building *b = graph->building;
+    o->shut = ARENA_ARRAY(arena, unsigned char, graph->cell_count);
+    for (int c = 0; c < graph->cell_count; c++) {
+        int opening = vis_region(graph, c)->opening;
+        o->shut[c] = opening >= 0 && b->openings[opening].kind == OPENING_WINDOW;
+    }
+    o->bare_door = ARENA_ARRAY(arena, int, graph->portal_count + 1);
+    for (int i = 0; i < graph->portal_count; i++) {
+        const Region *p = vis_region(graph, graph->portals[i].cell[0]);
+        const Region *q = vis_region(graph, graph->portals[i].cell[1]);
+        bool middle = p->opening >= 0 && p->opening == q->opening && p->side != q->side;
+        bool bare =
+            middle && b->openings[p->opening].kind == OPENING_DOOR && b->openings[p->opening].leaf_count == 0;
+        o->bare_door[i] = bare ? p->opening : -1;
+    }
+}
+
+static void build_border(Obstacles *o) {
+    Box w = o->graph->building->world;
+    // The cells of a soup reach over its roof, where one may stand too.
+    w.min.z = fmin(w.min.z, o->graph->box.min.z);
+    w.max.z = fmax(w.max.z, o->graph->box.max.z);
+    double x[5] = {w.min.x, w.max.x, w.max.x, w.min.x, w.min.x},
+           y[5] = {w.min.y, w.min.y, w.max.y, w.max.y, w.min.y};
+    for (int i = 0; i < 4; i++) {
+        o->border[i][0] = vec3(x[i], y[i], w.min.z);
+        o->border[i][1] = vec3(x[i], y[i], w.max.z);
+        o->border[i][2] = vec3(x[i + 1], y[i + 1], w.max.z);
+        o->border[i][3] = vec3(x[i + 1], y[i + 1], w.min.z);
+    }
+}
+
+Obstacles *obstacles_new(const CellGraph *graph, Arena *arena) {
+    Obstacles *o = arena_alloc(arena, 1, sizeof *o);
+    int leaves = graph->building->leaf_count;
+    o->graph = graph;
+    build_boxes(o, arena);
+    mark_openings(o, arena);
+    build_border(o);
+    build_grid(o, arena);
+    o->leaf_plan = arena_alloc(arena, (size_t)leaves + 1, sizeof *o->leaf_plan);
+    o->cell_seen = ARENA_ARRAY(arena, unsigned, graph->cell_count);
+    o->item_seen = ARENA_ARRAY(arena, unsigned, graph->polygon_count + leaves + 1);
+    o->cells = ARENA_ARRAY(arena, int, graph->cell_count);
+    o->solids = ARENA_ARRAY(arena, Solid, graph->polygon_count + graph->portal_count + leaves + 4);
+    return o;
+}
+
+// ---- which cells
+
+// A way in plan, and how near it something must come, metres; `box` holds all of that.
+typedef struct Way {
+    Vec2 from, to;
+    double reach;
+    Box box;
+} Way;
+
+static Way make_way(Vec3 from, Vec3 to, double reach) {
+    Box box = box_grow(box_add(box_add(box_empty(), from), to), reach);
+    return (Way){vec2(from.x, from.y), vec2(to.x, to.y), reach, box};
+}
+
+static double point_to_edge(Vec2 p, Vec2 a, Vec2 b) {
+    Vec2 along = vec2_sub(b, a), to = vec2_sub(p, a);
+    double length2 = vec2_dot(along, along), t = length2 > 0 ? vec2_dot(to, along) / length2 : 0;
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    return vec2_length(vec2_sub(to, vec2_scale(along, t)));
+}
+
+static double edge_to_edge(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+    Vec2 ab = vec2_sub(b, a), cd = vec2_sub(d, c);
+    bool apart = vec2_cross(ab, vec2_sub(c, a)) * vec2_cross(ab, vec2_sub(d, a)) >= 0 ||
+                 vec2_cross(cd, vec2_sub(a, c)) * vec2_cross(cd, vec2_sub(b, c)) >= 0;
+    if (!apart) return 0;
+    return fmin(fmin(point_to_edge(a, c, d), point_to_edge(b, c, d)),
+                fmin(point_to_edge(c, a, b), point_to_edge(d, a, b)));
+}
+
+static bool touches(const Obstacles *o, int portal, const Way *way) {
+    const Portal *p = &o->graph->portals[portal];
+    if (!box_overlap(o->portal_box[portal], way->box)) return false;
+    if (!p->horizontal) return edge_to_edge(way->from, way->to, p->left, p->right) <= way->reach;
+    // In plan, outside one edge by more than the reach is away from it all.
+    const Vec3 *v = o->graph->portal_vertices + p->first_vertex;
+    double turn = p->plane.n.z > 0 ? 1 : -1;  // counter-clockwise from above, or from below
+    for (int i = 0; i < p->vertex_count; i++) {
+        Vec3 a = v[i], b = v[(i + 1) % p->vertex_count];
+        Vec2 edge = vec2(b.x - a.x, b.y - a.y), at = vec2(a.x, a.y);
+        double out = fmax(turn * vec2_cross(edge, vec2_sub(way->from, at)),
+                          turn * vec2_cross(edge, vec2_sub(way->to, at)));
+        if (out < -way->reach * vec2_length(edge)) return false;
+    }
+    return true;
+}
+
+static void reach_cell(Obstacles *o, int cell) {
+    if (o->cell_seen[cell] == o->serial) return;
+    o->cell_seen[cell] = o->serial;
+    o->cells[o->cell_count++] = cell;
+}
+
+static void begin(Obstacles *o, int cell) {
+    // The counter may turn over: then what was seen 2^32 calls ago must not seem seen now.
+    if (++o->serial == 0) {
+        memset(o->cell_seen, 0, (size_t)o->graph->cell_count * sizeof *o->cell_seen);
+        size_t items = (size_t)(o->graph->polygon_count + o->graph->building->leaf_count);
+        memset(o->item_seen, 0, items * sizeof *o->item_seen);
+        o->serial = 1;
+    }
+    o->cell_count = o->solid_count = o->wall_tests = o->object_tests = 0;
+    reach_cell(o, cell);
+}
+
+// ---- what stands there
+
+// Upright: a portal that nobody passes, the border of the world.
+static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {
+    o->solids[o->solid_count++] = (Solid){.vertices = vertices, .count = count, .steep = true, .box = box};
+}
+
+static void add_polygon(Obstacles *o, int polygon, const Box *near) {
+    if (!box_overlap(o->item_box[polygon], *near)) return;
+    const Polygon *p = &o->graph->polygons[polygon];
+    o->solids[o->solid_count++] = (Solid){.vertices = o->graph->vertices + p->first_vertex,
+                                          .count = p->vertex_count,
+                                          .steep = o->steep[polygon],
+                                          .box = o->item_box[polygon]};
+}
+
+static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *near) {
+    const Leaf *l = &o->graph->building->leaves[leaf];
+    if (!box_overlap(o->item_box[o->graph->polygon_count + leaf], *near)) return;
+    Vec2 corner[LEAF_CORNERS];
+    double open = door_open ? (double)door_open[l->opening] : 1;
+    int count = leaf_plan(o->graph->building, l, open, corner);
+    Box box = box_empty();
+    for (int i = 0; i < count; i++) {
+        o->leaf_plan[leaf][i] = vec3(corner[i].x, corner[i].y, 0);
+        box = box_add(box, o->leaf_plan[leaf][i]);
+    }
+    box.min.z = l->z0 + open * l->rise;
+    box.max.z = l->z1 + open * l->rise;
+    if (!box_overlap(box, *near)) return;
+    o->solids[o->solid_count++] =
+        (Solid){.vertices = o->leaf_plan[leaf], .count = count, .prism = true, .box = box};
+}
+
+// Its surfaces, and its portals that nobody passes; the others lead on.
+static void add_cell(Obstacles *o, int cell, const float *door_open, const Way *way) {
+    const CellGraph *graph = o->graph;
+    for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
+        const Object *object = &graph->objects[i];
+        o->wall_tests += object->polygon_count;
+        for (int p = 0; p < object->polygon_count; p++) add_polygon(o, object->first_polygon + p, &way->box);
+    }
+    for (int i = 0; i < graph->cells[cell].contact_count; i++) {
+        Contact contact = graph->contacts[graph->cells[cell].first_contact + i];
+        if (!touches(o, contact.portal, way)) continue;
+        const Portal *p = &graph->portals[contact.portal];
+        int door = o->bare_door[contact.portal];
+        bool closed = door >= 0 && door_open && door_open[door] == 0;
+        // A closed door is met from either side: once is enough.
+        if (o->shut[contact.cell] || (closed && o->cell_seen[contact.cell] != o->serial)) {
+            add_barrier(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
+                        o->portal_box[contact.portal]);
+        }
+        if (!o->shut[contact.cell]) reach_cell(o, contact.cell);
+    }
+}
+
+static void add_items(Obstacles *o, const float *door_open, const Box *near) {
+    const PlanGrid *grid = &o->grid;
+    Range r = squares_under(grid, *near);
+    for (int y = r.y0; y <= r.y1; y++) {
+        for (int k = grid->first[y * grid->nx + r.x0]; k < grid->first[y * grid->nx + r.x1 + 1]; k++) {
+            int item = grid->items[k];
+            if (o->item_seen[item] == o->serial) continue;
+            o->item_seen[item] = o->serial;
+            o->object_tests++;
+            if (item < o->graph->polygon_count) {
+                add_polygon(o, item, near);
+            } else {
+                add_leaf(o, item - o->graph->polygon_count, door_open, near);
+            }
+        }
+    }
+}
+
+Gathered obstacles_gather(Obstacles *o, const float *door_open, int cell, Vec2 at, double radius,
+                          Band heights) {
+    Way way = {at,
+               at,
+               radius,
+               {{at.x - radius, at.y - radius, heights.z0}, {at.x + radius, at.y + radius, heights.z1}}};
+    begin(o, cell);
+    for (int i = 0; i < o->cell_count; i++) add_cell(o, o->cells[i], door_open, &way);
+    add_items(o, door_open, &way.box);
+    for (int i = 0; i < 4; i++) {
+        Box box = box_of(o->border[i], 4);
+        if (box_overlap(box, way.box)) add_barrier(o, o->border[i], 4, box);
+    }
+    return (Gathered){o->solids, o->solid_count, o->wall_tests, o->object_tests};
+}
+
+int obstacles_cross(Obstacles *o, int cell, Vec3 from, Vec3 to) {
+    int end = vis_locate(o->graph, to, cell);
+    if (end < 0 || end == cell) return end;
+    if (o->shut[end]) return -1;
+    Way way = make_way(from, to, TOUCH);
+    begin(o, cell);
+    for (int i = 0; i < o->cell_count; i++) {
+        const Cell *c = &o->graph->cells[o->cells[i]];
+        for (int k = 0; k < c->contact_count; k++) {
+            Contact contact = o->graph->contacts[c->first_contact + k];
+            if (!o->shut[contact.cell] && touches(o, contact.portal, &way)) reach_cell(o, contact.cell);
+        }
+        if (o->cell_seen[end] == o->serial) return end;
+    }
+    return -1;
+}
+
+bool obstacles_is_shut(const Obstacles *o, int cell) { return o->shut[cell]; }

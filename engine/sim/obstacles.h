@@ -1,0 +1,31 @@
+// obstacles.h - what is solid about a body: the surfaces of the cells that it is in or reaches into through portals,
+// furniture, frames, door leaves where they stand, windows, and the border of the world.
+#ifndef WALK_OBSTACLES_H
+#define WALK_OBSTACLES_H
+
+#include "engine/sim/solid.h"
+#include "visibility/vis.h"
+
+// Sized once for a graph: nothing is allocated afterwards, and no list can be full.
+typedef struct Obstacles Obstacles;
+Obstacles *obstacles_new(const CellGraph *graph, Arena *arena);
+
+typedef struct Gathered {
+    const Solid *solids;  // [solid_count] until the next call
+    int solid_count;
+    int wall_tests, object_tests;  // surfaces and furniture polygons looked at
+} Gathered;
+
+// What is solid within `radius` in plan about `at`, between two heights: from `cell` on through every portal that this
+// volume touches, and never into any other cell (Oki 3.2). `door_open` as for vis_query.
+Gathered obstacles_gather(Obstacles *obstacles, const float *door_open, int cell, Vec2 at, double radius,
+                          Band heights);
+
+// The cell that holds the end of a level or an upright way, reached from `cell` through portals that the way touches;
+// -1 when it leaves free space by anything but portals, or through a window.
+int obstacles_cross(Obstacles *obstacles, int cell, Vec3 from, Vec3 to);
+
+// Inside a window: nobody enters.
+bool obstacles_is_shut(const Obstacles *obstacles, int cell);
+
+#endif

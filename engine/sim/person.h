@@ -1,0 +1,36 @@
+// person.h - who walks: wishes become steps, and the eye follows the body.
+#ifndef WALK_PERSON_H
+#define WALK_PERSON_H
+
+#include "engine/sim/body.h"
+
+// Speeds in m/s: a brisk walk indoors, a run, flight through anything.
+#define PERSON_WALK 1.7
+#define PERSON_RUN 4.2
+#define PERSON_FLY 4.0
+#define PERSON_FLY_FAST 14.0
+
+// What the person wants this tick. Each way -1 .. 1.
+typedef struct PersonWish {
+    double forward, right, up;  // up only in flight
+    bool hurry;
+} PersonWish;
+
+typedef struct Person {
+    Body body;
+    Vec3 eye;
+    double yaw, pitch;  // radians, see Viewpoint
+    Vec2 velocity;      // m/s in plan
+    bool flying;
+    int cell;  // of the eye, or -1
+} Person;
+
+// Stands where an eye is looking, or as near as a body fits. In flight the eye stays where it is.
+void person_put(Person *person, BodyWorld *world, Vec3 eye, double yaw, double pitch);
+void person_fly(Person *person, BodyWorld *world, bool flying);
+// Turns the head, radians; up and down as far as a neck allows.
+void person_look(Person *person, double yaw, double pitch);
+// A tick of some hundredths of a second. Allocates nothing.
+void person_tick(Person *person, BodyWorld *world, const PersonWish *wish, double seconds);
+
+#endif

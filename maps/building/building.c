@@ -1,0 +1,224 @@
+// building.c - appending to a building. Colours are decoded by the sRGB transfer function of IEC 61966-2-1.
+#include "maps/building/building.h"
+
+#include <stdarg.h>
+
+#include "engine/core/memory.h"
+#include "engine/core/polygon.h"
+
+static bool same_material(const Material *a, const Material *b) {
+    const Rgb *r = &a->reflectance, *s = &b->reflectance, *e = &a->emission, *f = &b->emission;
+    return r->r == s->r && r->g == s->g && r->b == s->b && e->r == f->r && e->g == f->g && e->b == f->b &&
+           a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index &&
+           strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
+}
+
+int building_add_material(Arena *arena, Building *b, Material material) {
+    for (int i = 0; i < b->material_count; i++) {
+        if (same_material(&b->materials[i], &material)) return i;
+    }
+    Material *m = ARENA_PUSH(arena, b->materials, b->material_count, b->material_capacity);
+    *m = material;
+    m->name = arena_string(arena, material.name ? material.name : "");
+    return b->material_count - 1;
+}
+
+int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name) {
+    Object *o = ARENA_PUSH(arena, b->objects, b->object_count, b->object_capacity);
+    *o = (Object){.kind = kind,
+                  .name = arena_string(arena, name ? name : ""),
+                  .first_polygon = b->polygon_count,
+                  .opening = -1,
+                  .leaf = -1};
+    return b->object_count - 1;
+}
+
+static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
+    CORE_ASSERT(b->object_count > 0);
+    Polygon *p = ARENA_PUSH(arena, b->polygons, b->polygon_count, b->polygon_capacity);
+    *p = (Polygon){b->vertex_count, count, material};
+    for (int i = 0; i < count; i++) {
+        *ARENA_PUSH(arena, b->vertices, b->vertex_count, b->vertex_capacity) = vertices[i];
+    }
+    b->objects[b->object_count - 1].polygon_count++;
+}
+
+static bool inside_triangle(Vec3 a, Vec3 b, Vec3 c, Vec3 p, Vec3 n) {
+    return polygon_corner_sine(a, b, p, n) >= 0 && polygon_corner_sine(b, c, p, n) >= 0 &&
+           polygon_corner_sine(c, a, p, n) >= 0;
+}
+
+// Why a corner may not be cut off: it turns right, or a vertex lies in its triangle (its index). UNKNOWN: to be found out.
+enum { EAR = -3, TURNS_RIGHT, UNKNOWN };
+
+static int obstacle(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
+    Vec3 a = v[ring[(i + left - 1) % left]], b = v[ring[i]], c = v[ring[(i + 1) % left]];
+    if (polygon_corner_sine(a, b, c, n) <= POLYGON_COLLINEAR) return TURNS_RIGHT;
+    for (int j = 0; j < left; j++) {
+        Vec3 p = v[ring[j]];
+        if (vec3_equal(p, a) || vec3_equal(p, b) || vec3_equal(p, c)) continue;
+        if (inside_triangle(a, b, c, p, n)) return ring[j];
+    }
+    return EAR;
+}
+
+// Of a triangle as long as a country and as wide as a hair, doubles find no plane that holds its corners.
+static bool has_plane(const Vec3 triangle[3]) {
+    return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
+}
+
+// Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
+// goes. What is no ear stays none as long as its neighbours and the vertex in its triangle are there.
+static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
+    int *ring = memory_new(sizeof(int) * 2 * (size_t)count), *why = ring + count, added = 0;
+    for (int i = 0; i < count; i++) {
+        ring[i] = i;
+        why[i] = UNKNOWN;
+    }
+    for (int left = count; left > 2; left--) {
+        int ear = 0;
+        for (; ear < left; ear++) {
+            if (why[ear] == UNKNOWN) why[ear] = obstacle(v, ring, left, ear, n);
+            if (why[ear] == EAR) break;
+        }
+        if (ear == left) ear = 0;
+        why[(ear + left - 1) % left] = why[(ear + 1) % left] = UNKNOWN;
+        for (int i = 0; i < left; i++)
+            if (why[i] == ring[ear]) why[i] = UNKNOWN;
+        Vec3 t[3] = {v[ring[(ear + left - 1) % left]], v[ring[ear]], v[ring[(ear + 1) % left]]};
+        if (polygon_area(t, 3) > MAPS_SMALLEST_AREA && has_plane(t)) {
+            push_polygon(arena, b, t, 3, material);
+            added++;
+        }
+        for (int i = ear; i + 1 < left; i++) {
+            ring[i] = ring[i + 1];
+            why[i] = why[i + 1];
+        }
+    }
+    memory_free(ring);
+    return added;
+}
+
+int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
+    if (count < 3) return 0;
+    Vec3 few[64], *v = count <= 64 ? few : memory_new(sizeof(Vec3) * (size_t)count);
+    int kept = 0, added = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 p = vertices[i];
+        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) kept = -count - 1;
+        if (kept >= 0 && (kept == 0 || !vec3_equal(v[kept - 1], p))) v[kept++] = p;
+    }
+    while (kept > 1 && vec3_equal(v[kept - 1], v[0])) kept--;
+    if (kept >= 3 && polygon_area(v, kept) > MAPS_SMALLEST_AREA) {
+        Plane plane = plane_of_polygon(v, kept);
+        // Half the limit, so that later rounding cannot push it over.
+        if (polygon_bend(v, kept, plane) < MAPS_PLANARITY / 2 && polygon_is_convex(v, kept, plane.n)) {
+            push_polygon(arena, b, v, kept, material);
+            added = 1;
+        } else {
+            added = add_triangles(arena, b, v, kept, plane.n, material);
+        }
+    }
+    if (v != few) memory_free(v);
+    return added;
+}
+
+int building_polygons_allowed(double file_size) {
+    static const double LEAST = 300000, A_BYTE = 0.25,
+                        MEMORY = 2500;  // bytes for each, with its cells and squares
+    double most = fmax(A_BYTE * file_size, (double)memory_granted() / MEMORY);
+    return (int)fmin(fmax(most, LEAST), BUILDING_MOST_POLYGONS);
+}
+
+void building_set_proxy(Building *b, double angle) {
+    if (b->object_count == 0) return;
+    Object *o = &b->objects[b->object_count - 1];
+    Vec2 u = vec2(cos(angle), sin(angle)), w = vec2(-u.y, u.x);
+    Box box = box_empty();
+    for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
+        const Polygon *p = &b->polygons[i];
+        for (int k = 0; k < p->vertex_count; k++) {
+            Vec3 v = b->vertices[p->first_vertex + k];
+            box = box_add(box, vec3(v.x * u.x + v.y * u.y, v.x * w.x + v.y * w.y, v.z));
+        }
+    }
+    if (box_is_empty(box)) return;
+    double x[4] = {box.min.x, box.max.x, box.max.x, box.min.x},
+           y[4] = {box.min.y, box.min.y, box.max.y, box.max.y};
+    for (int i = 0; i < 4; i++) o->proxy[i] = vec2_add(vec2_scale(u, x[i]), vec2_scale(w, y[i]));
+    o->proxy_z0 = box.min.z;
+    o->proxy_z1 = box.max.z;
+}
+
+void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    char *text = arena_format_list(arena, format, args);
+    va_end(args);
+    *ARENA_PUSH(arena, b->notes, b->note_count, b->note_capacity) = (Note){kind, text, place, 0, 0};
+}
+
+float maps_linear(int srgb) {
+    double c = (srgb < 0 ? 0 : srgb > 255 ? 255 : srgb) / 255.0;
+    double linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+    return fminf((float)linear, MAPS_MAX_REFLECTANCE);
+}
+
+Rgb maps_colour(unsigned rgb) {
+    return (Rgb){maps_linear((int)(rgb >> 16 & 255)), maps_linear((int)(rgb >> 8 & 255)),
+                 maps_linear((int)(rgb & 255))};
+}
+
+bool region_is_convex(const Building *b, const Region *region) {
+    if (region->ring_count != 1) return false;
+    const Ring *ring = &b->rings[region->first_ring];
+    const Vec2 *p = b->points + ring->first_point;
+    double turned = 0;
+    for (int i = 0, n = ring->point_count; i < n; i++) {
+        Vec2 a = vec2_sub(p[(i + 1) % n], p[i]), c = vec2_sub(p[(i + 2) % n], p[(i + 1) % n]);
+        double cross = vec2_cross(a, c), chord = vec2_length(vec2_add(a, c));
+        if (cross < -MAPS_DENT * chord || (cross <= 0 && vec2_dot(a, c) <= 0)) return false;
+        turned += atan2(cross, vec2_dot(a, c));
+    }
+    // Stars turn left at every corner too, but more than once around.
+    return turned < 3 * M_PI;
+}
+
+Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
+    double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
+    Vec2 from = vec2(closed.x - leaf->pivot.x, closed.y - leaf->pivot.y);
+    double z = closed.z + open * leaf->rise;
+    // An unmoved leaf stays where it was read, to the last bit.
+    if (angle == 0) return vec3(closed.x + open * leaf->slide.x, closed.y + open * leaf->slide.y, z);
+    return vec3(leaf->pivot.x + c * from.x - s * from.y + open * leaf->slide.x,
+                leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, z);
+}
+
+void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {
+    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
+    Vec2 half = vec2_scale(vec2(-along.y, along.x), leaf->thickness / 2 / vec2_length(along));
+    for (int i = 0; i < 4; i++) {
+        Vec2 end = leaf->axis[i == 1 || i == 2];
+        Vec2 p = i < 2 ? vec2_sub(end, half) : vec2_add(end, half);
+        Vec3 at = leaf_point(leaf, open, vec3(p.x, p.y, 0));
+        corner[i] = vec2(at.x, at.y);
+    }
+}
+
+int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]) {
+    if (leaf->corner_count == 0) {
+        leaf_box(leaf, open, corner);
+        return 4;
+    }
+    for (int i = 0; i < leaf->corner_count; i++) {
+        Vec2 p = b->points[leaf->first_corner + i];
+        Vec3 at = leaf_point(leaf, open, vec3(p.x, p.y, 0));
+        corner[i] = vec2(at.x, at.y);
+    }
+    return leaf->corner_count;
+}
+
+const char *opening_kind_name(OpeningKind kind) {
+    static const char *const names[OPENING_KINDS] = {"door", "passage", "window"};
+    return kind >= 0 && kind < OPENING_KINDS ? names[kind] : "unknown opening";
+}

@@ -1,0 +1,308 @@
+// building.h - what a building is, whatever file it came from.
+//
+// Free space is a set of disjoint prisms, the regions: a plan polygon between two heights. What is not in a
+// region is solid (walls, slabs, soil) or beyond the world. Where two regions touch, one sees from one into the
+// other; everywhere else their boundary is an opaque surface. So walls, floors and ceilings are not stored as
+// polygons: the cell stage makes them from the regions, watertight by construction. Furniture and details are
+// polygons of their own, grouped in objects.
+//
+// That is a building of regions, which plans, homes and Doom maps are. Two more forms know no regions: a soup is
+// polygons alone, among which the cell stage finds the cells; cells alone are convex cells and their portals, as
+// visibility compilers exchange them, with nothing to draw or to walk on.
+//
+// All plan coordinates and heights of regions are multiples of 1 mm (maps_snap), and regions that touch share
+// their plan vertices exactly: if the boundaries of two regions overlap along a line, they have the same vertices
+// there. Only a region that is convex as it is, to within MAPS_DENT, may have vertices off the grid: partitions of
+// a plan cross where they cross, and such a region is one cell without being cut. Faults against this are named by
+// building_check.
+#ifndef MAPS_BUILDING_H
+#define MAPS_BUILDING_H
+
+#include <stdint.h>
+
+#include "engine/core/arena.h"
+#include "engine/core/error.h"
+#include "engine/core/vec.h"
+#include "maps/building/curved.h"
+
+// A channel each of a spectrum: shares or W/m^2, as said where it is used.
+typedef struct Rgb {
+    float r, g, b;
+} Rgb;
+
+// What a polygon is made of.
+typedef struct Material {
+    const char *name;
+    Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
+    Rgb emission;     // radiant exitance, W/m^2
+    float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
+    float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
+    float
+        index;  // of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: what is there does not refract
+} Material;
+
+// A level of a building.
+typedef struct Storey {
+    const char *name;
+    double floor;   // metres
+    double height;  // floor to ceiling, metres
+    double slab;    // thickness of the slab under the floor, metres
+} Storey;
+
+typedef enum RegionKind {
+    REGION_ROOM,      // indoors
+    REGION_OUTDOORS,  // under the sky
+    REGION_OPENING,   // inside a wall: a doorway, or one half of it, or a window
+    REGION_SHAFT,     // inside a slab: a stairwell
+    REGION_KINDS
+} RegionKind;
+
+// A prism of free space. The first ring is the outer one, counter-clockwise from above; the others are holes,
+// clockwise. So free space lies to the left of every edge.
+typedef struct Region {
+    RegionKind kind;
+    const char *name;  // of the room as drawn, or ""
+    int storey;        // -1 outdoors
+    int opening;       // for REGION_OPENING, else -1
+    int side;          // for REGION_OPENING: the half it is, 0 or 1 (0 for windows)
+    int first_ring, ring_count;
+    double z0, z1;
+    int floor_material, ceiling_material;  // -1: nothing is drawn (the sky)
+} Region;
+
+// A closed outline in plan.
+typedef struct Ring {
+    int first_point, point_count;
+} Ring;
+
+typedef enum OpeningKind {
+    OPENING_DOOR,     // has a leaf: blocks sight and passage while closed, unless glazed
+    OPENING_PASSAGE,  // no leaf
+    OPENING_WINDOW,   // seen through, not walked through
+    OPENING_KINDS
+} OpeningKind;
+
+// A hole in a wall between `sill` and `head`. A door's region is split in two halves by the vertical plane
+// through line[0] and line[1]. A closed door, glazed ones apart, fills the contact of the halves: nothing is seen
+// past its leaves. A door that `fills` its place has no halves but one or several regions, and leaves as thick as
+// these: closed, it fills all their contacts with other regions.
+typedef struct Opening {
+    OpeningKind kind;
+    const char *name;
+    int storey;                  // -1 of a soup
+    bool glazed;                 // a door of glass: never blocks sight
+    bool fills;                  // its leaves fill its regions
+    Vec2 line[2];                // its plan ends; side 0 lies to the left of line[0] -> line[1]
+    double sill, head;           // absolute heights, metres
+    int first_leaf, leaf_count;  // in Building.leaves; of doors only
+    double open;                 // how far it is open as drawn, 0 closed .. 1 wide open
+    int region
+        [2];  // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere; of a soup -1
+    const char *reason;  // NULL, or why a side leads nowhere
+    int material;        // of the leaf
+} Opening;
+
+// What moves of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
+// axis through `pivot` and then shifted by t * slide, and up by t * rise. `axis` and `thickness` are its plan box when
+// closed: `axis` runs through the middle of the box from the hinged end to the free one. Where it is no box in plan, its
+// corners are given, a convex polygon within the box.
+typedef struct Leaf {
+    int opening;
+    Vec2 pivot;
+    double turn;  // radians, counter-clockwise from above; 0 where it slides
+    Vec2 slide;   // metres; 0, 0 where it turns
+    double rise;  // metres, below 0 where it sinks
+    Vec2 axis[2];
+    double thickness, z0, z1;        // metres
+    int first_corner, corner_count;  // in Building.points, counter-clockwise, up to LEAF_CORNERS; 0: the box
+} Leaf;
+
+// Convex and planar (within MAPS_PLANARITY), counter-clockwise seen from its front; seen from both sides.
+typedef struct Polygon {
+    int first_vertex, vertex_count;
+    int material;
+} Polygon;
+
+typedef enum ObjectKind {
+    OBJECT_FURNITURE,
+    OBJECT_STAIR,
+    OBJECT_LOW_WALL,  // a wall that does not reach the ceiling
+    OBJECT_FRAME,     // of a door or window
+    OBJECT_LEAF,      // of a door
+    OBJECT_LAMP,
+    OBJECT_SURFACE,  // walls, floors and ceilings, made by the cell stage
+    OBJECT_KINDS
+} ObjectKind;
+
+// Polygons that belong together and are drawn together.
+typedef struct Object {
+    ObjectKind kind;
+    const char *name;
+    int first_polygon, polygon_count;
+    int opening;  // the door or window it is part of, or -1
+    int leaf;     // in Building.leaves: moves with it, drawn here as when closed; or -1
+    bool plug;    // fills the contact of a door's halves: there only while the door is closed
+    // The coarse stand-in for collision and light: a vertical prism or box. Plan corners, counter-clockwise.
+    Vec2 proxy[4];
+    double proxy_z0, proxy_z1;  // equal: there is none
+} Object;
+
+// A flat piece let into a floor or a ceiling (a lamp panel, a carpet): where it lies, the floor or ceiling is
+// left out. Convex, counter-clockwise from above, points in Building.points.
+typedef struct Inlay {
+    int first_point, point_count;
+    double z;
+    int material;
+} Inlay;
+
+// A lamp as drawn: a luminous ball. lamp_faces.h gives it faces.
+typedef struct Light {
+    const char *name;
+    Vec3 position;
+    double radius;  // metres
+    Rgb flux;       // W
+    int object;     // the lamp it sits in, or -1
+} Light;
+
+// A stored view.
+typedef struct Viewpoint {
+    const char *name;
+    Vec3 eye;
+    double yaw, pitch;  // radians; yaw 0 looks along +x, counter-clockwise; pitch > 0 looks up
+    double fov;         // horizontal, radians
+} Viewpoint;
+
+// A stored camera path: runs of viewpoints.
+typedef struct Tour {
+    const char *name;
+    int first_viewpoint, viewpoint_count;  // in Building.tour_points
+} Tour;
+
+typedef enum NoteKind { NOTE_LEAK, NOTE_DROPPED, NOTE_CHANGED, NOTE_KINDS } NoteKind;
+
+// What was not enclosed (with the way to the hole), left out, or changed on reading.
+typedef struct Note {
+    NoteKind kind;
+    const char *text;  // one sentence with its place
+    Vec3 place;
+    int first_point, point_count;  // a leak's path from the room to the hole and out, in Building.points
+} Note;
+
+typedef enum BuildingForm {
+    FORM_REGIONS,  // prisms of free space, furniture in them
+    FORM_SOUP,     // polygons in objects, and doors told by name; no regions, no storeys
+    FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
+    BUILDING_FORMS
+} BuildingForm;
+
+// A convex planar polygon in Building.vertices through which two given cells touch; counter-clockwise seen from cell[0].
+typedef struct GivenPortal {
+    int cell[2];
+    int first_vertex, vertex_count;
+} GivenPortal;
+
+// All of it. Arrays may be NULL where their counts are 0.
+typedef struct Building {
+    BuildingForm form;
+    const char *source;  // the path it was read from
+    const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
+    uint64_t hash;    // of the file's content, and of `map`
+    double file_size;  // bytes; 0: not read from a file. What may be spent on a building grows with it
+    const char *
+        *beside;  // [beside_count] paths of the files that the one read refers to, of those that are there
+    Material *materials;
+    Storey *storeys;
+    Region *regions;
+    Ring *rings;
+    Vec2 *points;        // of rings, inlays and leak paths
+    int *edge_material;  // [point_count] of the wall to the right of points[i] -> the next of its ring
+    Opening *openings;
+    Leaf *leaves;
+    Polygon *polygons;
+    Vec3 *vertices;
+    Object *objects;
+    Inlay *inlays;
+    Light *lights;
+    Viewpoint *viewpoints, *tour_points;
+    Tour *tours;
+    Note *notes;
+    GivenPortal *given_portals;
+    CurvedShape *shapes;
+    CurvedControl *controls;
+    CurvedTrim *trims;
+    CurvedBall *balls;
+    int given_cell_count, given_portal_count;
+    int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
+        polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
+        tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count,
+        beside_count;
+    int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
+        opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
+        light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
+        control_capacity, trim_capacity, ball_capacity, beside_capacity;
+    Box world;   // of all free space; beyond it there is nothing
+    Vec3 start;  // where a walk begins: an eye in a room
+    double start_yaw;
+    double drawn_area, lost_area;  // m^2 of rooms as drawn, and of those that could not be used
+} Building;
+
+// Reflectances above this are capped: white paint, and a sum of reflections that ends.
+#define MAPS_MAX_REFLECTANCE 0.85f
+// The most corners a leaf has in plan.
+enum { LEAF_CORNERS = 32 };
+// The grid of the plan and of heights, metres: finer than any wall, coarser than the noise in real files.
+#define MAPS_GRID 0.001
+// How far the outline of a convex region may turn inwards, metres: far above the rounding of vertices that lie on a
+// straight edge (1e-13), far below all that could show.
+#define MAPS_DENT 1e-9
+// How far a polygon's vertices may lie off its plane, metres.
+#define MAPS_PLANARITY 0.001
+// Polygons of less area are dropped and are faults, m^2: a tenth of a millimetre squared shows nowhere.
+#define MAPS_SMALLEST_AREA 1e-8
+// Coordinates beyond this are refused, metres: the grid stays exact in doubles, georeferenced plans fit.
+#define MAPS_LIMIT 1e8
+// Cells that free space may have: who sees whom is a table of a bit for each pair, half a gigabyte of them.
+#define MAPS_MAX_CELLS (1 << 16)
+// How far the outdoors reaches beyond everything built, metres.
+#define MAPS_OUTDOORS 20.0
+
+static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
+
+// Readers append with these; all copy what they are given into the arena.
+int building_add_material(Arena *arena, Building *b, Material material);  // finds an equal one first
+// Begins an object, empty yet, to which polygons are then added. Returns its index.
+int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name);
+// Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
+// Returns how many polygons it became.
+int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
+
+// How many polygons a file of so many bytes may make by placing models, tessellating curved shapes and instancing meshes: a short
+// line can ask for thousands. 300,000 of a small file, the most that there may be from 16 MB on; as many as fit where the user grants memory (--memory).
+enum { BUILDING_MOST_POLYGONS = 4000000 };
+int building_polygons_allowed(double file_size);
+// Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
+void building_set_proxy(Building *b, double angle);
+// Adds a note; the sentence is formatted as by printf.
+void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+// sRGB channel 0..255 to linear reflectance, capped.
+float maps_linear(int srgb);
+Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
+
+// Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
+int building_check(const Building *b, Arena *arena, const char **faults, int max);
+
+// One ring, and that convex to within MAPS_DENT: the region is a cell as it is.
+bool region_is_convex(const Building *b, const Region *region);
+
+// Where a point of a leaf, given as when closed, is at share `open` of its way.
+Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
+// Its plan box there, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
+void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
+// Its plan there, counter-clockwise: its own corners, or those of its box. Returns how many.
+int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]);
+
+// "door", "passage", "window".
+const char *opening_kind_name(OpeningKind kind);
+
+#endif

@@ -1,0 +1,84 @@
+// sketch.h - the plan of a building as people draw it: storeys, walls, rooms, openings, holes in floors. It may
+// be wrong in any way a drawing can be; maps_enclose finds the free space in it.
+//
+// Readers of drawn plans fill a Sketch for the plan and append furniture, materials, lights and viewpoints
+// straight to the Building.
+#ifndef MAPS_SKETCH_H
+#define MAPS_SKETCH_H
+
+#include "maps/building/building.h"
+
+// A wall's outline in plan, any simple polygon; between absolute heights z0 and z1.
+typedef struct SketchWall {
+    int storey;
+    int first_point,
+        point_count;    // in Sketch.points; edge i has side material edge_material[first_point + i]
+    double z0, z1;      // z1: its highest point
+    double angle;       // direction of its axis, radians
+    const char *place;  // for messages: `wall wall-12 at (3.20, 1.50)`
+} SketchWall;
+
+typedef struct SketchRoom {
+    int storey;
+    int first_point, point_count;  // a simple polygon, either way round
+    const char *name, *place;
+    int floor_material, ceiling_material;
+    double z0, z1;  // absolute; NAN: the storey's
+    double wall;    // > 0: it is closed by walls of this thickness outside its outline (plans without walls)
+    int wall_material;  // of those walls, seen from inside
+} SketchRoom;
+
+enum { SKETCH_MAX_LEAVES = 4 };
+
+// Objects that are leaves of its model name it by its index in Object.opening, and the leaf's index among its own in
+// Object.leaf.
+typedef struct SketchOpening {
+    OpeningKind kind;
+    int storey;
+    Vec2 centre;   // plan
+    double angle;  // of its width axis, radians
+    double width, depth;
+    double sill, head;  // absolute
+    bool glazed;
+    int hinge;  // of a door: 0: at -width/2, 1: at +width/2, 2: a leaf at each
+    double
+        swing;  // radians from closed to open, counter-clockwise from above; of two leaves that at -width/2
+    double
+        slide;  // metres along the width axis that it slides instead of turning; two leaves slide apart by it
+    double open;  // as drawn, see Opening
+    int material;
+    // The leaves of its model (see Leaf); without any they are made from the words above.
+    Leaf leaves[SKETCH_MAX_LEAVES];
+    int leaf_count;
+    // The cut-out, if not a rectangle: a simple polygon in the unit square, x along the width, y up.
+    int first_cutout, cutout_count;  // in Sketch.points
+    const char *name, *place;
+} SketchOpening;
+
+// A hole through the slab below `storey`.
+typedef struct SketchCutout {
+    int storey;
+    int first_point, point_count;
+    const char *place;
+} SketchCutout;
+
+typedef struct Sketch {
+    SketchWall *walls;
+    SketchRoom *rooms;
+    SketchOpening *openings;
+    SketchCutout *cutouts;
+    Vec2 *points;
+    int *edge_material;  // [point_count], used by walls
+    int wall_count, room_count, opening_count, cutout_count, point_count;
+    int wall_capacity, room_capacity, opening_capacity, cutout_capacity, point_capacity, edge_capacity;
+    double ground;  // height of the ground outdoors
+    int ground_material, outer_material,
+        slab_material;  // of the ground, of walls that name none, of slab edges
+} Sketch;
+
+// Finds the free space (regions) and the openings between, and appends them to `b`, whose storeys, materials and
+// objects are already there. Plan geometry by GEOS on the 1 mm grid. What is not enclosed, or cannot be used, is
+// noted in `b` and the rest goes on; fails only when nothing is left or coordinates exceed MAPS_LIMIT.
+bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error);
+
+#endif

@@ -1,0 +1,198 @@
+// wad.h - what the files wad*.c share: a Doom map as its lumps have it, and its plan cut into convex pieces.
+#ifndef MAPS_WAD_H
+#define MAPS_WAD_H
+
+#include "maps/building/reader.h"
+
+// ---- wad_map.c: the lumps of one map. Lengths are map units (WAD_METRE), x east, y north, z up.
+
+typedef struct WadVertex {
+    int x, y;
+} WadVertex;
+
+// Its front lies to the right of v[0] -> v[1].
+typedef struct WadLine {
+    int v[2];
+    int flags, special, tag;
+    int side[2];    // front and back, in WadMap.sides; -1: none
+    int sector[2];  // of these sides; -1: none
+} WadLine;
+
+typedef struct WadSide {
+    char upper[9], lower[9], middle[9];  // names of textures; "-": none
+    int sector;
+} WadSide;
+
+typedef struct WadSector {
+    int floor, ceiling;
+    char floor_flat[9], ceiling_flat[9];
+    int light, special, tag;
+} WadSector;
+
+typedef struct WadThing {
+    int x, y;
+    int angle;  // degrees, 0 looks east
+    int type;
+} WadThing;
+
+typedef struct WadMap {
+    const char *path, *name;
+    WadVertex *vertices;
+    WadLine *lines;
+    WadSide *sides;
+    WadSector *sectors;
+    WadThing *things;
+    int vertex_count, line_count, side_count, sector_count, thing_count;
+} WadMap;
+
+// Reads the map named `name`, NULL for the first of the file. Every index in the result is in range.
+bool wad_read_map(const char *path, Bytes content, const char *name, Arena *arena, WadMap *out, Error *error);
+
+// Has no length, or the same sector on both sides (a trick of map makers): bounds nothing.
+bool wad_line_is_void(const WadMap *map, const WadLine *line);
+
+// ---- wad_bsp.c: the plan between the lines as convex pieces, exactly.
+
+// The points with a x + b y + c = 0; integers without a common divisor. It runs along (b, -a), its positive side on the
+// left. Coordinates have 16 bits, so |a|, |b| < 2^17 and |c| < 2^34.
+typedef struct WadAxis {
+    long long a, b, c;
+} WadAxis;
+
+// The plan point (x / w, y / w), w > 0, without a common divisor: where two axes cross, never rounded.
+typedef struct WadPoint {
+    long long x, y, w;
+} WadPoint;
+
+// From `from` to where the next edge of the piece begins.
+typedef struct WadEdge {
+    WadPoint from;
+    int axis;
+    int side;  // +1 or -1: the side of the axis on which the piece lies
+} WadEdge;
+
+typedef struct WadPiece {
+    int first_edge, edge_count;  // counter-clockwise, no two neighbours on one axis
+    int sector;                  // -1: outside all of them
+} WadPiece;
+
+typedef struct WadPieces {
+    WadAxis *axes;
+    WadEdge *edges;
+    WadPiece *pieces;
+    int *line_axis;  // [line_count] -1 of a line that bounds nothing
+    int axis_count, edge_count, piece_count;
+    int edge_capacity, piece_capacity;
+} WadPieces;
+
+// Cuts the plan, and some way around it, along the map's lines until none runs inside a piece. Which sectors these are
+// in is left open.
+bool wad_cut_plan(const WadMap *map, Arena *arena, WadPieces *out, Error *error);
+
+int wad_side_of(const WadAxis *axis, WadPoint p);  // +1 on the positive side, -1 on the other, 0 on it
+double wad_x(WadPoint p);                          // correctly rounded: equal points have equal coordinates
+double wad_y(WadPoint p);
+// Where a point of an axis lies along it: increasing in the axis's direction, map units.
+double wad_along(const WadAxis *axis, WadPoint p);
+
+// ---- wad_sectors.c, wad_merge.c: which sector each piece belongs to; fewer and larger pieces.
+
+// A line's stretch of its axis.
+typedef struct WadSpan {
+    double low, high;  // along the axis
+    int line;
+    bool against;  // the line runs against the axis
+} WadSpan;
+
+// The lines of axis i are spans[first[i]] .. spans[first[i + 1] - 1].
+typedef struct WadLineIndex {
+    WadSpan *spans;
+    int *first;  // [axis_count + 1]
+} WadLineIndex;
+WadLineIndex wad_index_lines(const WadMap *map, const WadPieces *pieces, Arena *arena);
+// Which of a line's sides, 0 its front, 1 its back, faces this side of its axis.
+int wad_facing(const WadSpan *span, int side);
+
+// A stretch along an axis on which a piece on its positive side meets one on its other side.
+typedef struct WadContact {
+    int axis;
+    int piece[2];      // on the positive and on the other side
+    int edge[2];       // in WadPieces.edges
+    double low, high;  // along the axis
+    bool open;         // no line runs there
+} WadContact;
+
+typedef struct WadContacts {
+    WadContact *contacts;
+    int count, capacity;
+} WadContacts;
+WadContacts wad_find_contacts(const WadPieces *pieces, const WadLineIndex *index, Arena *arena);
+
+// Gives every piece its sector by the lines around it, or by its neighbours where no line is between. A sector that is
+// not closed is noted on the building.
+void wad_find_sectors(const WadMap *map, const WadLineIndex *index, WadPieces *pieces, Arena *arena,
+                      Building *b);
+// Joins neighbours of one sector whose union is convex.
+void wad_merge(const WadLineIndex *index, WadPieces *pieces, Arena *arena);
+
+// ---- wad_movers.c: the sectors that move.
+
+typedef enum WadMotion {
+    WAD_FIXED,
+    WAD_DOOR,   // its ceiling rises
+    WAD_HATCH,  // closed as a door is, but its floor sinks
+    WAD_LIFT    // its floor sinks; seen over at all times
+} WadMotion;
+
+// How far a sector reaches with all that moves out of the way, and what moves. Map units.
+typedef struct WadMover {
+    WadMotion motion;
+    int floor, ceiling;
+    int low, high;  // of what moves, as when closed; a lift's as drawn
+    double open;    // as drawn, 0 .. 1
+} WadMover;
+
+// One for each sector.
+WadMover *wad_find_movers(const WadMap *map, Arena *arena);
+
+// ---- wad_vertices.c: the pieces' corners in metres, the same doubles in all pieces.
+
+typedef struct WadVertices WadVertices;
+WadVertices *wad_list_vertices(const WadPieces *pieces, Arena *arena);
+
+typedef struct WadPlace {
+    Vec2 at;       // metres
+    double along;  // its edge's axis, map units
+} WadPlace;
+// What lies on edge `k` of a piece with a sector, in the edge's direction, both ends included; returns how many.
+int wad_edge_vertices(const WadPieces *pieces, const WadVertices *vertices, const WadPiece *piece, int k,
+                      Arena *arena, WadPlace **out);
+
+// ---- wad_regions.c, wad_openings.c: regions, doors and materials of the building.
+
+typedef struct WadBuilder {
+    const WadMap *map;
+    const WadPieces *pieces;
+    const WadLineIndex *index;
+    const WadMover *movers;
+    Arena *arena;    // of the building
+    Arena *scratch;  // of what is forgotten when it is read
+    Building *building;
+    int *first_region;  // [piece_count + 1] those of piece i are first_region[i] .. first_region[i + 1] - 1
+    int *materials;     // a hash table, see wad_regions.c
+} WadBuilder;
+
+// A region for each piece of a sector that has a height; vertices are shared with all neighbours.
+void wad_add_regions(WadBuilder *builder);
+// A door for each part of a sector that moves.
+void wad_add_openings(WadBuilder *builder);
+// The material of the wall that is seen from a piece's edge at a place along it.
+int wad_wall_material(WadBuilder *builder, const WadEdge *edge, int sector, double along);
+
+// Metres a map unit: 32 are customarily a metre, and 31 mm keeps whole units on the grid of the plan.
+#define WAD_METRE 0.031
+// The same in whole steps of that grid, so that no coordinate is rounded twice.
+#define WAD_MILLIMETRES 31
+static inline double wad_metres_of(double units) { return WAD_MILLIMETRES * units / 1000; }
+
+#endif

@@ -1,0 +1,111 @@
+// enclose.c - free space from a drawn plan: regions and openings from walls, rooms, doors and holes in
+// floors.
+//
+// All linework of all storeys is noded together on the 1 mm grid into one planar arrangement; each of its
+// faces gets a column of solid and free spans; like spans of neighbouring faces become regions. So regions
+// are disjoint and share their vertices by construction. The steps are in enclose_*.c, in the order of
+// enclose.h.
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "engine/core/memory.h"
+#include "maps/enclose/enclose.h"
+
+// Closing small gaps must enclose at least this much more to be worth it, mm^2.
+static const double LEAST_GAIN = 2.5e5;
+// Of all spots: less is not tried.
+static const double LEAST_SHARE = 1.0 / 4096;
+
+static void on_geos_error(const char *message, void *context) {
+    Enclosure *e = context;
+    if (strcmp(message, "std::bad_alloc") == 0) memory_end_library("GEOS");
+    snprintf(e->geos_message, sizeof e->geos_message, "%s", message);
+}
+
+static bool run_pass(Enclosure *e, bool with_plugs, Pass *pass) {
+    *pass = (Pass){.leaking = false};
+    if (!plan_build(e, with_plugs, &pass->plan)) return false;
+    long long spots = (long long)e->b->storey_count * pass->plan.face_count;
+    if (spots > ENCLOSE_MOST_SPOTS) {
+        e->too_many = true;
+        return error_set(
+            e->error,
+            "%d storeys, whose outlines make a common plan of %d pieces, are too much (allowed: %d, "
+            "storeys times pieces)",
+            e->b->storey_count, pass->plan.face_count, ENCLOSE_MOST_SPOTS);
+    }
+    cover_label(e, pass, with_plugs);
+    indoor_label(e, pass);
+    return true;
+}
+
+// The plan as drawn; where something lies open, once more with small gaps closed, if that encloses more.
+static bool find_indoors(Enclosure *e) {
+    if (!run_pass(e, false, &e->pass)) return false;
+    bool any = false;
+    if (!e->pass.leaking) return true;
+    if (!enclose_plugs(e, &any)) return false;
+    Pass closed;
+    if (!any) return true;
+    if (!run_pass(e, true, &closed)) return false;
+    if (closed.enclosed > e->pass.enclosed + LEAST_GAIN) e->pass = closed;
+    return true;
+}
+
+static void find_world_box(Building *b) {
+    b->world = box_empty();
+    for (int i = 0; i < b->region_count; i++) {
+        const Region *r = &b->regions[i];
+        for (int k = 0; k < r->ring_count; k++) {
+            const Ring *ring = &b->rings[r->first_ring + k];
+            for (int n = 0; n < ring->point_count; n++) {
+                Vec2 p = b->points[ring->first_point + n];
+                b->world = box_add(box_add(b->world, vec3(p.x, p.y, r->z0)), vec3(p.x, p.y, r->z1));
+            }
+        }
+    }
+}
+
+static bool enclose(Enclosure *e) {
+    if (!enclose_prepare(e) || !enclose_implicit_walls(e)) return false;
+    holes_fit(e);
+    if (!find_indoors(e) || !memory_within(e->error)) return false;
+    indoor_report(e);
+    leaks_report(e);
+    columns_build(e);
+    columns_drop_unseen_outdoors(e);
+    if (!memory_within(e->error)) return false;
+    openings_append(e);
+    regions_trace(e);
+    if (e->b->region_count == 0) return error_set(e->error, "nothing of the plan is free space");
+    openings_join(e);
+    find_world_box(e->b);
+    enclose_choose_start(e);
+    return true;
+}
+
+static bool try_share(const Sketch *sketch, double share, Building *b, Arena *arena, bool *again,
+                      Error *error) {
+    Arena scratch = {0};
+    Enclosure e = {
+        .sketch = sketch, .b = b, .arena = arena, .scratch = &scratch, .error = error, .share = share};
+    e.geos = GEOS_init_r();
+    GEOSContext_setErrorMessageHandler_r(e.geos, on_geos_error, &e);
+    bool ok = enclose(&e);
+    GEOS_finish_r(e.geos);
+    arena_free(&scratch);
+    *again = e.too_many;
+    return ok;
+}
+
+bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error) {
+    const Building before = *b;
+    bool again = false;
+    for (double share = 1; share >= LEAST_SHARE; share /= 4) {
+        // Arrays only grow: their counts take back what was appended.
+        *b = before;
+        if (try_share(sketch, share, b, arena, &again, error)) return true;
+        if (!again) return false;
+    }
+    return false;
+}

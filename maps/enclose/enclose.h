@@ -1,0 +1,252 @@
+// enclose.h - what the steps of maps_enclose hand to each other. Private to maps/enclose*.c.
+//
+// Plan coordinates here are millimetres from a local origin at whole metres, so that a building far from the
+// origin is treated as one at the origin; grid points are whole numbers, exact in doubles. Heights are
+// absolute millimetres.
+#ifndef MAPS_ENCLOSE_H
+#define MAPS_ENCLOSE_H
+
+#define GEOS_USE_ONLY_R_API
+#include <geos_c.h>
+
+#include "engine/core/box_tree.h"
+#include "maps/building/sketch.h"
+
+#define ENCLOSE_MM 1000.0  // millimetres in a metre
+// The plan is one for all storeys, and each has a table of its faces: storeys times faces. Where outlines make more, they are tried
+// again with a smaller share of it.
+#define ENCLOSE_MOST_SPOTS 4000000
+
+// A polygon of any number of rings, even-odd.
+typedef struct Shape {
+    Vec2 *points;
+    int *ring;  // [ring_count + 1] offsets into points
+    int ring_count;
+    Vec2 min, max;
+} Shape;
+
+typedef struct ShapeList {
+    Shape *items;
+    int count, capacity;
+} ShapeList;
+
+// An edge of the arrangement: face[0] lies left of v[0] -> v[1], face[1] right; -1 beyond the world.
+typedef struct PlanEdge {
+    int v[2], face[2];
+} PlanEdge;
+
+// Half-edge h is edge h / 2, run from v[h & 1]; its left face is face[h & 1].
+typedef struct PlanFace {
+    int first_half, half_count;  // in Plan.halves: all of its rings, in no order
+    Vec2 inner;                  // a point well inside
+    double area, perimeter;      // mm^2, mm
+} PlanFace;
+
+// One planar arrangement of the linework of all storeys.
+typedef struct Plan {
+    Vec2 *vertices;
+    PlanEdge *edges;
+    PlanFace *faces;
+    int *halves;
+    BoxTree inner;  // over the inner points of the faces, as if on storey 0
+    int vertex_count, edge_count, face_count, half_count;
+} Plan;
+
+// The plan box of an opening, with its depth fitted to the walls.
+typedef struct Hole {
+    bool used;
+    bool walled;        // stands in a wall
+    Vec2 centre, u, n;  // mm; width axis and normal, unit
+    double half;        // half the width
+    double v0, v1;      // reach along n
+    double sill, head;
+    Vec2 line[2];  // the plane in which a door closes
+    Shape box;
+    int opening;  // in Building.openings, -1 until it is there
+} Hole;
+
+// A room's outline, grown by the thickness of its implicit wall.
+typedef struct Grown {
+    Shape shape;
+    int room;
+} Grown;
+
+// Spot.wall: the index of a wall, or one of these.
+enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4 };
+enum { SPOT_HOLES = 2 };  // openings above one another in one storey's wall
+
+// What one storey has at one face.
+typedef struct Spot {
+    int wall;
+    int hole[SPOT_HOLES];  // openings, -1: none
+    int room;              // as drawn, -1: none
+    int cutout;            // -1: none
+    int indoor;   // a room's index, room_count + n for the nth unnamed space, or -1: outdoors or solid
+    int terrace;  // the room whose floor lies here under the sky, -1: none
+    int owner;    // of an implicit wall: a room that it closes
+} Spot;
+
+typedef enum SpanKind { SPAN_SOLID, SPAN_ROOM, SPAN_OUTDOORS, SPAN_OPENING, SPAN_SHAFT } SpanKind;
+
+// A piece of the column over a face.
+typedef struct Span {
+    SpanKind kind;
+    int id;  // ROOM: as Spot.indoor; OUTDOORS: floor material, or material_count + the room of a terrace;
+             // OPENING: 2 * hole + side; SHAFT: cut-out
+    int storey;
+    double z0, z1;
+    int region;  // in Building.regions, -1
+} Span;
+
+typedef struct Column {
+    int first_span, span_count;
+} Column;
+
+// One attempt at the plan, with or without plugs in small gaps.
+typedef struct Pass {
+    Plan plan;
+    Spot *spots;        // [storey_count * face_count]
+    int *space_storey;  // [space_count] of unnamed enclosed spaces
+    int space_count, space_capacity;
+    int *cover_first, *cover_wall;  // the walls that cover face f, ascending: cover_wall[cover_first[f]] ..
+    double enclosed;                // mm^2 indoors
+    bool leaking;                   // a room lies open, or walls enclose nothing
+} Pass;
+
+// Disjoint sets: parent[i] of every element, itself at first; a set goes by its lowest element.
+static inline int set_find(int *parent, int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+static inline void set_unite(int *parent, int a, int b) {
+    a = set_find(parent, a);
+    b = set_find(parent, b);
+    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
+}
+
+typedef struct Enclosure {
+    const Sketch *sketch;
+    Building *b;
+    Arena *arena, *scratch;
+    Error *error;
+    GEOSContextHandle_t geos;
+    char geos_message[256];
+    Vec2 origin;  // metres, whole
+    Vec2 world_min, world_max;
+    double bottom, top;  // of all columns
+    double share;        // of the spots that outlines may take, 1 at first
+    bool too_many;       // spots: a smaller share may help
+    Shape *walls, *rooms, *cutouts;
+    bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
+    bool *room_used, *cutout_used;
+    double *room_wall;    // [room_count] mm of implicit wall, 0: none
+    Grown *grown;         // [grown_count] implicit walls: what lies in one of these, and in no such room
+    ShapeList *implicit;  // [storey_count] their union
+    ShapeList *plugs;     // [storey_count] fillings of small gaps
+    Hole *holes;          // [opening_count]
+    int grown_count, grown_capacity;
+    BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of those in use, on their storeys (enclose_box)
+    BoxTree side_tree;                                    // of all sides of walls, wall by wall
+    int *side_wall, *side_at;                             // [side count] its wall, and its number there
+    BoxHits near, faces, sides;  // what was found last in these, in Plan.inner, in side_tree
+    double *floor, *ceiling, *base,
+        *cover;  // [storey_count] base: under its slab; cover: top of what lies above
+    Pass pass;
+    int *hole_first, *hole_faces;  // the faces of opening i: hole_faces[hole_first[i]] ..
+    Span *spans;
+    Column *columns;  // [face_count]
+    int span_count, span_capacity;
+} Enclosure;
+
+// A plan rectangle on a storey, as the trees hold it.
+static inline Box enclose_box(Vec2 min, Vec2 max, int storey) {
+    return (Box){vec3(min.x, min.y, storey), vec3(max.x, max.y, storey)};
+}
+static inline Box enclose_around(Vec2 p, double reach, int storey) {
+    return enclose_box(vec2(p.x - reach, p.y - reach), vec2(p.x + reach, p.y + reach), storey);
+}
+
+// ---- enclose_plan.c
+bool shape_contains(const Shape *shape, Vec2 p);
+Shape shape_of_points(Arena *arena, const Vec2 *points, int count);
+GEOSGeometry *shape_to_geos(Enclosure *e, const Shape *shape);  // made valid; NULL on failure
+void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowest, ShapeList *out);
+// Nodes and polygonizes everything in use; false with the error set when GEOS fails.
+bool plan_build(Enclosure *e, bool with_plugs, Plan *out);
+// Puts the faces whose inner point lies in the shape into e->faces, ascending. Returns how many.
+int plan_faces_in(Enclosure *e, const Plan *p, const Shape *shape);
+static inline int half_from(const Plan *p, int h) { return p->edges[h >> 1].v[h & 1]; }
+static inline int half_to(const Plan *p, int h) { return p->edges[h >> 1].v[~h & 1]; }
+static inline int half_left(const Plan *p, int h) { return p->edges[h >> 1].face[h & 1]; }
+static inline int half_right(const Plan *p, int h) { return p->edges[h >> 1].face[~h & 1]; }
+static inline double half_length(const Plan *p, int h) {
+    return vec2_length(vec2_sub(p->vertices[half_to(p, h)], p->vertices[half_from(p, h)]));
+}
+
+// ---- enclose_input.c
+bool enclose_prepare(Enclosure *e);         // shapes, heights, the world, low walls; false with the error set
+bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
+bool enclose_plugs(Enclosure *e, bool *any);
+Vec2 enclose_local(const Enclosure *e, Vec2 p);   // metres to local millimetres
+Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: of a grid point what maps_snap yields
+Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
+const char *enclose_text(const char *place);
+
+// Stands a wall among the furniture.
+void enclose_add_low_wall(Enclosure *e, int wall);
+// Counts a room as drawn and lost.
+void enclose_lose_room(Enclosure *e, int room);
+
+// ---- enclose_crossings.c
+void crossings_limit(Enclosure *e);        // of rooms, cut-outs and walls, once they are known
+void crossings_limit_holes(Enclosure *e);  // of openings, once they are fitted
+
+// ---- enclose_holes.c
+void holes_fit(Enclosure *e);
+
+// ---- enclose_cover.c
+void cover_label(Enclosure *e, Pass *pass, bool with_plugs);  // makes pass->spots
+
+// ---- enclose_indoor.c
+void indoor_label(Enclosure *e, Pass *pass);
+// Neither wall nor opening.
+static inline bool spot_is_open(const Spot *s) { return s->wall == NO_WALL && s->hole[0] < 0; }
+// Mean width of a face or patch.
+static inline double face_width(double area, double perimeter) {
+    return perimeter > 0 ? 2 * area / perimeter : 0;
+}
+
+// ---- enclose_report.c
+void indoor_report(Enclosure *e);  // areas, terraces, openings that lie over one another, closed gaps
+
+// ---- enclose_leaks.c
+void leaks_report(Enclosure *e);
+
+// ---- enclose_columns.c
+void columns_build(Enclosure *e);
+void columns_drop_unseen_outdoors(Enclosure *e);
+static inline bool span_equal(const Span *a, const Span *b) {
+    return a->kind == b->kind && a->id == b->id && a->z0 == b->z0 && a->z1 == b->z1;
+}
+
+// ---- enclose_regions.c
+void regions_trace(Enclosure *e);
+void enclose_push_point(Enclosure *e, Vec2 metres, int material);
+
+// ---- enclose_openings.c
+void openings_append(Enclosure *e);  // before the regions that refer to them
+void openings_join(Enclosure *e);    // regions on either side; draws leaves and spandrels
+
+// ---- enclose_spandrels.c
+int *spandrel_colours(Enclosure *e);                       // [Building.opening_count] their materials
+void spandrels_add(Enclosure *e, int hole, int material);  // of an opening that is no rectangle
+
+// ---- enclose_start.c
+void enclose_choose_start(Enclosure *e);
+
+// ---- enclose_leaves.c
+void leaves_append(Enclosure *e, int hole);  // of the opening appended last: as modelled, or made
+void leaves_assign(Enclosure *e);          // objects of the sketch's openings become those of the building's
+void leaves_draw(Enclosure *e, int hole);  // polygons of those that are not modelled
+
+#endif

@@ -1,0 +1,304 @@
+// enclose_holes.c - the plan boxes of doors and windows, fitted to the walls they stand in.
+//
+// A model's depth says little: doors are drawn ajar, windows thinner than their wall. So a box reaches
+// through all walls of about its direction that it meets, also through two with a void between; where none
+// is met, the model's depth holds.
+#include <stdlib.h>
+
+#include "maps/enclose/enclose.h"
+
+// A wall belongs to an opening when their directions differ by less: sin 30 degrees.
+static const double PARALLEL = 0.5;
+// The wall and the box must overlap by this, mm along the depth, and by this share of the width.
+static const double LEAST_OVERLAP = 5, LEAST_SHARE = 0.1;
+// Boxes without a wall are at least so deep, mm: both halves of a door need a place.
+static const double LEAST_DEPTH = 40;
+// No wall is thicker, mm.
+static const double THICKEST_WALL = 2000;
+// A box is drawn out through more wall up to this to reach free space, mm; voids up to VOID on the way are
+// crossed.
+static const double EXTENSION = 300, VOID = 50;
+// How far from its box an opening's implicit wall may lie, mm.
+static const double IMPLICIT_REACH = 300;
+// A sill less than this above the floor is no sill, mm.
+static const double SILL_SLACK = 20;
+// Openings narrower or lower than this are dropped, mm.
+static const double LEAST_SIZE = 10;
+enum { SAMPLES = 5 };  // lines along the depth that are probed
+
+typedef struct Reach {
+    double u0, u1, v0, v1;
+} Reach;
+
+static Vec2 in_frame(const Hole *h, Vec2 p) {
+    Vec2 d = vec2_sub(p, h->centre);
+    return vec2(vec2_dot(d, h->u), vec2_dot(d, h->n));
+}
+
+static Vec2 from_frame(const Hole *h, double u, double v) {
+    return vec2_add(h->centre, vec2_add(vec2_scale(h->u, u), vec2_scale(h->n, v)));
+}
+
+// Extent of a polygon within the opening's width.
+static Reach reach_of(const Hole *h, const Shape *shape) {
+    Reach r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
+    int n = shape->ring[1];
+    for (int i = 0; i < n; i++) {
+        Vec2 a = in_frame(h, shape->points[i]), b = in_frame(h, shape->points[(i + 1) % n]);
+        double t0 = 0, t1 = 1, d = b.x - a.x;
+        if (d == 0 && fabs(a.x) > h->half) continue;
+        if (d != 0) {
+            double p = (-h->half - a.x) / d, q = (h->half - a.x) / d;
+            t0 = fmax(0, fmin(p, q));
+            t1 = fmin(1, fmax(p, q));
+        }
+        if (t0 > t1) continue;
+        for (int k = 0; k < 2; k++) {
+            double t = k ? t1 : t0, u = a.x + t * d, v = a.y + t * (b.y - a.y);
+            r = (Reach){fmin(r.u0, u), fmax(r.u1, u), fmin(r.v0, v), fmax(r.v1, v)};
+        }
+    }
+    return r;
+}
+
+// Searches a tree for what comes this near to the opening; it is in e->near then. Returns how many.
+static int find_near(Enclosure *e, const BoxTree *tree, const SketchOpening *o, const Hole *h, double reach) {
+    return box_tree_find(tree, enclose_around(h->centre, h->half + reach, o->storey), e->scratch, &e->near);
+}
+
+static bool fit_to_walls(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
+    double v0 = INFINITY, v1 = -INFINITY;
+    for (int k = find_near(e, &e->wall_tree, o, h, depth); k-- > 0;) {
+        int i = e->near.items[k];
+        double angle = e->sketch->walls[i].angle;
+        if (fabs(cos(angle) * h->u.y - sin(angle) * h->u.x) > PARALLEL) continue;
+        Reach r = reach_of(h, &e->walls[i]);
+        if (r.u1 - r.u0 < LEAST_SHARE * 2 * h->half || r.v1 - r.v0 > THICKEST_WALL) continue;
+        if (fmin(r.v1, depth / 2) - fmax(r.v0, -depth / 2) < fmin(LEAST_OVERLAP, (r.v1 - r.v0) / 2)) continue;
+        v0 = fmin(v0, r.v0);
+        v1 = fmax(v1, r.v1);
+    }
+    if (!(v0 < v1)) return false;
+    h->v0 = v0;
+    h->v1 = v1;
+    return true;
+}
+
+// ---- probing along a line u = const
+
+typedef struct Cover {
+    double v0, v1;
+} Cover;
+
+enum { COVERS = 256 };  // more on one line is no plan; the rest is not seen
+typedef struct Covers {
+    Cover items[COVERS];
+    int count;
+} Covers;
+
+static int by_value(const void *pa, const void *pb) {
+    double a = *(const double *)pa, b = *(const double *)pb;
+    return (a > b) - (a < b);
+}
+
+static void cover_by(const Hole *h, const Shape *shape, double u, Covers *covers) {
+    double cuts[64] = {0};
+    int count = 0;
+    for (int r = 0; r < shape->ring_count; r++) {
+        for (int i = shape->ring[r], j = shape->ring[r + 1] - 1; i < shape->ring[r + 1]; j = i++) {
+            Vec2 a = in_frame(h, shape->points[i]), b = in_frame(h, shape->points[j]);
+            if ((a.x > u) == (b.x > u) || count == 64) continue;
+            cuts[count++] = a.y + (b.y - a.y) * (u - a.x) / (b.x - a.x);
+        }
+    }
+    qsort(cuts, (size_t)count, sizeof *cuts, by_value);
+    for (int i = 0; i + 1 < count && covers->count < COVERS; i += 2)
+        covers->items[covers->count++] = (Cover){cuts[i], cuts[i + 1]};
+}
+
+static double sample_at(const Hole *h, int i) { return h->half * 0.8 * (2.0 * i / (SAMPLES - 1) - 1); }
+
+// Where cover that starts at v going `way` (+1, -1) ends, voids crossed.
+static double end_of_cover(const Covers *covers, double v, double way) {
+    for (bool moved = true; moved;) {
+        moved = false;
+        for (int i = 0; i < covers->count; i++) {
+            double near = way > 0 ? covers->items[i].v0 : -covers->items[i].v1;
+            double far = way > 0 ? covers->items[i].v1 : -covers->items[i].v0;
+            if (near > v * way + VOID || far <= v * way + MAPS_GRID) continue;
+            v = far * way;
+            moved = true;
+        }
+    }
+    return v;
+}
+
+static void extend(Enclosure *e, const SketchOpening *o, Hole *h) {
+    double more[2][SAMPLES];
+    int count = find_near(e, &e->wall_tree, o, h, THICKEST_WALL);
+    for (int s = 0; s < SAMPLES; s++) {
+        Covers covers = {.count = 0};
+        for (int i = 0; i < count; i++) cover_by(h, &e->walls[e->near.items[i]], sample_at(h, s), &covers);
+        more[0][s] = h->v0 - end_of_cover(&covers, h->v0, -1);
+        more[1][s] = end_of_cover(&covers, h->v1, 1) - h->v1;
+    }
+    for (int way = 0; way < 2; way++) {
+        qsort(more[way], SAMPLES, sizeof(double), by_value);
+        // Half of the width free is enough; where a wall stands across the other half that is how it was built.
+        double by = more[way][SAMPLES / 2];
+        if (by > EXTENSION) by = more[way][0];
+        if (by > EXTENSION) by = 0;
+        if (way)
+            h->v1 += by;
+        else
+            h->v0 -= by;
+    }
+}
+
+// Joins covers that overlap or touch, in order.
+static void join_covers(Covers *covers) {
+    int kept = 0;
+    qsort(covers->items, (size_t)covers->count, sizeof(Cover), by_value);  // by v0, which comes first in them
+    for (int i = 0; i < covers->count; i++) {
+        Cover c = covers->items[i];
+        if (kept > 0 && c.v0 <= covers->items[kept - 1].v1 + MAPS_GRID) {
+            covers->items[kept - 1].v1 = fmax(covers->items[kept - 1].v1, c.v1);
+        } else {
+            covers->items[kept++] = c;
+        }
+    }
+    covers->count = kept;
+}
+
+// What implicit walls cover of the line u: grown outlines less rooms, of those in e->near.
+static void cover_by_implicit(const Enclosure *e, const Hole *h, double u, Covers *out) {
+    Covers grown = {.count = 0}, rooms = {.count = 0};
+    for (int i = 0; i < e->near.count; i++) {
+        const Grown *g = &e->grown[e->near.items[i]];
+        cover_by(h, &g->shape, u, &grown);
+        cover_by(h, &e->rooms[g->room], u, &rooms);
+    }
+    join_covers(&grown);
+    join_covers(&rooms);
+    for (int i = 0; i < grown.count; i++) {
+        Cover left = grown.items[i];
+        for (int k = 0; k < rooms.count; k++) {
+            Cover room = rooms.items[k];
+            if (room.v1 <= left.v0 || room.v0 >= left.v1) continue;
+            if (room.v0 > left.v0 && out->count < COVERS)
+                out->items[out->count++] = (Cover){left.v0, room.v0};
+            left.v0 = room.v1;
+        }
+        if (left.v0 < left.v1 && out->count < COVERS) out->items[out->count++] = left;
+    }
+}
+
+// Through the implicit wall nearest to the centre, at all the samples.
+static bool fit_to_implicit(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
+    double v0 = INFINITY, v1 = -INFINITY, reach = depth / 2 + IMPLICIT_REACH;
+    find_near(e, &e->grown_tree, o, h, reach + THICKEST_WALL);
+    for (int s = 0; s < SAMPLES; s++) {
+        Covers covers = {.count = 0};
+        cover_by_implicit(e, h, sample_at(h, s), &covers);
+        int best = -1;
+        double nearest = reach;
+        for (int i = 0; i < covers.count; i++) {
+            Cover c = covers.items[i];
+            double away = fmax(0, fmax(c.v0, -c.v1));
+            if (away >= nearest || c.v1 - c.v0 > THICKEST_WALL) continue;
+            nearest = away;
+            best = i;
+        }
+        if (best < 0) continue;
+        v0 = fmin(v0, covers.items[best].v0);
+        v1 = fmax(v1, covers.items[best].v1);
+    }
+    if (!(v0 < v1) || v1 - v0 > THICKEST_WALL) return false;
+    h->v0 = v0;
+    h->v1 = v1;
+    return true;
+}
+
+static bool fit_heights(Enclosure *e, const SketchOpening *o, Hole *h) {
+    double floor = e->floor[o->storey], ceiling = e->ceiling[o->storey];
+    for (int k = find_near(e, &e->room_tree, o, h, EXTENSION); k-- > 0;) {
+        const SketchRoom *r = &e->sketch->rooms[e->near.items[k]];
+        if (!isnan(r->z1)) ceiling = fmax(ceiling, nearbyint(r->z1 * ENCLOSE_MM));
+        if (!isnan(r->z0) && nearbyint(o->sill * ENCLOSE_MM) <= nearbyint(r->z0 * ENCLOSE_MM) + SILL_SLACK) {
+            floor = fmin(floor, nearbyint(r->z0 * ENCLOSE_MM));
+        }
+    }
+    h->sill = nearbyint(o->sill * ENCLOSE_MM);
+    h->head = fmin(nearbyint(o->head * ENCLOSE_MM), ceiling);
+    if (h->sill < floor + SILL_SLACK) h->sill = floor;
+    return h->head - h->sill >= LEAST_SIZE && 2 * h->half >= LEAST_SIZE;
+}
+
+static void fit(Enclosure *e, int i) {
+    const SketchOpening *o = &e->sketch->openings[i];
+    Hole *h = &e->holes[i];
+    *h = (Hole){.opening = -1};
+    h->centre = enclose_local(e, o->centre);
+    Vec3 p = enclose_place(e, h->centre, o->storey);
+    if (o->storey < 0 || o->storey >= e->b->storey_count) {
+        building_note(e->arena, e->b, NOTE_DROPPED, p, "%s left out: storey %d (there are %d)",
+                      enclose_text(o->place), o->storey, e->b->storey_count);
+        return;
+    }
+    h->u = vec2(cos(o->angle), sin(o->angle));
+    h->n = vec2(-h->u.y, h->u.x);
+    h->half = fabs(o->width) / 2 * ENCLOSE_MM;
+    double depth = fmax(fabs(o->depth) * ENCLOSE_MM, LEAST_DEPTH);
+    h->v0 = -depth / 2;
+    h->v1 = depth / 2;
+    if (!fit_heights(e, o, h)) {
+        building_note(e->arena, e->b, NOTE_DROPPED, p,
+                      "%s at (%.2f, %.2f) left out: %g m wide, from %g m up to %g m under a ceiling at %g m",
+                      enclose_text(o->place), p.x, p.y, o->width, o->sill, o->head,
+                      e->ceiling[o->storey] / ENCLOSE_MM);
+        return;
+    }
+    h->walled = fit_to_walls(e, o, h, depth);
+    if (h->walled)
+        extend(e, o, h);
+    else
+        h->walled = fit_to_implicit(e, o, h, depth);
+    if (h->v1 - h->v0 < LEAST_SIZE) {
+        // A wall thinner than a door's halves can be: the box stands out of it.
+        double middle = (h->v0 + h->v1) / 2;
+        h->v0 = middle - LEAST_SIZE / 2;
+        h->v1 = middle + LEAST_SIZE / 2;
+    }
+    double middle = (h->v0 + h->v1) / 2;
+    Vec2 corners[4] = {from_frame(h, -h->half, h->v0), from_frame(h, h->half, h->v0),
+                       from_frame(h, h->half, h->v1), from_frame(h, -h->half, h->v1)};
+    h->line[0] = from_frame(h, -h->half, middle);
+    h->line[1] = from_frame(h, h->half, middle);
+    h->box = shape_of_points(e->scratch, corners, 4);
+    h->used = true;
+}
+
+static void index_holes(Enclosure *e) {
+    int count = e->sketch->opening_count;
+    Box *boxes = ARENA_ARRAY(e->scratch, Box, count);
+    for (int i = 0; i < count; i++) {
+        const Hole *h = &e->holes[i];
+        boxes[i] = h->used ? enclose_box(h->box.min, h->box.max, e->sketch->openings[i].storey) : box_empty();
+    }
+    e->hole_tree = box_tree_build(boxes, count, e->scratch);
+}
+
+void holes_fit(Enclosure *e) {
+    for (int i = 0; i < e->sketch->opening_count; i++) {
+        fit(e, i);
+        for (int k = 0; e->holes[i].used && k < 4; k++) {
+            Vec2 p = e->holes[i].box.points[k];
+            double out = MAPS_OUTDOORS * ENCLOSE_MM / 2;  // wide doors still keep clear of the world's edge
+            e->world_min =
+                vec2(fmin(e->world_min.x, floor(p.x - out)), fmin(e->world_min.y, floor(p.y - out)));
+            e->world_max = vec2(fmax(e->world_max.x, ceil(p.x + out)), fmax(e->world_max.y, ceil(p.y + out)));
+        }
+    }
+    crossings_limit_holes(e);
+    index_holes(e);
+}

@@ -1,0 +1,121 @@
+// gltf.h - what the files of the glTF reader share: the document, its parts with their JSON paths, and accessors.
+//
+// Failures are sticky: the first one is kept with its place, and what is asked for after it comes back empty. So values
+// may be read one after another and `failed` be asked once.
+#ifndef MAPS_GLTF_H
+#define MAPS_GLTF_H
+
+#include <jansson.h>
+
+#include "maps/polygons/soup_readers.h"
+
+// Limits of one document: above any building seen, below what would hang. Polygons and vertices as for every soup.
+#define GLTF_MAX_JSON ((size_t)128 << 20)  // bytes; parsed it takes up to twenty times as many
+#define GLTF_MAX_LIST 1000000              // nodes, accessors, children ...
+// Numbers decoded from accessors, all together; of a small file fewer: so many, and so many a byte.
+#define GLTF_MAX_VALUES (96 << 20)
+#define GLTF_FREE_VALUES (24 << 20)
+#define GLTF_VALUES_A_BYTE 16
+#define GLTF_MAX_NUMBER 1e15  // of a matrix, a translation, a factor
+
+// Of green light at its best: by this factor exporters turn watts into candela.
+#define GLTF_LUMENS_PER_WATT 683.0
+
+// Faces of a mesh's primitives, triangles joined, in the mesh's own space; decoded once however often it is placed.
+typedef struct GltfMesh {
+    SoupMesh *primitives;
+    int primitive_count;
+    bool decoded;
+} GltfMesh;
+
+// The mean colour of an image, decoded once.
+typedef struct GltfImage {
+    bool asked, usable;
+    Rgb mean;
+} GltfImage;
+
+typedef struct GltfTally {
+    int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
+} GltfTally;
+
+typedef struct Gltf {
+    const char *path;
+    json_t *root;
+    Bytes chunk;  // the BIN chunk of a .glb, else without data
+    SoupFolder folder;
+    Arena *arena;    // of the building
+    Arena *scratch;  // until the document is read
+    Building *b;
+    Error *error;
+    bool failed;
+    Bytes *buffers;     // [buffers] without data: not yet read
+    GltfMesh *meshes;   // [meshes]
+    int *materials;     // [materials + 1] of the building, -1: not yet made; the last is the default
+    GltfImage *images;  // [images]
+    SoupCapped capped;
+    GltfTally tally;
+    int values, faces;  // decoded; placed
+    double pixels;      // of images that may still be decoded
+    size_t size;        // bytes of the document, without the files beside it
+} Gltf;
+
+// ---- gltf_json.c: a part of the document
+
+enum { GLTF_PLACE = 96 };
+typedef struct GltfItem {
+    const json_t *json;      // an object, or NULL where there is none
+    char place[GLTF_PLACE];  // `nodes[3]`, `meshes[0].primitives[1]`
+} GltfItem;
+
+// Keeps the first failure as `FILE: PLACE.KEY: sentence` (key may be NULL); returns false.
+bool gltf_fail(Gltf *g, const GltfItem *item, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+GltfItem gltf_root(const Gltf *g);
+// How many elements the array has; 0 where it is absent.
+int gltf_count(Gltf *g, const GltfItem *item, const char *key);
+// The object that is element i of an array, or member `key`; absent members have no json.
+GltfItem gltf_element(Gltf *g, const GltfItem *item, const char *key, int i);
+GltfItem gltf_member(Gltf *g, const GltfItem *item, const char *key);
+GltfItem gltf_extension(Gltf *g, const GltfItem *item, const char *name);
+// Element i of one of the document's own lists.
+GltfItem gltf_item(Gltf *g, const char *list, int i);
+int gltf_list_count(Gltf *g, const char *list);
+// Values within low .. high; `absent` where there is none.
+int gltf_int(Gltf *g, const GltfItem *item, const char *key, int low, int high, int absent);
+double gltf_number(Gltf *g, const GltfItem *item, const char *key, double low, double high, double absent);
+bool gltf_flag(Gltf *g, const GltfItem *item, const char *key);
+const char *gltf_text(Gltf *g, const GltfItem *item, const char *key, const char *absent);
+// An index into one of the document's lists, or -1.
+int gltf_index(Gltf *g, const GltfItem *item, const char *key, const char *list);
+// Element i of an array of such indices.
+int gltf_index_at(Gltf *g, const GltfItem *item, const char *key, int i, const char *list);
+// An array of exactly `count` numbers within low .. high; false where it is absent.
+bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, double low, double high,
+                  double *out);
+
+// ---- gltf_buffer.c: bytes
+
+// What a URI stands for: base64 within it, or a file beside, which is no failure to miss unless it is needed.
+bool gltf_read_uri(Gltf *g, const GltfItem *item, const char *uri, bool needed, Bytes *out);
+bool gltf_read_view(Gltf *g, int view, Bytes *out, int *stride);
+
+// ---- gltf_accessor.c: numbers
+
+typedef struct GltfValues {
+    double *values;  // [count * components]
+    int count;
+} GltfValues;
+// Decodes an accessor of `components` numbers an element, at most `most` elements. `integer`: indices, so u8, u16 or u32.
+bool gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, Arena *arena,
+                 GltfValues *out);
+
+// ---- the rest
+
+int gltf_material(Gltf *g, int index);      // of the building; index -1 is the default
+bool gltf_decode_mesh(Gltf *g, int index);  // into g->meshes
+bool gltf_place_nodes(Gltf *g);             // all of the scene
+// What a node carries besides its mesh; m is its way to the building, row by row.
+void gltf_add_light(Gltf *g, const GltfItem *node, const double m[12]);
+void gltf_add_camera(Gltf *g, const GltfItem *node, const double m[12]);
+
+#endif

@@ -1,0 +1,381 @@
+// obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, f, g, o, usemtl, mtllib; newmtl, Kd, Ke,
+// d, Tr, map_Kd. Departures: texture coordinates, normals, lines, points, curves and smoothing are not read; Kd
+// is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean; Ke is taken as
+// radiant exitance, for which MTL has no unit.
+#include "maps/polygons/obj.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "maps/building/scan.h"
+#include "maps/building/texture.h"
+
+// Models refer to colours by name without a library; words in the name give the colour. Later rows win, so that
+// `dkgrey` is dark; our own choice of values, sRGB.
+static const struct {
+    const char *word;
+    unsigned colour;
+} NAMED[] = {
+    {"white", 0xF4F4F4},        {"black", 0x202020},  {"grey", 0x9A9A9A},     {"gray", 0x9A9A9A},
+    {"ltgrey", 0xC4C4C4},       {"dkgrey", 0x5A5A5A}, {"dkdkgrey", 0x383838}, {"silver", 0xB8BCC0},
+    {"red", 0xB83028},          {"green", 0x4C9A48},  {"blue", 0x3C5CA8},     {"yellow", 0xE0C850},
+    {"yellow_green", 0x9CB040}, {"brown", 0x7A5434},  {"ltbrown", 0xA07C54},  {"blonde", 0xD8BC8C},
+    {"amber", 0xB07838},        {"bone", 0xE0D8C0},   {"sand", 0xC8B48C},     {"charcoal", 0x404040},
+    {"chrome", 0xC0C4C8},       {"wood", 0x9C7048},   {"leather", 0x6C4830},  {"iris", 0x5C6478},
+    {"gold", 0xC8A048},         {"copper", 0xB87850}, {"orange", 0xD88030},   {"pink", 0xD8A0A8},
+    {"purple", 0x704C8C},       {"glass", 0xD8E4E8},  {"mirror", 0xD0D8DC},
+};
+static const unsigned UNNAMED_COLOUR = 0xD0D0D0;  // sRGB: neutral and light, as most furniture
+static const float GLASS_ALPHA = 0.3f;            // of a material called glass that no library describes
+static const double MAX_EMISSION = 1e9;           // W/m^2: the sun's surface is at 6e7
+
+// Open addressing by hash; slots hold an index + 1, 0 where they are free.
+enum { NAME_SLOTS = 2 * OBJ_MAX_NAMES };
+typedef struct Names {
+    int group[NAME_SLOTS], material[NAME_SLOTS];
+} Names;
+
+// Pictures that were asked for: each is decoded once, however many materials and libraries name it.
+typedef struct Picture {
+    const char *name;
+    bool usable;
+    Rgb mean;
+} Picture;
+
+typedef struct Pictures {
+    Picture *list;
+    int count, capacity;
+} Pictures;
+
+typedef struct Reader {
+    const char *at, *end;
+    const ObjFiles *files;
+    Arena *arena;
+    ObjModel *model;
+    Names *names;
+    Pictures *pictures;
+    Error *error;
+    const char *path;
+    int line;
+    bool failed;
+} Reader;
+
+static bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+static void skip_blanks(Reader *r) {
+    for (;;) {
+        while (r->at < r->end && blank(*r->at)) r->at++;
+        // A backslash joins the next line to this one.
+        const char *p = r->at;
+        if (p == r->end || *p != '\\') return;
+        for (p++; p < r->end && *p == '\r';) p++;
+        if (p == r->end || *p != '\n') return;
+        r->at = p + 1;
+        r->line++;
+    }
+}
+
+static bool line_ends(Reader *r) {
+    skip_blanks(r);
+    return r->at == r->end || *r->at == '\n' || *r->at == '#' || *r->at == '\0';
+}
+
+static void next_line(Reader *r) {
+    while (r->at < r->end && *r->at != '\n') r->at++;
+    if (r->at < r->end) r->at++;
+    r->line++;
+}
+
+static bool read_number(Reader *r, double *out) {
+    if (line_ends(r)) return false;
+    char *stop;
+    *out = strtod(r->at, &stop);
+    if (stop == r->at) return false;
+    r->at = stop;
+    return isfinite(*out);
+}
+
+static bool word_is(Reader *r, const char *word) {
+    size_t length = strlen(word);
+    if ((size_t)(r->end - r->at) <= length || memcmp(r->at, word, length) != 0 || !blank(r->at[length]))
+        return false;
+    r->at += length;
+    return true;
+}
+
+// The rest of the line without the blanks around it.
+static char *read_name(Reader *r) {
+    while (r->at < r->end && blank(*r->at)) r->at++;
+    const char *start = r->at;
+    while (r->at < r->end && *r->at != '\n' && *r->at != '\0') r->at++;
+    const char *stop = r->at;
+    while (stop > start && blank(stop[-1])) stop--;
+    char *name = ARENA_ARRAY(r->arena, char, stop - start + 1);
+    memcpy(name, start, (size_t)(stop - start));
+    return name;
+}
+
+static void fail(Reader *r, const char *what, int limit) {
+    if (!r->failed) error_set(r->error, "%s: the model has more than %d %s", r->path, limit, what);
+    r->failed = true;
+}
+
+// Counts a vertex or face that cannot be used; the first one is kept for readers that refuse such models.
+static void skip(Reader *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void skip(Reader *r, const char *format, ...) {
+    ObjModel *m = r->model;
+    m->skipped++;
+    if (m->fault) return;
+    va_list args;
+    va_start(args, format);
+    m->fault = arena_format(r->arena, "%d: %s", r->line, arena_format_list(r->arena, format, args));
+    va_end(args);
+}
+
+static void skip_file(Reader *r, const char *name) {
+    r->model->skipped++;
+    if (!r->model->absent) r->model->absent = name;
+}
+
+// The place of `name` in a table, or of the free slot where it belongs; `name_of` gives the names by index.
+static int *find_name(const Reader *r, int *table, const char *name,
+                      const char *(*name_of)(const ObjModel *, int)) {
+    size_t at = file_hash(name, strlen(name), 0) % NAME_SLOTS;
+    while (table[at] > 0 && strcmp(name_of(r->model, table[at] - 1), name) != 0) at = (at + 1) % NAME_SLOTS;
+    return &table[at];
+}
+
+static const char *group_name(const ObjModel *m, int i) { return m->groups[i]; }
+static const char *material_name(const ObjModel *m, int i) { return m->materials[i].name; }
+
+static int find_group(Reader *r, const char *name) {
+    ObjModel *m = r->model;
+    int *slot = find_name(r, r->names->group, name, group_name);
+    if (*slot > 0) return *slot - 1;
+    if (m->group_count == OBJ_MAX_NAMES) {
+        m->nameless++;
+        return 0;
+    }
+    *ARENA_PUSH(r->arena, m->groups, m->group_count, m->group_capacity) = name;
+    *slot = m->group_count;
+    return m->group_count - 1;
+}
+
+static ObjMaterial name_material(const char *name) {
+    unsigned colour = UNNAMED_COLOUR;
+    for (size_t i = 0; i < sizeof NAMED / sizeof *NAMED; i++)
+        if (strcasestr(name, NAMED[i].word)) colour = NAMED[i].colour;
+    return (ObjMaterial){
+        name, maps_colour(colour), {0, 0, 0}, strcasestr(name, "glass") ? GLASS_ALPHA : 1, false};
+}
+
+static int find_material(Reader *r, const char *name) {
+    ObjModel *m = r->model;
+    int *slot = find_name(r, r->names->material, name, material_name);
+    if (*slot > 0) return *slot - 1;
+    if (m->material_count == OBJ_MAX_NAMES) {
+        m->nameless++;
+        return 0;
+    }
+    *ARENA_PUSH(r->arena, m->materials, m->material_count, m->material_capacity) = name_material(name);
+    *slot = m->material_count;
+    return m->material_count - 1;
+}
+
+static void read_vertex(Reader *r) {
+    ObjModel *m = r->model;
+    if (m->vertex_count == OBJ_MAX_VERTICES) {
+        fail(r, "vertices", OBJ_MAX_VERTICES);
+        return;
+    }
+    Vec3 v;
+    bool whole = read_number(r, &v.x) && read_number(r, &v.y) && read_number(r, &v.z);
+    // A bad vertex keeps its number, or all later faces would refer to the wrong ones; faces that use it go.
+    if (!whole) {
+        v = vec3(NAN, NAN, NAN);
+        skip(r, "the coordinates of vertex %d are not three numbers", m->vertex_count + 1);
+    }
+    *ARENA_PUSH(r->arena, m->vertices, m->vertex_count, m->vertex_capacity) = v;
+}
+
+// `7`, `7/1`, `7//3`, `7/1/3`; negative counts back from the last vertex so far. Yields -1 for a bad one.
+static int read_corner(Reader *r) {
+    char *stop;
+    long index = strtol(r->at, &stop, 10);
+    bool number = stop != r->at && (stop == r->end || strchr("/ \t\r\v\f\n\\#", *stop));
+    while (stop < r->end && !blank(*stop) && *stop != '\n' && *stop != '\0' && *stop != '#') stop++;
+    r->at = stop;
+    const ObjModel *m = r->model;
+    if (!number || index == 0 || index > m->vertex_count || index < -(long)m->vertex_count) return -1;
+    int vertex = (int)(index > 0 ? index - 1 : m->vertex_count + index);
+    return isfinite(m->vertices[vertex].x) ? vertex : -1;
+}
+
+static void read_face(Reader *r, int group, int material) {
+    ObjModel *m = r->model;
+    int first = m->corner_count;
+    const char *bad = NULL;
+    while (!line_ends(r)) {
+        if (m->corner_count == OBJ_MAX_CORNERS) {
+            fail(r, "corners", OBJ_MAX_CORNERS);
+            return;
+        }
+        const char *word = r->at;
+        int corner = read_corner(r);
+        if (corner < 0 && !bad) bad = word;
+        *ARENA_PUSH(r->arena, m->corners, m->corner_count, m->corner_capacity) = corner;
+    }
+    int count = m->corner_count - first;
+    if (bad || count < 3) {
+        m->corner_count = first;
+        Quote quote;
+        if (bad)
+            skip(r, "a corner of a face is `%s` (allowed: 1 to %d or -1 to -%d, of sound vertices)",
+                 scan_quote(&(Scan){.at = bad, .end = r->end}, &quote), m->vertex_count, m->vertex_count);
+        else
+            skip(r, "a face has %d corners (allowed: 3 or more)", count);
+        return;
+    }
+    for (int i = first; i < m->corner_count; i++) m->box = box_add(m->box, m->vertices[m->corners[i]]);
+    *ARENA_PUSH(r->arena, m->faces, m->face_count, m->face_capacity) =
+        (ObjFace){first, count, group, material, r->line};
+}
+
+// One value stands for all three.
+static bool read_channels(Reader *r, double c[3]) {
+    if (!read_number(r, &c[0])) return false;
+    if (!read_number(r, &c[1]) || !read_number(r, &c[2])) c[1] = c[2] = c[0];
+    return true;
+}
+
+static void read_emission(Reader *r, ObjMaterial *material) {
+    double c[3];
+    if (!read_channels(r, c)) return;
+    for (int i = 0; i < 3; i++) c[i] = fmin(fmax(c[i], 0), MAX_EMISSION);
+    material->emission = (Rgb){(float)c[0], (float)c[1], (float)c[2]};
+}
+
+static void read_colour(Reader *r, ObjMaterial *material) {
+    double c[3];
+    if (!read_channels(r, c)) return;
+    int code[3];
+    for (int i = 0; i < 3; i++) code[i] = (int)lrint(255 * fmin(fmax(c[i], 0), 1));
+    material->colour = (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
+}
+
+// NULL where there are more than there are materials.
+static const Picture *find_picture(Reader *r, const char *name) {
+    Pictures *p = r->pictures;
+    for (int i = 0; i < p->count; i++)
+        if (strcmp(p->list[i].name, name) == 0) return &p->list[i];
+    if (p->count == OBJ_MAX_NAMES) return NULL;
+    Picture *picture = ARENA_PUSH(r->arena, p->list, p->count, p->capacity);
+    picture->name = arena_string(r->arena, name);
+    Bytes image;
+    picture->usable = r->files && r->files->read &&
+                      r->files->read(r->files->context, name, r->arena, &image) &&
+                      texture_mean(image, r->files->pixels, &picture->mean);
+    return picture;
+}
+
+static void read_texture(Reader *r, ObjMaterial *material) {
+    char *name = read_name(r);
+    // Options come before the file's name, which then has no blanks.
+    if (name[0] == '-' && strrchr(name, ' ')) name = strrchr(name, ' ') + 1;
+    const Picture *picture = find_picture(r, name);
+    if (picture && picture->usable)
+        material->colour = picture->mean;
+    else
+        skip_file(r, name);
+}
+
+static void read_library(Reader *outer, Bytes content) {
+    Reader r = *outer;
+    r.at = (const char *)content.data;
+    r.end = r.at + content.size;
+    int material = -1;
+    for (; r.at < r.end; next_line(&r)) {
+        double number;
+        skip_blanks(&r);
+        if (word_is(&r, "newmtl")) {
+            material = find_material(&r, read_name(&r));
+            r.model->materials[material].alpha = 1;
+            r.model->materials[material].defined = true;
+            continue;
+        }
+        if (material < 0) continue;
+        ObjMaterial *m = &r.model->materials[material];
+        if (word_is(&r, "Kd"))
+            read_colour(&r, m);
+        else if (word_is(&r, "Ke"))
+            read_emission(&r, m);
+        else if (word_is(&r, "d") && read_number(&r, &number))
+            m->alpha = (float)fmin(fmax(number, 0), 1);
+        else if (word_is(&r, "Tr") && read_number(&r, &number))
+            m->alpha = 1 - (float)fmin(fmax(number, 0), 1);
+        else if (word_is(&r, "map_Kd"))
+            read_texture(&r, m);
+    }
+}
+
+static void read_libraries(Reader *r) {
+    char *name = read_name(r);
+    Bytes content;
+    if (r->files && r->files->read && r->files->read(r->files->context, name, r->arena, &content))
+        read_library(r, content);
+    else
+        skip_file(r, name);
+}
+
+bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
+              Error *error) {
+    memset(out, 0, sizeof *out);
+    out->box = box_empty();
+    const char *text = (const char *)content.data;
+    Reader r = {.at = text,
+                .end = text + content.size,
+                .files = files,
+                .arena = arena,
+                .model = out,
+                .names = ARENA_ARRAY(arena, Names, 1),
+                .pictures = ARENA_ARRAY(arena, Pictures, 1),
+                .error = error,
+                .path = path,
+                .line = 1};
+    int group = find_group(&r, ""), material = find_material(&r, "");
+    for (; r.at < r.end && !r.failed; next_line(&r)) {
+        skip_blanks(&r);
+        if (word_is(&r, "v"))
+            read_vertex(&r);
+        else if (word_is(&r, "f"))
+            read_face(&r, group, material);
+        else if (word_is(&r, "g") || word_is(&r, "o"))
+            group = find_group(&r, read_name(&r));
+        else if (word_is(&r, "usemtl"))
+            material = find_material(&r, read_name(&r));
+        else if (word_is(&r, "mtllib"))
+            read_libraries(&r);
+    }
+    if (r.failed) return false;
+    if (out->face_count == 0) return error_set(error, "%s: no usable face in the model", path);
+    return true;
+}
+
+ObjModel obj_box(Arena *arena) {
+    static const int QUAD[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                   {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    ObjModel m = {0};
+    for (int i = 0; i < 8; i++)
+        *ARENA_PUSH(arena, m.vertices, m.vertex_count, m.vertex_capacity) = vec3(i >> 2, i >> 1 & 1, i & 1);
+    for (int i = 0; i < 6; i++) {
+        *ARENA_PUSH(arena, m.faces, m.face_count, m.face_capacity) = (ObjFace){m.corner_count, 4, 0, 0, 0};
+        for (int j = 0; j < 4; j++)
+            *ARENA_PUSH(arena, m.corners, m.corner_count, m.corner_capacity) = QUAD[i][j];
+    }
+    *ARENA_PUSH(arena, m.groups, m.group_count, m.group_capacity) = "";
+    *ARENA_PUSH(arena, m.materials, m.material_count, m.material_capacity) = name_material("");
+    m.box = (Box){vec3(0, 0, 0), vec3(1, 1, 1)};
+    m.fixed_box = true;
+    return m;
+}

@@ -1,0 +1,58 @@
+// obj.h - Wavefront OBJ models with their MTL materials, as furniture and whole buildings come.
+#ifndef MAPS_OBJ_H
+#define MAPS_OBJ_H
+
+#include "engine/core/file.h"
+#include "maps/building/building.h"
+
+// Limits of one model: well above the largest furniture seen (some 100,000 faces), well below what would hang.
+#define OBJ_MAX_VERTICES (4 << 20)
+#define OBJ_MAX_CORNERS (16 << 20)
+#define OBJ_MAX_NAMES 4096  // groups; materials
+
+typedef struct ObjMaterial {
+    const char *name;
+    Rgb colour;    // linear reflectance
+    Rgb emission;  // radiant exitance, W/m^2
+    float alpha;   // 1 opaque
+    bool defined;  // by a material library; else the colour follows from the name
+} ObjMaterial;
+
+typedef struct ObjFace {
+    int first_corner, corner_count;
+    int group, material;
+    int line;  // where it stands in the file
+} ObjFace;
+
+typedef struct ObjModel {
+    Vec3 *vertices;  // model units; in furniture x right, y up, z to the front
+    int *corners;    // of faces: indices of vertices
+    ObjFace *faces;
+    const char **groups;     // names; group 0 is "" for faces before the first g or o
+    ObjMaterial *materials;  // material 0 is "" for faces before the first usemtl
+    int vertex_count, corner_count, face_count, group_count, material_count;
+    int vertex_capacity, corner_capacity, face_capacity, group_capacity, material_capacity;
+    int skipped;         // lines that could not be used
+    const char *fault;   // the first such vertex or face, as `LINE: sentence`; NULL: none
+    const char *absent;  // the first library or image that could not be read; NULL: none
+    int nameless;        // lines with a name beyond OBJ_MAX_NAMES
+    Box box;             // of the vertices that faces use
+    bool fixed_box;      // the box is given, whatever the faces fill of it
+} ObjModel;
+
+// Where material libraries and images are looked for. `name` as the file spells it; `read` may be NULL.
+typedef struct ObjFiles {
+    bool (*read)(void *context, const char *name, Arena *arena, Bytes *out);
+    void *context;
+    double *pixels;  // of images that may still be decoded, see texture_mean; NULL: any
+} ObjFiles;
+
+// Tolerant: lines that make no sense are skipped and counted. Fails on a model without a single usable face and
+// on one beyond the limits.
+bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
+              Error *error);
+
+// The box from (0, 0, 0) to (1, 1, 1) as six quads: stands in for what is missing.
+ObjModel obj_box(Arena *arena);
+
+#endif

@@ -1,0 +1,75 @@
+// soup_readers.h - what the readers of polygon soups share: files beside the one read, triangles merged back into
+// polygons, colours within their limit, and what a soup has besides its polygons.
+#ifndef MAPS_SOUP_READERS_H
+#define MAPS_SOUP_READERS_H
+
+#include "engine/core/file.h"
+#include "maps/building/building.h"
+
+// Limits of one soup: a furnished office building has some 100,000 polygons; four million still fit into memory.
+#define SOUP_MAX_POLYGONS (4 << 20)
+#define SOUP_MAX_VERTICES (4 << 20)
+// Materials are compared one by one.
+#define SOUP_MAX_MATERIALS 10000
+// Corners of one face: cutting a concave one into triangles takes up to cubic time.
+#define SOUP_MAX_CORNERS 256
+// Bytes of all files beside the one read, and how many they are.
+#define SOUP_MAX_BYTES ((size_t)1 << 30)
+#define SOUP_MAX_FILES 1000
+
+// ---- soup_files.c
+
+// The files beside the one at `path`, which refers to them. Start with {.path = path, .arena = arena, .b = b}.
+typedef struct SoupFolder {
+    const char *path;
+    Arena *arena;   // of the building
+    Building *b;    // gets the paths of the files that are there
+    uint64_t hash;  // of what was read
+    size_t bytes;   // read so far
+    int files;
+} SoupFolder;
+
+// Reads the file `name`. It may lie in the folder of `path` or below it, not outside: names that are empty, absolute or
+// hold `..` are refused, and so is what exceeds the limits above. Backslashes count as slashes, as exporters write them.
+bool soup_read_beside(SoupFolder *folder, const char *name, Arena *arena, Bytes *out, Error *error);
+
+// ---- soup_merge.c
+
+typedef struct SoupFace {
+    int first_corner, corner_count;  // counter-clockwise from its front
+    int material;
+} SoupFace;
+
+typedef struct SoupMesh {
+    Vec3 *vertices;
+    int *corners;  // of faces: indices of vertices
+    SoupFace *faces;
+    int vertex_count, corner_count, face_count;
+} SoupMesh;
+
+// Joins faces of one material that share an edge, run along it in opposite directions, lie in one plane and are convex
+// together: what exporters cut into triangles becomes the polygon it was. No vertex moves and none is left out. `out`
+// shares the vertices of `mesh` and lies in `arena`; faces are in the order of the first of each that joined.
+void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
+
+// For each vertex the first one at the same place: [count], in `arena`.
+int *soup_weld(const Vec3 *vertices, int count, Arena *arena);
+
+// ---- soup_finish.c
+
+// How many colours were above MAPS_MAX_REFLECTANCE, and the first of them.
+typedef struct SoupCapped {
+    int count;
+    const char *first;
+    double most;
+} SoupCapped;
+// A linear reflectance of 0 or more, capped and tallied.
+Rgb soup_cap(Rgb reflectance, const char *material, SoupCapped *capped);
+
+// The end of every reader of a soup: notes what was capped and a size that no building has (`resize` says how the file
+// can state another), and sets the world's box and the start: at the first viewpoint, else at eye height in the
+// middle. Fails on a soup without a polygon.
+bool soup_finish(const char *path, const SoupCapped *capped, const char *resize, Arena *arena, Building *b,
+                 Error *error);
+
+#endif

@@ -1,0 +1,439 @@
+// sh3d.c - reads homes of Sweet Home 3D (format as of versions 5.3 to 7: a ZIP with Home.xml, or that file bare):
+// levels, rooms, cameras, ground; walls, openings and furniture are read by its sister files.
+//
+// Departures from the program: two levels of one elevation become one storey, since free space cannot overlap; a
+// hidden level is read all the same (people hide the upper floor to draw the lower one), hidden furniture is not;
+// the storey is as high as most of its walls. Labels, dimensions, polylines, baseboards and the sky are not read.
+#include "maps/sweethome/sh3d.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "maps/building/reader.h"
+#include "maps/building/texture.h"
+
+static const double CM = 0.01;                  // metres
+static const double DEFAULT_WALL_HEIGHT = 250;  // cm, what the program starts a home with
+static const double DEFAULT_SLAB = 12;          // cm, likewise
+// Walls and ceilings without a colour are white paint, floors a light wood grey: sRGB.
+static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, GROUND_COLOUR = 0xA8A8A8;
+static const double QUARTER_SLACK = 1e-5;     // radians: 1.7e-7 instead of 0 is common in files
+static const double DEFAULT_FOV = 1.0995574;  // radians, 63 degrees: the program's own
+
+// ---- attributes
+
+bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) {
+    if (s->failed) return false;
+    char what[400];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    s->failed = true;
+    return error_set(s->error, "%s:%d: %s %s", s->where, node->line, node->name, what);
+}
+
+double sh3d_number(Sh3d *s, const XmlNode *node, const char *name, double missing, double low, double high) {
+    const char *text = xml_get(node, name);
+    if (!text) {
+        if (isnan(missing)) sh3d_fail(s, node, "has no attribute %s (a number is needed)", name);
+        return isnan(missing) ? 0 : missing;
+    }
+    char *stop;
+    double value = strtod(text, &stop);
+    while (isspace((unsigned char)*stop)) stop++;
+    if (stop == text || *stop || !(value >= low && value <= high)) {
+        sh3d_fail(s, node, "has %s='%.40s' (a number from %g to %g is allowed)", name, text, low, high);
+        return 0;
+    }
+    return value;
+}
+
+double sh3d_length(Sh3d *s, const XmlNode *node, const char *name, double missing) {
+    return CM * sh3d_number(s, node, name, missing, 0, SH3D_MAX_LENGTH);
+}
+
+double sh3d_coordinate(Sh3d *s, const XmlNode *node, const char *name, double missing) {
+    return CM * sh3d_number(s, node, name, missing, -SH3D_MAX_COORDINATE, SH3D_MAX_COORDINATE);
+}
+
+double sh3d_angle(Sh3d *s, const XmlNode *node, const char *name) {
+    double angle = -sh3d_number(s, node, name, 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+    double quarters = angle / (M_PI / 2);
+    if (fabs(angle - nearbyint(quarters) * (M_PI / 2)) >= QUARTER_SLACK) return angle;
+    return nearbyint(quarters) * (M_PI / 2) + 0.0;  // no negative zero
+}
+
+bool sh3d_flag(const XmlNode *node, const char *name, bool missing) {
+    const char *text = xml_get(node, name);
+    return text ? strcmp(text, "true") == 0 : missing;
+}
+
+const char *sh3d_text(const XmlNode *node, const char *name) {
+    const char *text = xml_get(node, name);
+    return text ? text : "";
+}
+
+const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what) {
+    const char *id = sh3d_text(node, "id"), *name = sh3d_text(node, "name");
+    const char *label = *id && strlen(id) < 24 ? id : name;  // long ids are random and say less than the line
+    return arena_format(s->arena, "%s %s%s(line %d)", what, label, *label ? " " : "", node->line);
+}
+
+void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place) {
+    static const int SHOWN = 5;  // names in the note
+    if (tally->count++ == 0) tally->place = place;
+    size_t used = strlen(tally->names);
+    if (tally->shown == SHOWN || strstr(tally->names, name)) return;
+    tally->shown++;
+    snprintf(tally->names + used, sizeof tally->names - used, "%s%.60s", used ? ", " : "", name);
+}
+
+bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb) {
+    const char *text = xml_get(node, name);
+    if (!text) return false;
+    char *stop;
+    unsigned long value = strtoul(text, &stop, 16);
+    if (strlen(text) > 8 || stop == text || *stop || !isxdigit((unsigned char)*text)) {
+        sh3d_fail(s, node, "has %s='%.40s' (up to eight hexadecimal digits AARRGGBB are allowed)", name,
+                  text);
+        return false;
+    }
+    *rgb = (unsigned)(value & 0xFFFFFF);
+    return true;
+}
+
+bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
+    const char *name = xml_get(node, "image");
+    for (int i = 0; name && i < s->texture_count; i++) {
+        if (strcmp(s->textures[i].name, name) != 0) continue;
+        *mean = s->textures[i].mean;
+        return s->textures[i].usable;
+    }
+    Sh3dTexture texture = {.name = name};
+    Bytes image;
+    Error ignored;
+    if (name && s->archive && archive_has(s->archive, name) &&
+        archive_read(s->archive, name, ARCHIVE_MAX_ENTRY, s->arena, &image, &ignored))
+        texture.usable = texture_mean(image, &s->pixels, &texture.mean);
+    if (!texture.usable) sh3d_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
+    if (name) *ARENA_PUSH(s->arena, s->textures, s->texture_count, s->texture_capacity) = texture;
+    *mean = texture.mean;
+    return texture.usable;
+}
+
+static int add_colour(Sh3d *s, const char *name, Rgb colour) {
+    return building_add_material(s->arena, s->b, (Material){.name = name, .reflectance = colour, .alpha = 1});
+}
+
+int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing) {
+    Rgb mean;
+    for (const XmlNode *child = node->first; child; child = child->next)
+        if (xml_is(child, "texture") && strcmp(sh3d_text(child, "attribute"), texture) == 0 &&
+            sh3d_texture(s, child, &mean))
+            return add_colour(s, sh3d_text(child, "name"), mean);
+    unsigned rgb;
+    return sh3d_colour(s, node, colour, &rgb) ? add_colour(s, "paint", maps_colour(rgb)) : missing;
+}
+
+// ---- levels
+
+const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node) {
+    const char *id = xml_get(node, "level");
+    if (!id) return &s->levels[0];
+    for (int i = 0; i < s->level_count; i++)
+        if (s->levels[i].id && strcmp(s->levels[i].id, id) == 0) return &s->levels[i];
+    sh3d_fail(s, node, "refers to level '%.40s', which the file does not have", id);
+    return &s->levels[0];
+}
+
+static int by_elevation(const void *a, const void *b) {
+    const Sh3dLevel *p = a, *q = b;
+    if (p->floor != q->floor) return p->floor < q->floor ? -1 : 1;
+    if (p->index != q->index) return p->index < q->index ? -1 : 1;
+    return p->node->line - q->node->line;
+}
+
+static void read_level(Sh3d *s, const XmlNode *node) {
+    Sh3dLevel level = {.node = node, .id = xml_get(node, "id")};
+    if (!level.id) sh3d_fail(s, node, "has no attribute id (a name is needed)");
+    level.floor = maps_snap(sh3d_coordinate(s, node, "elevation", NAN));
+    level.height = maps_snap(sh3d_length(s, node, "height", s->wall_height / CM));
+    level.slab = maps_snap(sh3d_length(s, node, "floorThickness", DEFAULT_SLAB));
+    level.index = (int)sh3d_number(s, node, "elevationIndex", 0, -1e6, 1e6);
+    if (!s->failed && level.height <= 0)
+        sh3d_fail(s, node, "has height='%s' (a height above 0.05 is allowed)", sh3d_text(node, "height"));
+    for (int i = 0; !s->failed && i < s->level_count; i++)
+        if (strcmp(s->levels[i].id, level.id) == 0)
+            sh3d_fail(s, node, "has the id '%.40s' of the level in line %d", level.id,
+                      s->levels[i].node->line);
+    if (!s->failed) *ARENA_PUSH(s->arena, s->levels, s->level_count, s->level_capacity) = level;
+}
+
+static void read_levels(Sh3d *s) {
+    for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next)
+        if (xml_is(node, "level")) read_level(s, node);
+    if (s->failed) return;
+    if (s->level_count == 0)
+        *ARENA_PUSH(s->arena, s->levels, s->level_count, s->level_capacity) =
+            (Sh3dLevel){.height = s->wall_height, .slab = CM * DEFAULT_SLAB};
+    else
+        qsort(s->levels, (size_t)s->level_count, sizeof *s->levels, by_elevation);
+    Building *b = s->b;
+    for (int i = 0; i < s->level_count; i++) {
+        Sh3dLevel *level = &s->levels[i], *below = i ? &s->levels[i - 1] : NULL;
+        const char *name = level->node ? sh3d_text(level->node, "name") : "";
+        if (below && below->floor == level->floor) {
+            level->storey = below->storey;
+            Storey *storey = &b->storeys[level->storey];
+            storey->height = fmax(storey->height, level->height);
+            building_note(s->arena, b, NOTE_CHANGED, vec3(0, 0, level->floor),
+                          "%s:%d: level %s lies at the elevation of level %s: read as one storey", s->where,
+                          level->node->line, name, storey->name);
+            continue;
+        }
+        level->storey = b->storey_count;
+        *ARENA_PUSH(s->arena, b->storeys, b->storey_count, b->storey_capacity) =
+            (Storey){arena_string(s->arena, name), level->floor, level->height, level->slab};
+    }
+}
+
+// ---- rooms
+
+int sh3d_add_point(Sh3d *s, Vec2 point, int material) {
+    Sketch *k = s->sketch;
+    k->points = arena_grow(s->arena, k->points, k->point_count, &k->point_capacity, sizeof *k->points);
+    k->edge_material =
+        arena_grow(s->arena, k->edge_material, k->point_count, &k->edge_capacity, sizeof *k->edge_material);
+    k->points[k->point_count] = point;
+    k->edge_material[k->point_count] = material;
+    return k->point_count++;
+}
+
+static void read_room(Sh3d *s, const XmlNode *node) {
+    SketchRoom room = {.storey = sh3d_level(s, node)->storey,
+                       .first_point = s->sketch->point_count,
+                       .name = sh3d_text(node, "name"),
+                       .z0 = NAN,
+                       .z1 = NAN,
+                       .wall_material = s->wall_material};
+    for (const XmlNode *child = node->first; child && !s->failed; child = child->next) {
+        if (!xml_is(child, "point")) continue;
+        double x = sh3d_coordinate(s, child, "x", NAN), y = -sh3d_coordinate(s, child, "y", NAN);
+        sh3d_add_point(s, vec2(x, y), -1);
+        room.point_count++;
+    }
+    Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
+    room.place = sh3d_place(s, node, "room");
+    // floorVisible and ceilingVisible only say what the program draws: whoever walks needs a floor.
+    room.floor_material = sh3d_material(s, node, "floorColor", "floorTexture", s->floor_material);
+    room.ceiling_material = sh3d_material(s, node, "ceilingColor", "ceilingTexture", s->ceiling_material);
+    if (room.point_count < 3) {
+        building_note(s->arena, s->b, NOTE_DROPPED, vec3(first.x, first.y, 0),
+                      "%s: %s has %d points (at least 3 are needed): left out", s->where, room.place,
+                      room.point_count);
+        return;
+    }
+    *ARENA_PUSH(s->arena, s->sketch->rooms, s->sketch->room_count, s->sketch->room_capacity) = room;
+}
+
+// ---- cameras
+
+static Viewpoint read_camera(Sh3d *s, const XmlNode *node) {
+    Viewpoint v = {.name = arena_string(s->arena, sh3d_text(node, "name"))};
+    v.eye.x = sh3d_coordinate(s, node, "x", NAN);
+    v.eye.y = -sh3d_coordinate(s, node, "y", NAN);
+    // Absolute: in a home with its ground floor 112 cm up, cameras in that floor stand at 250 cm.
+    v.eye.z = sh3d_coordinate(s, node, "z", NAN);
+    double yaw = sh3d_number(s, node, "yaw", NAN, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+    // The file's yaw 0 looks along its +y, which is our -y, and both turn the same way seen from above.
+    v.yaw = atan2(-cos(yaw), -sin(yaw));
+    v.pitch = -sh3d_number(s, node, "pitch", NAN, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+    v.fov = sh3d_number(s, node, "fieldOfView", DEFAULT_FOV, 0.01, 3.1);
+    return v;
+}
+
+static bool is_camera(const XmlNode *node, const char *attribute) {
+    return (xml_is(node, "observerCamera") || xml_is(node, "camera")) &&
+           strcmp(sh3d_text(node, "attribute"), attribute) == 0;
+}
+
+static void read_tour(Sh3d *s, const XmlNode *environment) {
+    Building *b = s->b;
+    Tour tour = {.name = "camera path", .first_viewpoint = b->tour_point_count};
+    for (const XmlNode *node = environment->first; node && !s->failed; node = node->next)
+        if (is_camera(node, "cameraPath"))
+            *ARENA_PUSH(s->arena, b->tour_points, b->tour_point_count, b->tour_point_capacity) =
+                read_camera(s, node);
+    tour.viewpoint_count = b->tour_point_count - tour.first_viewpoint;
+    if (tour.viewpoint_count > 0) *ARENA_PUSH(s->arena, b->tours, b->tour_count, b->tour_capacity) = tour;
+}
+
+static void read_cameras(Sh3d *s) {
+    Building *b = s->b;
+    for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next) {
+        // The camera from above is for plans, not for walks.
+        bool observer = is_camera(node, "observerCamera");
+        if (xml_is(node, "environment")) read_tour(s, node);
+        if (!observer && !is_camera(node, "storedCamera")) continue;
+        Viewpoint v = read_camera(s, node);
+        if (observer) {
+            s->has_observer = true;
+            v.name = "observer";
+            s->observer = v;
+        }
+        *ARENA_PUSH(s->arena, b->viewpoints, b->viewpoint_count, b->viewpoint_capacity) = v;
+    }
+}
+
+// ---- the home
+
+static void set_defaults(Sh3d *s) {
+    s->wall_material = add_colour(s, "wall", maps_colour(WALL_COLOUR));
+    s->ceiling_material = add_colour(s, "ceiling", maps_colour(WALL_COLOUR));
+    s->floor_material = add_colour(s, "floor", maps_colour(FLOOR_COLOUR));
+    s->sketch->outer_material = s->wall_material;
+    s->sketch->slab_material = add_colour(s, "slab", maps_colour(WALL_COLOUR));
+    s->sketch->ground = 0;  // the program's ground lies at elevation 0
+    s->sketch->ground_material = add_colour(s, "ground", maps_colour(GROUND_COLOUR));
+    for (const XmlNode *node = s->home->first; node; node = node->next)
+        if (xml_is(node, "environment"))
+            s->sketch->ground_material =
+                sh3d_material(s, node, "groundColor", "groundTexture", s->sketch->ground_material);
+}
+
+static void note(Sh3d *s, const Sh3dTally *tally, const char *what) {
+    if (tally->count == 0) return;
+    building_note(s->arena, s->b, NOTE_CHANGED, tally->place, "%s: %d %s%s%s", s->where, tally->count, what,
+                  *tally->names ? ": " : "", tally->names);
+}
+
+static void add_notes(Sh3d *s) {
+    note(s, &s->missing_models, "models are not in the file, their pieces are boxes or plain stairs");
+    note(s, &s->missing_frames, "models of doors and windows are not in the file, they have no frames");
+    note(s, &s->missing_textures,
+         "textures are missing or could not be decoded, another colour stands for them");
+    note(s, &s->dark_lights, "lamps have no light source and give no light");
+    note(s, &s->unknown_joins, "wall ends name a wall that is not in the file and are not joined");
+    note(s, &s->bad_shapes, "outlines of holes make no sense and are rectangles");
+}
+
+bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
+                 Error *error) {
+    Sh3d s = {.pixels = TEXTURE_FREE_PIXELS,
+              .where = where,
+              .archive = archive,
+              .arena = arena,
+              .b = b,
+              .sketch = sketch,
+              .error = error};
+    if (!xml_parse(xml, where, arena, &s.home, error)) return false;
+    if (!xml_is(s.home, "home"))
+        return error_set(error, "%s:%d: the file's element is %.40s (home is needed)", where, s.home->line,
+                         s.home->name);
+    s.wall_height = maps_snap(sh3d_length(&s, s.home, "wallHeight", DEFAULT_WALL_HEIGHT));
+    if (!s.failed && s.wall_height <= 0)
+        sh3d_fail(&s, s.home, "has wallHeight='%s' (a height above 0.05 is allowed)",
+                  sh3d_text(s.home, "wallHeight"));
+    if (!s.failed) set_defaults(&s);
+    if (!s.failed) read_levels(&s);
+    if (!s.failed) sh3d_read_walls(&s);
+    for (const XmlNode *node = s.home->first; node && !s.failed; node = node->next)
+        if (xml_is(node, "room")) read_room(&s, node);
+    if (!s.failed && s.wall_count == 0 && sketch->room_count == 0)
+        return error_set(error, "%s: the home is empty (at least a wall or a room is needed)", where);
+    if (!s.failed) sh3d_add_walls(&s);
+    if (!s.failed) sh3d_add_sloped_ceilings(&s);
+    if (!s.failed) sh3d_read_pieces(&s);
+    if (!s.failed) read_cameras(&s);
+    if (!s.failed) add_notes(&s);
+    if (s.has_observer) {
+        b->start = s.observer.eye;
+        b->start_yaw = s.observer.yaw;
+    }
+    return !s.failed;
+}
+
+// ---- the reader
+
+static bool starts_as_zip(Bytes content) {
+    return content.size >= 4 && memcmp(content.data, "PK\3\4", 4) == 0;
+}
+
+// A ZIP may hold anything; so Home.xml is looked for only once the reader is chosen, and missed with a reason.
+static bool recognise(Bytes content) {
+    static const size_t HEAD = 4096;  // bytes in which the home element begins
+    if (starts_as_zip(content)) return true;
+    size_t size = content.size < HEAD ? content.size : HEAD;
+    return memmem(content.data, size, "<home", 5) != NULL;
+}
+
+static bool inside(const Building *b, Vec3 p) {
+    for (int i = 0; i < b->region_count; i++) {
+        const Region *r = &b->regions[i];
+        if (r->kind != REGION_ROOM || p.z <= r->z0 || p.z >= r->z1) continue;
+        bool in = false;
+        for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
+            const Vec2 *q = &b->points[b->rings[k].first_point];
+            for (int n = b->rings[k].point_count, j = 0; j < n; j++) {
+                Vec2 u = q[j], v = q[(j + 1) % n];
+                if ((u.y > p.y) != (v.y > p.y) && p.x < u.x + (p.y - u.y) / (v.y - u.y) * (v.x - u.x))
+                    in = !in;
+            }
+        }
+        if (in) return true;
+    }
+    return false;
+}
+
+// The walk begins where the home was left, if that is in a room; else where maps_enclose puts it.
+static bool enclose(Sketch *sketch, Arena *arena, Building *b, Error *error) {
+    Vec3 observer = b->start;
+    double yaw = b->start_yaw;
+    b->start = vec3(0, 0, 0);
+    b->start_yaw = 0;
+    if (!maps_enclose(sketch, b, arena, error)) return false;
+    if (inside(b, observer)) {
+        b->start = observer;
+        b->start_yaw = yaw;
+    }
+    return true;
+}
+
+static bool read_zip(const char *path, Bytes content, Arena *arena, Building *b, Sketch *sketch,
+                     Error *error) {
+    Archive *archive;
+    Bytes xml;
+    if (!archive_open(content, path, arena, &archive, error)) return false;
+    bool good = archive_has(archive, "Home.xml");
+    if (!good)
+        error_set(
+            error,
+            "%s: the file has no entry Home.xml; set the preference \"Save homes in XML format\" of Sweet "
+            "Home 3D (5.3 or later) and save it again",
+            path);
+    good = good && archive_read(archive, "Home.xml", SH3D_MAX_XML, arena, &xml, error) &&
+           sh3d_sketch(xml, archive, arena_format(arena, "%s:Home.xml", path), arena, b, sketch, error);
+    archive_close(archive);
+    return good;
+}
+
+static bool read(const char *path, Bytes content, Arena *arena, Building *b, Error *error) {
+    Sketch sketch = {0};
+    const char *suffix = strrchr(path, '.');
+    bool zip = starts_as_zip(content) || (suffix && strcasecmp(suffix, ".sh3d") == 0 && !recognise(content));
+    bool good = zip ? read_zip(path, content, arena, b, &sketch, error)
+                    : sh3d_sketch(content, NULL, path, arena, b, &sketch, error);
+    return good && enclose(&sketch, arena, b, error);
+}
+
+const MapsReader MAPS_READER_SH3D = {
+    .name = "sh3d",
+    .suffixes = ".sh3d .xml",
+    .summary = "Sweet Home 3D homes, or their Home.xml alone",
+    .recognise = recognise,
+    .read = read,
+};

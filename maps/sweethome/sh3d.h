@@ -1,0 +1,141 @@
+// sh3d.h - the parts of the Sweet Home 3D reader; private to maps/, and to its tests, which look at the plan
+// before it is enclosed.
+//
+// The file's plan is in centimetres with y down. Everything is turned into metres with y up as soon as it is read:
+// a mirror image, so angles change their sign there, while left stays left as seen on the screen. Only the plan is
+// mirrored: a model's right, up and front become x, z and -y, which is a turn, and lettering stays legible.
+#ifndef MAPS_SH3D_H
+#define MAPS_SH3D_H
+
+#include "maps/building/sketch.h"
+#include "maps/building/zip.h"
+#include "maps/polygons/obj.h"
+#include "maps/sweethome/sh3d_xml.h"
+
+// Bytes of Home.xml: real ones have below 1 MB.
+#define SH3D_MAX_XML ((size_t)64 << 20)
+// Bounds on what a file may say, in its own centimetres and radians.
+#define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
+#define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
+#define SH3D_MAX_ANGLE 1e6       // cameras really turn many times round
+// How near two heights count as equal, metres: files hold them in single precision centimetres.
+#define SH3D_SAME_HEIGHT 0.01
+
+typedef struct Sh3dLevel {
+    const XmlNode *node;  // NULL in a home without levels
+    const char *id;
+    double floor, height, slab;  // metres
+    int index;                   // among levels of the same elevation
+    int storey;
+} Sh3dLevel;
+
+typedef struct Sh3dWall {
+    const XmlNode *node;
+    const char *id, *place;
+    Vec2 start, end;  // of the axis
+    double arc;       // angle swept from start to end, counter-clockwise; 0: straight
+    double thickness;
+    double floor, top[2];  // absolute heights: foot, top at start and end
+    int storey;
+    int joined[2];  // the walls it joins at start and end, -1: none
+    int left_material, right_material, top_material;
+    Vec2 *left, *right;  // [side_count] from start to end; mitred at last
+    int side_count;
+    bool bounding;  // reaches the ceiling, or stands under a sloped one
+} Sh3dWall;
+
+typedef struct Sh3dModel {
+    const char *name;  // of the entry
+    ObjModel obj;
+    bool usable;
+} Sh3dModel;
+
+typedef struct Sh3dTexture {
+    const char *name;
+    Rgb mean;
+    bool usable;
+} Sh3dTexture;
+
+// Things that are counted over the home and noted once, with the first of their names.
+typedef struct Sh3dTally {
+    int count, shown;
+    char names[320];  // the first few, each once
+    Vec3 place;
+} Sh3dTally;
+
+typedef struct Sh3d {
+    const char *where;  // for messages: the XML file
+    Archive *archive;   // NULL: a bare Home.xml
+    Arena *arena;
+    Building *b;
+    Sketch *sketch;
+    Error *error;
+    bool failed;  // the first error is in `error`; what was read after it means nothing
+    const XmlNode *home;
+    double wall_height;  // of walls that state none, metres
+    Sh3dLevel *levels;
+    Sh3dWall *walls;
+    Sh3dModel *models;
+    Sh3dTexture *textures;
+    double pixels;  // that may still be decoded
+    int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
+        texture_capacity;
+    int wall_material, floor_material, ceiling_material;  // of those that name no colour
+    Sh3dTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes;
+    bool has_observer;
+    Viewpoint observer;
+} Sh3d;
+
+// ---- sh3d.c
+
+// Reads a home into a plan (storeys into the building, the rest of the plan into `sketch`) and appends furniture,
+// lights, viewpoints and tours to `b`. `archive` may be NULL. Opening i of the building will be opening i of the
+// sketch: maps_enclose keeps them one to one, and objects of doors refer to them by that.
+bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
+                 Error *error);
+
+// Attributes. `missing` is the value when absent; NAN makes it required. A bad value sets s->failed.
+double sh3d_number(Sh3d *s, const XmlNode *node, const char *name, double missing, double low, double high);
+double sh3d_length(Sh3d *s, const XmlNode *node, const char *name, double missing);      // metres, >= 0
+double sh3d_coordinate(Sh3d *s, const XmlNode *node, const char *name, double missing);  // metres, as signed
+double sh3d_angle(Sh3d *s, const XmlNode *node, const char *name);  // counter-clockwise; quarter turns exact
+bool sh3d_flag(const XmlNode *node, const char *name, bool missing);
+const char *sh3d_text(const XmlNode *node, const char *name);  // "" when absent
+const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what);
+bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) __attribute__((format(printf, 3, 4)));
+void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place);
+
+const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node);  // never NULL
+int sh3d_add_point(Sh3d *s, Vec2 point, int material);
+
+// The material of an attribute `colour` or of the child texture whose attribute is `texture`; else `missing`.
+int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing);
+bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb);  // false: absent
+bool sh3d_texture(Sh3d *s, const XmlNode *texture, Rgb *mean);
+
+// ---- sh3d_walls.c
+
+bool sh3d_read_walls(Sh3d *s);           // after levels; sets the storeys' heights
+void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
+void sh3d_add_sloped_ceilings(Sh3d *s);  // after rooms and walls
+
+// ---- sh3d_pieces.c: furniture, stairs, lights and the models of doors
+
+void sh3d_read_pieces(Sh3d *s);
+// Places the model of a door or window: its frame, and its leaves where it is a door.
+void sh3d_add_opening_model(Sh3d *s, const XmlNode *node, int opening, const char *name);
+bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in its name or catalogue id
+
+// ---- sh3d_openings.c
+
+void sh3d_read_opening(Sh3d *s, const XmlNode *node);
+
+// ---- sh3d_shape.c
+
+// The largest figure of an SVG path (all commands but S and T), curves as polylines, into `out`; returns its
+// point count, 0 where the path makes no sense or has more than `max` points.
+int sh3d_shape(const char *path, Vec2 *out, int max);
+#define SH3D_MAX_SHAPE 256
+double sh3d_shape_area(const Vec2 *points, int count);  // signed, counter-clockwise positive
+
+#endif

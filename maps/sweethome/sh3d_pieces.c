@@ -1,0 +1,422 @@
+// sh3d_pieces.c - furniture, lamps, stairs and the models of doors: each a model scaled to its box and put in its
+// place, as Sweet Home 3D shows it. What the program can do beyond that and this reader does not: parts of a model
+// moved by hand (`transformation`), shininess, textures other than by their mean.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "maps/sweethome/sh3d_pieces.h"
+
+static const unsigned BOX_COLOUR = 0xC8C4BC;  // sRGB, of a piece without model and colour
+static const double FLAT = 1e-9;              // model units: an extent below it stays flat
+static const float PANE_ALPHA = 0.3f;         // of window panes whose material is not transparent itself
+static const float INVISIBLE = 0.01f;         // alpha below which a face is not there at all
+static const double WATTS = 10;               // radiant flux of a lamp of power 1
+static const double DEFAULT_POWER = 0.5, DEFAULT_RADIUS = 0.0325;  // the program's own; metres
+static const double MAX_STEP = 0.2;                                // metres, of a plain stair
+static const double STAIR_REACH = 0.3;  // metres by which a stair may end below the floor it leads to
+#define MAX_STEPS 200
+#define MAX_FAN 256  // corners from which a face is cut into a fan, since cutting it well takes cubic time
+static const size_t MAX_MODEL = (size_t)64 << 20;  // bytes
+
+static const char *const STAIR_WORDS[] = {"stair", "escalier", "trepp",   "scala", "escaler", "escada",
+                                          "trap",  "schod",    "лестниц", "階段",  NULL};
+static const char *const NO_STAIR_WORDS[] = {"trapez", "strap", "staircase rail", NULL};
+
+static Piece read_piece(Sh3d *s, const XmlNode *node) {
+    static const double UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    Piece p = {.node = node, .name = sh3d_text(node, "name")};
+    p.at = vec2(sh3d_coordinate(s, node, "x", NAN), -sh3d_coordinate(s, node, "y", NAN));
+    // Above the level, in a group too: its members hold places of their own.
+    p.z = sh3d_level(s, node)->floor + sh3d_coordinate(s, node, "elevation", 0);
+    p.width = sh3d_length(s, node, "width", NAN);
+    p.depth = sh3d_length(s, node, "depth", NAN);
+    p.height = sh3d_length(s, node, "height", NAN);
+    p.angle = sh3d_angle(s, node, "angle");
+    p.pitch = sh3d_number(s, node, "pitch", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+    p.roll = sh3d_number(s, node, "roll", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+    p.mirrored = sh3d_flag(node, "modelMirrored", false);
+    p.both_sides = sh3d_flag(node, "backFaceShown", false);
+    p.coloured = sh3d_colour(s, node, "color", &p.colour);
+    memcpy(p.turn, UNTURNED, sizeof p.turn);
+    const char *text = xml_get(node, "modelRotation");
+    for (int i = 0; text && i < 9; i++) {
+        char *stop;
+        p.turn[i] = strtod(text, &stop);
+        // Elements of a rotation matrix; a little more, since files round.
+        if (stop == text || !(fabs(p.turn[i]) <= 1.01)) {
+            sh3d_fail(s, node, "has modelRotation='%.60s' (nine numbers from -1 to 1 are allowed)",
+                      xml_get(node, "modelRotation"));
+            break;
+        }
+        text = stop;
+    }
+    return p;
+}
+
+// ---- models
+
+typedef struct Folder {
+    Sh3d *s;
+    const char *entry;  // of the file that refers to others
+} Folder;
+
+// Entries are spelled as they are, or as in an address, or beside the file that refers to them.
+static bool read_entry(void *context, const char *name, Arena *arena, Bytes *out) {
+    const Folder *folder = context;
+    Sh3d *s = folder->s;
+    const char *slash = strrchr(folder->entry, '/');
+    char *path =
+        arena_format(arena, "%.*s%s", slash ? (int)(slash - folder->entry + 1) : 0, folder->entry, name);
+    for (char *c = path; *c; c++)
+        if (*c == '\\') *c = '/';
+    Error ignored;
+    return archive_has(s->archive, path) && archive_read(s->archive, path, MAX_MODEL, arena, out, &ignored);
+}
+
+static char *decode_address(Sh3d *s, const char *name) {
+    char *out = arena_string(s->arena, name), *to = out;
+    for (const char *from = name; *from; from++) {
+        unsigned code;
+        int used = 0;
+        if (sscanf(from, "%%%2x%n", &code, &used) == 1 && used == 3 && code > 0) {
+            *to++ = (char)code;
+            from += 2;
+        } else {
+            *to++ = *from;
+        }
+    }
+    *to = '\0';
+    return out;
+}
+
+static const ObjModel *find_model(Sh3d *s, const XmlNode *node) {
+    const char *name = xml_get(node, "model");
+    if (!name || !s->archive) return NULL;
+    for (int i = 0; i < s->model_count; i++)
+        if (strcmp(s->models[i].name, name) == 0) return s->models[i].usable ? &s->models[i].obj : NULL;
+    Sh3dModel model = {.name = name};
+    const char *entry = archive_has(s->archive, name) ? name : decode_address(s, name);
+    Bytes content;
+    Error ignored;
+    Folder folder = {s, entry};
+    ObjFiles files = {read_entry, &folder, &s->pixels};
+    if (archive_has(s->archive, entry) &&
+        archive_read(s->archive, entry, MAX_MODEL, s->arena, &content, &ignored))
+        model.usable = obj_read(content, entry, &files, s->arena, &model.obj, &ignored);
+    Sh3dModel *kept = ARENA_PUSH(s->arena, s->models, s->model_count, s->model_capacity);
+    *kept = model;
+    return kept->usable ? &kept->obj : NULL;
+}
+
+// ---- materials
+
+static bool is_pane(const char *group) { return strcasestr(group, "window_pane") != NULL; }
+
+static const XmlNode * override(const XmlNode *piece, const char *name) {
+    for (const XmlNode *child = piece->first; child; child = child->next)
+        if (xml_is(child, "material") &&
+            (strcmp(sh3d_text(child, "name"), name) == 0 || strcmp(sh3d_text(child, "key"), name) == 0))
+            return child;
+    return NULL;
+}
+
+// A colour of the piece goes over all but its panes; else a texture of the piece; else its materials' own colours.
+static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pane, bool box) {
+    Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
+    if (box) out.reflectance = maps_colour(BOX_COLOUR);
+    if (pane && out.alpha >= 1) out.alpha = PANE_ALPHA;
+    Rgb mean;
+    unsigned rgb;
+    const XmlNode *own = override(p->node, m->name);
+    for (const XmlNode *child = own ? own->first : NULL; child; child = child->next)
+        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
+    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb);
+    for (const XmlNode *child = p->node->first; child && !pane; child = child->next)
+        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
+    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour);
+    return out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
+}
+
+// ---- placing
+
+static Vec3 times(const double m[9], Vec3 v) {
+    return vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
+                m[6] * v.x + m[7] * v.y + m[8] * v.z);
+}
+
+static Box turned_box(Box box, const double m[9]) {
+    Box out = box_empty();
+    for (int i = 0; i < 8; i++)
+        out = box_add(out, times(m, vec3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                                         i & 4 ? box.max.z : box.min.z)));
+    return out;
+}
+
+static double scaled(double v, double low, double high, double size) {
+    return high - low > FLAT ? ((v - low) / (high - low) - 0.5) * size : 0;
+}
+
+// All vertices of a model in building space. The model is turned, its box fitted to the piece's, mirrored, tilted
+// about its centre (so that its new box stands on the piece's foot), turned about z, and put in place.
+static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
+    Vec3 *out = ARENA_ARRAY(s->arena, Vec3, m->vertex_count);
+    Box turned = box_empty(), tilted = box_empty();
+    for (int i = 0; i < m->corner_count; i++)
+        turned = box_add(turned, times(p->turn, m->vertices[m->corners[i]]));
+    // The plain stair fills only part of its box.
+    if (m->fixed_box) turned = turned_box(m->box, p->turn);
+    double c = cos(-p->pitch), sn = sin(-p->pitch), cr = cos(-p->roll), sr = sin(-p->roll);
+    bool tilt = p->pitch != 0 || p->roll != 0;
+    for (int i = 0; i < m->vertex_count; i++) {
+        Vec3 v = times(p->turn, m->vertices[i]);
+        v = vec3(scaled(v.x, turned.min.x, turned.max.x, p->mirrored ? -p->width : p->width),
+                 scaled(v.y, turned.min.y, turned.max.y, p->height),
+                 scaled(v.z, turned.min.z, turned.max.z, p->depth));
+        // The program tilts about one axis only.
+        if (p->pitch != 0)
+            v = vec3(v.x, c * v.y - sn * v.z, sn * v.y + c * v.z);
+        else if (p->roll != 0)
+            v = vec3(cr * v.x - sr * v.y, sr * v.x + cr * v.y, v.z);
+        out[i] = v;
+    }
+    for (int i = 0; tilt && i < m->corner_count; i++) tilted = box_add(tilted, out[m->corners[i]]);
+    Vec3 shift = tilt ? vec3_scale(vec3_add(tilted.min, tilted.max), -0.5) : vec3(0, 0, 0);
+    double half = tilt ? (tilted.max.y - tilted.min.y) / 2 : p->height / 2;
+    double ca = cos(p->angle), sa = sin(p->angle);
+    for (int i = 0; i < m->vertex_count; i++) {
+        Vec3 v = vec3_add(out[i], shift);
+        out[i] = vec3(p->at.x + ca * v.x + sa * v.z, p->at.y + sa * v.x - ca * v.z, p->z + half + v.y);
+    }
+    return out;
+}
+
+// Where the piece shows its backs they are faces of their own.
+static void add_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
+                     int material) {
+    int sides = p->both_sides ? 2 : 1;
+    for (int side = 0; side < sides; side++) {
+        bool turned = p->mirrored != side;
+        Vec3 few[MAX_FAN];
+        for (int i = 0; i < count; i++) few[turned ? count - 1 - i : i] = placed[corner[i]];
+        building_add_polygon(s->arena, s->b, few, count, material);
+    }
+}
+
+// The faces whose part is `which`; `part` [face_count], NULL: all.
+static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, const int *part,
+                      int which, bool box) {
+    int *material = ARENA_ARRAY(s->arena, int, 2 * m->material_count);
+    for (int i = 0; i < 2 * m->material_count; i++) material[i] = -2;
+    for (int i = 0; i < m->face_count; i++) {
+        const ObjFace *f = &m->faces[i];
+        if (part && part[i] != which) continue;
+        bool pane = is_pane(m->groups[f->group]);
+        int *known = &material[2 * f->material + pane];
+        if (*known == -2) *known = piece_material(s, p, &m->materials[f->material], pane, box);
+        if (*known < 0) continue;
+        const int *corner = m->corners + f->first_corner;
+        if (f->corner_count <= MAX_FAN) {
+            add_face(s, p, placed, corner, f->corner_count, *known);
+            continue;
+        }
+        for (int k = 1; k + 1 < f->corner_count; k++)
+            add_face(s, p, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, *known);
+    }
+}
+
+static bool room_for(const Sh3d *s, const Piece *p, const ObjModel *m) {
+    // Pieces beyond become boxes. Real homes have below 200,000.
+    return s->b->polygon_count <=
+           building_polygons_allowed(s->b->file_size) - (int64_t)m->corner_count * (p->both_sides ? 2 : 1);
+}
+
+// An object that turned out empty goes again.
+static void finish_object(Sh3d *s, const Piece *p) {
+    Building *b = s->b;
+    if (b->objects[b->object_count - 1].polygon_count == 0)
+        b->object_count--;
+    else
+        building_set_proxy(b, p->angle);
+}
+
+// ---- plain stairs
+
+static void add_box_quad(Arena *arena, ObjModel *m, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    Vec3 corner[4] = {a, b, c, d};
+    *ARENA_PUSH(arena, m->faces, m->face_count, m->face_capacity) = (ObjFace){m->corner_count, 4, 0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        *ARENA_PUSH(arena, m->corners, m->corner_count, m->corner_capacity) = m->vertex_count;
+        *ARENA_PUSH(arena, m->vertices, m->vertex_count, m->vertex_capacity) = corner[i];
+    }
+}
+
+// A straight flight in the unit box, rising from the front (z = 1) to the back (z = 0) as the program's own stairs
+// do, solid below, `steps` treads the last of which lies at height `rise`.
+static ObjModel stair_model(Arena *arena, int steps, double rise) {
+    ObjModel m = obj_box(arena);
+    m.face_count = m.corner_count = m.vertex_count = 0;
+    for (int i = 0; i < steps; i++) {
+        double low = rise * i / steps, high = rise * (i + 1) / steps;
+        double front = 1 - (double)i / steps, back = 1 - (i + 1.0) / steps;
+        add_box_quad(arena, &m, vec3(0, low, front), vec3(1, low, front), vec3(1, high, front),
+                     vec3(0, high, front));
+        add_box_quad(arena, &m, vec3(0, high, front), vec3(1, high, front), vec3(1, high, back),
+                     vec3(0, high, back));
+        add_box_quad(arena, &m, vec3(0, 0, back), vec3(0, 0, front), vec3(0, high, front),
+                     vec3(0, high, back));
+        add_box_quad(arena, &m, vec3(1, 0, front), vec3(1, 0, back), vec3(1, high, back),
+                     vec3(1, high, front));
+    }
+    add_box_quad(arena, &m, vec3(1, 0, 0), vec3(0, 0, 0), vec3(0, rise, 0), vec3(1, rise, 0));
+    return m;
+}
+
+// The lowest storey whose floor lies above the stair's foot and within reach of its top, or -1.
+static int storey_above(const Sh3d *s, const Piece *p) {
+    for (int i = 0; i < s->b->storey_count; i++) {
+        double floor = s->b->storeys[i].floor;
+        if (floor > p->z + SH3D_SAME_HEIGHT && floor <= p->z + p->height + STAIR_REACH) return i;
+    }
+    return -1;
+}
+
+// What rises above the floor it leads to is railing: the flight itself ends at that floor.
+static ObjModel plain_stair(Sh3d *s, const Piece *p) {
+    int above = storey_above(s, p);
+    double rise = p->height;
+    if (above >= 0) rise = fmin(rise, s->b->storeys[above].floor - p->z);
+    int steps = (int)fmin(fmax(ceil(rise / MAX_STEP), 1), MAX_STEPS);
+    return stair_model(s->arena, steps, p->height > 0 ? rise / p->height : 1);
+}
+
+static void add_cutout(Sh3d *s, const Piece *p) {
+    const char *path = xml_get(p->node, "staircaseCutOutShape");
+    int storey = path ? storey_above(s, p) : -1;
+    if (storey < 0) return;
+    Vec2 shape[SH3D_MAX_SHAPE] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+    int count = sh3d_shape(path, shape, SH3D_MAX_SHAPE);
+    if (count < 3) {
+        sh3d_tally(&s->bad_shapes, p->name, vec3(p->at.x, p->at.y, p->z));
+        memcpy(shape, (Vec2[]){{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 4 * sizeof(Vec2));
+        count = 4;
+    }
+    SketchCutout cutout = {storey, s->sketch->point_count, count, sh3d_place(s, p->node, "stair")};
+    double c = cos(p->angle), sn = sin(p->angle);
+    for (int i = 0; i < count; i++) {
+        // The square's y counts from the back to the front.
+        double x = (shape[i].x - 0.5) * (p->mirrored ? -p->width : p->width),
+               y = (0.5 - shape[i].y) * p->depth;
+        sh3d_add_point(s, vec2(p->at.x + c * x - sn * y, p->at.y + sn * x + c * y), -1);
+    }
+    *ARENA_PUSH(s->arena, s->sketch->cutouts, s->sketch->cutout_count, s->sketch->cutout_capacity) = cutout;
+}
+
+// ---- pieces
+
+static void add_piece(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
+    const ObjModel *m = find_model(s, p->node);
+    ObjModel stand_in;
+    bool box = !m || !room_for(s, p, m);
+    if (box) {
+        stand_in = flight ? plain_stair(s, p) : obj_box(s->arena);
+        m = &stand_in;
+        sh3d_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
+    }
+    building_add_object(s->arena, s->b, kind, p->name);
+    add_faces(s, p, m, place(s, p, m), NULL, 0, box);
+    finish_object(s, p);
+}
+
+void sh3d_add_opening_model(Sh3d *s, const XmlNode *node, int opening, const char *name) {
+    Piece p = read_piece(s, node);
+    const ObjModel *m = find_model(s, node);
+    if (s->failed) return;
+    if (!m || !room_for(s, &p, m)) {
+        // No box: it would fill the hole.
+        sh3d_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
+        return;
+    }
+    const Vec3 *placed = place(s, &p, m);
+    SketchOpening *o = &s->sketch->openings[opening];
+    Sh3dLeaves leaves = {NULL, {0}};
+    if (o->kind == OPENING_DOOR) leaves = sh3d_find_leaves(s, &p, m, placed, o);
+    int frame = building_add_object(s->arena, s->b, OBJECT_FRAME, name);
+    s->b->objects[frame].opening = opening;
+    add_faces(s, &p, m, placed, leaves.part, SH3D_FRAME, false);
+    finish_object(s, &p);
+    for (int leaf = 0; leaf < o->leaf_count; leaf++) {
+        int object = building_add_object(s->arena, s->b, OBJECT_LEAF, name);
+        s->b->objects[object].opening = opening;
+        s->b->objects[object].leaf = leaf;
+        add_faces(s, &p, m, sh3d_close_leaf(s, m, placed, &leaves, leaf, o), leaves.part, leaf, false);
+        finish_object(s, &p);
+    }
+}
+
+static Rgb lamp_flux(Sh3d *s, const XmlNode *source, double watts) {
+    unsigned rgb = 0xFFFFFF;
+    sh3d_colour(s, source, "color", &rgb);
+    Rgb c = maps_colour(rgb);
+    double sum = (double)c.r + (double)c.g + (double)c.b;
+    // A black lamp has no proportion to go by: white.
+    if (sum <= 0) c = (Rgb){1, 1, 1}, sum = 3;
+    double share = watts / sum;
+    return (Rgb){(float)(c.r * share), (float)(c.g * share), (float)(c.b * share)};
+}
+
+// Places in shares of the lamp's box: x from its left, y from its front, z from its foot.
+static void add_lights(Sh3d *s, const Piece *p, int object) {
+    double power = sh3d_number(s, p->node, "power", DEFAULT_POWER, 0, 1e6);
+    int sources = 0;
+    for (const XmlNode *child = p->node->first; child; child = child->next)
+        sources += xml_is(child, "lightSource");
+    if (sources == 0) sh3d_tally(&s->dark_lights, p->name, vec3(p->at.x, p->at.y, p->z));
+    double c = cos(p->angle), sn = sin(p->angle);
+    for (const XmlNode *child = p->node->first; child && !s->failed; child = child->next) {
+        if (!xml_is(child, "lightSource")) continue;
+        double x = (sh3d_number(s, child, "x", NAN, -100, 100) - 0.5) * (p->mirrored ? -p->width : p->width);
+        double y = (sh3d_number(s, child, "y", NAN, -100, 100) - 0.5) * p->depth;
+        double z = sh3d_number(s, child, "z", NAN, -100, 100) * p->height;
+        double diameter = sh3d_number(s, child, "diameter", 0, 0, 100);
+        Light light = {.name = p->name, .object = object};
+        light.position = vec3(p->at.x + c * x - sn * y, p->at.y + sn * x + c * y, p->z + z);
+        light.radius = diameter > 0 ? diameter * p->width / 2 : DEFAULT_RADIUS;
+        light.flux = lamp_flux(s, child, WATTS * power / sources);
+        *ARENA_PUSH(s->arena, s->b->lights, s->b->light_count, s->b->light_capacity) = light;
+    }
+}
+
+static bool is_stair(const XmlNode *node) {
+    return xml_get(node, "staircaseCutOutShape") ||
+           (sh3d_has_word(node, STAIR_WORDS) && !sh3d_has_word(node, NO_STAIR_WORDS));
+}
+
+static void read_furniture(Sh3d *s, const XmlNode *node, bool of_stair) {
+    Piece p = read_piece(s, node);
+    if (s->failed) return;
+    bool lamp = xml_is(node, "light");
+    int object = s->b->object_count;
+    ObjectKind kind = lamp ? OBJECT_LAMP : of_stair || is_stair(node) ? OBJECT_STAIR : OBJECT_FURNITURE;
+    add_piece(s, &p, kind, kind == OBJECT_STAIR && !of_stair);
+    if (kind == OBJECT_STAIR) add_cutout(s, &p);
+    if (lamp) add_lights(s, &p, s->b->object_count > object ? object : -1);
+}
+
+// In a group called a stair each member is a step. The depth of groups is bounded by XML_MAX_DEPTH.
+static void read_children(Sh3d *s, const XmlNode *parent, bool of_stair) {
+    for (const XmlNode *node = parent->first; node && !s->failed; node = node->next) {
+        bool opening = xml_is(node, "doorOrWindow"), group = xml_is(node, "furnitureGroup");
+        bool piece = xml_is(node, "pieceOfFurniture") || xml_is(node, "light") || xml_is(node, "shelfUnit");
+        if (!(opening || group || piece) || !sh3d_flag(node, "visible", true)) continue;
+        if (group)
+            read_children(s, node, of_stair || is_stair(node));
+        else if (opening)
+            sh3d_read_opening(s, node);
+        else
+            read_furniture(s, node, of_stair);
+    }
+}
+
+void sh3d_read_pieces(Sh3d *s) { read_children(s, s->home, false); }

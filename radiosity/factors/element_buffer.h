@@ -1,0 +1,27 @@
+// element_buffer.h - item buffers as the first papers drew them: every element is projected, clipped and drawn by itself, at
+// the cost that their tables tell. The methods of form_factor.h draw faces instead, and are exact.
+#ifndef RADIOSITY_ELEMENT_BUFFER_H
+#define RADIOSITY_ELEMENT_BUFFER_H
+
+#include "radiosity/factors/row.h"
+
+typedef enum ElementBufferKind {
+    ELEMENT_HEMICUBE,   // Cohen & Greenberg 1985: five sides
+    ELEMENT_HEMISPHERE  // Doi & Itoh: one base disc
+} ElementBufferKind;
+
+enum { ELEMENT_MOST_SIDES = 5 };
+
+typedef struct ElementBuffer ElementBuffer;
+
+ElementBuffer *element_buffer_new(const Mesh *mesh, ElementBufferKind kind, int resolution, Arena *arena);
+int element_buffer_sides(const ElementBuffer *self);
+// Empties the buffers for a point.
+void element_buffer_start(ElementBuffer *self, const ViewPoint *from);
+// The four planes of a side's view volume, as for Eye; returns how many there are, 0: all directions.
+int element_buffer_frustum(const ElementBuffer *self, int side, Plane out[4]);
+// Draws the elements of some faces on a side; returns how many there are.
+long long element_buffer_draw(ElementBuffer *self, int side, const int *faces, int face_count);
+void element_buffer_sum(const ElementBuffer *self, RowSum *sum);
+
+#endif

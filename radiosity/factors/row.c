@@ -1,0 +1,143 @@
+// row.c - sums of shares become rows. The element that a sample meets is found from where its direction meets the face's
+// plane: with the face's grid in the view's axes that is one division a sample, whatever the number of elements.
+#include "radiosity/factors/row.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "engine/core/error.h"
+
+// How a face of the view lies under its grid: along w the square is floor(dot(x, w) / dot(n, w)), likewise y.
+typedef struct RowFace {
+    float n[3], x[3], y[3];
+    float columns, rows;   // one less than there are
+    int nx, first_square;  // first_square -1: its back is seen
+    int face;
+    unsigned stamp;  // the row these numbers are of
+} RowFace;
+
+void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
+    *sum = (RowSum){.mesh = mesh};
+    sum->share = ARENA_ARRAY(arena, double, mesh->element_count);
+    sum->touched = ARENA_ARRAY(arena, int, mesh->element_count + 1);
+    sum->row.element = ARENA_ARRAY(arena, int, mesh->element_count);
+    sum->row.factor = ARENA_ARRAY(arena, float, mesh->element_count);
+    sum->word_count = mesh->element_count / 64 + 1;
+    sum->marked = ARENA_ARRAY(arena, uint64_t, sum->word_count);
+    sum->faces = ARENA_ARRAY(arena, RowFace, mesh->face_count);
+}
+
+// Increasing, by a bit for each element.
+static void sort_touched(RowSum *sum) {
+    int low = sum->word_count, high = -1, count = 0;
+    for (int i = 0; i < sum->touched_count; i++) {
+        int word = sum->touched[i] / 64;
+        sum->marked[word] |= (uint64_t)1 << (sum->touched[i] % 64);
+        if (word < low) low = word;
+        if (word > high) high = word;
+    }
+    for (int word = low; word <= high; word++) {
+        for (uint64_t bits = sum->marked[word]; bits; bits &= bits - 1)
+            sum->touched[count++] = word * 64 + __builtin_ctzll(bits);
+        sum->marked[word] = 0;
+    }
+    // An element whose shares were 0 came several times.
+    sum->touched_count = count;
+}
+
+const Row *row_finish(RowSum *sum) {
+    Row *row = &sum->row;
+    sort_touched(sum);
+    double total = sum->back + sum->escaped;
+    for (int i = 0; i < sum->touched_count; i++) total += sum->share[sum->touched[i]];
+    double scale = total > 0 ? 1 / total : 0;
+    row->count = 0;
+    for (int i = 0; i < sum->touched_count; i++) {
+        int element = sum->touched[i];
+        float factor = (float)(sum->share[element] * scale);
+        sum->share[element] = 0;
+        if (!(factor > 0)) continue;
+        row->element[row->count] = element;
+        row->factor[row->count++] = factor;
+    }
+    row->back = sum->back * scale;
+    row->escaped = sum->escaped * scale;
+    // Shares of faces close by are put right, after which less may escape.
+    row->sky = fmin(sum->sky * scale, row->escaped);
+    sum->touched_count = 0;
+    sum->back = sum->escaped = sum->sky = 0;
+    return row;
+}
+
+// ---- samples
+
+static void to_view(const View *view, Vec3 v, float out[3]) {
+    out[0] = (float)vec3_dot(view->x, v);
+    out[1] = (float)vec3_dot(view->y, v);
+    out[2] = (float)vec3_dot(view->z, v);
+}
+
+// The plane's point along w is w d / dot(n, w): on the grid dot(g, w) d / dot(n, w) + c, with c where the eye is.
+static void lay_face(const RowSum *sum, const View *view, int item, RowFace *out) {
+    const ViewFace *seen = &view->faces[item];
+    const Face *face = &sum->mesh->faces[seen->face];
+    Vec3 n = face->plane.n, from = vec3_sub(view->eye, face->origin);
+    Vec3 x = vec3_add(vec3_scale(face->gx, seen->d), vec3_scale(n, vec3_dot(face->gx, from)));
+    Vec3 y = vec3_add(vec3_scale(face->gy, seen->d), vec3_scale(n, vec3_dot(face->gy, from)));
+    *out = (RowFace){.columns = (float)(face->nx - 1),
+                     .rows = (float)(face->ny - 1),
+                     .nx = face->nx,
+                     .first_square = seen->d > 0 ? -1 : face->first_square,
+                     .face = seen->face,
+                     .stamp = sum->stamp};
+    to_view(view, n, out->n);
+    to_view(view, x, out->x);
+    to_view(view, y, out->y);
+}
+
+static float dot3(const float a[3], float x, float y, float z) { return a[0] * x + a[1] * y + a[2] * z; }
+// To a whole number of squares; what is a rounding outside, or no number, is inside.
+static int square_along(float at, float last) { return (int)(at > 0 ? at < last ? at : last : 0); }
+
+// A sample that meets its plane in a square where the face is not, by a rounding.
+static int stray(const RowSum *sum, const View *view, int item, Vec3 w) {
+    const ViewFace *seen = &view->faces[item];
+    Vec3 along =
+        vec3_add(vec3_scale(view->x, w.x), vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z)));
+    Vec3 n = sum->mesh->faces[seen->face].plane.n;
+    double slope = vec3_dot(n, along), r = slope == 0 ? 0 : seen->d / slope;
+    return mesh_element_at(sum->mesh, seen->face, vec3_add(view->eye, vec3_scale(along, r)));
+}
+
+static float height_of(const View *view, const FormFactorSamples *s, int i) {
+    return (float)view->x.z * s->x[i] + (float)view->y.z * s->y[i] + (float)view->z.z * s->z[i];
+}
+
+void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item) {
+    const int *squares = sum->mesh->squares;
+    if (++sum->stamp == 0) {
+        // Come round: forget the marks of long ago.
+        for (int f = 0; f < sum->mesh->face_count; f++) sum->faces[f].stamp = 0;
+        sum->stamp = 1;
+    }
+    for (int i = 0; i < samples->count; i++) {
+        if (item[i] < 0) {
+            sum->escaped += (double)samples->weight[i];
+            if (height_of(view, samples, i) > 0) sum->sky += (double)samples->weight[i];
+            continue;
+        }
+        RowFace *face = &sum->faces[item[i]];
+        if (face->stamp != sum->stamp) lay_face(sum, view, item[i], face);
+        if (face->first_square < 0) {
+            sum->back += (double)samples->weight[i];
+            continue;
+        }
+        float x = samples->x[i], y = samples->y[i], z = samples->z[i];
+        float scale = 1 / dot3(face->n, x, y, z);
+        int column = square_along(dot3(face->x, x, y, z) * scale, face->columns);
+        int row = square_along(dot3(face->y, x, y, z) * scale, face->rows);
+        int element = squares[face->first_square + row * face->nx + column];
+        if (element < 0) element = stray(sum, view, item[i], (Vec3){(double)x, (double)y, (double)z});
+        row_add(sum, element, (double)samples->weight[i]);
+    }
+}

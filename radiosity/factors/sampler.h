@@ -1,0 +1,28 @@
+// sampler.h - which face is seen along each of many directions: the one rasteriser behind the projective methods.
+//
+// Directions lie in blocks of 8 x 8 neighbours, 16 blocks to a group; a box about the directions of each tells what faces
+// cannot reach it. Exact: no projection, no clipping, no depth that is linear in the wrong space (design.md, "Form factors").
+#ifndef RADIOSITY_SAMPLER_H
+#define RADIOSITY_SAMPLER_H
+
+#include "radiosity/factors/form_factor.h"
+#include "radiosity/factors/sample_grids.h"
+#include "radiosity/mesh/lines.h"
+
+enum { SAMPLER_BLOCK = 8 };  // samples along the side of a block
+
+typedef struct Sampler Sampler;
+
+// The samples of all grids, turned about z by `turn`, radians; weights are scaled to sum 1. `lines` of the mesh, NULL: they are found.
+Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid *grids, int grid_count,
+                     double turn, Arena *arena);
+const FormFactorSamples *sampler_samples(const Sampler *self);
+
+// Draws what is in view. Of lines that are longer than a face's edge the ends come from the mesh.
+void sampler_draw(Sampler *self, const View *view, FormFactorWork *work);
+// What was drawn, as indices of view->faces in the order of the samples.
+void sampler_items(const Sampler *self, int32_t *item);
+// What was drawn, as shares of elements.
+void sampler_row(Sampler *self, const View *view, RowSum *sum);
+
+#endif

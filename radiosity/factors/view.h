@@ -1,0 +1,52 @@
+// view.h - what a point of a surface has before it: the faces that the stab trees allow it, in its own axes.
+#ifndef RADIOSITY_VIEW_H
+#define RADIOSITY_VIEW_H
+
+#include "radiosity/mesh/mesh.h"
+
+// A face from the eye. The eye is at the origin; z is the normal of the surface it is on.
+typedef struct ViewFace {
+    int face;                        // in Mesh.faces; of faces equally far away the lower one is seen
+    int first_vertex, vertex_count;  // in View.vertices; counter-clockwise seen from the face's front
+    Vec3 n;                          // unit, to the face's front
+    double d;                        // dot(n, p) = d on its plane; below 0: the eye is in front of it
+} ViewFace;
+
+// What is before a point.
+typedef struct View {
+    Vec3 eye, x, y, z;  // building space; x, y, z are unit and right-handed
+    // Those with a point above the horizon (z > 0) whose planes do not hold the eye; near to far as their nearest
+    // corners are, which says nothing certain about which hides which.
+    ViewFace *faces;
+    // Metres from the eye, in the view's axes: dot(x, v - eye) and so on, to the last bit. There is room for one more.
+    Vec3 *vertices;
+    int face_count, vertex_count;
+    bool by_depth;  // what lies wholly behind what was drawn may be passed over
+} View;
+
+// Where to look from.
+typedef struct ViewPoint {
+    Vec3 eye, normal;
+    int cell;  // of the graph, in front of the surface; -1: unknown, nothing is culled
+} ViewPoint;
+
+typedef enum ViewCulling {
+    CULL_NOTHING,  // every face above the horizon is drawn
+    CULL_DEPTH,    // but for what the depths of those before it hide: as all that follow
+    CULL_CELLS,    // faces of the cells in the stab tree (cell-to-cell)
+    CULL_PLAN,     // stab tree and Oki's horizontal angle (section 3.1), squares of the mesh in each cell
+    CULL_PORTALS,  // stab tree, portals clipped in three dimensions
+    VIEW_CULLINGS
+} ViewCulling;
+extern const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS];  // "none", "depth", "cells", "plan", "portals"
+
+// One thread's.
+typedef struct Viewer Viewer;
+// `door_open` as for mesh_build. All memory is taken here.
+Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena);
+// Valid until the next look. Allocates nothing.
+const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling);
+// Axes for a normal, the same whenever asked.
+void view_axes(Vec3 normal, Vec3 *x, Vec3 *y);
+
+#endif

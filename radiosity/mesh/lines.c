@@ -1,0 +1,186 @@
+// lines.c - finds the straight lines that bound faces: edges that follow each other straight in some outline are one line,
+// and so are edges between the same two vertices.
+//
+// Design.md, "T-vertices between polygons crack": a wall that meets two others along its edge has a vertex in the middle of
+// it, which in floats lies beside the line. If each part of the edge were a great circle of its own, samples beside the
+// joint would fall between the faces; here all of them are decided by one line.
+#include "radiosity/mesh/lines.h"
+
+#include <stdlib.h>
+
+typedef struct Line {
+    Vec3 point, along;  // a point of it, and unit direction
+    int from, to;       // the vertices it goes through
+} Line;
+
+// An edge of an outline; `low` and `high` are its vertices in increasing order.
+typedef struct OutlineEdge {
+    int low, high, at;  // at: in Mesh.outline, that it starts from
+} OutlineEdge;
+
+typedef struct Finder {
+    const Mesh *mesh;
+    int *next;    // [outline_count] the following place in Mesh.outline
+    int *parent;  // [outline_count] of the union-find forest over edges, each named by where it starts
+    bool *bent;   // [outline_count] of roots: its vertices do not lie on one line
+} Finder;
+
+static int root_of(int *parent, int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+static void join(int *parent, int a, int b) {
+    a = root_of(parent, a);
+    b = root_of(parent, b);
+    parent[a > b ? a : b] = a < b ? a : b;
+}
+
+static int by_vertices(const void *a, const void *b) {
+    const OutlineEdge *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    if (x->high != y->high) return x->high < y->high ? -1 : 1;
+    return x->at < y->at ? -1 : x->at > y->at;
+}
+
+static Vec3 vertex(const Finder *f, int at) { return f->mesh->vertices[f->mesh->outline[at]]; }
+
+// The distance of p from the line through a and b.
+static double off_line(Vec3 a, Vec3 b, Vec3 p) {
+    Vec3 along = vec3_normalize(vec3_sub(b, a));
+    return vec3_length(vec3_cross(along, vec3_sub(p, a)));
+}
+
+// Edges between the same vertices are one.
+static void join_shared(Finder *f, Arena *scratch) {
+    int count = f->mesh->outline_count;
+    OutlineEdge *edges = ARENA_ARRAY(scratch, OutlineEdge, count + 1);
+    for (int i = 0; i < count; i++) {
+        int p = f->mesh->outline[i], q = f->mesh->outline[f->next[i]];
+        edges[i] = (OutlineEdge){p < q ? p : q, p < q ? q : p, i};
+    }
+    qsort(edges, (size_t)count, sizeof *edges, by_vertices);
+    for (int i = 1; i < count; i++)
+        if (edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high)
+            join(f->parent, edges[i].at, edges[i - 1].at);
+}
+
+// Edges that follow each other straight are one.
+static void join_straight(Finder *f) {
+    for (int i = 0; i < f->mesh->outline_count; i++) {
+        int j = f->next[i], k = f->next[j];
+        Vec3 p = vertex(f, i), q = vertex(f, j), r = vertex(f, k);
+        if (vec3_dot(vec3_sub(q, p), vec3_sub(r, q)) > 0 && off_line(p, r, q) < RAD_STRAIGHT)
+            join(f->parent, i, j);
+    }
+}
+
+// The line of each joined set: through its two farthest vertices along its first edge.
+static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
+    int count = f->mesh->outline_count;
+    double *low = ARENA_ARRAY(scratch, double, count + 1), *high = ARENA_ARRAY(scratch, double, count + 1);
+    int *first = ARENA_ARRAY(scratch, int, count + 1), *last = ARENA_ARRAY(scratch, int, count + 1);
+    for (int i = 0; i < count; i++) first[i] = last[i] = i;
+    for (int i = 0; i < count; i++) {
+        int root = root_of(f->parent, i);
+        Vec3 from = vertex(f, root), along = vec3_sub(vertex(f, f->next[root]), from);
+        for (int end = 0; end < 2; end++) {
+            int at = end ? f->next[i] : i;
+            double t = vec3_dot(along, vec3_sub(vertex(f, at), from));
+            if (t < low[root]) low[root] = t, first[root] = at;
+            if (t > high[root]) high[root] = t, last[root] = at;
+        }
+    }
+    for (int i = 0; i < count; i++) {
+        if (root_of(f->parent, i) != i) continue;
+        Vec3 from = vertex(f, first[i]);
+        line[i] = (Line){from, vec3_normalize(vec3_sub(vertex(f, last[i]), from)), f->mesh->outline[first[i]],
+                         f->mesh->outline[last[i]]};
+    }
+}
+
+// Sets that turned out to bend, as a round wall of many short edges does, fall apart into their edges.
+static void part_bent(Finder *f, const Line *line, Arena *scratch) {
+    int count = f->mesh->outline_count;
+    bool any = false;
+    for (int i = 0; i < count; i++) {
+        const Line *l = &line[root_of(f->parent, i)];
+        for (int end = 0; end < 2; end++) {
+            Vec3 p = vertex(f, end ? f->next[i] : i);
+            if (vec3_length(vec3_cross(l->along, vec3_sub(p, l->point))) <= RAD_STRAIGHT) continue;
+            f->bent[root_of(f->parent, i)] = any = true;
+        }
+    }
+    if (!any) return;
+    int *root = ARENA_ARRAY(scratch, int, count + 1);
+    for (int i = 0; i < count; i++) root[i] = root_of(f->parent, i);
+    for (int i = 0; i < count; i++)
+        if (f->bent[root[i]]) f->parent[i] = i;
+    // What stays joined must not hang from what was parted: give each set a root of its own again.
+    for (int i = 0; i < count; i++)
+        if (!f->bent[root[i]]) f->parent[i] = root[i];
+    Finder shared = *f;
+    shared.parent = ARENA_ARRAY(scratch, int, count + 1);
+    for (int i = 0; i < count; i++) shared.parent[i] = i;
+    join_shared(&shared, scratch);
+    for (int i = 0; i < count; i++)
+        if (f->bent[root[i]]) f->parent[i] = root_of(shared.parent, i);
+}
+
+// A vertex as edges of the face name it.
+static int name_of(const Mesh *mesh, const Face *face, int vertex) {
+    for (int i = 0; i < face->vertex_count; i++)
+        if (mesh->outline[face->first_vertex + i] == vertex) return i;
+    return ~vertex;
+}
+
+static void add_edges(const Finder *f, const Line *lines, const int *number, FaceLines *out, Arena *scratch) {
+    const Mesh *mesh = f->mesh;
+    int *last_face = ARENA_ARRAY(scratch, int, out->line_count + 1);  // that has the line, and one more
+    for (int k = 0; k < mesh->face_count; k++) {
+        const Face *face = &mesh->faces[k];
+        out->first_edge[k] = out->edge_count;
+        for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++) {
+            int root = root_of(f->parent, i);
+            if (last_face[number[root]] == k + 1) continue;
+            last_face[number[root]] = k + 1;
+            const Line *line = &lines[root];
+            Vec3 step = vec3_sub(vertex(f, f->next[i]), vertex(f, i));
+            int from = name_of(mesh, face, line->from), to = name_of(mesh, face, line->to);
+            bool with = vec3_dot(step, line->along) > 0;
+            out->edges[out->edge_count++] = (FaceEdge){with ? from : to, with ? to : from};
+        }
+        int edges = out->edge_count - out->first_edge[k];
+        if (edges > out->most_edges) out->most_edges = edges;
+    }
+    out->first_edge[mesh->face_count] = out->edge_count;
+}
+
+FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
+    Arena scratch = {0};
+    int count = mesh->outline_count;
+    Finder f = {.mesh = mesh,
+                .next = ARENA_ARRAY(&scratch, int, count + 1),
+                .parent = ARENA_ARRAY(&scratch, int, count + 1),
+                .bent = ARENA_ARRAY(&scratch, bool, count + 1)};
+    for (int k = 0; k < mesh->face_count; k++) {
+        int first = mesh->faces[k].first_vertex, n = mesh->faces[k].vertex_count;
+        for (int i = 0; i < n; i++) f.next[first + i] = first + (i + 1) % n;
+    }
+    for (int i = 0; i < count; i++) f.parent[i] = i;
+    Line *line = ARENA_ARRAY(&scratch, Line, count + 1);
+    join_shared(&f, &scratch);
+    join_straight(&f);
+    fit_lines(&f, line, &scratch);
+    part_bent(&f, line, &scratch);
+    fit_lines(&f, line, &scratch);
+    FaceLines out = {.edges = ARENA_ARRAY(arena, FaceEdge, count + 1),
+                     .first_edge = ARENA_ARRAY(arena, int, mesh->face_count + 1),
+                     .face_count = mesh->face_count};
+    int *number = ARENA_ARRAY(&scratch, int, count + 1);
+    for (int i = 0; i < count; i++)
+        if (root_of(f.parent, i) == i) number[i] = out.line_count++;
+    add_edges(&f, line, number, &out, &scratch);
+    arena_free(&scratch);
+    return out;
+}

@@ -1,0 +1,74 @@
+// mesh_parts.h - what the files of the mesh share.
+#ifndef RADIOSITY_MESH_PARTS_H
+#define RADIOSITY_MESH_PARTS_H
+
+#include "radiosity/mesh/mesh.h"
+#include "radiosity/mesh/mesh_places.h"
+
+// A line that elements of a face are cut along, from the face's origin.
+typedef struct MeshCut {
+    Vec3 from, to;
+    Vec3 open;  // in the plane, away from what stands there; 0: not known
+} MeshCut;
+
+typedef struct MeshBuilder {
+    Mesh *mesh;
+    Arena *arena, scratch;
+    Places places;
+    Arena cut_arena;
+    MeshCut *cuts;  // of face f first_cut[f] .. first_cut[f + 1] - 1
+    int *first_cut, cut_count, cut_capacity, shared_capacity;
+    int element_capacity, patch_capacity, corner_capacity;
+    int laid, cut;  // bits of the splits read so far, by those who lay grids and by those who cut along them
+} MeshBuilder;
+
+// Squares i0 .. i1 by j0 .. j1 of a face, both included.
+typedef struct MeshBlock {
+    int i0, j0, i1, j1;
+} MeshBlock;
+
+// An element to be, before it is cut: what a block of squares holds of the face.
+typedef struct MeshLeaf {
+    MeshBlock block;
+    MeshDepth depth;
+    int patch;    // leaves of one have one number, each its own where they begin
+    double area;  // m^2; 0: none, or joined to another
+} MeshLeaf;
+
+// mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
+int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out);
+// How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
+int mesh_deepest(MeshBuilder *builder, double roots);
+
+// mesh_grid.c: the grid of a face with these corners, places of the builder; and a finer one where cuts cross it, so that only what
+// lies in few small squares takes a search.
+void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
+void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face);
+// mesh_anchor.c: outlines of faces from their corners, places of the builder; and of all elements, once they are cut.
+void mesh_anchor_outlines(MeshBuilder *builder, int *corner);
+void mesh_anchor_elements(MeshBuilder *builder);
+// mesh_contacts.c: the cuts of all faces, whose outlines are places by then. False where there are too many to look for.
+bool mesh_find_cuts(MeshBuilder *builder);
+
+// A convex part of an element to be, from the face's origin.
+typedef struct MeshPiece {
+    Vec3 *v;  // [count]
+    int count;
+    int element;   // that it became; -1: none
+    bool covered;  // something stands there, or close before it
+} MeshPiece;
+enum { MESH_MOST_PIECES = 32 };
+// mesh_pieces.c: cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
+int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
+                    MeshPiece *out);
+// The middle of its corners.
+Vec3 mesh_middle(const MeshPiece *piece);
+// The inward sides of a convex polygon about the normal n, but those that are rounding; returns how many. `out` has room for `count`.
+int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out);
+// How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
+double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
+
+// mesh_squares.c: the elements and patches of all faces, whose outlines are places by then. False where squares would be too many.
+bool mesh_cut_faces(MeshBuilder *builder);
+
+#endif

@@ -1,0 +1,196 @@
+// mesh_places.c - welds points by place and finds those on edges, with hash tables of small cubes: time grows with the
+// number of points and with the length of the edges, whatever the building.
+#include "radiosity/mesh/mesh_places.h"
+
+#include <stdint.h>
+
+// Side of the cubes in which points are welded, metres: far above MESH_WELD, so that few lie near a border. The cubes are
+// shifted: coordinates are often whole millimetres.
+static const double WELD_CUBE = 1e-3;
+static const double WELD_SHIFT = 0.37e-3;
+// Those of the grid are shifted too, in sides: floors often lie at 0, and edges along a border meet twice the cubes.
+static const double GRID_SHIFT = 0.37;
+
+typedef struct Cube {
+    int64_t x, y, z;
+} Cube;
+
+static Cube cube_at(Vec3 p, double size, double shift) {
+    return (Cube){(int64_t)floor((p.x + shift) / size), (int64_t)floor((p.y + shift) / size),
+                  (int64_t)floor((p.z + shift) / size)};
+}
+
+static unsigned cube_hash(Cube c) {
+    uint64_t h = (uint64_t)c.x * 0x9e3779b97f4a7c15u ^ (uint64_t)c.y * 0xc2b2ae3d27d4eb4fu ^
+                 (uint64_t)c.z * 0x165667b19e3779f9u;
+    h ^= h >> 32;
+    h *= 0xd6e8feb86659fd93u;
+    return (unsigned)(h >> 32);
+}
+
+// ---- welding
+
+static int *slot_for(const Places *places, unsigned hash) {
+    return &places->slots[hash & (unsigned)(places->slot_count - 1)];
+}
+
+static void link_place(Places *places, int place) {
+    int *slot = slot_for(places, places->links[place].hash);
+    places->links[place].next = *slot;
+    *slot = place;
+}
+
+static void grow_table(Places *places, int slots) {
+    places->slots = ARENA_ARRAY(places->arena, int, slots);
+    places->slot_count = slots;
+    for (int i = 0; i < slots; i++) places->slots[i] = -1;
+    for (int i = 0; i < places->count; i++) link_place(places, i);
+}
+
+void places_start(Places *places, Arena *arena) {
+    *places = (Places){.arena = arena};
+    grow_table(places, 1024);
+}
+
+// Points lie all over memory: their hashes tell most of them apart.
+static int find_in_cube(const Places *places, unsigned hash, Vec3 point) {
+    for (int i = *slot_for(places, hash); i >= 0; i = places->links[i].next) {
+        if (places->links[i].hash != hash) continue;
+        Vec3 off = vec3_sub(places->points[i], point);
+        if (vec3_dot(off, off) <= MESH_WELD * MESH_WELD) return i;
+    }
+    return -1;
+}
+
+// Is a coordinate farther from the borders of its cube than points are welded, and than rounding?
+static bool is_clear(double at, int64_t cube) {
+    double from = at + WELD_SHIFT - (double)cube * WELD_CUBE;
+    return from > 2 * MESH_WELD && from < WELD_CUBE - 2 * MESH_WELD;
+}
+
+static bool is_inside(Cube home, Vec3 p) {
+    return is_clear(p.x, home.x) && is_clear(p.y, home.y) && is_clear(p.z, home.z);
+}
+
+// The first that came, whichever cube it is in: where one is near a border, points beyond it count too.
+static int find_place(const Places *places, Cube home, Vec3 point) {
+    if (is_inside(home, point)) return find_in_cube(places, cube_hash(home), point);
+    Vec3 by = {MESH_WELD, MESH_WELD, MESH_WELD};
+    Cube low = cube_at(vec3_sub(point, by), WELD_CUBE, WELD_SHIFT);
+    Cube high = cube_at(vec3_add(point, by), WELD_CUBE, WELD_SHIFT);
+    int known = -1;
+    for (int64_t x = low.x; x <= high.x; x++) {
+        for (int64_t y = low.y; y <= high.y; y++) {
+            for (int64_t z = low.z; z <= high.z; z++) {
+                int i = find_in_cube(places, cube_hash((Cube){x, y, z}), point);
+                if (i >= 0 && (known < 0 || i < known)) known = i;
+            }
+        }
+    }
+    return known;
+}
+
+int places_add(Places *places, Vec3 point) {
+    Cube home = cube_at(point, WELD_CUBE, WELD_SHIFT);
+    int known = find_place(places, home, point);
+    if (known >= 0) return known;
+    int i = places->count;
+    *ARENA_PUSH(places->arena, places->points, places->count, places->capacity) = point;
+    ARENA_PUSH(places->arena, places->links, i, places->link_capacity)->hash = cube_hash(home);
+    if (places->count > places->slot_count)
+        grow_table(places, 4 * places->slot_count);
+    else
+        link_place(places, places->count - 1);
+    return places->count - 1;
+}
+
+// ---- points on edges
+
+static Cube cube_in(const PlaceGrid *grid, Vec3 p) { return cube_at(p, grid->size, grid->shift); }
+
+static unsigned slot_of(const PlaceGrid *grid, Cube cube) { return cube_hash(cube) & (grid->slot_count - 1); }
+
+PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena) {
+    PlaceGrid grid = {.points = points, .size = size, .shift = GRID_SHIFT * size, .slot_count = 1024};
+    while (grid.slot_count < (unsigned)count) grid.slot_count *= 2;
+    Arena scratch = {0};
+    unsigned *slot = ARENA_ARRAY(&scratch, unsigned, count);
+    grid.first = ARENA_ARRAY(arena, int, grid.slot_count + 1);
+    grid.sorted = ARENA_ARRAY(arena, PlaceInGrid, count);
+    for (int i = 0; i < count; i++) {
+        slot[i] = slot_of(&grid, cube_in(&grid, points[i]));
+        grid.first[slot[i] + 1]++;
+    }
+    for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s + 1] += grid.first[s];
+    // Backwards, each run fills from its end: in order, and the beginnings are back in place when done.
+    for (int i = count - 1; i >= 0; i--) grid.sorted[--grid.first[slot[i] + 1]] = (PlaceInGrid){points[i], i};
+    for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s] = grid.first[s + 1];
+    grid.first[grid.slot_count] = count;
+    arena_free(&scratch);
+    return grid;
+}
+
+// A piece of an edge: t in [t0, t1), and a box about it.
+typedef struct EdgePiece {
+    Vec3 from, along;  // of the whole edge
+    double length;     // of it, metres
+    int a, b;
+    double t0, t1;
+    Box box;
+} EdgePiece;
+
+static bool same_cube(Cube a, Cube b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool is_in_box(const Box *box, Vec3 p) {
+    return p.x >= box->min.x && p.x <= box->max.x && p.y >= box->min.y && p.y <= box->max.y &&
+           p.z >= box->min.z && p.z <= box->max.z;
+}
+
+// Points of a cube that are on the piece.
+static void find_on_edge(const PlaceGrid *grid, Cube cube, const EdgePiece *edge, PlacesFound *out) {
+    unsigned slot = slot_of(grid, cube);
+    for (int k = grid->first[slot]; k < grid->first[slot + 1]; k++) {
+        const PlaceInGrid *point = &grid->sorted[k];
+        if (!is_in_box(&edge->box, point->at) || point->place == edge->a || point->place == edge->b) continue;
+        Vec3 off = vec3_sub(point->at, edge->from);
+        double t = vec3_dot(off, edge->along) / (edge->length * edge->length);
+        if (!(t >= edge->t0 && t < edge->t1)) continue;
+        Vec3 beside = vec3_sub(off, vec3_scale(edge->along, t));
+        if (vec3_dot(beside, beside) > MESH_WELD * MESH_WELD) continue;
+        if (!same_cube(cube, cube_in(grid, point->at))) continue;  // of the same slot
+        *ARENA_PUSH(out->arena, out->found, out->count, out->capacity) = (PlaceOnEdge){t, point->place};
+    }
+}
+
+static void sort_by_t(PlaceOnEdge *found, int count) {
+    for (int i = 1; i < count; i++) {
+        PlaceOnEdge p = found[i];
+        int at = i;
+        for (; at > 0 && (found[at - 1].t > p.t || (found[at - 1].t == p.t && found[at - 1].point > p.point));
+             at--)
+            found[at] = found[at - 1];
+        found[at] = p;
+    }
+}
+
+int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *out) {
+    out->count = 0;
+    EdgePiece edge = {grid->points[a], vec3_sub(grid->points[b], grid->points[a]), .a = a, .b = b};
+    edge.length = vec3_length(edge.along);
+    if (edge.length <= MESH_WELD) return 0;
+    // In pieces no longer than a cube, which meet eight cubes at most and mostly one or two.
+    int pieces = (int)ceil(edge.length / grid->size);
+    for (int i = 0; i < pieces; i++) {
+        edge.t0 = (double)i / pieces;
+        edge.t1 = (double)(i + 1) / pieces;
+        Vec3 from = vec3_add(edge.from, vec3_scale(edge.along, edge.t0)),
+             to = vec3_add(edge.from, vec3_scale(edge.along, edge.t1));
+        edge.box = box_grow(box_add(box_add(box_empty(), from), to), 2 * MESH_WELD);
+        Cube low = cube_in(grid, edge.box.min), high = cube_in(grid, edge.box.max);
+        for (int64_t x = low.x; x <= high.x; x++)
+            for (int64_t y = low.y; y <= high.y; y++)
+                for (int64_t z = low.z; z <= high.z; z++) find_on_edge(grid, (Cube){x, y, z}, &edge, out);
+    }
+    sort_by_t(out->found, out->count);
+    return out->count;
+}

@@ -1,0 +1,36 @@
+// hemisphere.c - form factors by the hemisphere base: a unit hemisphere's points lie over the unit disc, and equal areas of the
+// disc are equal shares of the light that leaves the centre (Nusselt 1928; Doi & Itoh's hemisphere base). The samples are the
+// centres of R x R pixels over the disc, those inside it, with equal weights.
+//
+// Departs from Doi & Itoh: edges are exact great circles, not polylines, and depth is exact, not interpolated (sampler.h).
+#include "radiosity/factors/row.h"
+#include "radiosity/factors/sampler.h"
+
+static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+    SampleGrid grids[MOST_GRIDS];
+    int count = grids_of_disc(options->resolution, grids);
+    return sampler_new(mesh, options->lines, grids, count, GRIDS_TURN, arena);
+}
+
+static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }
+
+static void items(void *self, const View *view, int32_t *item, FormFactorWork *work) {
+    sampler_draw(self, view, work);
+    sampler_items(self, item);
+}
+
+static void row(void *self, const View *view, RowSum *sum, FormFactorWork *work) {
+    sampler_draw(self, view, work);
+    sampler_row(self, view, sum);
+}
+
+const FormFactorMethod FORM_FACTOR_HEMISPHERE = {
+    .name = "hemisphere",
+    .summary = "pixels of a hemisphere's base, edges and depth exact",
+    .projective = true,
+    .mended = true,
+    .start = start,
+    .samples = samples,
+    .items = items,
+    .row = row,
+};

@@ -1,0 +1,21 @@
+// ray_caster.h - the faces of a mesh in Embree: the nearest face along each of eight rays.
+#ifndef RADIOSITY_RAY_CASTER_H
+#define RADIOSITY_RAY_CASTER_H
+
+#include "engine/core/lane.h"
+#include "radiosity/mesh/mesh.h"
+
+typedef struct RayCaster RayCaster;
+RayCaster *ray_caster_new(const Mesh *mesh, Arena *arena);
+void ray_caster_end(RayCaster *scene);
+
+// Directions in building space, unit; all from one point of a surface with this normal.
+typedef struct RayEight {
+    Lane x, y, z;
+} RayEight;
+// `coherent`: the eight go nearly the same way. Only rays of `mask` are cast.
+// Faces are of Mesh.faces, -1: nothing; elements -1: nothing, or a back.
+void ray_caster_cast(RayCaster *scene, Vec3 eye, Vec3 normal, const RayEight *rays, LaneInt mask,
+                     bool coherent, int32_t face[LANES], int32_t element[LANES]);
+
+#endif

@@ -1,0 +1,13 @@
+// ambient.h - light that is still on its way, as an even glow: what a solution that is not complete looks like meanwhile.
+#ifndef RADIOSITY_AMBIENT_H
+#define RADIOSITY_AMBIENT_H
+
+#include "radiosity/shoot/shoot.h"
+
+// What arrives everywhere indoors of the light that patches have not shot yet, with all its reflections, W/m^2 a channel.
+void ambient_irradiance(const Mesh *mesh, const RadSolution *solution, double out[3]);
+
+// Radiosities with what they reflect of that, [element_count], for show: the solution itself knows nothing of it.
+void ambient_radiosities(const Mesh *mesh, const RadSolution *solution, double (*out)[3]);
+
+#endif

@@ -1,0 +1,270 @@
+// rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
+//
+// Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
+// gathered. The mesh is not stored: it is made again from
+// the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
+#include <string.h>
+
+#include "engine/core/derived.h"
+#include "engine/core/memory.h"
+#include "radiosity/mesh/nodes.h"
+#include "radiosity/shoot/shoot.h"
+
+enum { VERSION = 3 };
+
+typedef struct Header {
+    DerivedHead head;
+    uint64_t rest;  // checksum of what comes after it in the header
+    int32_t element_count, patch_count, door_count, per_patch, node_count;
+    int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
+    int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
+    double element, close;
+    double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
+    int64_t shots;
+} Header;
+
+static const DerivedKind KIND = {.magic = "ENFRAD",
+                                 .name = ".rad",
+                                 .version = VERSION,
+                                 .header = sizeof(Header),
+                                 .largest = (size_t)16 << 30};
+
+static uint64_t rest_hash(const Header *h) {
+    const char *from = (const char *)&h->element_count;
+    return file_hash(from, (size_t)((const char *)(h + 1) - from), VERSION);
+}
+
+static uint64_t mesh_hash(const Mesh *mesh) {
+    uint64_t hash = file_hash(mesh->vertices, (size_t)mesh->vertex_count * sizeof *mesh->vertices, VERSION);
+    hash = file_hash(mesh->corners, (size_t)mesh->corner_count * sizeof *mesh->corners, hash);
+    for (int e = 0; e < mesh->element_count; e++)
+        hash = file_hash(&mesh->elements[e].patch, sizeof mesh->elements[e].patch, hash);
+    return hash;
+}
+
+// Where nothing stands in, it does not matter how far it might have been off.
+static int32_t proxy_of(const MeshOptions *options) {
+    return options->proxies ? (int32_t)lrint(options->proxies->tolerance / PROXY_STEP) : 0;
+}
+
+typedef struct Sizes {
+    size_t doors, splits, radiosity, unshot, nodes, total;
+} Sizes;
+
+// Doubles stay aligned.
+static size_t round_up(size_t bytes) { return (bytes + 7) / 8 * 8; }
+
+static size_t split_bytes(const Header *h) { return h->split_bits > 0 ? ((size_t)h->split_bits + 7) / 8 : 0; }
+
+static Sizes sizes_of(const Header *h) {
+    Sizes s = {.doors = round_up((size_t)h->door_count * sizeof(float)),
+               .splits = round_up(split_bytes(h)),
+               .radiosity = (size_t)h->element_count * 3 * sizeof(double),
+               .unshot = (size_t)h->patch_count * 3 * sizeof(double),
+               .nodes = (size_t)h->node_count * 3 * sizeof(double)};
+    s.total = s.doors + s.splits + s.radiosity + s.unshot + s.nodes;
+    return s;
+}
+
+static const Building *building_of(const Mesh *mesh) { return mesh->graph->building; }
+
+// Of a door in a file's body.
+static float stored_state(const unsigned char *body, int door) {
+    float state;
+    memcpy(&state, body + (size_t)door * sizeof state, sizeof state);
+    return state;
+}
+
+// NULL stands for all wide open.
+static float door_state(const float *door_open, int door) { return door_open ? door_open[door] : 1; }
+
+static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, const float *door_open,
+                       const RadSolution *solution) {
+    Sizes s = sizes_of(h);
+    for (int i = 0; i < h->door_count; i++) {
+        float state = door_state(door_open, i);
+        memcpy(body + (size_t)i * sizeof state, &state, sizeof state);
+    }
+    body += s.doors;
+    if (h->split_bits > 0) memcpy(body, mesh->options.splits->bits, split_bytes(h));
+    memcpy(body + s.splits, solution->radiosity, s.radiosity);
+    memcpy(body + s.splits + s.radiosity, solution->unshot, s.unshot);
+    if (solution->node) memcpy(body + s.splits + s.radiosity + s.unshot, solution->node, s.nodes);
+}
+
+bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
+              Error *error) {
+    const MeshSplits *splits = mesh->options.splits;
+    Header header = {.element_count = solution->element_count,
+                     .patch_count = solution->patch_count,
+                     .door_count = building_of(mesh)->opening_count,
+                     .split_bits = splits ? splits->bit_count : -1,
+                     .even = splits ? splits->even : -1,
+                     .per_patch = mesh->options.per_patch,
+                     .node_count = solution->node_count,
+                     .proxy = proxy_of(&mesh->options),
+                     .element = mesh->options.element,
+                     .close = mesh->options.close,
+                     .shots = solution->shots};
+    memcpy(header.emitted, solution->emitted, sizeof header.emitted);
+    memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
+    memcpy(header.outdoors, solution->outdoors, sizeof header.outdoors);
+    memcpy(header.sky, solution->sky, sizeof header.sky);
+    memcpy(header.escaped, solution->escaped, sizeof header.escaped);
+    header.rest = rest_hash(&header);
+    size_t total = sizes_of(&header).total;
+    unsigned char *file = derived_new(path, &KIND, total, error);
+    if (!file) return false;
+    memcpy(file, &header, sizeof header);
+    write_body(file + sizeof header, &header, mesh, door_open, solution);
+    bool good = derived_write(path, &KIND, building_of(mesh)->hash, mesh_hash(mesh), file, total, error);
+    memory_free(file);
+    return good;
+}
+
+static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
+    bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
+    if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
+        h->patch_count >= 0 && h->node_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
+        return true;
+    return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
+}
+
+// All that can be said of a file without a mesh.
+static bool read_file(const char *path, const Building *building, Arena *arena, Header *h,
+                      const unsigned char **body, Error *error) {
+    Bytes file;
+    if (!derived_read(path, &KIND, building->hash, arena, &file, error)) return false;
+    memcpy(h, file.data, sizeof *h);
+    *body = file.data + sizeof *h;
+    return check_rest(path, h, building, error) &&
+           derived_check_body(path, &KIND, file, sizes_of(h).total, error);
+}
+
+static bool same_splits(const MeshSplits *splits, const Header *h, const unsigned char *body) {
+    if (!splits || h->split_bits < 0) return !splits && h->split_bits < 0;
+    return splits->bit_count == h->split_bits && splits->even == h->even &&
+           (split_bytes(h) == 0 || memcmp(splits->bits, body + sizes_of(h).doors, split_bytes(h)) == 0);
+}
+
+static bool check_nodes(const Header *h, const Mesh *mesh) {
+    Arena scratch = {0};
+    bool good = h->node_count == 0 || h->node_count == nodes_of(mesh, &scratch).count;
+    arena_free(&scratch);
+    return good;
+}
+
+static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
+                       const unsigned char *body, Error *error) {
+    const MeshOptions *o = &mesh->options;
+    if (h->element != o->element || h->per_patch != o->per_patch) {
+        return error_set(error, "%s: has elements of %g m, %d along a patch (asked for: %g m, %d)", path,
+                         h->element, h->per_patch, o->element, o->per_patch);
+    }
+    if (h->close != o->close)
+        return error_set(error, "%s: has elements cut along what is %g m from them (asked for: %g m)", path,
+                         h->close, o->close);
+    if (h->proxy != proxy_of(o))
+        return error_set(error, "%s: has stand-ins for fine furniture within %g m (asked for: %g m; 0: none)",
+                         path, h->proxy * PROXY_STEP, proxy_of(o) * PROXY_STEP);
+    if (!same_splits(o->splits, h, body))
+        return error_set(error, "%s: its elements are not split as those asked for", path);
+    for (int i = 0; i < h->door_count; i++) {
+        if (stored_state(body, i) == door_state(door_open, i)) continue;
+        return error_set(error, "%s: was made with door %s at %g (asked for: %g; 0 closed, 1 wide open)",
+                         path, building_of(mesh)->openings[i].name, (double)stored_state(body, i),
+                         (double)door_state(door_open, i));
+    }
+    if (h->element_count == mesh->element_count && h->patch_count == mesh->patch_count &&
+        h->head.geometry == mesh_hash(mesh) && check_nodes(h, mesh))
+        return true;
+    return error_set(error, "%s: its elements are not those of this program's version", path);
+}
+
+static void *take(Arena *arena, const unsigned char *from, size_t size) {
+    return memcpy(arena_alloc(arena, size, 1), from, size);
+}
+
+static void take_body(const Header *h, const unsigned char *body, Arena *arena, RadSolution *out) {
+    Sizes s = sizes_of(h);
+    *out = (RadSolution){.element_count = h->element_count,
+                         .patch_count = h->patch_count,
+                         .node_count = h->node_count,
+                         .shots = h->shots};
+    body += s.doors + s.splits;
+    out->radiosity = take(arena, body, s.radiosity);
+    out->unshot = take(arena, body + s.radiosity, s.unshot);
+    if (h->node_count > 0) out->node = take(arena, body + s.radiosity + s.unshot, s.nodes);
+    memcpy(out->emitted, h->emitted, sizeof h->emitted);
+    memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
+    memcpy(out->escaped, h->escaped, sizeof h->escaped);
+    memcpy(out->sky, h->sky, sizeof h->sky);
+    memcpy(out->outdoors, h->outdoors, sizeof h->outdoors);
+}
+
+// The checksums find accidents; this keeps a forged file from spreading what is no light.
+static bool is_light(double (*v)[3], int count) {
+    for (int i = 0; i < count; i++) {
+        for (int c = 0; c < 3; c++)
+            if (!(v[i][c] >= 0 && isfinite(v[i][c]))) return false;
+    }
+    return true;
+}
+
+static bool check_light(const char *path, RadSolution *s, Error *error) {
+    if (is_light(s->radiosity, s->element_count) && is_light(s->unshot, s->patch_count) &&
+        is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
+        is_light(&s->escaped, 1) && is_light(&s->sky, 1) && is_light(&s->outdoors, 1) && s->shots >= 0 &&
+        s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        return true;
+    return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
+}
+
+bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
+              Error *error) {
+    Arena scratch = {0};
+    Header h;
+    const unsigned char *body;
+    bool good = read_file(path, building_of(mesh), &scratch, &h, &body, error) &&
+                check_mesh(path, &h, mesh, door_open, body, error);
+    if (good) take_body(&h, body, arena, out);
+    good = good && check_light(path, out, error);
+    arena_free(&scratch);
+    return good;
+}
+
+static bool check_options(const char *path, const Header *h, const unsigned char *body, Error *error) {
+    bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16 &&
+                h->close >= 0 && h->close <= 1 && h->proxy >= 0 && h->proxy * PROXY_STEP <= 1;
+    for (int i = 0; i < h->door_count; i++)
+        good = good && stored_state(body, i) >= 0 && stored_state(body, i) <= 1;
+    return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
+}
+
+static MeshSplits *read_splits(const Header *h, const unsigned char *body, Arena *arena) {
+    if (h->split_bits < 0) return NULL;
+    MeshSplits *splits = ARENA_ARRAY(arena, MeshSplits, 1);
+    *splits = (MeshSplits){.bit_count = h->split_bits, .even = h->even};
+    if (h->split_bits == 0) return splits;
+    splits->bits = ARENA_ARRAY(arena, unsigned char, split_bytes(h));
+    memcpy(splits->bits, body + sizes_of(h).doors, split_bytes(h));
+    return splits;
+}
+
+bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
+                      float *door_open, Error *error) {
+    Arena scratch = {0};
+    Header h;
+    const unsigned char *body;
+    bool good = read_file(path, building, &scratch, &h, &body, error) && check_options(path, &h, body, error);
+    if (good) {
+        *out = (MeshOptions){.element = h.element,
+                             .per_patch = h.per_patch,
+                             .close = h.close,
+                             .proxy = h.proxy * PROXY_STEP,
+                             .splits = read_splits(&h, body, arena)};
+        memcpy(door_open, body, (size_t)h.door_count * sizeof *door_open);
+    }
+    arena_free(&scratch);
+    return good;
+}

@@ -1,0 +1,301 @@
+// shoot.c - radiosity by progressive refinement: the patch with most unshot power shoots to all elements, again and again.
+//
+// Source: M. F. Cohen, S. E. Chen, J. R. Wallace & D. P. Greenberg, A Progressive Refinement Approach to Fast Radiosity
+// Image Generation, 1988: elements receive, patches shoot the mean of their elements, the strongest first.
+// Departures: rows are made ahead, for several patches at a time, but shots happen one after the other in the order of
+// power, as if each row had been made when it was needed. So neither threads, nor the memory for rows, nor where a run
+// was broken off and resumed show in the result. What is unshot is what was emitted less what was absorbed and what
+// escaped: no sum over all patches is needed to know when to stop.
+#include "radiosity/shoot/shoot.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "radiosity/shoot/shoot_elements.h"
+#include "radiosity/shoot/shoot_queue.h"
+
+// Shots between two looks at the clock.
+enum { SHOTS_A_LOOK = 64 };
+// Rows are made ahead of patches with at least such a share of the strongest one's power: this one while there is much to do. The
+// strongest will be about as much weaker in the end as there is less light left to shoot, and the row of a patch that is weaker yet
+// would be in vain.
+static const double WORTH_MAKING = 1.0 / 16, WORTH_MAKING_LAST = 1.0 / 2;
+// The least share of the light that counts as indoors.
+static const double LEAST_INDOORS = 0.01;
+
+RadOptions rad_default_options(void) {
+    return (RadOptions){.method = form_factor_method("hemisphere"),
+                        .form_factor = form_factor_default_options(),
+                        .culling = CULL_PORTALS,
+                        .lamp_detail = 4,
+                        .reach = 2,
+                        .residual = 0.001,
+                        .row_bytes = (size_t)128 << 20};
+}
+
+void rad_fit(const Mesh *mesh, RadOptions *options) {
+    static const struct {
+        int patches;  // up to so many
+        double residual;
+        int resolution;
+    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 141}, {INT32_MAX, 1e-3, 80}};
+    int i = 0;
+    while (mesh->patch_count > FIT[i].patches) i++;
+    if (options->residual == 0) options->residual = FIT[i].residual;
+    if (options->form_factor.resolution == 0) options->form_factor.resolution = FIT[i].resolution;
+}
+
+static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
+
+static void rgb3(Rgb c, double out[3]) {
+    out[0] = (double)c.r;
+    out[1] = (double)c.g;
+    out[2] = (double)c.b;
+}
+
+static bool check_material(const Material *m, int face, Error *error) {
+    double rho[3], e[3];
+    rgb3(m->reflectance, rho);
+    rgb3(m->emission, e);
+    for (int c = 0; c < 3; c++) {
+        if (!(rho[c] >= 0 && rho[c] < 1)) {
+            return error_set(error,
+                             "polygon %d has material %s of reflectance %g (allowed: at least 0, below 1)",
+                             face, m->name ? m->name : "", rho[c]);
+        }
+        if (!(e[c] >= 0 && isfinite(e[c]))) {
+            return error_set(error, "polygon %d has material %s of exitance %g W/m^2 (allowed: at least 0)",
+                             face, m->name ? m->name : "", e[c]);
+        }
+    }
+    return true;
+}
+
+bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+    *out = (RadSolution){.element_count = mesh->element_count, .patch_count = mesh->patch_count};
+    out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
+    out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
+    for (int f = 0; f < mesh->face_count; f++) {
+        if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
+    }
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        double e[3];
+        rgb3(mesh_material(mesh, patch->face)->emission, e);
+        for (int c = 0; c < 3; c++) {
+            out->unshot[p][c] = e[c];
+            out->emitted[c] += e[c] * patch->area;
+            for (int i = 0; i < patch->element_count; i++) out->radiosity[patch->first_element + i][c] = e[c];
+        }
+    }
+    return true;
+}
+
+bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
+    if (!rad_start_dark(mesh, arena, out, error)) return false;
+    if (sum3(out->emitted) > 0) return true;
+    return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
+}
+
+// ---- faces before a patch: those in the cells that its own may see, whether views are culled or not
+
+typedef struct Looks {
+    const Mesh *mesh;
+    const StabForest *forest;
+    double *own, *seen;  // [cell_count] of a cell; of all that it may see, -1: not summed yet
+    double spent;
+} Looks;
+
+static void start_looks(Looks *l, const Mesh *mesh, const StabForest *forest, Arena *arena) {
+    const CellGraph *graph = mesh->graph;
+    *l = (Looks){mesh, forest, ARENA_ARRAY(arena, double, graph->cell_count),
+                 ARENA_ARRAY(arena, double, graph->cell_count), 0};
+    int *faces = ARENA_ARRAY(arena, int, graph->object_count),
+        *last = ARENA_ARRAY(arena, int, graph->object_count);
+    for (int f = 0; f < mesh->face_count; f++) faces[mesh->faces[f].object]++;
+    for (int c = 0; c < graph->cell_count; c++) {
+        const CellMesh *squares = &graph->meshes[c];
+        int first = graph->square_first[squares->first_square],
+            end = graph->square_first[squares->first_square + squares->nx * squares->ny];
+        for (int k = first; k < end; k++) {
+            int object = graph->square_objects[k];
+            if (last[object] != c + 1) l->own[c] += faces[object];
+            last[object] = c + 1;
+        }
+        l->seen[c] = -1;
+    }
+}
+
+static double looks_of(Looks *l, int patch) {
+    int cell = l->mesh->patches[patch].cell;
+    if (cell < 0) return l->mesh->face_count;
+    if (l->seen[cell] >= 0) return l->seen[cell];
+    double sum = 0;
+    for (int c = 0; c < l->mesh->graph->cell_count; c++)
+        if (vis_sees(l->forest, cell, c)) sum += l->own[c];
+    return l->seen[cell] = sum;
+}
+
+// All that a shot asks of a patch, in one line of the cache.
+typedef struct Receiver {
+    Channels unshot;  // W/m^2
+    float reflectance[3];
+    double area, per_area;
+} Receiver;
+
+// The solution, as shots like it.
+typedef struct Shooter {
+    const RadOptions *options;
+    RadSolution *solution;
+    ShootElements *elements;
+    Receiver *receivers;  // [patch_count]
+    Channels absorbed, escaped;
+    ShootQueue queue;
+    ShootRows *rows;
+    Looks looks;
+    int *next;  // [shoot_rows_most]
+    double start, shown;
+} Shooter;
+
+// Computed from the solution alone, however it came about: a run that is resumed goes on just so.
+static double unshot_power(const Receiver *r) {
+    return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
+}
+
+static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
+                  const RadOptions *options, RadSolution *solution, Arena *arena) {
+    *s = (Shooter){.options = options, .solution = solution};
+    s->start = s->shown = clock_seconds();
+    if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
+    s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
+    s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
+    s->elements = shoot_elements_new(mesh, solution, parallel_threads(options->threads), arena);
+    s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
+    s->absorbed = channels_of(solution->absorbed);
+    s->escaped = channels_of(solution->escaped);
+    shoot_queue_start(&s->queue, mesh->patch_count, arena);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        Rgb rho = mesh_material(mesh, patch->face)->reflectance;
+        s->receivers[p] =
+            (Receiver){channels_of(solution->unshot[p]), {rho.r, rho.g, rho.b}, patch->area, 1 / patch->area};
+        if (!options->lamps_only || mesh_emits(mesh, patch->face))
+            shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
+    }
+}
+
+// Back into the solution.
+static void finish(const Shooter *s) {
+    RadSolution *out = s->solution;
+    shoot_elements_finish(s->elements);
+    shoot_elements_store(s->elements, out->radiosity);
+    for (int p = 0; p < out->patch_count; p++) channels_store(s->receivers[p].unshot, out->unshot[p]);
+    channels_store(s->absorbed, out->absorbed);
+    channels_store(s->escaped, out->escaped);
+}
+
+// Receivers lie all over memory, but it is known long before which come: runs ahead to fetch one.
+enum { RECEIVER_AHEAD = 12 };
+
+static void shoot(Shooter *s, int patch, const ShootRow *row) {
+    Receiver *from = &s->receivers[patch];
+    Channels power = from->unshot * channels_spread(from->area * row->scale),
+             absorbed = power * channels_spread(row->back);
+    const bool lamps_only = s->options->lamps_only;
+    from->unshot = channels_spread(0);
+    shoot_queue_clear(&s->queue, patch);
+    shoot_elements_tell(s->elements, row, power);
+    for (int r = 0; r < row->run_count; r++) {
+        const ShootRun *run = &row->runs[r];
+        Receiver *to = &s->receivers[run->patch];
+        if (r + RECEIVER_AHEAD < row->run_count)
+            __builtin_prefetch(&s->receivers[run[RECEIVER_AHEAD].patch], 1);
+        Channels reflected = power * channels_of_floats(to->reflectance);
+        double share = (double)run->share;
+        to->unshot += reflected * channels_spread(share * to->per_area);
+        absorbed += (power - reflected) * channels_spread(share);
+        if (!lamps_only) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
+    }
+    s->absorbed += absorbed;
+    s->escaped += power * channels_spread(row->escaped);
+    s->solution->shots++;
+}
+
+// Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
+// what is indoors.
+static double residual_of(const Shooter *s) {
+    double emitted = sum3(s->solution->emitted), outdoors = sum3(s->solution->outdoors), gone[3];
+    channels_store(s->absorbed + s->escaped, gone);
+    return (emitted - sum3(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
+}
+
+static double worth_making(const Shooter *s) {
+    double in_the_end = s->options->residual / residual_of(s) / 2;
+    return fmin(fmax(in_the_end, WORTH_MAKING), WORTH_MAKING_LAST);
+}
+
+static const ShootRow *row_of(Shooter *s, int patch) {
+    const ShootRow *row = shoot_rows_of(s->rows, patch);
+    if (row) return row;
+    double least = s->queue.power[patch] * worth_making(s);
+    long long wanted = shoot_rows_wanted(s->rows), left = s->options->shots - s->solution->shots;
+    if (s->options->shots > 0 && left < wanted) wanted = left;
+    int count = shoot_queue_next(&s->queue, shoot_rows_there(s->rows), least, (int)wanted, s->next);
+    shoot_elements_finish(s->elements);  // rows that were shot may go
+    shoot_rows_make(s->rows, s->next, count);
+    return shoot_rows_of(s->rows, patch);
+}
+
+// Residuals fall about exponentially, once the lamps have shot.
+static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
+    const RadOptions *o = s->options;
+    double residual = residual_of(s), done = 0;
+    if (o->residual > 0 && o->residual < 1) done = log(fmax(residual, o->residual)) / log(o->residual);
+    if (o->shots > 0) done = fmax(done, (double)s->solution->shots / (double)o->shots);
+    double seconds = clock_seconds() - s->start;
+    if (o->seconds > 0) done = fmax(done, seconds / o->seconds);
+    char stage[64];
+    snprintf(stage, sizeof stage, "residual %.2g %%", 100 * residual);
+    *stopped = !progress_report(progress, stage, fmin(fmax(done, 0), 1));
+    return !*stopped && (o->seconds <= 0 || seconds < o->seconds);
+}
+
+static void show(Shooter *s) {
+    const RadOptions *o = s->options;
+    if (!o->show || clock_seconds() - s->shown < o->show_every) return;
+    finish(s);
+    o->show(o->show_context, s->solution);
+    s->shown = clock_seconds();
+}
+
+RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                    const RadOptions *options, const Progress *progress, RadSolution *solution) {
+    Arena arena = {0};
+    Shooter s;
+    RadReport report = {0};
+    start(&s, mesh, forest, door_open, options, solution, &arena);
+    long long first = solution->shots;
+    while (residual_of(&s) > options->residual) {
+        if (options->shots > 0 && solution->shots >= options->shots) break;
+        if ((solution->shots - first) % SHOTS_A_LOOK == 0) {
+            if (!go_on(&s, progress, &report.stopped)) break;
+            show(&s);
+        }
+        int patch = shoot_queue_top(&s.queue);
+        if (patch < 0) break;
+        if (options->looks > 0 && (s.looks.spent += looks_of(&s.looks, patch)) > options->looks) break;
+        shoot(&s, patch, row_of(&s, patch));
+        shoot_rows_shot(s.rows, patch);
+    }
+    finish(&s);
+    report.residual = residual_of(&s);
+    report.shots = solution->shots - first;
+    shoot_rows_report(s.rows, &report);
+    report.seconds = clock_seconds() - s.start;
+    shoot_elements_end(s.elements);
+    shoot_rows_end(s.rows);
+    arena_free(&arena);
+    return report;
+}

@@ -1,0 +1,79 @@
+// shoot.h - progressive refinement: the patch with most unshot power shoots, until little is left (Cohen, Chen, Wallace &
+// Greenberg 1988).
+#ifndef RADIOSITY_SHOOT_H
+#define RADIOSITY_SHOOT_H
+
+#include "engine/core/progress.h"
+#include "radiosity/factors/form_factor.h"
+
+typedef struct RadSolution RadSolution;
+
+// How light is shot, and when to stop.
+typedef struct RadOptions {
+    const FormFactorMethod *method;
+    FormFactorOptions form_factor;
+    ViewCulling culling;
+    bool lamps_only;  // only what is emitted is shot, nothing that was reflected
+    int lamp_detail;  // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
+    double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
+    double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
+    long long shots;   // or when the solution has so many, 0: no limit
+    double seconds;    // or then, 0: no limit
+    double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
+    int threads;       // 0: all cores; the result is the same on any number
+    size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
+    // Told of the solution so far between shots, from the thread that shoots, at most every so many seconds; or NULL.
+    void (*show)(void *context, const RadSolution *so_far);
+    void *show_context;
+    double show_every;
+} RadOptions;
+// Hemisphere, portals, to a thousandth, 128 MB of rows.
+RadOptions rad_default_options(void);
+// Puts, for a residual or a resolution of 0, what fits a mesh: where there are few patches, light may be found more exactly.
+void rad_fit(const Mesh *mesh, RadOptions *options);
+
+// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b.
+struct RadSolution {
+    int element_count, patch_count;
+    double (*radiosity)[3];  // [element_count] B = E + what is reflected of what has arrived so far
+    double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
+    // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
+    double emitted[3], absorbed[3], escaped[3];
+    double sky[3];       // radiance of the sky that shone (sky.h), W/m^2/sr; what it sent in was emitted
+    double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
+    long long shots;
+    // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.
+    double (*node)[3];
+    int node_count;
+};
+
+// What was done.
+typedef struct RadReport {
+    double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
+    long long shots, rows_made, rows_kept;
+    double faces_drawn_mean, elements_drawn_mean;  // of rows made
+    double seconds, seconds_visibility;            // wall; of all threads
+    size_t row_bytes;
+    bool stopped;  // progress asked to
+} RadReport;
+
+// What is emitted, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
+bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
+// The same, but nothing needs to emit light: the sky may shine.
+bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
+// Goes on from `solution`, which is valid whenever it stops.
+RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                    const RadOptions *options, const Progress *progress, RadSolution *solution);
+
+// The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and
+// the doors' states, and is refused where they differ.
+bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
+              Error *error);
+// False, and a sentence, where the file is damaged or of another building, mesh or state of the doors.
+bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
+              Error *error);
+// Of a file: how its mesh was made, before there is one, and how the doors stood, [opening_count].
+bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
+                      float *door_open, Error *error);
+
+#endif

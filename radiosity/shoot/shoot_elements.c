@@ -1,0 +1,144 @@
+// shoot_elements.c - shots in lists, several of which may wait to be told: neither thread has to stop for the other.
+#include "radiosity/shoot/shoot_elements.h"
+
+#include <pthread.h>
+
+// Shots a list: to wake a thread costs as much time as a few. And lists, of which one is written.
+enum { SHOTS_A_LIST = 64, LISTS = 16 };
+
+typedef struct Shot {
+    const ShootRow *row;
+    Channels power;
+} Shot;
+
+typedef struct ShotList {
+    Shot shots[SHOTS_A_LIST];
+    int count;
+} ShotList;
+
+// What the elements of a patch do with power.
+typedef struct Reflector {
+    float reflectance[3];
+    int first_element;
+} Reflector;
+
+struct ShootElements {
+    Channels *radiosity;    // [element_count]
+    Reflector *reflectors;  // [patch_count]
+    int element_count;
+    ShotList lists[LISTS];  // list i % LISTS is the i-th; `written` is the one that is being written
+    int written, told;      // lists so far
+    bool has_thread, end;
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;  // `written`, `told` or `end`
+};
+
+// Elements lie all over memory, but it is known long before which come: runs ahead to fetch those of a patch, two to a line of the
+// cache, and what is known of it.
+enum { REFLECTOR_AHEAD = 12, ELEMENTS_AHEAD = 6 };
+
+static void tell_shot(ShootElements *e, const Shot *shot) {
+    const ShootRow *row = shot->row;
+    const float *density = row->density;
+    const uint8_t *offset = row->offset;
+    for (int r = 0; r < row->run_count; r++) {
+        const ShootRun *run = &row->runs[r];
+        const Reflector *to = &e->reflectors[run->patch];
+        if (r + REFLECTOR_AHEAD < row->run_count) {
+            __builtin_prefetch(&e->reflectors[run[REFLECTOR_AHEAD].patch]);
+            const Channels *soon = e->radiosity + e->reflectors[run[ELEMENTS_AHEAD].patch].first_element;
+            __builtin_prefetch(soon, 1);
+            __builtin_prefetch(soon + 2, 1);
+        }
+        Channels reflected = shot->power * channels_of_floats(to->reflectance);
+        Channels *elements = e->radiosity + to->first_element;
+        for (int i = 0; i <= row->count[r]; i++)
+            elements[*offset++] += reflected * channels_spread((double)*density++);
+    }
+}
+
+static void tell(ShootElements *e, ShotList *list) {
+    for (int i = 0; i < list->count; i++) tell_shot(e, &list->shots[i]);
+    list->count = 0;
+}
+
+static void *work(void *context) {
+    ShootElements *e = context;
+    pthread_mutex_lock(&e->mutex);
+    for (;;) {
+        while (e->told == e->written && !e->end) pthread_cond_wait(&e->changed, &e->mutex);
+        if (e->told == e->written) break;
+        ShotList *list = &e->lists[e->told % LISTS];
+        pthread_mutex_unlock(&e->mutex);
+        tell(e, list);
+        pthread_mutex_lock(&e->mutex);
+        e->told++;
+        pthread_cond_signal(&e->changed);
+    }
+    pthread_mutex_unlock(&e->mutex);
+    return NULL;
+}
+
+// Returns when at most so many lists wait.
+static void wait_for(ShootElements *e, int most) {
+    while (e->written - e->told > most) pthread_cond_wait(&e->changed, &e->mutex);
+}
+
+static void hand_over(ShootElements *e) {
+    pthread_mutex_lock(&e->mutex);
+    e->written++;
+    pthread_cond_signal(&e->changed);
+    wait_for(e, LISTS - 1);
+    pthread_mutex_unlock(&e->mutex);
+}
+
+ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena) {
+    ShootElements *e = ARENA_ARRAY(arena, ShootElements, 1);
+    e->element_count = mesh->element_count;
+    e->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
+    for (int i = 0; i < mesh->element_count; i++) e->radiosity[i] = channels_of(solution->radiosity[i]);
+    e->reflectors = ARENA_ARRAY(arena, Reflector, mesh->patch_count);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        Rgb rho = mesh_material(mesh, mesh->patches[p].face)->reflectance;
+        e->reflectors[p] = (Reflector){{rho.r, rho.g, rho.b}, mesh->patches[p].first_element};
+    }
+    pthread_mutex_init(&e->mutex, NULL);
+    pthread_cond_init(&e->changed, NULL);
+    // A thread that cannot be started is done without.
+    e->has_thread = threads > 1 && pthread_create(&e->thread, NULL, work, e) == 0;
+    return e;
+}
+
+void shoot_elements_tell(ShootElements *e, const ShootRow *row, Channels power) {
+    ShotList *list = &e->lists[e->written % LISTS];
+    list->shots[list->count++] = (Shot){row, power};
+    if (list->count < SHOTS_A_LIST) return;
+    if (e->has_thread)
+        hand_over(e);
+    else
+        tell(e, list);
+}
+
+void shoot_elements_finish(ShootElements *e) {
+    pthread_mutex_lock(&e->mutex);
+    wait_for(e, 0);
+    pthread_mutex_unlock(&e->mutex);
+    tell(e, &e->lists[e->written % LISTS]);
+}
+
+void shoot_elements_store(const ShootElements *e, double (*radiosity)[3]) {
+    for (int i = 0; i < e->element_count; i++) channels_store(e->radiosity[i], radiosity[i]);
+}
+
+void shoot_elements_end(ShootElements *e) {
+    if (e->has_thread) {
+        pthread_mutex_lock(&e->mutex);
+        e->end = true;
+        pthread_cond_signal(&e->changed);
+        pthread_mutex_unlock(&e->mutex);
+        pthread_join(e->thread, NULL);
+    }
+    pthread_mutex_destroy(&e->mutex);
+    pthread_cond_destroy(&e->changed);
+}

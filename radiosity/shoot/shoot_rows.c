@@ -1,0 +1,372 @@
+// shoot_rows.c - rows made in parallel, each by one thread with a viewer and a form-factor method of its own, so that a
+// row depends on its patch alone. The first ones are kept until their memory is spent: a patch that was strong early
+// shoots again and again. Those that come later stay until they are shot.
+#include "radiosity/shoot/shoot_rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "radiosity/factors/near_pairs.h"
+#include "radiosity/mesh/lines.h"
+
+// Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
+// there are, the more of them are neighbours, who find what they see where the last one left it: a sixth less time.
+// But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
+enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
+// Rows that wait for their shots where there is no room to keep more, of each thread: nearly all are shot before so many came.
+enum { WAITING = 64 };
+static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
+// What the rows of lamps may cost, in rows of the usual resolution.
+static const double MOST_LAMP_WORK = 4000;
+// Kept rows lie in blocks of so many bytes, or more.
+static const size_t BLOCK_BYTES = (size_t)1 << 20;
+
+// One thread's tools, and the rows it keeps.
+typedef struct Maker {
+    Arena arena, kept;
+    Viewer *viewer;
+    FormFactor *form_factor, *of_lamps;
+    NearPairs *near;    // NULL: patches are points
+    char *block;        // where its next kept row goes
+    size_t block_left;  // bytes
+    size_t kept_bytes;  // of all its blocks
+    long long kept_count, made_bytes, faces;
+    double seconds_visibility;
+} Maker;
+
+// A row that is being made, or that waits for its shot because there was no room to keep it.
+typedef struct Slot {
+    ShootRow *row;
+    int patch;
+    Arena arena;   // of a row that is not kept
+    bool waiting;  // it is not, and was not shot yet
+} Slot;
+
+// What becomes of an element's share.
+typedef struct Taker {
+    int patch;
+    float per_area;  // 1/m^2
+} Taker;
+
+// What all makers share: lines and shapes.
+enum { SHARED = 2 };
+
+struct ShootRows {
+    const Mesh *mesh;
+    const StabForest *forest;
+    const float *door_open;
+    Arena shared[SHARED];
+    FaceLines lines;
+    const NearShapes *shapes;  // NULL: patches are points
+    Taker *takers;             // [element_count]
+    const RadOptions *options;
+    FormFactorOptions usual, of_lamps;
+    int threads, slot_count, waiting_count;
+    Maker *makers;  // [threads]
+    Slot *slots;    // [slot_count]
+    int *making;    // [slot_count] those of the rows that are made at a time
+    ShootRow **of;  // [patch_count] NULL: not there
+    bool *there;    // [patch_count]
+    bool full;
+    long long made;
+};
+
+// A lamp's light is not one of many as what walls reflect is: its samples err alone. Where lamps are very many, they are.
+static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
+    int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
+    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_emits(mesh, mesh->patches[p].face);
+    while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
+    while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
+    return detail > 1 ? resolution * detail : resolution;
+}
+
+// What all makers share, and what each needs beside that.
+static void share_or_equip(void *context, int index, int thread) {
+    (void)thread;
+    ShootRows *rows = context;
+    if (index == 0) {
+        rows->lines = lines_of_mesh(rows->mesh, &rows->shared[0]);
+    } else if (index == 1) {
+        if (rows->options->reach > 0) rows->shapes = near_shapes(rows->mesh, &rows->shared[1]);
+    } else {
+        Maker *maker = &rows->makers[index - SHARED];
+        maker->viewer = viewer_new(rows->mesh, rows->forest, rows->door_open, &maker->arena);
+    }
+}
+
+static void equip_maker(void *context, int index, int thread) {
+    (void)thread;
+    ShootRows *rows = context;
+    const FormFactorMethod *method = rows->options->method;
+    Maker *maker = &rows->makers[index];
+    if (rows->shapes)
+        maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
+    maker->form_factor = form_factor_new(method, rows->mesh, &rows->usual, &maker->arena);
+    maker->of_lamps = maker->form_factor;
+    if (rows->of_lamps.resolution != rows->usual.resolution)
+        maker->of_lamps = form_factor_new(method, rows->mesh, &rows->of_lamps, &maker->arena);
+}
+
+ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
+                          const RadOptions *options, Arena *arena) {
+    ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
+    rows->mesh = mesh;
+    rows->forest = forest;
+    rows->door_open = door_open;
+    rows->options = options;
+    rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++)
+        rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
+    rows->usual = options->form_factor;
+    rows->usual.lines = &rows->lines;
+    rows->of_lamps = rows->usual;
+    rows->of_lamps.resolution = lamp_resolution(mesh, options);
+    rows->threads = parallel_threads(options->threads);
+    rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
+    parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
+    parallel_for(rows->threads, rows->threads, equip_maker, rows);
+    rows->slot_count = AHEAD_MOST * rows->threads;
+    rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
+    rows->making = ARENA_ARRAY(arena, int, rows->slot_count);
+    rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
+    rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
+    rows->full = options->row_bytes == 0;
+    // So that a byte tells which element of its patch one is.
+    for (int p = 0; p < mesh->patch_count; p++)
+        CORE_ASSERT(mesh->patches[p].element_count <= MESH_MOST_IN_PATCH);
+    return rows;
+}
+
+void shoot_rows_end(ShootRows *rows) {
+    for (int t = 0; t < rows->threads; t++) {
+        if (rows->makers[t].of_lamps != rows->makers[t].form_factor)
+            form_factor_end(rows->makers[t].of_lamps);
+        form_factor_end(rows->makers[t].form_factor);
+        arena_free(&rows->makers[t].arena);
+        arena_free(&rows->makers[t].kept);
+    }
+    for (int i = 0; i < rows->slot_count; i++) arena_free(&rows->slots[i].arena);
+    for (int i = 0; i < SHARED; i++) arena_free(&rows->shared[i]);
+}
+
+int shoot_rows_most(const ShootRows *rows) { return rows->slot_count; }
+
+// Of the memory for rows, each thread's.
+static size_t share_of(const ShootRows *rows) { return rows->options->row_bytes / (size_t)rows->threads; }
+
+int shoot_rows_wanted(const ShootRows *rows) {
+    if (rows->full) return AHEAD_PASSING * rows->threads;
+    if (rows->made == 0) return AHEAD_FIRST * rows->threads;
+    double faces = 0, bytes = 0, left = 0;
+    for (int t = 0; t < rows->threads; t++) {
+        const Maker *maker = &rows->makers[t];
+        faces += (double)maker->faces;
+        bytes += (double)maker->made_bytes;
+        left += (double)(share_of(rows) - maker->kept_bytes + maker->block_left);
+    }
+    double made = (double)rows->made;
+    double wanted = fmin(FACES_AHEAD * rows->threads * made / (faces + 1), left * made / (bytes + 1));
+    return (int)fmax(fmin(wanted, rows->slot_count), AHEAD_PASSING * rows->threads);
+}
+
+const bool *shoot_rows_there(const ShootRows *rows) { return rows->there; }
+
+const ShootRow *shoot_rows_of(const ShootRows *rows, int patch) { return rows->of[patch]; }
+
+static size_t row_bytes(int runs, int elements) {
+    size_t run = sizeof(ShootRun) + sizeof(uint8_t), element = sizeof(float) + sizeof(uint8_t);
+    size_t bytes = sizeof(ShootRow) + (size_t)runs * run + (size_t)elements * element;
+    return (bytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+}
+
+// Where the parts of a row lie behind it.
+static void place_row(ShootRow *row, int runs, int elements) {
+    row->runs = (ShootRun *)(row + 1);
+    row->density = (float *)(row->runs + runs);
+    row->count = (uint8_t *)(row->density + elements);
+    row->offset = row->count + runs;
+}
+
+// How many elements ahead their takers are asked for, which lie all over memory.
+enum { TAKERS_AHEAD = 24 };
+// Runs of one length lie together, all longer ones too: loops over them take no guesses where they end.
+enum { RUN_LENGTHS = 8 };
+
+// Of each length, runs and their elements: how many, or where the next one goes.
+typedef struct Runs {
+    int count;
+    int run[RUN_LENGTHS], element[RUN_LENGTHS];
+} Runs;
+
+static int kind_of(int length) { return (length < RUN_LENGTHS ? length : RUN_LENGTHS) - 1; }
+
+// Where the run ends that begins at `first`.
+static int end_of_run(const ShootRows *rows, const Row *row, int first) {
+    int patch = rows->takers[row->element[first]].patch, end = first + 1;
+    while (end < row->count && rows->takers[row->element[end]].patch == patch) end++;
+    return end;
+}
+
+static Runs count_runs(const ShootRows *rows, const Row *row) {
+    Runs runs = {0};
+    for (int i = 0; i < row->count && i < TAKERS_AHEAD; i++)
+        __builtin_prefetch(&rows->takers[row->element[i]]);
+    for (int first = 0, end; first < row->count; first = end) {
+        end = end_of_run(rows, row, first);
+        for (int i = first; i < end && i + TAKERS_AHEAD < row->count; i++)
+            __builtin_prefetch(&rows->takers[row->element[i + TAKERS_AHEAD]]);
+        int kind = kind_of(end - first);
+        runs.count++;
+        runs.run[kind]++;
+        runs.element[kind] += end - first;
+    }
+    return runs;
+}
+
+static void lay_out(Runs *runs) {
+    for (int kind = 0, run = 0, element = 0; kind < RUN_LENGTHS; kind++) {
+        int run_count = runs->run[kind], element_count = runs->element[kind];
+        runs->run[kind] = run;
+        runs->element[kind] = element;
+        run += run_count;
+        element += element_count;
+    }
+}
+
+static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow *to) {
+    place_row(to, runs.count, from->count);
+    lay_out(&runs);
+    double sum = from->back + from->escaped;
+    to->run_count = runs.count;
+    to->element_count = from->count;
+    for (int first = 0, end; first < from->count; first = end) {
+        end = end_of_run(rows, from, first);
+        int patch = rows->takers[from->element[first]].patch, kind = kind_of(end - first);
+        int first_element = rows->mesh->patches[patch].first_element;
+        double share = 0;
+        for (int i = first; i < end; i++) {
+            int at = runs.element[kind]++;
+            share += (double)from->factor[i];
+            to->density[at] = from->factor[i] * rows->takers[from->element[i]].per_area;
+            to->offset[at] = (uint8_t)(from->element[i] - first_element);
+        }
+        int run = runs.run[kind]++;
+        to->count[run] = (uint8_t)(end - first - 1);
+        to->runs[run] = (ShootRun){patch, (float)share};
+        sum += (double)(float)share;
+    }
+    CORE_ASSERT(sum > 0.5 && sum < 2);  // a method's row sums to 1
+    to->back = from->back;
+    to->escaped = from->escaped;
+    to->scale = 1 / sum;
+}
+
+// Room for a row among those its maker keeps; NULL: its part of the memory for rows is spent.
+static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
+    if (bytes > maker->block_left) {
+        size_t share = share_of(rows);
+        size_t block = share < BLOCK_BYTES ? share : BLOCK_BYTES;
+        if (block < bytes) block = bytes;
+        if (maker->kept_bytes + block > share) return NULL;
+        maker->block = arena_alloc(&maker->kept, block, 1);
+        maker->block_left = block;
+        maker->kept_bytes += block;
+    }
+    ShootRow *row = (ShootRow *)maker->block;
+    maker->block += bytes;
+    maker->block_left -= bytes;
+    maker->kept_count++;
+    return row;
+}
+
+static void make_row(void *context, int index, int thread) {
+    ShootRows *rows = context;
+    Maker *maker = &rows->makers[thread];
+    Slot *slot = &rows->slots[rows->making[index]];
+    const Patch *patch = &rows->mesh->patches[slot->patch];
+    ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
+    double start = clock_seconds();
+    const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
+    maker->seconds_visibility += clock_seconds() - start;
+    maker->faces += view->face_count;
+    FormFactor *form_factor = mesh_emits(rows->mesh, patch->face) ? maker->of_lamps : maker->form_factor;
+    const Row *row = form_factor_row(form_factor, view);
+    if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
+    Runs runs = count_runs(rows, row);
+    size_t bytes = row_bytes(runs.count, row->count);
+    maker->made_bytes += (long long)bytes;
+    slot->row = keep(rows, maker, bytes);
+    slot->waiting = !slot->row;
+    if (slot->waiting) {
+        arena_reset(&slot->arena);
+        slot->row = arena_alloc(&slot->arena, bytes, 1);
+    }
+    copy_row(rows, row, runs, slot->row);
+}
+
+static int by_index(const void *p, const void *q) {
+    const int *a = p, *b = q;
+    return (*a > *b) - (*a < *b);
+}
+
+static void let_go(ShootRows *rows, Slot *slot) {
+    rows->of[slot->patch] = NULL;
+    rows->there[slot->patch] = false;
+    slot->waiting = false;
+    rows->waiting_count--;
+}
+
+// Few wait, and they are the first ones of their memory.
+void shoot_rows_shot(ShootRows *rows, int patch) {
+    for (int i = 0, left = rows->waiting_count; left > 0; i++) {
+        if (!rows->slots[i].waiting) continue;
+        left--;
+        if (rows->slots[i].patch != patch) continue;
+        let_go(rows, &rows->slots[i]);
+        return;
+    }
+}
+
+void shoot_rows_make(ShootRows *rows, int *patches, int count) {
+    if (rows->waiting_count + count > rows->slot_count || rows->waiting_count > WAITING * rows->threads)
+        for (int i = 0; rows->waiting_count > 0; i++)
+            if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
+    CORE_ASSERT(count <= rows->slot_count);
+    // One after the other, patches of a room find what they see where the last one left it.
+    qsort(patches, (size_t)count, sizeof *patches, by_index);
+    for (int i = 0, at = 0; i < count; i++, at++) {
+        while (rows->slots[at].waiting) at++;
+        rows->making[i] = at;
+        rows->slots[at].patch = patches[i];
+    }
+    parallel_for(rows->threads, count, make_row, rows);
+    rows->made += count;
+    for (int i = 0; i < count; i++) {
+        Slot *slot = &rows->slots[rows->making[i]];
+        rows->waiting_count += slot->waiting;
+        rows->full = rows->full || slot->waiting;
+        rows->of[slot->patch] = slot->row;
+        rows->there[slot->patch] = true;
+    }
+}
+
+void shoot_rows_report(const ShootRows *rows, RadReport *report) {
+    long long faces = 0, elements = 0;
+    report->seconds_visibility = 0;
+    report->row_bytes = 0;
+    report->rows_kept = 0;
+    for (int t = 0; t < rows->threads; t++) {
+        faces += rows->makers[t].faces;
+        elements += form_factor_work(rows->makers[t].form_factor).elements_drawn;
+        if (rows->makers[t].of_lamps != rows->makers[t].form_factor)
+            elements += form_factor_work(rows->makers[t].of_lamps).elements_drawn;
+        report->seconds_visibility += rows->makers[t].seconds_visibility;
+        report->row_bytes += rows->makers[t].kept_bytes;
+        report->rows_kept += rows->makers[t].kept_count;
+    }
+    report->rows_made = rows->made;
+    report->faces_drawn_mean = rows->made ? (double)faces / (double)rows->made : 0;
+    report->elements_drawn_mean = rows->made ? (double)elements / (double)rows->made : 0;
+}

@@ -1,0 +1,300 @@
+// sky.c - what a uniform sky sends into a building. Outdoors each element looks for the sky above it. Indoors no element does: what
+// comes through the openings is shot from there (as from a window's panes: Nishita & Nakamae 1986, Continuous Tone Representation
+// of Three-Dimensional Objects Illuminated by Sky Light, have it the other way round). A piece of an opening sees, along each
+// direction of the hemisphere inside, a face; and behind itself, along the same line, the sky or something else.
+//
+// So each line from the sky to an element indoors is counted where it comes in for the last time: one that leaves again through
+// another opening ends there. Elements outdoors, or in no cell, look for themselves.
+#include "radiosity/shoot/sky.h"
+
+#include <stdlib.h>
+
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+#include "radiosity/factors/row.h"
+#include "radiosity/factors/sampler.h"
+#include "radiosity/shoot/sky_openings.h"
+
+// Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
+enum { RESOLUTION_OUTDOORS = 48 };
+// Pieces whose light is found at a time, and patches that look for the sky: a tenth of a second of one core, and then progress is
+// told of.
+enum { BATCH = 256, PATCH_BATCH = 4096 };
+// A patch that has lost less than this of the sky is not cut up.
+static const double STANDS_FREE = 0.1;
+// How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
+static const double IN_FRONT = 1e-6;
+
+// One thread's tools.
+typedef struct Watcher {
+    Arena arena;
+    Viewer *viewer;
+    Sampler *inside, *outside;  // turned against each other: a line through both is a pixel of both
+    Sampler *around;            // of elements outdoors
+    int32_t *item;              // of any of them
+    bool *sky;                  // [samples] of `inside`: there is sky behind
+    RowSum sum;
+    FormFactorWork work;
+} Watcher;
+
+// What a piece sends in.
+typedef struct Beam {
+    Arena arena;
+    int count, *element;
+    float *factor;
+    double back;
+} Beam;
+
+typedef struct Shine {
+    const Mesh *mesh;
+    const StabForest *forest;
+    const RadOptions *options;
+    SkyOpenings openings;
+    FaceLines lines;
+    bool *looks;    // [element_count] for the sky itself
+    double *share;  // [element_count] of its hemisphere that is sky
+    int *mirror;    // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
+    Watcher *watchers;
+    Beam beams[BATCH];
+    int first;  // piece or patch of the batch
+} Shine;
+
+// ---- tools
+
+static int pixel_of(const FormFactorSamples *s, int i, double turn, int resolution, bool flipped) {
+    double x = (double)s->x[i] * cos(turn) + (double)s->y[i] * sin(turn);
+    double y = (double)s->y[i] * cos(turn) - (double)s->x[i] * sin(turn);
+    int column = (int)((x + 1) * resolution / 2), row = (int)((y + 1) * resolution / 2);
+    return (flipped ? resolution - 1 - row : row) * resolution + column;
+}
+
+// Along the opposite of (x, y, z) in the axes of n lies (x, -y, z) in those of -n (view_axes).
+static int *mirror_of(const Watcher *w, int resolution, Arena *arena) {
+    Arena scratch = {0};
+    const FormFactorSamples *in = sampler_samples(w->inside), *out = sampler_samples(w->outside);
+    int *at = ARENA_ARRAY(&scratch, int, resolution *resolution),
+        *mirror = ARENA_ARRAY(arena, int, in->count);
+    for (int i = 0; i < resolution * resolution; i++) at[i] = -1;
+    for (int i = 0; i < out->count; i++) at[pixel_of(out, i, -GRIDS_TURN, resolution, true)] = i;
+    for (int i = 0; i < in->count; i++) mirror[i] = at[pixel_of(in, i, GRIDS_TURN, resolution, false)];
+    arena_free(&scratch);
+    return mirror;
+}
+
+static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
+    SampleGrid grids[MOST_GRIDS];
+    int count = grids_of_disc(s->options->form_factor.resolution, grids);
+    w->viewer = viewer_new(s->mesh, s->forest, door_open, &w->arena);
+    w->inside = sampler_new(s->mesh, &s->lines, grids, count, GRIDS_TURN, &w->arena);
+    w->outside = sampler_new(s->mesh, &s->lines, grids, count, -GRIDS_TURN, &w->arena);
+    count = grids_of_disc(RESOLUTION_OUTDOORS, grids);
+    w->around = sampler_new(s->mesh, &s->lines, grids, count, GRIDS_TURN, &w->arena);
+    int most = sampler_samples(w->inside)->count + sampler_samples(w->outside)->count +
+               sampler_samples(w->around)->count;
+    w->item = ARENA_ARRAY(&w->arena, int32_t, most);
+    w->sky = ARENA_ARRAY(&w->arena, bool, most);
+    row_start(&w->sum, s->mesh, &w->arena);
+}
+
+static const View *look(const Shine *s, Watcher *w, Sampler *sampler, Vec3 eye, Vec3 normal, int cell) {
+    ViewPoint from = {eye, normal, cell};
+    const View *view = viewer_look(w->viewer, &from, s->options->culling);
+    sampler_draw(sampler, view, &w->work);
+    sampler_items(sampler, w->item);
+    return view;
+}
+
+static double height_of(const View *view, const FormFactorSamples *samples, int i) {
+    return (double)samples->x[i] * view->x.z + (double)samples->y[i] * view->y.z +
+           (double)samples->z[i] * view->z.z;
+}
+
+// ---- elements outdoors
+
+static Vec3 centre_of(const Mesh *mesh, const Element *element) {
+    const int *corner = mesh->corners + element->first_corner;
+    Vec3 first = mesh->vertices[corner[0]], sum = {0, 0, 0};
+    double area = 0;
+    for (int i = 1; i + 1 < element->corner_count; i++) {
+        Vec3 a = vec3_sub(mesh->vertices[corner[i]], first);
+        Vec3 b = vec3_sub(mesh->vertices[corner[i + 1]], first);
+        double twice = vec3_length(vec3_cross(a, b));
+        sum = vec3_add(sum, vec3_scale(vec3_add(a, b), twice / 3));
+        area += twice;
+    }
+    return area > 0 ? vec3_add(first, vec3_scale(sum, 1 / area)) : first;
+}
+
+static double sky_share(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell) {
+    const View *view = look(s, w, w->around, eye, normal, cell);
+    const FormFactorSamples *samples = sampler_samples(w->around);
+    double share = 0;
+    for (int i = 0; i < samples->count; i++)
+        if (w->item[i] < 0 && height_of(view, samples, i) > 0) share += (double)samples->weight[i];
+    return share;
+}
+
+// Of a place that nothing stands before.
+static double open_share(Vec3 normal) { return 0.5 + 0.5 * normal.z; }
+
+static int cell_before(const Shine *s, Vec3 eye, Vec3 normal, int hint) {
+    return vis_locate(s->mesh->graph, vec3_add(eye, vec3_scale(normal, IN_FRONT)), hint);
+}
+
+static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patch_cell) {
+    Vec3 eye = centre_of(s->mesh, &s->mesh->elements[e]);
+    int cell = cell_before(s, eye, normal, patch_cell);
+    s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
+    if (s->looks[e]) s->share[e] = sky_share(s, w, eye, normal, cell);
+}
+
+// Under the open sky a patch looks for all its elements.
+static void look_from_patch(void *context, int index, int thread) {
+    Shine *s = context;
+    const Patch *patch = &s->mesh->patches[s->first + index];
+    Vec3 n = s->mesh->faces[patch->face].plane.n;
+    Watcher *w = &s->watchers[thread];
+    double share = 0;
+    bool open = patch->cell >= 0 && sky_is_outdoors(s->mesh->graph, patch->cell);
+    if (open) {
+        share = sky_share(s, w, patch->centre, n, patch->cell);
+        open = share > (1 - STANDS_FREE) * open_share(n);
+    }
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        if (!open)
+            look_from_element(s, w, e, n, patch->cell);
+        else
+            s->looks[e] = true, s->share[e] = share;
+    }
+}
+
+// ---- openings
+
+// Is there sky behind a piece, along the lines that come in by it? False: nowhere.
+static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const SkyPiece *piece) {
+    const View *view = look(s, w, w->outside, piece->centre, vec3_scale(o->plane.n, -1), o->outside);
+    const FormFactorSamples *out = sampler_samples(w->outside);
+    int count = sampler_samples(w->inside)->count;
+    bool any = false;
+    for (int i = 0; i < count; i++) {
+        int behind = s->mirror[i];
+        w->sky[i] = behind >= 0 && w->item[behind] < 0 && height_of(view, out, behind) > 0;
+        any = any || w->sky[i];
+    }
+    return any;
+}
+
+static void keep_beam(const Shine *s, const Row *row, Beam *beam) {
+    beam->element = ARENA_ARRAY(&beam->arena, int, row->count + 1);
+    beam->factor = ARENA_ARRAY(&beam->arena, float, row->count + 1);
+    for (int i = 0; i < row->count; i++) {
+        if (s->looks[row->element[i]]) continue;
+        beam->element[beam->count] = row->element[i];
+        beam->factor[beam->count++] = row->factor[i];
+    }
+    beam->back = row->back;
+}
+
+static void look_in(void *context, int index, int thread) {
+    Shine *s = context;
+    Watcher *w = &s->watchers[thread];
+    Beam *beam = &s->beams[index];
+    const SkyPiece *piece = &s->openings.pieces[s->first + index];
+    const SkyOpening *o = &s->openings.openings[piece->opening];
+    arena_reset(&beam->arena);
+    beam->count = 0;
+    beam->back = 0;
+    if (!look_back(s, w, o, piece)) return;
+    const View *view = look(s, w, w->inside, piece->centre, o->plane.n, o->inside);
+    const FormFactorSamples *in = sampler_samples(w->inside);
+    for (int i = 0; i < in->count; i++)
+        if (!w->sky[i]) w->item[i] = -1;
+    sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
+    row_of_items(&w->sum, view, in, w->item);
+    keep_beam(s, row_finish(&w->sum), beam);
+}
+
+// ---- light
+
+// Power on an element, for a radiance of 1.
+static void receive(const Mesh *mesh, int e, double power, const double radiance[3], RadSolution *solution) {
+    const Element *element = &mesh->elements[e];
+    Rgb m = mesh_material(mesh, element->face)->reflectance;
+    const double rho[3] = {(double)m.r, (double)m.g, (double)m.b};
+    for (int c = 0; c < 3; c++) {
+        double arrives = power * radiance[c], reflected = rho[c] * arrives;
+        solution->emitted[c] += arrives;
+        solution->absorbed[c] += arrives - reflected;
+        solution->radiosity[e][c] += reflected / element->area;
+        solution->unshot[element->patch][c] += reflected / mesh->patches[element->patch].area;
+    }
+}
+
+static void receive_beam(const Mesh *mesh, const SkyPiece *piece, const Beam *beam, const double radiance[3],
+                         RadSolution *solution) {
+    double power = M_PI * piece->area;
+    for (int i = 0; i < beam->count; i++)
+        receive(mesh, beam->element[i], power * (double)beam->factor[i], radiance, solution);
+    for (int c = 0; c < 3; c++) {
+        solution->emitted[c] += power * beam->back * radiance[c];
+        solution->absorbed[c] += power * beam->back * radiance[c];
+    }
+}
+
+static int batch_of(const Shine *s, int all, int most) {
+    return all - s->first < most ? all - s->first : most;
+}
+
+static bool shine_outdoors(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                           RadSolution *solution) {
+    const Mesh *mesh = s->mesh;
+    double lamps[3];
+    memcpy(lamps, solution->emitted, sizeof lamps);
+    for (s->first = 0; s->first < mesh->patch_count; s->first += PATCH_BATCH) {
+        if (!progress_report(progress, "sky", 0.5 * s->first / mesh->patch_count)) return false;
+        parallel_for(threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
+    }
+    for (int e = 0; e < mesh->element_count; e++)
+        if (s->share[e] > 0)
+            receive(mesh, e, M_PI * mesh->elements[e].area * s->share[e], radiance, solution);
+    for (int c = 0; c < 3; c++) solution->outdoors[c] = solution->emitted[c] - lamps[c];
+    return true;
+}
+
+static bool shine_in(Shine *s, int threads, const double radiance[3], const Progress *progress,
+                     RadSolution *solution) {
+    int all = s->openings.piece_count;
+    for (s->first = 0; s->first < all; s->first += BATCH) {
+        if (!progress_report(progress, "sky", 0.5 + 0.5 * s->first / all)) return false;
+        int count = batch_of(s, all, BATCH);
+        parallel_for(threads, count, look_in, s);
+        for (int i = 0; i < count; i++)
+            receive_beam(s->mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
+    }
+    return true;
+}
+
+bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
+               const double radiance[3], const Progress *progress, RadSolution *solution) {
+    CORE_ASSERT(solution->shots == 0);
+    Arena arena = {0};
+    int threads = parallel_threads(options->threads);
+    Shine *s = ARENA_ARRAY(&arena, Shine, 1);
+    s->mesh = mesh;
+    s->forest = forest;
+    s->options = options;
+    s->openings = sky_openings(mesh->graph, &arena);
+    s->lines = lines_of_mesh(mesh, &arena);
+    s->looks = ARENA_ARRAY(&arena, bool, mesh->element_count);
+    s->share = ARENA_ARRAY(&arena, double, mesh->element_count);
+    s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
+    for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
+    s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
+    bool good = shine_outdoors(s, threads, radiance, progress, solution) &&
+                shine_in(s, threads, radiance, progress, solution);
+    memcpy(solution->sky, radiance, sizeof solution->sky);
+    for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
+    for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
+    arena_free(&arena);
+    return good;
+}

@@ -1,0 +1,43 @@
+// gather.h - the light that arrives at a point, gathered from all that it sees of a solution (final gather; Reichert 1992).
+#ifndef RADIOSITY_GATHER_H
+#define RADIOSITY_GATHER_H
+
+#include "radiosity/show/gather_near.h"
+#include "radiosity/show/reconstruct.h"
+
+// How light is gathered.
+typedef struct GatherOptions {
+    const FormFactorMethod *method;  // what the mean of each element counts
+    int resolution;                  // of it, 8 .. 2000
+    ViewCulling culling;
+    bool exact_lamps;  // what faces emit by closed form, whatever the method
+    NearOptions near;  // reach 0: what is close is looked up as all else is
+} GatherOptions;
+// What `bake --probe` takes.
+GatherOptions gather_default_options(void);
+// As exact as it gets, at ten times the cost: analytic rows. And walks to what is close: nothing in the open, 10 to 100 ms in corners
+// and slits.
+GatherOptions gather_exact_options(void);
+
+// What is gathered.
+typedef struct GatherScene {
+    const Mesh *mesh;
+    const StabForest *forest;
+    const float *door_open;
+    const RadSolution *solution;
+    const VertexLight *light;  // says how light slopes in each element; NULL: not at all
+} GatherScene;
+
+// One thread's.
+typedef struct Gatherer Gatherer;
+// All memory is taken here; what `scene` points to must outlive it.
+Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena);
+// Lets go of what is not in the arena.
+void gatherer_end(Gatherer *self);
+// W/m^2 a channel. Allocates nothing.
+void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]);
+
+// The cell in front of a point of a surface, -1 where there is none (then nothing is culled); `hint` as for vis_locate.
+int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint);
+
+#endif

@@ -1,0 +1,292 @@
+// reconstruct.c - nodal radiosities: at each node a plane is laid through the elements around it, by least squares, and read
+// where the node is.
+//
+// Source: M. F. Cohen & D. P. Greenberg, The Hemi-Cube, 1985, section 7: the mean of the elements around a vertex,
+// extrapolated at borders. Departure: there borders are extrapolated along rows of quadrilaterals; here by a fit weighted
+// with 1 / distance^2 (moving least squares; Lancaster & Salkauskas 1981), which asks nothing of the elements' shapes and
+// sizes and is the mean of four equal squares. An element's radiosity is the mean over it, which a linear field has at its
+// centroid: so linear fields come back as they are, also at borders and where elements of several sizes meet.
+#include "radiosity/show/reconstruct.h"
+
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+
+// A node's value is a sum of its elements' with factors that sum to 1; the sum of their squares says how much noise of elements
+// it has. Up to 1 it is no noisier than an element: it lies among those that meet there.
+static const double AMONG = 1;
+// What extrapolation may cost: at a corner of equal squares 2.3; 6.5 where a large square stands in the corner with far
+// smaller ones behind it, whose centroids are near its own.
+static const double MOST_NOISE = 8;
+// Centroids nearer than this, metres squared, count no more: rounding.
+static const double NEAREST = 1e-18;
+// Elements smaller than this share of the mean of those around them are slivers: elements of neighbouring sizes are not, of 1 to 4.
+static const double SLIVER = 0.25;
+// What is laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
+static const double MOST_REST = 0.2;
+// Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
+static const double NO_SPREAD = 1e-6;
+
+// An element seen from a node, in its tangent plane.
+typedef struct Around {
+    int element;
+    double x, y, weight;
+    double factor;
+} Around;
+
+typedef struct Fit {
+    const Mesh *mesh;
+    const Nodes *nodes;
+    const RadSolution *solution;
+    Vec3 *centroid;      // [element_count]
+    double (*light)[3];  // [element_count] W/m^2, there
+    bool *sliver;        // [element_count]
+    int *stamp, now;     // [element_count] the collection that last took the element
+    Vec3 x, y;           // of the node's plane
+    Around *around;
+    int count, capacity;
+    Arena scratch;
+} Fit;
+
+Vec3 element_centroid(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
+    const int *corner = mesh->corners + e->first_corner;
+    Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[corner[0]], moment = {0};
+    double twice = 0;
+    for (int i = 1; i + 1 < e->corner_count; i++) {
+        Vec3 a = vec3_sub(mesh->vertices[corner[i]], base), b = vec3_sub(mesh->vertices[corner[i + 1]], base);
+        double part = vec3_dot(n, vec3_cross(a, b));
+        moment = vec3_add(moment, vec3_scale(vec3_add(a, b), part / 3));
+        twice += part;
+    }
+    return twice > 0 ? vec3_add(base, vec3_scale(moment, 1 / twice)) : base;
+}
+
+// ---- slivers
+
+// Of an element and all that meet it smoothly, each once: their sums, of place and light by area.
+static void gather_around(Fit *fit, int element, Vec3 *moment, double power[3], double *area, int *count) {
+    const Mesh *mesh = fit->mesh;
+    const Element *own = &mesh->elements[element];
+    fit->now++;
+    for (int c = own->first_corner; c < own->first_corner + own->corner_count; c++) {
+        int node = fit->nodes->of_corner[c];
+        for (int i = fit->nodes->first[node]; i < fit->nodes->first[node + 1]; i++) {
+            int e = fit->nodes->element[i];
+            if (fit->stamp[e] == fit->now) continue;
+            fit->stamp[e] = fit->now;
+            double a = mesh->elements[e].area;
+            *moment = vec3_add(*moment, vec3_scale(element_centroid(mesh, e), a));
+            for (int k = 0; k < 3; k++) power[k] += a * fit->solution->radiosity[e][k];
+            *area += a;
+            ++*count;
+        }
+    }
+}
+
+// Slivers beside what stands on a surface are so small that few samples meet them, and what those say is noise. A sliver tells
+// the light of all around it, where the middle of all that is: so linear fields stay as they are.
+static void find_light(Fit *fit) {
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        double power[3] = {0, 0, 0}, area = 0;
+        Vec3 moment = {0, 0, 0};
+        int count = 0;
+        fit->centroid[e] = element_centroid(fit->mesh, e);
+        memcpy(fit->light[e], fit->solution->radiosity[e], sizeof *fit->light);
+        gather_around(fit, e, &moment, power, &area, &count);
+        if (fit->mesh->elements[e].area * count >= SLIVER * area) continue;
+        fit->sliver[e] = true;
+        fit->centroid[e] = vec3_scale(moment, 1 / area);
+        for (int c = 0; c < 3; c++) fit->light[e][c] = power[c] / area;
+    }
+}
+
+// ---- which elements
+
+static void take(Fit *fit, int node, int element) {
+    const Nodes *nodes = fit->nodes;
+    Vec3 n = nodes->normal[node];
+    if (fit->stamp[element] == fit->now) return;
+    if (vec3_dot(fit->mesh->faces[fit->mesh->elements[element].face].plane.n, n) < NODES_CURVED) return;
+    fit->stamp[element] = fit->now;
+    Vec3 p = vec3_sub(fit->centroid[element], fit->mesh->vertices[nodes->vertex[node]]);
+    double square = vec3_dot(p, p);
+    *ARENA_PUSH(&fit->scratch, fit->around, fit->count, fit->capacity) =
+        (Around){element, vec3_dot(fit->x, p), vec3_dot(fit->y, p), 1 / fmax(square, NEAREST), 0};
+}
+
+// Those that meet at the node; with `wide`, those that meet at any of their nodes.
+static void collect(Fit *fit, int node, bool wide) {
+    const Nodes *nodes = fit->nodes;
+    const Mesh *mesh = fit->mesh;
+    fit->count = 0;
+    fit->now++;
+    for (int i = nodes->first[node]; i < nodes->first[node + 1]; i++) take(fit, node, nodes->element[i]);
+    int own = fit->count;
+    for (int k = 0; wide && k < own; k++) {
+        const Element *e = &mesh->elements[fit->around[k].element];
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) {
+            int other = nodes->of_corner[c];
+            for (int i = nodes->first[other]; i < nodes->first[other + 1]; i++)
+                take(fit, node, nodes->element[i]);
+        }
+    }
+}
+
+// ---- the fit
+
+typedef struct Axis {
+    double x, y, spread;
+} Axis;
+
+// The axes of a symmetric matrix (xx, xy; xy, yy), the greater spread first.
+static void axes_of(double xx, double xy, double yy, Axis axis[2]) {
+    double half = (xx - yy) / 2, root = sqrt(half * half + xy * xy), angle = atan2(xy, half) / 2;
+    axis[0] = (Axis){cos(angle), sin(angle), (xx + yy) / 2 + root};
+    axis[1] = (Axis){-axis[0].y, axis[0].x, (xx + yy) / 2 - root};
+}
+
+// The factors of a fit that slopes along so many axes, at the node; returns the sum of their squares, INFINITY where elements lie
+// too much in line to tell.
+static double lay(Fit *fit, int axes) {
+    double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0, far = 0, noise = 0;
+    for (int i = 0; i < fit->count; i++) {
+        const Around *a = &fit->around[i];
+        weight += a->weight;
+        mx += a->weight * a->x;
+        my += a->weight * a->y;
+        far += a->weight * (a->x * a->x + a->y * a->y);
+    }
+    mx /= weight;
+    my /= weight;
+    for (int i = 0; i < fit->count; i++) {
+        const Around *a = &fit->around[i];
+        xx += a->weight * (a->x - mx) * (a->x - mx);
+        xy += a->weight * (a->x - mx) * (a->y - my);
+        yy += a->weight * (a->y - my) * (a->y - my);
+    }
+    Axis axis[2];
+    double slope[2] = {0, 0};
+    axes_of(xx, xy, yy, axis);
+    for (int k = 0; k < axes; k++) {
+        if (!(axis[k].spread > NO_SPREAD * far)) return INFINITY;
+        slope[k] = -(mx * axis[k].x + my * axis[k].y) / axis[k].spread;
+    }
+    for (int i = 0; i < fit->count; i++) {
+        Around *a = &fit->around[i];
+        a->factor = 1 / weight;
+        for (int k = 0; k < axes; k++)
+            a->factor += slope[k] * ((a->x - mx) * axis[k].x + (a->y - my) * axis[k].y);
+        a->factor *= a->weight;
+        noise += a->factor * a->factor;
+    }
+    return noise;
+}
+
+// Among the elements that meet at the node where they surround it; else, at borders, with those around them; along one axis
+// where there is but one row of elements; and where all that says nothing, their mean.
+static void find_factors(Fit *fit, int node) {
+    static const struct {
+        bool wide;
+        int axes;
+        double noise;
+    } WAYS[] = {{false, 2, AMONG}, {true, 2, MOST_NOISE}, {false, 1, AMONG}, {true, 1, MOST_NOISE}};
+    view_axes(fit->nodes->normal[node], &fit->x, &fit->y);
+    for (size_t i = 0; i < sizeof WAYS / sizeof *WAYS; i++) {
+        collect(fit, node, WAYS[i].wide);
+        if (lay(fit, WAYS[i].axes) <= WAYS[i].noise) return;
+    }
+    collect(fit, node, false);
+    lay(fit, 0);
+}
+
+// Adds what the fits of all nodes make of the elements' light.
+static void add_fits(Fit *fit, double (*out)[3]) {
+    for (int n = 0; n < fit->nodes->count; n++) {
+        find_factors(fit, n);
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i < fit->count; i++)
+                out[n][c] += fit->around[i].factor * fit->light[fit->around[i].element][c];
+    }
+}
+
+// The mean over an element of what its corners show.
+static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *scratch, double out[3]) {
+    const Mesh *mesh = fit->mesh;
+    const Element *e = &mesh->elements[element];
+    Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
+    int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
+    double all = 0;
+    for (int i = 0; i < e->corner_count; i++) v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];
+    polygon_triangulate(v, e->corner_count, triangle);
+    for (int t = 0; t < e->corner_count - 2; t++) {
+        const int *k = triangle + 3 * t;
+        double area = polygon_area((Vec3[]){v[k[0]], v[k[1]], v[k[2]]}, 3);
+        all += area;
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++)
+                out[c] += area / 3 * node[fit->nodes->of_corner[e->first_corner + k[i]]][c];
+    }
+    for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
+}
+
+// What elements have and their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
+static void leave_the_rest(Fit *fit, double (*node)[3]) {
+    Arena scratch = {0};
+    for (int e = 0; e < fit->mesh->element_count; e++) {
+        double shown[3] = {0, 0, 0};
+        arena_reset(&scratch);
+        shown_mean(fit, e, node, &scratch, shown);
+        for (int c = 0; c < 3; c++)
+            fit->light[e][c] = fit->sliver[e] ? 0 : fit->solution->radiosity[e][c] - shown[c];
+    }
+    arena_free(&scratch);
+}
+
+void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
+    Fit fit = {.mesh = mesh, .nodes = nodes, .solution = solution};
+    fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->element_count);
+    fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
+    fit.sliver = ARENA_ARRAY(&fit.scratch, bool, mesh->element_count);
+    fit.light = arena_alloc(&fit.scratch, (size_t)mesh->element_count, sizeof *fit.light);
+    find_light(&fit);
+    memset(out, 0, (size_t)nodes->count * sizeof *out);
+    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count, sizeof *rest);
+    add_fits(&fit, out);
+    leave_the_rest(&fit, out);
+    add_fits(&fit, rest);
+    for (int n = 0; n < nodes->count; n++) {
+        for (int c = 0; c < 3; c++) {
+            double first = fmax(out[n][c], 0), most = MOST_REST * first;
+            out[n][c] = first + fmin(fmax(rest[n][c], -most), most);
+        }
+    }
+    arena_free(&fit.scratch);
+}
+
+static void fill_face(const Mesh *mesh, int f, const RadSolution *solution, double out[3]) {
+    const Face *face = &mesh->faces[f];
+    double area = 0;
+    for (int e = face->first_element; e < face->first_element + face->element_count; e++) {
+        for (int c = 0; c < 3; c++) out[c] += mesh->elements[e].area * solution->radiosity[e][c];
+        area += mesh->elements[e].area;
+    }
+    for (int c = 0; c < 3; c++) out[c] /= area;
+}
+
+VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+    VertexLight out = {.corner = arena_alloc(arena, (size_t)mesh->corner_count, sizeof *out.corner),
+                       .face = arena_alloc(arena, (size_t)mesh->face_count, sizeof *out.face)};
+    Arena scratch = {0};
+    Nodes nodes = nodes_of(mesh, &scratch);
+    double(*value)[3] = solution->node;
+    CORE_ASSERT(!value || solution->node_count == nodes.count);
+    if (!value) {
+        value = arena_alloc(&scratch, (size_t)nodes.count, sizeof *value);
+        reconstruct_nodes(mesh, &nodes, solution, value);
+    }
+    for (int i = 0; i < mesh->corner_count; i++)
+        memcpy(out.corner[i], value[nodes.of_corner[i]], sizeof *value);
+    for (int f = 0; f < mesh->face_count; f++) fill_face(mesh, f, solution, out.face[f]);
+    arena_free(&scratch);
+    return out;
+}

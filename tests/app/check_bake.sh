@@ -1,0 +1,164 @@
+#!/bin/bash
+# check_bake.sh - light from file to file: the same bytes however it is made, what is refused and what is said of it, and earlier files
+# kept whatever happens.
+. tests/app/checks.sh
+
+# Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
+bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
+bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1
+for key in polygons patches elements shots residual elements_drawn_mean polygons_drawn_mean seconds seconds_visibility peak_mb
+do says out "\"$key\": [0-9]"; done
+says out '"probes": \['
+bake 0 -o "$work/2.rad" --threads 2 --row-memory 0
+bake 0 -o "$work/7.rad" --threads 7 --row-memory 1
+bake 0 -o "$work/none.rad" --no-cull
+for rad in 2 7 none; do cmp -s "$work/1.rad" "$work/$rad.rad" || fail ".rad differs: $rad"; done
+printf '# a point\n1 1 0 0 0 1\n' >"$work/points"
+bake 0 -o "$work/1.rad" --probes "$work/points" --probe 1,1,1,0,0,-1
+[ "$(awk 'NF == 12 && $7 > 0' "$work/out" | wc -l)" -eq 2 ] || fail "two probes are $(tail -2 "$work/out")"
+printf '1 1 0 0 1\n' >"$work/points"
+bake 1 -o "$work/1.rad" --probes "$work/points" && says err 'points:1'
+# Broken off and resumed, it ends the same; what does not fit is refused.
+bake 0 -o "$work/part.rad" --shots 100 && says out 'shots  *100'
+bake 0 -o "$work/part.rad" --resume
+same "$work/1.rad" "$work/part.rad" 'a resumed bake ends otherwise'
+bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
+bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
+bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under a sky of 0,0,0'
+bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
+bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2
+same "$work/gathered.rad" "$work/gathered.2.rad" 'the final gather depends on threads'
+expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
+bake 0 -o "$work/gathered.rad" --resume
+same "$work/gathered.rad" "$work/1.rad" 'a resumed bake keeps what was gathered before'
+# A model beside the light or instead of it; whole or not at all.
+bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
+same "$work/both.rad" "$work/1.rad" 'a model changes the light'
+bake 0 -o "$work/one.glb" --threads 3 && cmp -s "$work/one.glb" "$work/both.GLB" || fail 'models differ'
+[ -z "$(ls "$work"/cache/enfilade/*.rad 2>/dev/null)" ] || fail 'a model asked for alone leaves light in the cache'
+expect 0 "$program" info "$work/one.glb" && says out 'polygons'
+bake 1 -o "$work/no/such/folder/x.glb" && says err 'cannot be written'
+full_disk 8 "$program" bake $maps/two-rooms.plan -o "$work/one.glb"
+[ $? -eq 1 ] || fail 'a full disk went unseen by a model'
+same "$work/one.glb" "$work/both.GLB" 'an earlier .glb file was lost'
+bake 1 -o "$work/absent.rad" --resume && says err 'absent.rad: cannot be opened'
+printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
+bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'
+head -c 3000 "$work/1.rad" >"$work/short.rad" && head -c 100 "$work/1.rad" >"$work/stub.rad"
+head -c 5000 /dev/zero >"$work/other.rad"
+shown() { expect 1 "$program" walk "$1" --light "$work/$2.rad" --offscreen "$work/lit" && says err "$3"; }
+for way in resume show; do
+    while read -r file said; do
+        [ $way = show ] && shown $maps/two-rooms.plan "$file" "$said"
+        [ $way = resume ] && bake 1 -o "$work/$file.rad" --resume && says err "$said"
+    done <<'END'
+part its checksum is wrong
+short has 3000 bytes (its header says
+stub has 100 bytes, less than a .rad header
+other is not a .rad file
+absent cannot be opened
+END
+done
+shown $maps/house.plan 1 'belongs to another building'
+# No light, an open building, an element for each grain of sand.
+printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
+expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
+printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
+expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is open: 100 % of its light escaped'
+expect 0 "$program" bake "$work/dark.quads" --sky 5 -o "$work/x.rad" && says out 'sky  *[1-9]'
+printf 'PRT1\n2\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/two.prt"
+expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
+# Surfaces that cannot be, each with its line; those that are mended are told of.
+lamp='quad l 0 5 0 0 2 0 1 2 1 1 2 1 0 2'
+bad_quad() { # STATUS, what is said, a quad
+    printf '%s\n%s\n' "$lamp" "$3" >"$work/odd.quads"
+    expect "$1" "$program" bake "$work/odd.quads" --element 0.5 -o "$work/x.rad" && says err "$2"
+}
+floor='0 0 0 1 0 0 1 1 0 0 1 0'
+bad_quad 1 'odd.quads:2: the reflectance is `-0.1` (allowed 0 to 1)' "quad a -0.1 0 $floor"
+bad_quad 1 'odd.quads:2: the reflectance is `1.5` (allowed 0 to 1)' "quad a 1.5 0 $floor"
+bad_quad 1 'odd.quads:2: the reflectance is `nan` (allowed 0 to 1)' "quad a nan 0 $floor"
+bad_quad 1 'odd.quads:2: the exitance is `-1`' "quad a .5 -1 $floor"
+bad_quad 1 'odd.quads:2: the exitance is `inf`' "quad a .5 inf $floor"
+bad_quad 1 'odd.quads:2: the quad a has an area of 0' 'quad a .5 0 0 0 0 1 0 0 1 0 0 0 0 0'
+bad_quad 0 'reflect more than 0.85 and were capped, `a` first; the most was 1' "quad a 1 0 $floor"
+bad_quad 0 '1 quads are bent or concave and were cut' 'quad a .5 0 0 0 0 1 0 0 1 1 0.5 0 1 0'
+bad_quad 0 '1 quads are bent or concave and were cut' 'quad a .5 0 0 0 0 1 0 0 0.2 0.2 0 0 1 0'
+bad_plan() { # what is said, a line
+    printf 'plan 1\n%s\n' "$2" >"$work/odd.plan"
+    expect 1 "$program" bake "$work/odd.plan" -o "$work/x.rad" && says err "odd.plan:2: $1"
+}
+bad_plan 'reflectance is .1.' 'material a reflectance 1'
+bad_plan 'reflectance is .-0.5.' 'material a reflectance -0.5'
+bad_plan 'reflectance is .nan.' 'material a reflectance nan'
+bad_plan 'emission is .nan.' 'material a #ffffff emission nan'
+bad_plan 'emission is .-1.' 'material a #ffffff emission -1'
+expect 1 "$program" bake $maps/office.plan --element 0.01 -o "$work/x.rad" && says err 'give --element'
+# Whatever happens, an earlier file is kept: no folder, a full disk, killed at any moment.
+bake 1 -o "$work/no/such/folder/x.rad" && says err 'cannot be written'
+bake 1 -o "$work" && says err 'Is a directory'
+bake 1 -o /dev/full && says err 'No space left'
+[ -c /dev/full ] || fail 'a device was replaced by a file'
+full_disk 1 "$program" bake $maps/two-rooms.plan -o "$work/1.rad"
+[ $? -eq 1 ] || fail 'a full disk went unseen'
+says err 'cannot be written'
+same "$work/1.rad" "$work/2.rad" 'an earlier .rad file was lost'
+if unshare -rm true 2>/dev/null; then
+    # Room for trees, and for a light of the least size, but not for this one: it is asked for when the mesh is there.
+    small_disk() { # a command, whose cache, and $work/disk, hold 1.2 MB
+        mkdir -p "$work/disk"
+        expect "$1" unshare -rm bash -c 'mount -t tmpfs -o size=1200k none "$1" && shift && exec "$@"' disk "$work/disk" \
+            env XDG_CACHE_HOME="$work/disk" "$program" bake $maps/two-rooms.plan --element 0.1 --per-patch 8 --refine 0 --close 0 --reach 0 \
+            --shots 1 "${@:2}"
+    }
+    small_disk 0 && says err 'No space left on device: visibility and light are not kept (bake -o' && says out 'shots  *1$'
+    grep -q '^file' "$work/out" && fail 'light is said to be where it is not'
+    small_disk 1 -o "$work/disk/x.rad" && says err 'x.rad: cannot be written: No space left'
+fi
+for wait in 0.01 0.02 0.03 0.05 0.08 0.12 0.2; do
+    "$program" bake $maps/two-rooms.plan -o "$work/1.rad" --element 0.5 --resolution 50 --residual 0.05 >/dev/null 2>&1 &
+    sleep $wait
+    kill -KILL $! 2>/dev/null
+    wait $! 2>/dev/null
+    same "$work/1.rad" "$work/2.rad" "killed after $wait s, it left a broken file"
+done
+rm -f "$work"/1.rad.??????
+# Interrupted, it stores what there is.
+"$program" bake $maps/office-plain.plan -o "$work/early.rad" --json >"$work/out" 2>"$work/err" &
+sleep 1.5
+kill -INT $!
+wait $! || fail 'an interrupted bake fails'
+says out '"stopped": '
+expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01
+# At any moment: what there is goes on to the same end; before there is any, Ctrl-C ends it as any program, and leaves nothing.
+RANDOM=${ENFILADE_SEED:-$(date +%s)}
+for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
+    rm -f "$work/early.rad"
+    wait=$((RANDOM % 16))  # of about 15
+    "$program" bake $maps/two-rooms.plan -o "$work/early.rad" --element 0.5 --resolution 50 --residual 0.05 >/dev/null 2>"$work/err" &
+    while [ "$(cpu $!)" -lt $wait ]; do sleep 0.01; done
+    kill -INT $! 2>/dev/null
+    wait $!
+    case $? in
+    0) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;;
+    130) [ ! -e "$work/early.rad" ] || fail "interrupted after $wait hundredths, before there was light, it leaves a file" ;;
+    *) fail "interrupted after $wait hundredths it ends with $?: $(head -2 "$work/err")" ;;
+    esac
+done
+# Lamps of a home give light.
+expect 0 "$program" bake $maps/house.sh3d -o "$work/x.rad" --element 1 --resolution 50 --residual 0.2
+expect 0 "$program" bake $maps/two-rooms.plan --element 1
+cached=$(ls "$work"/cache/enfilade/*.rad) || fail 'no light in the cache'
+# It is shown from there as if it were given, if it is whole; a file beside the building that does not fit is told of, too.
+cp $maps/two-rooms.plan "$work/lit.plan"
+show() { expect 0 "$program" walk "$work/lit.plan" --offscreen "$work/$1" --size 64x64 --step 10 --turn 60 "${@:2}"; }
+show given --light "$cached" && quiet
+show found && quiet
+same "$work/given/frame-00000.png" "$work/found/frame-00000.png" 'the light in the cache is not shown'
+cp "$work/short.rad" "$work/lit.rad"
+show beside && says err 'passed over: .*/lit.rad: has 3000 bytes'
+same "$work/given/frame-00000.png" "$work/beside/frame-00000.png" 'the light in the cache is not shown instead'
+cp "$work/short.rad" "$cached" && rm "$work/lit.rad"
+show dark && says err "passed over: $cached: has 3000 bytes"
+cmp -s "$work/given/frame-00000.png" "$work/dark/frame-00000.png" && fail 'damaged light is shown'
+exit $bad

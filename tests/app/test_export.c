@@ -1,0 +1,195 @@
+// test_export.c - an exported model read back by our own reader: bounds, doors' leaves, viewpoints; and in its bytes the
+// light of the solution times the exposure it tells.
+#include <criterion/criterion.h>
+#include <jansson.h>
+
+#include "engine/app/export_glb.h"
+#include "maps/maps.h"
+#include "radiosity/show/reconstruct.h"
+#include "tests/support/lit_fixture.h"
+#include "tests/support/support.h"
+
+typedef struct Written {
+    Lit *lit;
+    RadSolution solution;
+    float *doors;
+    Vec3 *posed;  // the graph's vertices, with the doors so
+    const char *path;
+} Written;
+
+// Cells and mesh with doors half open, so that leaves stand neither as drawn nor along an axis.
+static Written write_lit(Lit *lit, float open) {
+    Written w = {.lit = lit};
+    const Building *b = lit->building;
+    Error error = {""};
+    MeshOptions mesh = {.element = 1, .per_patch = 2};
+    RadOptions options = rad_default_options();
+    options.shots = 200;
+    w.doors = ARENA_ARRAY(&lit->arena, float, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) w.doors[i] = open;
+    Vec3 *posed = w.posed = ARENA_ARRAY(&lit->arena, Vec3, lit->graph.vertex_count + 1);
+    memcpy(posed, lit->graph.vertices, (size_t)lit->graph.vertex_count * sizeof *posed);
+    vis_pose(&lit->graph, w.doors, posed);
+    cr_assert(mesh_build(&lit->graph, posed, w.doors, &mesh, &lit->arena, &lit->mesh, &error), "%s",
+              error.text);
+    cr_assert(rad_start(&lit->mesh, &lit->arena, &w.solution, &error), "%s", error.text);
+    rad_shoot(&lit->mesh, &lit->forest, w.doors, &options, NULL, &w.solution);
+    w.path = arena_format(&lit->arena, "%s/x.glb", support_folder(&lit->arena));
+    cr_assert(export_glb(w.path, &lit->mesh, &w.solution, w.doors, &error), "%s", error.text);
+    return w;
+}
+
+static Lit *read_house(void) {
+    Lit *lit = lit_new();
+    Error error = {""};
+    *lit->building = (Building){0};
+    cr_assert(maps_read("maps/buildings/house.plan", &lit->arena, lit->building, &error), "%s", error.text);
+    lit_finish(lit, 2, 2);
+    cr_assert(lit->building->leaf_count > 5 && lit->building->viewpoint_count > 5);
+    return lit;
+}
+
+static Box bounds_of_mesh(const Mesh *mesh) {
+    Box box = box_empty();
+    for (int i = 0; i < mesh->vertex_count; i++) box = box_add(box, mesh->vertices[i]);
+    return box;
+}
+
+// Area, and area times where it is.
+typedef struct Moment {
+    double area;
+    Vec3 sum;
+} Moment;
+
+static void add_moment(Moment *m, double area, Vec3 middle) {
+    m->area += area;
+    m->sum = vec3_add(m->sum, vec3_scale(middle, area));
+}
+
+static void add_polygon(Moment *m, const Vec3 *v, int count) {
+    for (int i = 1; i + 1 < count; i++) {
+        Vec3 triangle[3] = {v[0], v[i], v[i + 1]};
+        add_moment(m, polygon_area(triangle, 3),
+                   vec3_scale(vec3_add(v[0], vec3_add(v[i], v[i + 1])), 1.0 / 3));
+    }
+}
+
+static Moment moment_of_written(const Written *w) {
+    const CellGraph *graph = &w->lit->graph;
+    const Mesh *mesh = &w->lit->mesh;
+    Moment m = {0};
+    for (int e = 0; e < mesh->element_count; e++)
+        add_moment(&m, mesh->elements[e].area, element_centroid(mesh, e));
+    for (int p = 0; p < graph->polygon_count; p++)
+        if (vis_is_glass(graph, p))
+            add_polygon(&m, w->posed + graph->polygons[p].first_vertex, graph->polygons[p].vertex_count);
+    return m;
+}
+
+static void expect_near(Vec3 a, Vec3 b) { cr_assert_lt(vec3_length(vec3_sub(a, b)), 1e-4); }
+
+// Proves that a house with its doors at any angle comes back where it was: the same bounds and area, to floats a hundred
+// metres from the middle. So leaves' poses, the turn to y up and back, and positions are right.
+Test(export, comes_back_in_its_place) {
+    for (int k = 0; k <= 2; k++) {
+        Lit *lit = read_house();
+        Written w = write_lit(lit, 0.5f * (float)k);
+        Arena arena = {0};
+        Building back;
+        Error error = {""};
+        cr_assert(maps_read(w.path, &arena, &back, &error), "%s", error.text);
+        Box expected = bounds_of_mesh(&w.lit->mesh), got = box_empty();
+        for (int i = 0; i < back.vertex_count; i++) got = box_add(got, back.vertices[i]);
+        expect_near(got.min, expected.min);
+        expect_near(got.max, expected.max);
+        Moment went = moment_of_written(&w), came = {0};
+        for (int i = 0; i < back.polygon_count; i++)
+            add_polygon(&came, back.vertices + back.polygons[i].first_vertex, back.polygons[i].vertex_count);
+        cr_assert_float_eq(came.area, went.area, 0.05, "open %g: %g m^2, not %g", k / 2.0, came.area,
+                           went.area);
+        // A leaf of 2 m^2 that turns the wrong way is off by metres.
+        cr_assert_lt(vec3_length(vec3_sub(came.sum, went.sum)), 0.2);
+        cr_assert_eq(back.viewpoint_count, w.lit->building->viewpoint_count);
+        for (int i = 0; i < back.viewpoint_count; i++) {
+            const Viewpoint *v = &w.lit->building->viewpoints[i], *r = &back.viewpoints[i];
+            expect_near(r->eye, v->eye);
+            cr_assert_float_eq(remainder(r->yaw - v->yaw, 2 * M_PI), 0, 1e-6);
+            cr_assert_float_eq(r->pitch, v->pitch, 1e-6);
+            cr_assert_float_eq(r->fov, v->fov, 1e-6);
+        }
+        arena_free(&arena);
+        lit_free(w.lit);
+    }
+}
+
+static json_t *document_of(Bytes file, const unsigned char **binary) {
+    uint32_t length;
+    cr_assert_eq(memcmp(file.data, "glTF\2\0\0\0", 8), 0);
+    memcpy(&length, file.data + 12, sizeof length);
+    json_t *json = json_loadb((const char *)file.data + 20, length, 0, NULL);
+    cr_assert_not_null(json);
+    *binary = file.data + 20 + length + 8;
+    return json;
+}
+
+static double number(const json_t *json, const char *key) {
+    return json_number_value(json_object_get(json, key));
+}
+
+// Proves that colours are the light of vertices times the exposure told: of a room's walls, brightest and darkest vertex and the
+// number of those, to half a step of 16 bits; and that lamps are cut off at 1.
+Test(export, colours_are_light) {
+    Lit *lit = lit_new();
+    Arena arena = {0};
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    lit_finish(lit, 0.5, 2);
+    Written w = write_lit(lit, 1);
+    VertexLight light = reconstruct_light(&lit->mesh, &w.solution, &arena);
+    const unsigned char *binary;
+    json_t *json = document_of(support_read(&arena, w.path), &binary);
+    const json_t *extras = json_object_get(json_array_get(json_object_get(json, "scenes"), 0), "extras");
+    double exposure = number(extras, "exposure_m2_per_W"), low = INFINITY, high = 0;
+    cr_assert_float_eq(exposure * number(extras, "W_per_m2_per_unit"), 1, 1e-12);
+    for (int i = 0; i < lit->mesh.corner_count; i++) {
+        low = fmin(low, light.corner[i][1] * exposure);
+        high = fmax(high, light.corner[i][1] * exposure);
+    }
+    cr_assert(low > 0 && low < 1 && high > 1);
+    const json_t *view = json_array_get(json_object_get(json, "bufferViews"), 1);
+    const uint16_t *colour = (const void *)(binary + (size_t)number(view, "byteOffset"));
+    int count = (int)number(view, "byteLength") / 8, least = 65535, most = 0;
+    cr_assert_eq(count, nodes_of(&lit->mesh, &arena).count);
+    for (int i = 0; i < count; i++) {
+        if (colour[4 * i + 1] < least) least = colour[4 * i + 1];
+        if (colour[4 * i + 1] > most) most = colour[4 * i + 1];
+    }
+    cr_assert_float_eq(least / 65535.0, low, 1.0 / 65535, "%g, not %g", least / 65535.0, low);
+    cr_assert_eq(most, 65535);
+    json_decref(json);
+    arena_free(&arena);
+    lit_free(lit);
+}
+
+// Proves that names which are no UTF-8, and a full disk or a missing folder, do no harm.
+Test(export, odd_names_and_places) {
+    Lit *lit = lit_new();
+    Error error = {""};
+    Arena arena = {0};
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    lit->building->objects[0].name = "K\xfc"
+                                     "che";
+    lit->building->materials[0].name = "\xff";
+    lit_finish(lit, 1, 2);
+    Written w = write_lit(lit, 1);
+    const unsigned char *binary;
+    json_t *json = document_of(support_read(&arena, w.path), &binary);
+    json_decref(json);
+    cr_assert_not(export_glb("/dev/full", &lit->mesh, &w.solution, w.doors, &error));
+    cr_assert_not_null(strstr(error.text, "No space left"), "says `%s`", error.text);
+    cr_assert_not(export_glb("/no/such/folder/x.glb", &lit->mesh, &w.solution, w.doors, &error));
+    cr_assert_not_null(strstr(error.text, "cannot be written"), "says `%s`", error.text);
+    arena_free(&arena);
+    lit_free(lit);
+}

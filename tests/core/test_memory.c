@@ -1,0 +1,227 @@
+// test_memory.c - memory of our own: what is counted, and how the program ends where there is none.
+#include <criterion/criterion.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/app/app.h"
+#include "engine/core/memory.h"
+#include "engine/core/parallel.h"
+#include "tests/support/support.h"
+
+// All that is asked for is counted, grown or not, and all that is given back is taken off: a leak in the count would end long walks.
+Test(memory, counts_what_is_in_use) {
+    size_t before = memory_used();
+    Arena arena = {0};
+    for (int i = 0; i < 1000; i++) arena_alloc(&arena, 1000, 1);
+    char *grown = memory_new(10);
+    memcpy(grown, "nine char", 10);
+    grown = memory_grow(grown, 1000000);
+    cr_expect_str_eq(grown, "nine char");
+    unsigned char *tried = memory_try(100000);
+    for (int i = 0; i < 100000; i++) cr_assert_eq(tried[i], 0, "byte %d", i);
+    size_t least = before + 1000 * 1000 + 1000000 + 100000;
+    cr_expect_geq(memory_used(), least);
+    cr_expect_geq(memory_peak(), memory_used());
+    memory_free(tried);
+    memory_free(grown);
+    memory_free(NULL);
+    arena_free(&arena);
+    cr_expect_eq(memory_used(), before);
+    cr_expect_geq(memory_peak(), least);
+}
+
+// ---- the end
+
+static void touch(void *path) {
+    int fd = creat(path, 0600);
+    close(fd);
+}
+
+static void ask(void *context, int index, int thread) {
+    (void)context, (void)index, (void)thread;
+    for (;;) memory_free(memory_new(123));
+}
+
+// Sleeps within a hold, in which a file would get its name, and then leaves a sign that it was let end.
+_Noreturn static void *hold(void *path) {
+    memory_hold_end();
+    memory_fail_at(1);
+    usleep(100000);
+    touch(path);
+    memory_release_end();
+    for (;;) pause();
+}
+
+// What the child of `run` does, with a file that it may make.
+typedef void Child(char *path);
+
+static void fail_in_a_loop(char *path) {
+    MemoryEnd told = {.undo = touch, .context = path};
+    memory_add_end(&told);
+    printf("said before");  // no line: still in the buffer
+    memory_fail_at(1000);
+    parallel_for(8, 8, ask, NULL);
+}
+
+static void fail_while_held(char *path) {
+    pthread_t thread;
+    printf("said before");
+    memory_fail_at(1000000000);
+    pthread_create(&thread, NULL, hold, path);
+    ask(NULL, 0, 0);
+}
+
+static void fail_by_size(char *path) {
+    Arena arena = {0};
+    touch(path);
+    printf("said before");
+    arena_alloc(&arena, (size_t)1 << 46, 1);
+}
+
+// Ends as the header says: one sentence, whatever was printed, status 1, and the file is there.
+static void run(Child *child, const char *sentence) {
+    Arena arena = {0};
+    char *path = arena_format(&arena, "%s/file", support_folder(&arena));
+    int pipes[2], status;
+    cr_assert_eq(pipe(pipes), 0);
+    fflush(NULL);
+    pid_t process = fork();
+    if (process == 0) {
+        dup2(pipes[1], STDOUT_FILENO);
+        dup2(pipes[1], STDERR_FILENO);
+        alarm(20);
+        child(path);
+        _exit(0);
+    }
+    close(pipes[1]);
+    char said[512] = "";
+    size_t length = 0;
+    for (ssize_t got; (got = read(pipes[0], said + length, sizeof said - 1 - length)) > 0;)
+        length += (size_t)got;
+    close(pipes[0]);
+    waitpid(process, &status, 0);
+    cr_expect(WIFEXITED(status) && WEXITSTATUS(status) == 1, "status %d, `%s`", status, said);
+    cr_expect_str_eq(said, sentence);
+    cr_expect_eq(access(path, F_OK), 0, "no file");
+    arena_free(&arena);
+}
+
+// One of eight threads finds no memory, the others go on: one sentence all the same.
+Test(memory, ends_in_any_thread) {
+    for (int i = 0; i < 20; i++) run(fail_in_a_loop, "said beforeenfilade: no memory for 123 bytes\n");
+}
+
+// Who gives a file its name is let end first.
+Test(memory, waits_for_names) { run(fail_while_held, "said beforeenfilade: no memory for 123 bytes\n"); }
+
+static const MemoryBudget SMALL = {
+    "a.plan", "--memory MB allows more", 10 << 20, 1 << 20, 10, 12 << 20, 0, false, false};
+
+static void fail_by_budget(char *path) {
+    touch(path);
+    memory_set_budget(&SMALL);
+    memory_set_stage("making cells");
+    memory_note_read(1 << 20);
+    cr_assert(memory_fits(9 << 20) && memory_within(NULL));
+    memory_free(memory_new(9 << 20));
+    memory_free(memory_new(11 << 20));
+}
+
+// A budget ends the program with its own sentence.
+Test(memory, ends_beyond_a_budget) {
+    run(fail_by_budget,
+        "enfilade: a.plan: making cells takes more than 10 MB of memory (--memory MB allows more)\n");
+}
+
+static void fail_at_the_fence(char *path) {
+    MemoryBudget budget = SMALL;
+    budget.fence = true;
+    touch(path);
+    memory_set_budget(&budget);
+    memory_set_stage("reading");
+    // What libraries take: less than the slack goes, and much more does not.
+    char *volatile some = malloc(20 << 20), *volatile more = malloc(100 << 20);
+    if (!some || more) _exit(2);
+    memory_lower_fence();
+    more = malloc(100 << 20);
+    if (!more) _exit(3);
+    free(more);
+    memory_set_budget(&budget);
+    memset(some, 1, 20 << 20);
+    memory_end_library("GEOS");
+}
+
+// Libraries find no more than is left of a budget, with a fence; when they say so, the sentence is that of the budget.
+Test(memory, fences_libraries_in) {
+#ifdef __SANITIZE_ADDRESS__
+    cr_skip_test("no fence stands under the sanitizer, whose own memory is data too");
+#endif
+    run(fail_at_the_fence,
+        "enfilade: a.plan: reading takes more than 10 MB of memory (--memory MB allows more)\n");
+}
+
+// More bytes read allow more, up to the most there may be; a gentle budget that was exceeded, if only for a moment, says so when
+// asked, and a new one begins anew.
+Test(memory, allows_more_for_larger_files) {
+    Error error = {""};
+    MemoryBudget budget = SMALL;
+    budget.gentle = true;
+    size_t before = memory_used();
+    cr_assert_leq(before, 1 << 20);
+    memory_set_budget(&budget);
+    memory_set_stage("reading");
+    cr_expect(memory_fits(9 << 20) && !memory_fits((10 << 20) + 1));
+    memory_note_read(1 << 20);
+    cr_expect(!memory_fits((10 << 20) + 1), "the first megabyte is covered");
+    memory_note_read(1 << 17);
+    cr_expect(memory_fits(10 << 20) && !memory_fits((12 << 20) + 1), "an eighth of a megabyte allows 1.25");
+    memory_note_read(1 << 30);
+    cr_expect(memory_fits(11 << 20) && !memory_fits((12 << 20) + 1), "more than the most");
+    memory_set_budget(&budget);
+    cr_expect(memory_within(&error));
+    memory_free(memory_new(11 << 20));
+    cr_expect_not(memory_within(&error));
+    cr_expect_str_eq(error.text, "a.plan: reading takes more than 10 MB of memory (--memory MB allows more)");
+    memory_set_budget(NULL);
+    cr_expect(memory_within(&error) && memory_fits((size_t)1 << 40));
+}
+
+// What `enfilade walk` does with a file that has changed: what fits no more is given up with a sentence, and what was there before goes
+// on. Of all that may be used, three quarters are for it, so that the rest is left to find out.
+Test(memory, gives_up_a_larger_building) {
+#ifdef __SANITIZE_ADDRESS__
+    cr_skip_test("arenas keep gaps under the sanitizer: the budget is as wide as they");
+#endif
+    AppOptions options = app_default_options();
+    Arena arena = {0}, other = {0};
+    AppScene scene, changed;
+    Error error = {""};
+    char megabytes[16];
+    options.fresh = true;
+    options.keep = false;
+    cr_assert(app_load("build/maps/office.plan", &options, &arena, &scene, &error), "%s", error.text);
+    snprintf(megabytes, sizeof megabytes, "%zu", (memory_peak() >> 20) + 2);
+    arena_free(&arena);
+    cr_assert_eq(app_take_memory("walk", megabytes), APP_GOOD);
+    cr_assert(app_load("build/maps/two-rooms.plan", &options, &arena, &scene, &error), "%s", error.text);
+    app_memory_gently();
+    cr_expect_not(app_load("build/maps/office.plan", &options, &other, &changed, &error));
+    cr_expect(strstr(error.text, "build/maps/office.plan: making cells takes more than "), "%s", error.text);
+    arena_free(&other);
+    cr_expect(app_load("build/maps/house.plan", &options, &other, &changed, &error), "%s", error.text);
+    cr_expect_eq(scene.graph.cell_count, scene.forest.cell_count);
+    arena_free(&other);
+    arena_free(&arena);
+    memory_set_budget(NULL);
+}
+
+// More than any machine has, asked of the C library itself. 64: the head of an arena's block.
+Test(memory, ends_where_the_machine_has_none) {
+#ifdef __SANITIZE_ADDRESS__
+    cr_skip_test("the sanitizer ends the program at such a request, with a report of its own");
+#endif
+    run(fail_by_size, "said beforeenfilade: no memory for 70368744177728 bytes\n");
+}

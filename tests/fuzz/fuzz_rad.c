@@ -1,0 +1,102 @@
+// fuzz_rad.c - libFuzzer on the .rad reader: a file is refused with a sentence, or it holds light that can be shot on.
+#include <stdlib.h>
+
+#include "radiosity/show/reconstruct.h"
+#include "tests/fuzz/store_target.h"
+
+// The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
+enum { HEADER = 224, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
+
+static void put_right(unsigned char *file) {
+    DerivedHead head;
+    memcpy(&head, file, sizeof head);
+    uint64_t sum = file_hash(file + REST, HEADER - REST, head.version);
+    memcpy(file + REST_SUM, &sum, sizeof sum);
+}
+
+typedef struct Made {
+    StoreTarget target;
+    Mesh mesh;
+    float doors[4];
+} Made;
+
+static RadOptions few_shots(long long shots) {
+    RadOptions options = rad_default_options();
+    options.form_factor.resolution = 8;
+    options.threads = 1;
+    options.shots = shots;
+    return options;
+}
+
+static void make(Made *m) {
+    StoreTarget *t = &m->target;
+    static unsigned char BITS[] = {0xad, 0x6b, 0x5d, 0x11, 0xff, 0x83};
+    static const MeshSplits SPLITS = {.bit_count = 8 * sizeof BITS, .bits = BITS};
+    MeshOptions mesh = {.element = 1.5, .per_patch = 2, .close = 0.05, .splits = &SPLITS};
+    RadOptions options = few_shots(5);
+    RadSolution solution;
+    store_target_start(t);
+    if (!mesh_build(&t->graph, NULL, m->doors, &mesh, &t->arena, &m->mesh, NULL) ||
+        !rad_start(&m->mesh, &t->arena, &solution, NULL))
+        abort();
+    rad_shoot(&m->mesh, &t->forest, m->doors, &options, NULL, &solution);
+    solution.node_count = nodes_of(&m->mesh, &t->arena).count;
+    solution.node = arena_alloc(&t->arena, (size_t)solution.node_count, sizeof *solution.node);
+    if (!rad_save(t->saved, &m->mesh, m->doors, &solution, NULL)) abort();
+    store_target_keep(t);
+}
+
+// Some more shots: sums may overflow, but light is never below 0.
+static void use(const Made *m, RadSolution *solution) {
+    RadOptions options = few_shots(solution->shots < 1000 ? solution->shots + 3 : 1000);
+    rad_shoot(&m->mesh, &m->target.forest, m->doors, &options, NULL, solution);
+    Arena arena = {0};
+    reconstruct_light(&m->mesh, solution, &arena);
+    arena_free(&arena);
+    for (int e = 0; e < solution->element_count; e++) {
+        for (int c = 0; c < 3; c++)
+            if (solution->radiosity[e][c] < 0) abort();
+    }
+}
+
+// Elements smaller than these, metres, are many, and take their time.
+static const double SMALLEST = 1;
+
+// A mesh as the file asks for, lit: no patch may have more elements than a shot can tell apart.
+static void make_again(const Made *m, const MeshOptions *options, const float *doors, Arena *arena) {
+    Mesh mesh;
+    RadSolution solution;
+    RadOptions few = few_shots(2);
+    Error error = {""};
+    if (options->element < SMALLEST) return;
+    if (!mesh_build(&m->target.graph, NULL, doors, options, arena, &mesh, &error) ||
+        !rad_start(&mesh, arena, &solution, &error)) {
+        if (error.text[0] == 0) abort();
+        return;
+    }
+    rad_shoot(&mesh, &m->target.forest, doors, &few, NULL, &solution);
+}
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
+    static Made made = {.target = {.header = HEADER, .put_right = put_right}};
+    StoreTarget *t = &made.target;
+    if (!t->valid.data) make(&made);
+    Arena *arena = target_begin();
+    store_target_put(t, data, size, arena);
+    RadSolution solution;
+    MeshOptions options;
+    float doors[4];
+    Error error = {""};
+    if (rad_load(STORE_TARGET_PATH, &made.mesh, made.doors, arena, &solution, &error)) {
+        use(&made, &solution);
+        target_count(TARGET_PASSED);
+    } else if (error.text[0] == 0) {
+        abort();
+    }
+    error.text[0] = 0;
+    if (rad_load_options(STORE_TARGET_PATH, &t->building, arena, &options, doors, &error))
+        make_again(&made, &options, doors, arena);
+    else if (error.text[0] == 0)
+        abort();
+    return 0;
+}

@@ -1,0 +1,33 @@
+// store_target.h - what the fuzz targets on derived files (engine/core/derived.h) share: a building of two rooms, a valid file of
+// it, and the files that the fuzzer's bytes stand for.
+#ifndef TESTS_STORE_TARGET_H
+#define TESTS_STORE_TARGET_H
+
+#include "engine/core/derived.h"
+#include "tests/fuzz/target.h"
+#include "visibility/vis.h"
+
+typedef struct StoreTarget {
+    size_t header;                           // bytes of the whole header
+    void (*put_right)(unsigned char *file);  // further checksums of a whole header; may be NULL
+    Arena arena;
+    Building building;  // two rooms with a door between, a lamp's light on its leaf
+    CellGraph graph;
+    StabForest forest;
+    char saved[64];  // where store_target_keep expects a valid file
+    Bytes valid;
+    TargetFile served;
+} StoreTarget;
+
+// Makes all but the valid file, which the caller saves before store_target_keep.
+void store_target_start(StoreTarget *target);
+void store_target_keep(StoreTarget *target);
+
+// The file that the fuzzer's bytes stand for is found here.
+#define STORE_TARGET_PATH "/fuzz/stored"
+// Makes it. The first byte says what the others are: the file itself, the file behind a head whose hashes
+// are right, or changes to the valid file; of the last two the checksums are put right. So neither hashes nor checksums
+// keep the fuzzer from what lies behind them.
+void store_target_put(StoreTarget *target, const unsigned char *data, size_t size, Arena *arena);
+
+#endif

@@ -1,8 +1,0 @@
-// fuzz_quads.c - libFuzzer on the .quads reader.
-#include "tests/target.h"
-
-extern const MapsReader MAPS_READER_QUADS;
-
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
-    return target_reader(&MAPS_READER_QUADS, "fuzz.quads", data, size);
-}

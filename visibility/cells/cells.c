@@ -1,0 +1,128 @@
+// cells.c - a building's free space as convex cells: each region's plan that is not convex is cut into convex pieces,
+// each piece is a prism between the region's floor and ceiling.
+#include "engine/core/memory.h"
+#include "visibility/cells/build.h"
+#include "visibility/cells/convex.h"
+
+// Both ends on the same side of the world's border.
+static bool on_border(const Box *world, Vec2 a, Vec2 b) {
+    return (a.x == b.x && (a.x == world->min.x || a.x == world->max.x)) ||
+           (a.y == b.y && (a.y == world->min.y || a.y == world->max.y));
+}
+
+// The ring edge that starts at `point` and ends at `next`, or -1 for a cut through the region.
+static int ring_edge(const Building *b, const Region *region, int point, int next) {
+    // The rings of a region, and their points, follow each other.
+    int low = region->first_ring, high = low + region->ring_count - 1;
+    while (low < high) {
+        int middle = (low + high + 1) / 2;
+        if (b->rings[middle].first_point <= point)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    int first = b->rings[low].first_point, count = b->rings[low].point_count;
+    if (point < first || point >= first + count) return -1;
+    return first + (point - first + 1) % count == next ? point : -1;
+}
+
+static void add_edge(CellBuilder *builder, const Region *region, int point, int next) {
+    const Building *b = builder->building;
+    CellGraph *graph = builder->graph;
+    Vec2 a = b->points[point], end = b->points[next];
+    int edge = ring_edge(b, region, point, next), count = graph->plan_count;
+    *ARENA_PUSH(builder->scratch, builder->edge_material, count, builder->edge_capacity) =
+        edge >= 0 ? b->edge_material[edge] : -1;
+    count = graph->plan_count;
+    *ARENA_PUSH(builder->scratch, builder->edge_outer, count, builder->outer_capacity) =
+        region->kind == REGION_OUTDOORS && on_border(&b->world, a, end);
+    *ARENA_PUSH(builder->arena, graph->plan, graph->plan_count, builder->plan_capacity) = a;
+}
+
+static void add_cell(CellBuilder *builder, int region_index, const int *vertex, int count, int *capacity) {
+    CellGraph *graph = builder->graph;
+    const Region *region = &builder->building->regions[region_index];
+    Cell *cell = ARENA_PUSH(builder->arena, graph->cells, graph->cell_count, *capacity);
+    *cell = (Cell){.region = region_index,
+                   .first_edge = graph->plan_count,
+                   .edge_count = count,
+                   .z0 = region->z0,
+                   .z1 = region->z1,
+                   .box = box_empty()};
+    for (int i = 0; i < count; i++) {
+        add_edge(builder, region, vertex[i], vertex[(i + 1) % count]);
+        Vec2 p = builder->building->points[vertex[i]];
+        cell->box = box_add(box_add(cell->box, vec3(p.x, p.y, cell->z0)), vec3(p.x, p.y, cell->z1));
+    }
+    graph->box = box_union(graph->box, cell->box);
+}
+
+// A piece with very many vertices (a round room) becomes several, as a fan of chords from its first vertex.
+static void add_piece(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
+    enum { MOST = BUILD_MAX_VERTICES / 2 };
+    int part[MOST];
+    int next = 1;
+    while (count - next + 1 > MOST) {
+        part[0] = vertex[0];
+        for (int i = 1; i < MOST; i++) part[i] = vertex[next + i - 1];
+        add_cell(builder, region, part, MOST, capacity);
+        next += MOST - 2;
+    }
+    part[0] = vertex[0];
+    int left = 1;
+    while (next < count) part[left++] = vertex[next++];
+    add_cell(builder, region, part, left, capacity);
+}
+
+// A region that is convex as it is, its vertices on the grid or off it.
+static void add_whole(CellBuilder *builder, int region, int *capacity) {
+    const Building *b = builder->building;
+    Ring ring = b->rings[b->regions[region].first_ring];
+    int *vertex = ARENA_ARRAY(builder->scratch, int, ring.point_count);
+    for (int i = 0; i < ring.point_count; i++) vertex[i] = ring.first_point + i;
+    add_piece(builder, region, vertex, ring.point_count, capacity);
+}
+
+static bool make_cells(CellBuilder *builder, Error *error) {
+    const Building *b = builder->building;
+    int capacity = 0;
+    builder->graph->box = box_empty();
+    for (int r = 0; r < b->region_count; r++) {
+        const Region *region = &b->regions[r];
+        if (!memory_within(error)) return false;
+        if (region_is_convex(b, region)) {
+            add_whole(builder, r, &capacity);
+            continue;
+        }
+        int *first = ARENA_ARRAY(builder->scratch, int, region->ring_count);
+        int *size = ARENA_ARRAY(builder->scratch, int, region->ring_count);
+        for (int i = 0; i < region->ring_count; i++) {
+            first[i] = b->rings[region->first_ring + i].first_point;
+            size[i] = b->rings[region->first_ring + i].point_count;
+        }
+        ConvexPieces pieces;
+        Error reason;
+        if (!convex_decompose(b->points, first, size, region->ring_count, builder->scratch, &pieces,
+                              &reason)) {
+            return error_set(error, "%s: region %d `%s`: %s", b->source ? b->source : "building", r,
+                             region->name, reason.text);
+        }
+        for (int i = 0; i < pieces.count; i++) {
+            add_piece(builder, r, pieces.vertex + pieces.first[i], pieces.first[i + 1] - pieces.first[i],
+                      &capacity);
+        }
+    }
+    const char *source = b->source ? b->source : "building";
+    if (builder->graph->cell_count == 0) return error_set(error, "%s: has no free space to walk in", source);
+    if (builder->graph->cell_count > MAPS_MAX_CELLS)
+        return error_set(error, "%s: its rooms make %d convex cells (allowed: %d)", source,
+                         builder->graph->cell_count, MAPS_MAX_CELLS);
+    return true;
+}
+
+bool build_regions(CellBuilder *builder, Error *error) {
+    if (!make_cells(builder, error)) return false;
+    build_portals(builder);
+    build_surfaces(builder);
+    return true;
+}

@@ -1,0 +1,289 @@
+// query.c - the visible set of an eye: the stab tree of its cell, walked while the view volume narrows at each
+// portal (Teller & Sequin 1991, section 5; Luebke & Georges 1995 for the walk without trees), then the squares of
+// each visible cell that the narrowed volume covers in plan (Oki 2.2), then the boxes of the objects there.
+//
+// The narrowed volume is a cone: planes through the eye. It is kept a little too large, so that nothing a rasteriser
+// could show is lost: see ANGLE_SLACK and POSITION_SLACK.
+#include <string.h>
+
+#include "engine/core/error.h"
+#include "engine/core/polygon.h"
+#include "visibility/query/query.h"
+
+const char *const VIS_METHOD_NAMES[VIS_METHODS] = {"none", "frustum", "portals", "plan", "stab"};
+
+static int forest_depth(const StabForest *forest, Arena *scratch) {
+    int deepest = 1, *depth = ARENA_ARRAY(scratch, int, forest->node_count);
+    for (int i = 0; i < forest->node_count; i++) {
+        depth[i] = forest->nodes[i].parent < 0 ? 1 : depth[forest->nodes[i].parent] + 1;
+        if (depth[i] > deepest) deepest = depth[i];
+    }
+    return deepest;
+}
+
+VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena) {
+    VisQuery *q = arena_alloc(arena, 1, sizeof *q);
+    Arena scratch = {0};
+    q->graph = graph;
+    q->forest = forest;
+    q->cones = ARENA_ARRAY(arena, Cone, forest_depth(forest, &scratch) + 1);
+    arena_free(&scratch);
+    q->every_cell = ARENA_ARRAY(arena, uint64_t, forest->words);
+    q->joined = ARENA_ARRAY(arena, uint64_t, forest->words);
+    memset(q->every_cell, 0xff, (size_t)forest->words * sizeof *q->every_cell);
+    q->of_cell = ARENA_ARRAY(arena, CellView, graph->cell_count);
+    q->cells = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->spare = ARENA_ARRAY(arena, VisibleCell, graph->cell_count);
+    q->drawn = ARENA_ARRAY(arena, uint64_t, graph->object_count / 64 + 1);
+    q->drawn_words = ARENA_ARRAY(arena, uint64_t, graph->object_count / 4096 + 1);
+    q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
+    q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
+    query_list_objects(q, arena);
+    query_list_gates(q, arena);
+    q->traits = ARENA_ARRAY(arena, ObjectTraits, graph->object_count);
+    for (int i = 0; i < graph->object_count; i++) {
+        const Object *object = &graph->objects[i];
+        q->traits[i] = (ObjectTraits){object->polygon_count, object->plug ? object->opening : -1};
+    }
+    return q;
+}
+
+bool vis_shown(const Object *object, const float *door_open) {
+    return !object->plug || (door_open && door_open[object->opening] == 0);
+}
+
+// ---- the walk
+
+// A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
+bool query_door_closed(const VisQuery *q, int index) {
+    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
+    Gate gate = query_gate(q, index);
+    const Portal *portal = &q->graph->portals[gate.portal];
+    if (q->door_open[portal->door] > 0) return false;
+    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
+}
+
+static void visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
+    CellView *view = query_cell_view(q, cell);
+    if (view->place < 0) {
+        view->place = q->result.cell_count;
+        q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
+    } else if (distance < q->cells[view->place].distance) {
+        q->cells[view->place].distance = distance;
+    }
+    query_draw_cell(q, cell, cone);
+}
+
+// Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
+// rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
+static void draw_half(VisQuery *q, int cell, Cone *cone) {
+    const Cell *cells = q->graph->cells;
+    int first = cell;
+    if (cells[cell].region < 0) {
+        query_draw_cell(q, cell, cone);
+        return;
+    }
+    while (first > 0 && cells[first - 1].region == cells[cell].region) first--;
+    for (int c = first; c < q->graph->cell_count && cells[c].region == cells[cell].region; c++)
+        query_draw_cell(q, c, cone);
+}
+
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
+    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
+    bool closed = query_door_closed(q, gate);
+    if (closed) {
+        draw_half(q, cell, beyond);
+    } else {
+        visit_cell(q, cell, distance, beyond);
+    }
+    return !closed;
+}
+
+// The cone beyond one of the gates in sight, and how far it is; false where nothing of it is in view.
+static bool pass_gate(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
+                      double *distance) {
+    int lane = index % FOUR;
+    if (sight->slots >> lane & 1) {
+        query_slot_cone(&sight->slot, &q->gates[index / FOUR], lane, q->eye->position, q->method == VIS_PLAN,
+                        beyond);
+        *distance = query_slots_distance(&sight->slot, sight->ahead)[lane];
+        return true;
+    }
+    if (!(sight->others >> lane & 1)) return false;
+    Gate gate = query_gate(q, index);
+    ViewPart part;
+    Passage passage = query_clip(q, cone, &gate, &part);
+    if (passage == PASSAGE_NONE) return false;
+    query_beyond(q, cone, passage, &gate, &part, beyond);
+    *distance = part.distance;
+    return true;
+}
+
+// The cone of each depth narrows to that of the next.
+static void walk_tree(VisQuery *q, int node, int depth) {
+    const StabNode *nodes = q->forest->nodes;
+    Cone *cone = &q->cones[depth], *beyond = &q->cones[depth + 1];
+    int first = node + 1, end = q->forest->node_count, block = -1;
+    Sight sight;
+    for (int child = first < end && nodes[first].parent == node ? first : -1; child >= 0;
+         child = nodes[child].next) {
+        int portal = nodes[child].portal;
+        bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
+        int gate = q->gate_of[2 * portal + (forward ? 0 : 1)];
+        if (gate / FOUR != block) query_sight(q, cone, block = gate / FOUR, FOUR_ALL, &sight);
+        double distance;
+        q->result.portals_tested++;
+        if (!pass_gate(q, cone, gate, &sight, beyond, &distance)) continue;
+        if (query_enter(q, gate, beyond, distance)) walk_tree(q, child, depth + 1);
+    }
+}
+
+// ---- results
+
+static void draw_all(VisQuery *q, bool by_frustum) {
+    for (int i = 0; i < q->graph->object_count; i++) {
+        if (by_frustum) {
+            q->result.objects_tested++;
+            if (query_box_outside(q->graph->object_boxes[i], q->eye->frustum, q->eye->frustum_count,
+                                  q->eye->position))
+                continue;
+        }
+        query_draw_object(q, i);
+    }
+}
+
+static void collect_word(VisQuery *q, int word) {
+    VisResult *result = &q->result;
+    for (uint64_t bits = q->drawn[word]; bits; bits &= bits - 1) {
+        int object = word * 64 + __builtin_ctzll(bits);
+        int plug = q->traits[object].plug;
+        if (plug >= 0 && !(q->door_open && q->door_open[plug] == 0)) continue;
+        q->objects[result->object_count++] = object;
+        result->polygon_count += q->traits[object].polygon_count;
+    }
+    q->drawn[word] = 0;
+}
+
+static void collect_objects(VisQuery *q) {
+    for (int block = 0; block <= q->graph->object_count / 4096; block++) {
+        for (uint64_t words = q->drawn_words[block]; words; words &= words - 1)
+            collect_word(q, block * 64 + __builtin_ctzll(words));
+        q->drawn_words[block] = 0;
+    }
+}
+
+enum { SHORT_RUN = 16 };
+
+static bool before(const VisibleCell *a, const VisibleCell *b) {
+    return a->distance < b->distance || (a->distance == b->distance && a->cell < b->cell);
+}
+
+// Cells come nearly in order, and short runs are mended in place.
+static void sort_run(VisibleCell *cells, int count) {
+    for (int i = 1; i < count; i++) {
+        VisibleCell cell = cells[i];
+        int at = i;
+        for (; at > 0 && before(&cell, &cells[at - 1]); at--) cells[at] = cells[at - 1];
+        cells[at] = cell;
+    }
+}
+
+// Merges runs of twice the length each time; qsort may allocate.
+static void sort_cells(VisQuery *q) {
+    int count = q->result.cell_count;
+    for (int first = 0; first < count; first += SHORT_RUN)
+        sort_run(q->cells + first, count - first < SHORT_RUN ? count - first : SHORT_RUN);
+    for (int run = SHORT_RUN; run < count; run *= 2) {
+        for (int first = 0; first < count; first += 2 * run) {
+            int a = first, middle = first + run < count ? first + run : count, b = middle,
+                end = middle + run < count ? middle + run : count;
+            for (int k = first; k < end; k++) {
+                bool left = a < middle && (b >= end || !before(&q->cells[b], &q->cells[a]));
+                q->spare[k] = q->cells[left ? a++ : b++];
+            }
+        }
+        VisibleCell *swap = q->cells;
+        q->cells = q->spare;
+        q->spare = swap;
+    }
+    q->result.cells = q->cells;
+}
+
+// Through which an eye in `cell` may look. At a portal it may look through the cells beyond it as well: rounding may put
+// it there, and a line from there along the portal's plane is no line from here.
+static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
+    memset(q->joined, 0, (size_t)q->forest->words * sizeof *q->joined);
+    for (int i = 0; i < count; i++) cell_rows_join(&q->forest->seen, around[i], q->joined);
+    return q->joined;
+}
+
+// Into the cache, what the walk begins with.
+static void prefetch_start(const VisQuery *q, int cell) {
+    for (int k = 0; k < q->forest->seen.blocks; k++)
+        __builtin_prefetch(cell_rows_block(&q->forest->seen, cell, k));
+    const char *gates = (const char *)&q->gates[q->of_cell[cell].first_block];
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
+}
+
+static void prefetch(const void *from, size_t bytes) {
+    for (size_t at = 0; at < bytes; at += CACHE_LINE) __builtin_prefetch((const char *)from + at);
+}
+
+// What the last query saw: frames draw much between two queries, and from one to the next little changes in view.
+static void prefetch_last(const VisQuery *q) {
+    enum { LISTS = 8 };  // ahead, where the lists of a cell are
+    int count = q->result.cell_count;
+    if (count == 0) return;  // all was drawn
+    for (int i = 0; i < count + LISTS; i++) {
+        if (i < count) __builtin_prefetch(&q->of_cell[q->cells[i].cell]);
+        if (i < LISTS) continue;
+        const CellView *cell = &q->of_cell[q->cells[i - LISTS].cell];
+        size_t boxes = (size_t)(cell->object_count + FOUR - 1) / FOUR;
+        prefetch(&q->gates[cell->first_block], (size_t)cell->block_count * sizeof *q->gates);
+        prefetch(&q->boxes[cell->first_box], boxes * sizeof *q->boxes);
+    }
+    for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);
+}
+
+static void walk(VisQuery *q, const int *around, int count) {
+    int cell = around[0];
+    query_first_cone(q, &q->cones[0]);
+    visit_cell(q, cell, 0, &q->cones[0]);
+    bool trees = q->method != VIS_PORTALS;
+    q->limit = trees ? visible_set(q, around, count) : q->every_cell;
+    if (trees && count == 1 && !q->forest->bounded[cell]) {
+        walk_tree(q, q->forest->root[cell], 0);
+    } else {
+        query_walk(q, cell);
+    }
+}
+
+VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {
+    CORE_ASSERT(cell < q->graph->cell_count && method < VIS_METHODS);
+    prefetch_last(q);
+    q->eye = eye;
+    q->door_open = door_open;
+    q->method = method;
+    q->result = (VisResult){.cells = q->cells, .objects = q->objects, .eye_cell = cell};
+    q->frame++;
+    // Before the counters come round, forget the marks of long ago.
+    if (q->frame > UINT32_MAX / 2 || q->cone_serial > UINT32_MAX / 2) {
+        for (int c = 0; c < q->graph->cell_count; c++) q->of_cell[c].frame = 0;
+        for (int k = 0; k < q->block_count; k++) q->view_frame[k] = 0;
+        memset(q->object_tested, 0, (size_t)q->graph->object_count * sizeof *q->object_tested);
+        q->frame = 1;
+        q->cone_serial = 0;
+    }
+    if (cell >= 0) prefetch_start(q, cell);
+    int around[MOST_AROUND] = {cell}, count = 1;
+    if (cell >= 0) count = query_eye_cells(q->graph, cell, eye, around);
+    if (count == 0) q->result.eye_cell = cell = -1;
+    if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
+        draw_all(q, method == VIS_FRUSTUM);
+    } else {
+        walk(q, around, count);
+    }
+    collect_objects(q);
+    sort_cells(q);
+    return q->result;
+}

@@ -1,0 +1,262 @@
+// query.h - what the files of the query share: the cone that narrows from portal to portal, and the query under way.
+#ifndef VISIBILITY_QUERY_H
+#define VISIBILITY_QUERY_H
+
+#include "engine/core/four.h"
+#include "visibility/cells/build.h"
+
+enum { CACHE_LINE = 64 };  // bytes, for what is fetched ahead
+enum { MAX_PLANES = 24, MAX_CORNERS = 2 * MAX_PLANES + 8 };
+
+// Rasterisers compute in floats: 2e-5 m is half a digit at 300 m from the middle of the building.
+#define POSITION_SLACK 2e-5
+// They snap to 1/256 of a pixel: 5e-5 covers views down to 100 pixels a radian.
+#define ANGLE_SLACK 5e-5
+// An eye this near a portal's plane counts as on it: the whole volume passes if it is at the portal itself, and a thin
+// wedge along the plane if the portal is seen edge-on from afar. Metres.
+#define ON_PLANE 1e-3
+// An eye this near a portal on its plane may be in it, metres.
+#define AT_PORTAL 1e-2
+
+typedef struct Cone {
+    // In plan: directions from `from` counter-clockwise to `to`, less than a half turn; or all around.
+    Vec2 from, to;
+    // Beyond an upright rectangle the planes are four, and these say the same: the wedge, and from below to above it
+    // heights over the plan offset u from the eye, bottom . u - bottom_slack to top . u + top_slack.
+    Vec2 bottom, top;
+    double bottom_slack, top_slack;
+    bool is_slot;  // the planes are made when something asks for them: see query_cone_planes
+    bool all_around;
+    int count;
+    Plane plane[MAX_PLANES];  // all through the eye, but for those of the caller's frustum
+} Cone;
+
+// Portals as a cell has them, four at a time, in the order of CellGraph.contacts: what most tests need, in four lines of
+// the cache. Four doubles, not eight floats: a cell has four or five portals in the mean, so that more lanes would stay
+// empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a cell leaves over are nowhere: d is infinite.
+typedef struct GateBlock {
+    // Of the portal's plane, pointing into the cell.
+    Four nx, ny, d;
+    // Where an upright rectangle begins and ends along (ny, -nx), counter-clockwise around an eye in front of it, and in
+    // height. Of any other portal s0 > s1, which marks it, -1 - s1 is its index in VisQuery.sloped, and z0 is the third
+    // part of its normal.
+    Four s0, s1, z0, z1;
+    FourInt cell;    // beyond
+    FourInt beyond;  // the first block of that cell, and GATE_DOOR
+} GateBlock;
+enum { GATE_DOOR = 1 << 30 };  // in GateBlock.beyond: it has a door
+
+// One of them, for what is done one at a time.
+typedef struct Gate {
+    int portal, cell;  // `cell` lies beyond
+    int sloped;        // in VisQuery.sloped; -1: it is an upright rectangle
+    Plane plane;       // pointing into the cell
+    double ahead;      // how far the eye is before it, metres
+} Gate;
+
+// A straight line over the foot of an upright portal: its height at a place s along it is at + rise * s.
+typedef struct SlotEdge {
+    Four at, rise;
+} SlotEdge;
+
+static inline SlotEdge query_choose_edge(FourMask mask, SlotEdge yes, SlotEdge no) {
+    return (SlotEdge){four_choose(mask, yes.at, no.at), four_choose(mask, yes.rise, no.rise)};
+}
+
+// What is in view of four upright rectangles: from s0 to s1 along each, between two lines. Places are metres from the eye's
+// foot in the portal's plane, counter-clockwise around the eye seen from above; heights are from the eye's.
+typedef struct Slots {
+    Four s0, s1;
+    SlotEdge bottom, top;
+} Slots;
+
+// How the view goes through a portal.
+typedef enum Passage {
+    PASSAGE_NONE,  // not at all
+    PASSAGE_ALL,   // all of it: the eye is in the portal
+    PASSAGE_EDGE,  // in a thin wedge along its plane, of which the eye is part
+    PASSAGE_PART   // through what is in view of it
+} Passage;
+
+// What is in view of a portal that is no upright rectangle, or is seen edge-on: a polygon, which lies in the graph or in
+// one of the buffers.
+typedef struct ViewPart {
+    const Vec3 *polygon;
+    int count;
+    Vec3 middle;      // of the polygon, from the eye
+    double distance;  // of the nearest corner from the eye, metres
+    Vec3 buffer[2][MAX_CORNERS];
+} ViewPart;
+
+// Corners of what is in view of a portal, as the walk without trees keeps it; where it has more, all of the view passes.
+enum { VIEW_CORNERS = 12 };
+
+// Of a portal that is no upright rectangle: the box around it, its middle and half its size, and what is in view of it.
+typedef struct Sloped {
+    Vec3 centre, half;
+    int count;
+    Vec3 v[VIEW_CORNERS];
+} Sloped;
+
+// Of a block of gates, through which the view goes in the walk without trees: a lane, or a bit, each.
+typedef struct ViewBlock {
+    Slots slots;         // of upright rectangles; of others see Sloped
+    FourFloat distance;  // as ViewPart's: it only orders
+    // Of what is something in view, so far; which let all of the view pass; are seen edge-on; can show no more; are in
+    // the queue; were gone through PASSES times.
+    unsigned char part, all, edge, whole, queued, spent;
+    unsigned char passes[FOUR];  // how often they were gone through
+} ViewBlock;
+
+// Of a cell.
+typedef struct CellView {
+    int first_block, block_count;  // in VisQuery.gates
+    int first_box,
+        object_count;  // in VisQuery.boxes, and in how many lanes of them; none of a cell that holds many
+    unsigned frame;    // the last query that saw it
+    int place;         // then in VisQuery.cells
+    unsigned undrawn;  // then of its objects those it has not yet shown, a bit each
+} CellView;
+
+// Four objects as a cell lists them: the middles of their boxes, from the middle of the building, and half their sizes,
+// rounded up.
+typedef struct BoxBlock {
+    FourFloat centre[3], half[3];
+    FourInt object;  // lanes left over repeat one
+} BoxBlock;
+
+typedef struct ObjectTraits {
+    int polygon_count;
+    int plug;  // the opening whose door it is the plug of, or -1
+} ObjectTraits;
+
+struct VisQuery {
+    const CellGraph *graph;
+    const StabForest *forest;
+    Cone *cones;       // [depth of the deepest tree + 1] one for each level; the first is the eye's own
+    GateBlock *gates;  // [block_count] a cell's own, then the next cell's
+    int block_count;
+    int *portal_of;        // [4 * block_count]
+    int *gate_of;          // [2 * portal_count] from cell[0] and from cell[1]
+    ViewBlock *views;      // [block_count] as gates
+    unsigned *view_frame;  // [block_count] the last query that wrote them: apart, where it is soon asked
+    Sloped *sloped;        // [gates that are no upright rectangles]
+    uint64_t *queue;       // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
+    int queue_count;
+    CellView *of_cell;        // [cell_count]
+    BoxBlock *boxes;          // of cells that hold few
+    Vec3 middle;              // of the building
+    VisibleCell *cells;       // [cell_count]
+    VisibleCell *spare;       // [cell_count] for sorting
+    uint64_t *drawn;          // bit per object
+    uint64_t *drawn_words;    // bit per word of `drawn` that is not 0
+    unsigned *object_tested;  // [object_count] the last cone it was tested against
+    int *objects;             // [object_count] the result
+    ObjectTraits *traits;     // [object_count]
+    uint64_t *every_cell;     // a visible set of all
+    uint64_t *joined;         // [words] the visible set of the eye
+    unsigned frame, cone_serial;
+    // Of the query under way:
+    const Eye *eye;
+    const float *door_open;
+    VisMethod method;
+    const uint64_t *limit;  // only cells of this visible set are entered
+    VisResult result;
+};
+
+// As the query under way has it.
+static inline CellView *query_cell_view(VisQuery *q, int cell) {
+    CellView *view = &q->of_cell[cell];
+    if (view->frame != q->frame) {
+        view->frame = q->frame;
+        view->place = -1;
+        view->undrawn = (1u << view->object_count) - 1;
+    }
+    return view;
+}
+
+// query_cone.c
+void query_first_cone(VisQuery *q, Cone *cone);
+// One half-space more, unless the cone is full: one less makes it larger, and nothing is lost.
+static inline void cone_add(Cone *cone, Vec3 n, double d) {
+    if (cone->count < MAX_PLANES) cone->plane[cone->count++] = (Plane){n, d};
+}
+// The two upright planes of the plan wedge.
+void cone_add_wedge(Cone *cone, Vec3 eye);
+// A plan direction of unit length, turned counter-clockwise (`side` +1) or clockwise (-1) by the slack of what it points
+// to, at `length` metres. As good as of unit length.
+static inline Vec2 cone_turned(Vec2 direction, int side, double length) {
+    double turn = side * (ANGLE_SLACK + POSITION_SLACK / length);
+    return vec2(direction.x - turn * direction.y, direction.y + turn * direction.x);
+}
+// Makes the planes of a cone beyond a slot, if they are not yet made.
+void query_cone_planes(Cone *cone, Vec3 eye);
+// What the cone shows of a portal that is no upright rectangle, or is seen edge-on.
+Passage query_clip(const VisQuery *q, Cone *cone, const Gate *gate, ViewPart *out);
+// The cone beyond one that is gone through by a polygon; `parent` is the cone before it.
+void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const Gate *gate, const ViewPart *part,
+                  Cone *out);
+
+// query_gate.c: before all queries.
+void query_list_gates(VisQuery *q, Arena *arena);
+// Is the portal an upright rectangle? Then where it begins and ends along it, and in height, is written.
+bool query_is_wall(const CellGraph *graph, const Portal *portal, Plane plane, double *s, double *z);
+Gate query_gate(const VisQuery *q, int gate);
+// Could the eye, a hair's breadth from the portal's plane, be in the portal?
+bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye);
+
+// What a cone shows of a block of gates.
+typedef struct Sight {
+    Four ahead;       // of the eye before their planes, metres
+    unsigned slots;   // lanes of which it shows something: upright rectangles
+    unsigned others;  // lanes that query_clip must be asked about
+    Slots slot;
+} Sight;
+// Of these lanes; returns those that the eye is before.
+unsigned query_sight(const VisQuery *q, const Cone *cone, int block, unsigned lanes, Sight *out);
+
+// query_slot.c: what the cone shows of upright rectangles that the eye is `ahead` metres before. Returns the lanes of which
+// it shows anything.
+unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out);
+// Of the nearest point from the eye, metres.
+Four query_slots_distance(const Slots *slots, Four ahead);
+// In which lanes is all of `part` in `slots`? Both are of one block of gates.
+unsigned query_slots_hold(const Slots *slots, const Slots *part);
+// Slots that hold both.
+void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Slots *b, Slots *out);
+// The cone beyond one of them: in plan only its wedge.
+void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 eye, bool plan, Cone *out);
+
+// query.c: does a closed door end the view?
+bool query_door_closed(const VisQuery *q, int gate);
+// Goes through a portal with the cone beyond it; false where a closed door ends the view.
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
+
+// query_eye.c: the cells that the eye is in, to a rasteriser's precision, its own first. Returns how many, or 0 where it is
+// at a wall, or there are too many.
+enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
+int query_eye_cells(const CellGraph *graph, int cell, const Eye *eye, int cells[MOST_AROUND]);
+
+// query_hull.c: the convex hull of two polygons in a portal's plane, counter-clockwise about n; returns its corners.
+int query_hull(const Vec3 *a, int a_count, const Vec3 *b, int b_count, Vec3 n, Vec3 *out);
+// Is all of `part` in the polygon? Both lie in the portal's plane.
+bool query_polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n);
+
+// query_walk.c: the walk without trees.
+void query_walk(VisQuery *q, int cell);
+
+// query_cell.c: marks what of a cell's objects the cone meets.
+void query_draw_cell(VisQuery *q, int cell, Cone *cone);
+void query_list_objects(VisQuery *q, Arena *arena);  // before all queries
+static inline bool query_lists_objects(const VisQuery *q, int cell) {
+    return q->of_cell[cell].object_count > 0;
+}
+static inline void query_draw_object(VisQuery *q, int object) {
+    __builtin_prefetch(&q->traits[object]);  // which the end of the query asks
+    q->drawn[object / 64] |= (uint64_t)1 << (object % 64);
+    q->drawn_words[object / 4096] |= (uint64_t)1 << (object / 64 % 64);
+}
+// No corner of the box is in front of one of the planes: it cannot be seen.
+bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye);
+
+#endif

@@ -1,0 +1,265 @@
+// query_walk.c - the view followed through portals where there is no tree (after Luebke & Georges 1995).
+//
+// They follow every way, and in an open plan there are more ways than can be followed. So what is in view of a portal is
+// gathered over all ways to it, as one convex polygon, and the view goes on from there once: portals wait in a queue, the
+// nearest first, and most have been reached by all their ways when their turn comes. Where one is reached again by a way
+// that shows more of it, the view goes on again with the larger polygon, and after a few times with all the eye could
+// see of it. So more may be found than is seen, and never less.
+#include <string.h>
+
+#include "visibility/query/query.h"
+
+// Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
+enum { PASSES = 3 };
+
+// ---- the cache: what a query meets has seldom been met before, and comes from afar
+
+// Of the cell beyond a gate in the queue.
+static void prefetch_beyond(const VisQuery *q, int gate) {
+    const GateBlock *gates = &q->gates[gate / FOUR];
+    int block = gates->beyond[gate % FOUR] & ~GATE_DOOR;
+    const char *first = (const char *)&q->gates[block], *views = (const char *)&q->views[block];
+    __builtin_prefetch(&q->of_cell[gates->cell[gate % FOUR]]);
+    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(first + line);
+    for (size_t line = 0; line < sizeof(ViewBlock); line += CACHE_LINE) __builtin_prefetch(views + line, 1);
+}
+
+static void prefetch_boxes(const VisQuery *q, int cell) {
+    const char *boxes = (const char *)&q->boxes[q->of_cell[cell].first_box];
+    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
+    for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(boxes + line);
+}
+
+// ---- the queue: a heap of gates, under the bits of their distances, which are in order
+
+static uint64_t key_of(float distance, int gate) {
+    uint32_t bits;
+    memcpy(&bits, &distance, sizeof bits);
+    return (uint64_t)bits << 32 | (uint32_t)gate;
+}
+
+static void raise_key(uint64_t *queue, int at, uint64_t key) {
+    for (; at > 0 && key < queue[(at - 1) / 2]; at = (at - 1) / 2) queue[at] = queue[(at - 1) / 2];
+    queue[at] = key;
+}
+
+// Into the queue, or nearer its head: it was `before` away.
+static void enqueue(VisQuery *q, ViewBlock *view, int gate, float before) {
+    int lane = gate % FOUR, at = q->queue_count;
+    if (view->queued >> lane & 1) {
+        if (view->distance[lane] == before) return;
+        for (at = 0; (uint32_t)q->queue[at] != (uint32_t)gate;) at++;
+    } else {
+        view->queued |= (unsigned char)(1u << lane);
+        q->queue_count++;
+        prefetch_beyond(q, gate);
+    }
+    raise_key(q->queue, at, key_of(view->distance[lane], gate));
+}
+
+static int take_nearest(VisQuery *q) {
+    uint64_t *queue = q->queue, nearest = queue[0], last = queue[--q->queue_count];
+    int at = 0;
+    queue[q->queue_count] = UINT64_MAX;  // the second child where there is none
+    // The hole sinks to the end, and the last comes up from there: it seldom has far to go.
+    for (int child = 1; child < q->queue_count; child = 2 * at + 1) {
+        child += queue[child + 1] < queue[child];
+        queue[at] = queue[child];
+        at = child;
+    }
+    if (q->queue_count > 0) raise_key(queue, at, last);
+    return (int)(uint32_t)nearest;
+}
+
+// ---- what is in view
+
+static ViewBlock *view_of(VisQuery *q, int block) {
+    ViewBlock *view = &q->views[block];
+    if (q->view_frame[block] == q->frame) return view;
+    q->view_frame[block] = q->frame;
+    view->distance = (FourFloat){INFINITY, INFINITY, INFINITY, INFINITY};
+    view->part = view->all = view->edge = view->whole = view->queued = view->spent = 0;
+    memset(view->passes, 0, sizeof view->passes);
+    return view;
+}
+
+static void approach(ViewBlock *view, int lane, double distance) {
+    view->distance[lane] = fminf(view->distance[lane], (float)distance);
+}
+
+// ---- of portals that are no upright rectangles
+
+static void take_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, const ViewPart *part) {
+    unsigned char bit = (unsigned char)(1u << lane);
+    approach(view, lane, part->distance);
+    if (part->count > VIEW_CORNERS) {
+        view->all |= bit;
+        return;
+    }
+    Sloped *sloped = &q->sloped[gate->sloped];
+    view->part |= bit;
+    sloped->count = part->count;
+    memcpy(sloped->v, part->polygon, (size_t)part->count * sizeof *part->polygon);
+}
+
+// The portal is seen a second time: takes what is new into what is in view of it; false where nothing is.
+static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, const ViewPart *part) {
+    const Sloped *known = &q->sloped[gate->sloped];
+    Vec3 n = gate->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
+    if (query_polygon_holds(known, part, n)) return false;
+    ViewPart both = {.distance = part->distance, .polygon = hull};
+    both.count = query_hull(known->v, known->count, part->polygon, part->count, n, hull);
+    if (both.count > VIEW_CORNERS) view->spent |= (unsigned char)(1u << lane);
+    if (both.count >= 3 && both.count <= VIEW_CORNERS) take_polygon(q, view, lane, gate, &both);
+    return true;
+}
+
+// Takes what is seen of a portal into its view; false where nothing of it is new.
+static bool widen(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, Passage passage, ViewPart *part) {
+    unsigned char bit = (unsigned char)(1u << lane);
+    if (passage != PASSAGE_PART) {
+        if (passage == PASSAGE_ALL) view->all |= bit;
+        if (passage == PASSAGE_EDGE) view->edge |= bit, view->whole |= bit;
+        approach(view, lane, part->distance);
+        return true;
+    }
+    if (!(view->part & bit)) {
+        take_polygon(q, view, lane, gate, part);
+    } else if (!widen_polygon(q, view, lane, gate, part)) {
+        return false;
+    }
+    if (!(view->spent & bit)) return true;
+    // Takes all that the eye could see of the portal by any way. But for slack it sees something.
+    view->whole |= bit;
+    if (query_clip(q, &q->cones[0], gate, part) == PASSAGE_PART) take_polygon(q, view, lane, gate, part);
+    return true;
+}
+
+static void look_through(VisQuery *q, Cone *cone, int index, int but) {
+    Gate gate = query_gate(q, index);
+    if (gate.portal == but) return;
+    ViewPart part;
+    Passage passage = query_clip(q, cone, &gate, &part);
+    if (passage == PASSAGE_NONE) return;
+    ViewBlock *view = view_of(q, index / FOUR);
+    int lane = index % FOUR;
+    if ((view->all | view->whole) >> lane & 1) return;
+    float before = view->distance[lane];
+    if (widen(q, view, lane, &gate, passage, &part)) enqueue(q, view, index, before);
+}
+
+// ---- of upright rectangles
+
+static void put_slots(ViewBlock *view, unsigned lanes, const Slots *from, Four distance) {
+    FourMask mask = four_mask(lanes);
+    Slots *to = &view->slots;
+    if (!view->part) {
+        *to = *from;  // without waiting for what was there
+    } else {
+        to->s0 = four_choose(mask, from->s0, to->s0);
+        to->s1 = four_choose(mask, from->s1, to->s1);
+        to->bottom = query_choose_edge(mask, from->bottom, to->bottom);
+        to->top = query_choose_edge(mask, from->top, to->top);
+    }
+    distance = four_choose(mask, distance, four_of(INFINITY));
+    view->distance = four_to_float(four_least(distance, four_from_float(view->distance)));
+    view->part |= (unsigned char)lanes;
+}
+
+// Takes all that the eye could see of these by any way.
+static void take_whole(VisQuery *q, ViewBlock *view, int block, unsigned lanes) {
+    Sight sight;
+    view->whole |= (unsigned char)lanes;
+    query_sight(q, &q->cones[0], block, lanes, &sight);
+    // But for slack it sees something.
+    if (sight.slots)
+        put_slots(view, sight.slots, &sight.slot, query_slots_distance(&sight.slot, sight.ahead));
+}
+
+// Goes on through those of which something new is seen.
+static void widen_slots(VisQuery *q, int block, const Sight *sight) {
+    ViewBlock *view = view_of(q, block);
+    unsigned lanes = sight->slots & ~(unsigned)view->whole, known = lanes & view->part;
+    if (known) lanes &= ~(known & query_slots_hold(&view->slots, &sight->slot));
+    if (!lanes) return;
+    Four distance = query_slots_distance(&sight->slot, sight->ahead);
+    FourFloat before = view->distance;
+    known &= lanes;
+    if (lanes & ~known) put_slots(view, lanes & ~known, &sight->slot, distance);
+    if (known) {
+        Slots both;
+        query_slots_join(&q->gates[block], q->eye->position, &view->slots, &sight->slot, &both);
+        put_slots(view, known, &both, distance);
+        if (lanes & view->spent) take_whole(q, view, block, lanes & view->spent);
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        enqueue(q, view, block * FOUR + lane, before[lane]);
+    }
+}
+
+// ---- the walk
+
+// Through all portals of a cell, but not back through the gate come by.
+static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
+    const CellView *of = &q->of_cell[cell];
+    for (int block = of->first_block; block < of->first_block + of->block_count; block++) {
+        Sight sight;
+        unsigned lanes = query_sight(q, cone, block, four_in_set(q->limit, q->gates[block].cell), &sight);
+        q->result.portals_tested += __builtin_popcount(lanes);
+        if (sight.slots) widen_slots(q, block, &sight);
+        // Of upright rectangles the eye is before but one side, unless they are among these.
+        for (unsigned others = sight.others; others; others &= others - 1)
+            look_through(q, cone, block * FOUR + __builtin_ctz(others), by < 0 ? -1 : q->portal_of[by]);
+    }
+}
+
+// The cone beyond a gate that is no upright rectangle, or of which not a slot is seen.
+static void cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out) {
+    Gate gate = query_gate(q, index);
+    bool all = view->all >> index % FOUR & 1, edge = view->edge >> index % FOUR & 1;
+    ViewPart part = {.count = 0};
+    if (edge) {
+        const Portal *portal = &q->graph->portals[gate.portal];
+        part.polygon = q->graph->portal_vertices + portal->first_vertex;
+        part.count = portal->vertex_count;
+    } else if (!all) {
+        const Sloped *sloped = &q->sloped[gate.sloped];
+        part.polygon = sloped->v;
+        part.count = sloped->count;
+        part.middle = vec3(0, 0, 0);
+        for (int i = 0; i < part.count; i++)
+            part.middle = vec3_add(part.middle, vec3_sub(sloped->v[i], q->eye->position));
+    }
+    query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &gate, &part, out);
+}
+
+// Where the view will most likely go next.
+static int next_cell(const VisQuery *q) {
+    uint32_t gate = (uint32_t)q->queue[0];
+    return q->gates[gate / FOUR].cell[gate % FOUR];
+}
+
+void query_walk(VisQuery *q, int cell) {
+    q->queue_count = 0;
+    look_around(q, &q->cones[0], cell, -1);
+    while (q->queue_count > 0) {
+        int nearest = take_nearest(q), lane = nearest % FOUR;
+        const GateBlock *gates = &q->gates[nearest / FOUR];
+        ViewBlock *view = &q->views[nearest / FOUR];
+        unsigned bit = 1u << lane;
+        prefetch_boxes(q, gates->cell[lane]);
+        if (q->queue_count > 0) prefetch_boxes(q, next_cell(q));
+        view->queued &= (unsigned char)~bit;
+        if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
+        Cone beyond;
+        if ((view->all | view->edge) & bit || gates->s0[lane] > gates->s1[lane]) {
+            cone_beyond(q, view, nearest, &beyond);
+        } else {
+            query_slot_cone(&view->slots, gates, lane, q->eye->position, q->method == VIS_PLAN, &beyond);
+        }
+        // On while the boxes come.
+        if (!query_door_closed(q, nearest)) look_around(q, &beyond, gates->cell[lane], nearest);
+        query_enter(q, nearest, &beyond, view->distance[lane]);
+    }
+}

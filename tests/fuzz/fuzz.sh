@@ -4,7 +4,7 @@
 # build/fuzz/tally over all runs. Inputs that crash, take too long or too much memory are left in build/fuzz; 1 if there are any.
 seconds=${1:?usage: tests/fuzz/fuzz.sh SECONDS [TARGET...]}
 shift
-targets=${*:-$(cd tests && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/')}
+targets=${*:-$(cd tests/fuzz && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/')}
 # Entropy, by which libFuzzer weighs inputs, costs a quarter of the time here.
 limits=(-rss_limit_mb=2048 -timeout=20 -entropic=0)
 
@@ -52,7 +52,7 @@ for target in $targets; do
     run fuzz "$target" $(((seconds + 3) / 4))
 done
 printf '%-10s %-6s %12s %10s %9s %9s %9s %8s %9s\n' target build executions passed cells walked shot cpu-s 'a cpu-s'
-for target in $(cd tests && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/'); do
+for target in $(cd tests/fuzz && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/'); do
     tell "$target" swift
     tell "$target" fuzz
 done

@@ -27,9 +27,9 @@ submake = +@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS
 dir := build/$(config)
 layers := engine/core engine/gl maps/building maps/curved maps/enclose maps/plan maps/polygons maps/sweethome \
           maps/doom maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
-          visibility/prepare visibility/pairs visibility/bezier visibility/rays visibility/hidden radiosity/mesh \
+          visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show engine/sim \
-          engine/library engine/draw engine/overlay engine/walk engine/stills engine/app engine/bench
+          engine/library engine/scene engine/draw engine/overlay engine/walk engine/stills engine/app engine/bench
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of
 # multiply and add: the same input gives the same bytes whatever the compiler. The objects serve the shared library
@@ -57,9 +57,11 @@ sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.
 only_asan := tests/support/keep_libraries.c
 objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/gl.o
-library := $(filter-out $(dir)/engine/app/main.o,$(objects))
+# Without the programs' own: the rest is what tests link.
+mains := $(dir)/engine/app/main.o $(dir)/engine/bench/main.o
+library := $(filter-out $(mains),$(objects))
 # What the installed library is made of: all below the walk.
-public := $(filter-out $(patsubst %,$(dir)/engine/%/%,draw overlay walk stills app bench),$(library))
+public := $(filter-out $(patsubst %,$(dir)/engine/%/%,scene draw overlay walk stills app bench),$(library))
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
 programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/core/fail_malloc.c
@@ -92,14 +94,16 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
         docs clean FORCE
 all:
 	$(submake) program maps
-program: $(dir)/enfilade
+program: $(dir)/enfilade $(dir)/enfilade-bench
 maps: $(maps)
 
 check-packages:
 	@$(call missing,$(to_build)); [ -z "$$missing" ] || { echo "missing packages:$$missing (make walk installs \
 	them, or apt-get install them)" >&2; exit 1; }
 
-$(dir)/enfilade: $(objects)
+$(dir)/enfilade: $(dir)/engine/app/main.o $(filter-out $(dir)/engine/bench/%,$(library))
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
+$(dir)/enfilade-bench: $(dir)/engine/bench/main.o $(library)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
@@ -190,7 +194,7 @@ fuzz:
 	$(submake) config=coverage $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
 	@bash tests/fuzz/fuzz.sh $(fuzz_seconds); status=$$?; bash tests/coverage.sh build/coverage maps '' build/fuzz/corpus; exit $$status
 # Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
-mutants: maps $(dir)/enfilade $(dir)/tests/all
+mutants: maps program $(dir)/tests/all
 	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
 	    $(mutants)
 # The share of lines that tests and seeds run, by file of a folder; of suites that match a pattern, e.g. suites='wad*/*'.
@@ -274,7 +278,7 @@ $(dir)/enfilade.1: $(dir)/enfilade engine/library/man.sh
 libraries: $(dir)/libenfilade.a $(dir)/libenfilade.so
 install: all
 	$(submake) libraries $(dir)/enfilade.1
-	install -D -m 755 $(dir)/enfilade $(DESTDIR)$(PREFIX)/bin/enfilade
+	install -D -m 755 -t $(DESTDIR)$(PREFIX)/bin $(dir)/enfilade $(dir)/enfilade-bench
 	install -D -m 644 $(dir)/enfilade.1 $(DESTDIR)$(PREFIX)/share/man/man1/enfilade.1
 	install -D -m 644 engine/library/enfilade.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/enfilade
 	install -D -m 644 engine/library/_enfilade $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_enfilade

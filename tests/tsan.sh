@@ -39,7 +39,7 @@ END
 # Visibility: each method, on a building large enough that all threads come to it; with doubts left in the end; stopped; trees. Archer
 # says that it is there.
 for method in flood plan height flow proof; do
-    all_right 0 "$program" vis $maps/rooms-300.plan --method $method --pairs "$work/$method.seen" --threads 3
+    all_right 0 "$program" vis $maps/rooms-300.plan --pairs-method $method --pairs "$work/$method.seen" --threads 3
 done
 doom=/usr/share/games/doom/freedoom1.wad
 if [ -r $doom ]; then
@@ -48,10 +48,10 @@ else
     echo "$script: without $doom: doubts are not settled"
 fi
 for method in plan proof; do
-    all_right 0 "$program" vis $maps/office.plan --method $method --pairs "$work/x.seen" --threads 3 --seconds 0.05
+    all_right 0 "$program" vis $maps/office.plan --pairs-method $method --pairs "$work/x.seen" --threads 3 --seconds 0.05
 done
 all_right 0 "$program" vis $maps/house.plan -o "$work/x.vis" --threads 3
-ARCHER_OPTIONS=verbose=1 all_right 0 "$program" vis $maps/two-rooms.plan --method plan --pairs "$work/x.seen" --threads 3
+ARCHER_OPTIONS=verbose=1 all_right 0 "$program" vis $maps/two-rooms.plan --pairs-method plan --pairs "$work/x.seen" --threads 3
 says out 'Archer detected OpenMP application with TSan'
 
 # Light: adaptive meshes, rows that go soon, resumed, stopped, daylight, gathered, as a model, at points.

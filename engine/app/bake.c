@@ -5,26 +5,22 @@
 #include <stdio.h>
 #include <sys/resource.h>
 
-#include "engine/app/app_light.h"
 #include "engine/app/export_glb.h"
 #include "engine/core/clock.h"
 #include "engine/core/file.h"
+#include "engine/scene/light.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
 
-// An element for every grain of sand: what was asked for is surely a mistake.
-static const double MOST_ELEMENTS = 30e6;
 // A share of light that escapes of less than this is rounding at the seams, not an open building.
 static const double OPEN = 1e-6;
 
 enum { MOST_NOTES = 5 };  // of what the reader changed or left out
 
-const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};
-
 typedef struct Bake {
     const BakeArguments *a;
-    AppScene scene;
+    LoadedScene scene;
     float *doors;  // [opening_count]
     Mesh mesh;
     FineMesh *fine;  // with what stand-ins of `mesh` are for; NULL: not asked for yet
@@ -39,97 +35,18 @@ typedef struct Bake {
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 BakeArguments bake_default_arguments(void) {
-    BakeArguments a = {.load = app_default_options(),
-                       .mesh = mesh_default_options(),
-                       .adapt = adapt_default_options(),
-                       .rad = rad_default_options()};
-    a.load.lamps = true;
+    BakeArguments a = {.load = app_scene_options(), .bake = bake_default_options()};
+    a.load.lamps = SCENE_LAMPS_ALL;
     a.load.work = "baking";
-    a.mesh.element = 0;
-    a.rad.residual = 0;
-    a.rad.form_factor.resolution = 0;
     return a;
-}
-
-float *bake_doors(const Building *b, int state, Arena *arena) {
-    float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
-    for (int i = 0; i < b->opening_count; i++) {
-        const Opening *o = &b->openings[i];
-        bool leaf = o->kind == OPENING_DOOR;
-        doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
-    }
-    return doors;
-}
-
-Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
-    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
-    if (graph->vertex_count > 0)
-        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    vis_pose(graph, doors, vertices);
-    return vertices;
-}
-
-static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
-    double area = 0;
-    for (int i = 0; i < graph->polygon_count; i++) {
-        const Polygon *p = &graph->polygons[i];
-        area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
-    }
-    if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
-    return error_set(error,
-                     "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
-                     file, area, side, area / side / side, MOST_ELEMENTS);
-}
-
-// What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
-static bool find_mesh(const BakeArguments *a, const AdaptScene *lit, MeshOptions *options,
-                      const char *resumed, const Progress *progress, Arena *arena, Mesh *out, Error *error) {
-    if (resumed) {
-        const Building *building = lit->graph->building;
-        float *doors = ARENA_ARRAY(arena, float, building->opening_count + 1);
-        MeshOptions stored;
-        if (!rad_load_options(resumed, building, arena, &stored, doors, error)) return false;
-        options->splits = stored.splits;
-    } else if (a->adapt.share > 0) {
-        AdaptOptions adapt = a->adapt;
-        memcpy(adapt.sky, a->sky, sizeof adapt.sky);
-        return adapt_mesh(lit, options, &adapt, &a->rad, progress, arena, out, error);
-    }
-    return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
-}
-
-// Before stand-ins and meshes are made, which takes long in furnished homes; many have no lamps.
-static bool check_light(const BakeArguments *a, const AppScene *scene, Error *error) {
-    if (sum3(a->sky) > 0 || app_emits(scene)) return true;
-    return error_set(error,
-                     "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
-                     "(--sky L brings daylight)",
-                     a->file, scene->building.material_count);
-}
-
-bool bake_mesh(const BakeArguments *a, const AppScene *scene, const char *resumed, const Progress *progress,
-               Arena *arena, float **doors, Mesh *out, Error *error) {
-    const CellGraph *graph = &scene->graph;
-    MeshOptions options = a->mesh;
-    if (!app_has_walls(scene, error) || !check_light(a, scene, error)) return false;
-    options.threads = a->rad.threads;
-    if (options.element == 0) options.element = mesh_fitting_element(graph);
-    if (!check_size(a->file, options.element, graph, error)) return false;
-    Arena scratch = {0};
-    *doors = bake_doors(&scene->building, a->doors, arena);
-    AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
-    options.proxies = proxies_find(graph, lit.vertices, options.proxy, arena);
-    bool good = find_mesh(a, &lit, &options, resumed, progress, arena, out, error);
-    arena_free(&scratch);
-    return good;
 }
 
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
     bool good =
-        bake_mesh(bake->a, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
+        bake_mesh(&bake->a->bake, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
-    bake->rad = bake->a->rad;
+    bake->rad = bake->a->bake.rad;
     if (good) rad_fit(&bake->mesh, &bake->rad);
     return good;
 }
@@ -139,10 +56,10 @@ static bool find_places(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     bake->out = a->out;
     bool cached = !a->out && (!a->model || a->resume);
-    if (cached) bake->out = app_light_place(&bake->scene.building, arena);
+    if (cached) bake->out = light_place(&bake->scene.building, arena);
     if (a->resume && !(bake->earlier = bake->out))
         return error_set(error, "%s: there is no cache to resume from: give -o OUT.rad", a->file);
-    if (cached && !app_cache_takes(bake->out, APP_LIGHT_ROOM)) bake->out = NULL;
+    if (cached && !scene_cache_takes(&bake->scene, bake->out, LIGHT_ROOM)) bake->out = NULL;
     return true;
 }
 
@@ -152,13 +69,13 @@ static bool check_room(Bake *bake, Error *error) {
     size_t bytes = (size_t)mesh->element_count * sizeof *bake->solution.radiosity +
                    (size_t)mesh->patch_count * sizeof *bake->solution.unshot;
     if (bake->a->out) return file_check(bake->a->out, bytes, error);
-    if (bake->out && !app_cache_takes(bake->out, bytes)) bake->out = NULL;
+    if (bake->out && !scene_cache_takes(&bake->scene, bake->out, bytes)) bake->out = NULL;
     return true;
 }
 
 // A file tells under which sky it was made.
 static bool check_sky(const Bake *bake, Error *error) {
-    const double *had = bake->solution.sky, *sky = bake->a->sky;
+    const double *had = bake->solution.sky, *sky = bake->a->bake.sky;
     if (memcmp(had, sky, sizeof bake->solution.sky) == 0) return true;
     return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)",
                      bake->earlier, had[0], had[1], had[2], sky[0], sky[1], sky[2]);
@@ -167,8 +84,8 @@ static bool check_sky(const Bake *bake, Error *error) {
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
     Progress progress = app_progress_stoppable(0);
-    bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->sky, &progress,
-                           &bake->solution);
+    bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->bake.sky,
+                           &progress, &bake->solution);
     app_progress_end();
     bake->sky_seconds = clock_seconds() - start;
     if (!whole) return error_set(error, "stopped before all daylight was in: nothing is stored");
@@ -180,7 +97,7 @@ static bool begin(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
                check_sky(bake, error);
-    bool day = sum3(bake->a->sky) > 0;
+    bool day = sum3(bake->a->bake.sky) > 0;
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);
     if (good && day) good = shine(bake, error);
@@ -240,8 +157,9 @@ static bool store(const Bake *bake, Error *error) {
 static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     const char *written[] = {a->out, a->model}, *read[] = {a->file, a->probe_file};
-    if (!app_check_files(written, 2, read, 2, error) ||
-        !app_load(a->file, &a->load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
+    SceneOptions load = a->load;
+    if (!app_check_files(written, 2, read, 2, &load, error) ||
+        !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};

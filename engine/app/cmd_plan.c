@@ -1,5 +1,5 @@
 // cmd_plan.c - `enfilade plan FILE`: the plan of a storey as SVG, and the stab tree and sightlines from a place.
-#include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -7,74 +7,55 @@
 #include "engine/core/file.h"
 #include "visibility/prepare/figure.h"
 
-static const char HELP[] =
-    "usage: enfilade plan FILE [--map NAME] [-o OUT.svg] [--from X,Y,Z] [--storey N] [--depth N] [--width "
-    "PIXELS]\n"
-    "                     [--memory MB]\n\n"
-    "Draws the plan of a storey: cells, walls, portals, doors with their swing, windows. With --from, also "
-    "the stab\n"
-    "tree of the cell at that place (metres): the cells it may see, shaded by depth, a sightline into each "
-    "room, and\n"
-    "the tree itself below.\n\n"
-    "  --map NAME      which one of a file that holds several maps (default: the first)\n"
-    "  -o OUT.svg      where to write (default: standard output)\n"
-    "  --from X,Y,Z    the place to look from\n"
-    "  --storey N      which storey, from 0 (default: that of --from, or 0)\n"
-    "  --depth N       levels of the tree to draw, 1 to 64 (default 8)\n"
-    "  --width PIXELS  of the drawing, 100 to 10000 (default 1200)\n"
-    "  --memory MB     memory that may be used, 16 to 1000000 (default: what fits the file)\n";
-
 typedef struct Arguments {
-    const char *file, *out, *map;
-    bool from_given, help;
+    SceneOptions load;
+    const char *file, *out;
+    bool from_given;
     Vec3 from;
     int storey, depth, width;
 } Arguments;
 
-static int parse(int argc, char **argv, Arguments *a) {
-    static const struct option options[] = {
-        {"help", no_argument, NULL, 'h'},         {"from", required_argument, NULL, 'f'},
-        {"storey", required_argument, NULL, 's'}, {"depth", required_argument, NULL, 'd'},
-        {"width", required_argument, NULL, 'w'},  {"map", required_argument, NULL, 'm'},
-        {"memory", required_argument, NULL, 'y'}, {0}};
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
-        switch (c) {
-        case 'h':
-            a->help = true;
-            return APP_GOOD;
-        case 'm':
-            a->map = optarg;
-            break;
-        case 'y':
-            if (app_take_memory("plan", optarg) != APP_GOOD) return APP_BAD_USE;
-            break;
-        case 'o':
-            a->out = optarg;
-            break;
-        case 'f':
-            a->from_given = true;
-            if (app_parse_point(optarg, &a->from)) break;
-            return app_misuse("plan", "plan: --from is `%s` (three numbers are needed: X,Y,Z in metres)",
-                              optarg);
-        case 's':
-            if (app_parse_int(optarg, 0, 1000, &a->storey)) break;
-            return app_misuse("plan", "plan: --storey is `%s` (allowed 0 to 1000)", optarg);
-        case 'd':
-            if (app_parse_int(optarg, 1, 64, &a->depth)) break;
-            return app_misuse("plan", "plan: --depth is `%s` (allowed 1 to 64)", optarg);
-        case 'w':
-            if (app_parse_int(optarg, 100, 10000, &a->width)) break;
-            return app_misuse("plan", "plan: --width is `%s` (allowed 100 to 10000)", optarg);
-        default:
-            return app_misuse_option("plan", c, argv);
-        }
-    }
-    if (argc - optind != 1)
-        return app_misuse("plan", "plan: one building file is needed, %d were given", argc - optind);
-    a->file = argv[optind];
-    return APP_GOOD;
-}
+static const Option ROWS[] = {
+    OPTION_MAP(offsetof(Arguments, load.map)),
+    {.name = "o",
+     .value = "OUT.svg",
+     .type = OPTION_TEXT,
+     .at = offsetof(Arguments, out),
+     .help = "where to write (default: standard output)"},
+    {.name = "from",
+     .value = "X,Y,Z",
+     .type = OPTION_POINT,
+     .at = offsetof(Arguments, from),
+     .help = "the place to look from, metres"},
+    {.name = "storey",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = offsetof(Arguments, storey),
+     .high = 1000,
+     .help = "which storey, @ (default: that of --from, or 0)"},
+    {.name = "depth",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = offsetof(Arguments, depth),
+     .low = 1,
+     .high = 64,
+     .help = "levels of the tree to draw, @ (default 8)"},
+    {.name = "width",
+     .value = "PIXELS",
+     .type = OPTION_INT,
+     .at = offsetof(Arguments, width),
+     .low = 100,
+     .high = 10000,
+     .help = "of the drawing, @ (default 1200)"},
+    OPTION_MEMORY(offsetof(Arguments, load.memory), "what fits the file"),
+};
+static const OptionTable OPTIONS = OPTION_TABLE("plan", "FILE [OPTIONS]",
+                                                "Draws the plan of a storey as SVG: cells, walls, portals, "
+                                                "doors with their swing, windows. With --from, also the "
+                                                "stab tree of the cell at that place: the cells it may see, "
+                                                "shaded by depth, a sightline into each room, and the "
+                                                "tree itself below.",
+                                                ROWS);
 
 // All that is indoors, with a margin for the nearest outdoors.
 static Box figure_bounds(const CellGraph *graph) {
@@ -107,7 +88,7 @@ static bool cut_height(const Arguments *a, const CellGraph *graph, int root, dou
     return true;
 }
 
-static bool draw_figure(const Arguments *a, const AppScene *scene, Arena *arena, const char **svg_text,
+static bool draw_figure(const Arguments *a, const LoadedScene *scene, Arena *arena, const char **svg_text,
                         Error *error) {
     const CellGraph *graph = &scene->graph;
     int root = a->from_given ? vis_locate(graph, a->from, -1) : -1;
@@ -140,21 +121,18 @@ static bool draw_figure(const Arguments *a, const AppScene *scene, Arena *arena,
 }
 
 int cmd_plan(int argc, char **argv) {
-    Arguments a = {.storey = -1, .depth = 8, .width = 1200};
-    int code = parse(argc, argv, &a);
-    if (code != APP_GOOD) return code;
-    if (a.help) {
-        fputs(HELP, stdout);
-        return APP_GOOD;
-    }
+    Arguments a = {.load = app_scene_options(), .storey = -1, .depth = 8, .width = 1200};
+    bool help = false, given[sizeof ROWS / sizeof *ROWS] = {false};
+    int code = options_parse_file(&OPTIONS, argc, argv, &a, given, &a.file, &help);
+    if (help) options_print_help(&OPTIONS);
+    if (code != APP_GOOD || help) return code;
+    a.from_given = options_given(&OPTIONS, given, "from");
     Arena arena = {0};
-    AppScene scene;
+    LoadedScene scene;
     Error error;
-    AppOptions load = app_default_options();
-    load.map = a.map;
     const char *text = NULL;
-    bool good = app_check_files(&a.out, 1, &a.file, 1, &error) &&
-                app_load(a.file, &load, &arena, &scene, &error) && app_has_walls(&scene, &error) &&
+    bool good = app_check_files(&a.out, 1, &a.file, 1, &a.load, &error) &&
+                app_load(a.file, &a.load, &arena, &scene, &error) && scene_has_walls(&scene, &error) &&
                 draw_figure(&a, &scene, &arena, &text, &error);
     if (good && a.out) good = file_write(a.out, text, strlen(text), &error);
     if (good && !a.out) fputs(text, stdout);

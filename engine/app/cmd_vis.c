@@ -1,132 +1,108 @@
 // cmd_vis.c - `enfilade vis FILE`: makes cells, portals and stab trees, and stores the trees; or finds by another method
 // which cells see each other.
-#include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/app/vis_pairs.h"
 
-static const char HELP[] =
-    "usage: enfilade vis FILE [--map NAME] [-o OUT.vis] [--threads N] [--square M] [--max-nodes N] [--memory "
-    "MB]\n"
-    "                    [--json]\n"
-    "       enfilade vis FILE [--map NAME] [--method NAME] [--pairs OUT.seen] [--against IN.seen] [--peer "
-    "PROGRAM]\n"
-    "                    [--seconds S] [--threads N] [--memory MB] [--json]\n\n"
-    "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the user's cache, "
-    "where\n"
-    "the other commands find them (-o is needed where that cannot be written). The same bytes come out on\n"
-    "any number of threads.\n\n"
-    "  --map NAME      which one of a file that holds several maps (default: the first)\n"
-    "  -o OUT.vis      where to write\n"
-    "  --threads N     threads to use, 1 to 256 (default: all cores)\n"
-    "  --square M      side of the mesh squares in cells, metres, 0.25 to 100 (default 1)\n"
-    "  --max-nodes N   largest stab tree of a cell, 1 to 10000000 (default 5000); a larger one keeps its "
-    "visible set\n"
-    "  --memory MB     memory that may be used, 16 to 1000000 (default: what fits the file)\n"
-    "  --json          one JSON object on standard output\n\n"
-    "With one of the following, no trees: a method finds which cells see each other. It can be stopped at "
-    "any\n"
-    "moment (Ctrl-C): what was not excluded until then counts as visible, and is written all the same.\n\n"
-    "  --method NAME   one of those below, from the coarsest to the finest (default: the last)\n"
-    "  --pairs FILE    writes the matrix, bit by bit, as a .seen file\n"
-    "  --against FILE  compares with a .seen file of proven pairs; exit status 1 when one of them is missed\n"
-    "  --peer PROGRAM  runs a visibility compiler for Quake levels on the same portal file, for comparison\n"
-    "  --seconds S     stops after S seconds, 0.001 to 1e6\n\n"
-    "methods:\n";
-
 typedef struct Arguments {
-    AppOptions load;
+    SceneOptions load;
     VisPairsArguments pairs;
     const char *file, *out;
-    bool json, help, wants_pairs;
+    bool json;
 } Arguments;
 
-enum { METHOD = 256, PAIRS, AGAINST, PEER, SECONDS };
-
-static int parse_pairs_option(int c, char **argv, Arguments *a) {
-    a->wants_pairs = true;
-    switch (c) {
-    case METHOD:
-        a->pairs.method = optarg;
-        if (pair_method(optarg)) return APP_GOOD;
-        return app_misuse("vis", "vis: --method is `%s` (see --help for those allowed)", optarg);
-    case PAIRS:
-        a->pairs.out = optarg;
-        return APP_GOOD;
-    case AGAINST:
-        a->pairs.against = optarg;
-        return APP_GOOD;
-    case PEER:
-        a->pairs.peer = optarg;
-        return APP_GOOD;
-    case SECONDS:
-        if (app_parse_number(optarg, 0.001, 1e6, &a->pairs.seconds)) return APP_GOOD;
-        return app_misuse("vis", "vis: --seconds is `%s` (allowed 0.001 to 1e6)", optarg);
-    default:
-        return app_misuse_option("vis", c, argv);
-    }
+static int take_method(const char *name, void *arguments, Error *error) {
+    ((Arguments *)arguments)->pairs.method = name;
+    if (pair_method(name)) return APP_GOOD;
+    error_set(error, "those that --help lists");
+    return APP_BAD_USE;
 }
 
-static int parse_option(int c, char **argv, Arguments *a) {
-    switch (c) {
-    case 'j':
-        a->json = true;
-        return APP_GOOD;
-    case 'h':
-        a->help = true;
-        return APP_GOOD;
-    case 'm':
-        a->load.map = optarg;
-        return APP_GOOD;
-    case 'y':
-        return app_take_memory("vis", optarg);
-    case 'o':
-        a->out = optarg;
-        return APP_GOOD;
-    case 't':
-        if (app_parse_int(optarg, 1, 256, &a->load.vis.threads)) return APP_GOOD;
-        return app_misuse("vis", "vis: --threads is `%s` (allowed 1 to 256)", optarg);
-    case 's':
-        if (app_parse_number(optarg, 0.25, 100, &a->load.vis.square)) return APP_GOOD;
-        return app_misuse("vis", "vis: --square is `%s` (allowed 0.25 to 100)", optarg);
-    case 'n':
-        if (app_parse_int(optarg, 1, 10000000, &a->load.vis.max_nodes)) return APP_GOOD;
-        return app_misuse("vis", "vis: --max-nodes is `%s` (allowed 1 to 10000000)", optarg);
-    default:
-        return parse_pairs_option(c, argv, a);
-    }
-}
+static const Option ROWS[] = {
+    OPTION_MAP(offsetof(Arguments, load.map)),
+    {.name = "o",
+     .value = "OUT.vis",
+     .type = OPTION_TEXT,
+     .at = offsetof(Arguments, out),
+     .help = "where to write (default: the user's cache)"},
+    OPTION_THREADS(offsetof(Arguments, load.vis.threads)),
+    {.name = "square",
+     .value = "M",
+     .type = OPTION_NUMBER,
+     .at = offsetof(Arguments, load.vis.square),
+     .low = 0.25,
+     .high = 100,
+     .help = "side of the mesh squares in cells, metres, @ (default 1)"},
+    {.name = "max-nodes",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = offsetof(Arguments, load.vis.max_nodes),
+     .low = 1,
+     .high = 10000000,
+     .help = "largest stab tree of a cell, @ (default 5000); a larger one keeps its visible set"},
+    OPTION_MEMORY(offsetof(Arguments, load.memory), "what fits the file"),
+    OPTION_JSON(offsetof(Arguments, json)),
+    {.type = OPTION_HEADING,
+     .help =
+         "With one of the following, no trees: a method finds which cells see each other. It can be stopped "
+         "at any "
+         "moment (Ctrl-C): a pair that was not excluded until then counts as visible, and all are written."},
+    {.name = "pairs-method",
+     .value = "NAME",
+     .type = OPTION_OTHER,
+     .take = take_method,
+     .help = "one of those below, from the coarsest to the finest (default: the last)"},
+    {.name = "pairs",
+     .value = "OUT.seen",
+     .type = OPTION_TEXT,
+     .at = offsetof(Arguments, pairs.out),
+     .help = "writes the matrix, bit by bit, as a .seen file"},
+    {.name = "against",
+     .value = "IN.seen",
+     .type = OPTION_TEXT,
+     .at = offsetof(Arguments, pairs.against),
+     .help = "compares with a .seen file of proven pairs; exit status 1 when one of them is missed"},
+    {.name = "seconds",
+     .value = "S",
+     .type = OPTION_NUMBER,
+     .at = offsetof(Arguments, pairs.seconds),
+     .low = 0.001,
+     .high = 1e6,
+     .help = "stops after S seconds, @"},
+};
+static const OptionTable OPTIONS =
+    OPTION_TABLE("vis",
+                 "FILE [-o OUT.vis] [OPTIONS]\n"
+                 "FILE [--pairs-method NAME] [--pairs OUT.seen] [--against IN.seen] [--seconds S] [OPTIONS]",
+                 "Makes cells, portals and stab trees of a building and stores them: in OUT.vis, or in the "
+                 "user's cache, where the "
+                 "other commands find them (-o is needed where that cannot be written). The same bytes come "
+                 "out on any number of "
+                 "threads.",
+                 ROWS);
 
-static int parse(int argc, char **argv, Arguments *a) {
-    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {"map", required_argument, NULL, 'm'},
-                                            {"memory", required_argument, NULL, 'y'},
-                                            {"threads", required_argument, NULL, 't'},
-                                            {"square", required_argument, NULL, 's'},
-                                            {"max-nodes", required_argument, NULL, 'n'},
-                                            {"method", required_argument, NULL, METHOD},
-                                            {"pairs", required_argument, NULL, PAIRS},
-                                            {"against", required_argument, NULL, AGAINST},
-                                            {"peer", required_argument, NULL, PEER},
-                                            {"seconds", required_argument, NULL, SECONDS},
-                                            {0}};
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
-        int code = parse_option(c, argv, a);
-        if (code != APP_GOOD || a->help) return code;
-    }
-    if (argc - optind != 1)
-        return app_misuse("vis", "vis: one building file is needed, %d were given", argc - optind);
-    if (a->wants_pairs && a->out)
+static int parse(int argc, char **argv, Arguments *a, bool *help, bool *wants_pairs) {
+    bool given[sizeof ROWS / sizeof *ROWS] = {false};
+    int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
+    if (code != APP_GOOD || *help) return code;
+    static const char *const names[] = {"pairs-method", "pairs", "against", "seconds"};
+    for (int i = 0; i < 4; i++) *wants_pairs |= options_given(&OPTIONS, given, names[i]);
+    if (*wants_pairs && a->out)
         return app_misuse("vis",
                           "vis: -o stores stab trees, which a method does not make (allowed: --pairs)");
-    a->file = argv[optind];
     return APP_GOOD;
 }
 
+static void print_help(void) {
+    options_print_help(&OPTIONS);
+    puts("\nmethods:");
+    for (int i = 0; PAIR_METHODS[i]; i++)
+        printf("  %-8s  %s\n", PAIR_METHODS[i]->name, PAIR_METHODS[i]->summary);
+}
+
 // Polygons registered in the cells that `from` may see, each once. `row`: these cells.
-static long polygons_seen(const AppScene *scene, int from, const uint64_t *row, int *stamp) {
+static long polygons_seen(const LoadedScene *scene, int from, const uint64_t *row, int *stamp) {
     const CellGraph *graph = &scene->graph;
     long polygons = 0;
     for (int c = 0; c < graph->cell_count; c++) {
@@ -146,7 +122,7 @@ static long polygons_seen(const AppScene *scene, int from, const uint64_t *row, 
 }
 
 // Mean share of the cells, and of all polygons, that a cell may see.
-static void cell_to_cell(const AppScene *scene, double *cells, double *polygons) {
+static void cell_to_cell(const LoadedScene *scene, double *cells, double *polygons) {
     const CellGraph *graph = &scene->graph;
     Arena scratch = {0};
     int *stamp = ARENA_ARRAY(&scratch, int, graph->object_count + 1);
@@ -168,7 +144,7 @@ static int bounded_trees(const StabForest *forest) {
     return count;
 }
 
-static void print_result(const Arguments *a, const AppScene *scene) {
+static void print_result(const Arguments *a, const LoadedScene *scene) {
     double cells, polygons, seconds = scene->cells_seconds + scene->trees_seconds;
     cell_to_cell(scene, &cells, &polygons);
     if (a->json) {
@@ -196,25 +172,21 @@ static void print_result(const Arguments *a, const AppScene *scene) {
 }
 
 // Storing is all that this command is for.
-static bool check_place(const Arguments *a, Arena *arena, Error *error) {
+static bool check_place(Arguments *a, Arena *arena, Error *error) {
     Error reason;
-    if (a->out) return app_check_files(&a->out, 1, &a->file, 1, error);
-    if (app_cache_check(app_cache_path(arena, "trees.vis"), 0, &reason)) return true;
+    if (a->out) return app_check_files(&a->out, 1, &a->file, 1, &a->load, error);
+    if (scene_cache_check(scene_cache_path(arena, "trees.vis"), 0, &reason)) return true;
     return error_set(error, "%.900s: the stab trees cannot be stored (-o OUT.vis stores them elsewhere)",
                      reason.text);
 }
 
 int cmd_vis(int argc, char **argv) {
-    Arguments a = {.load = app_default_options()};
-    int code = parse(argc, argv, &a);
-    if (code != APP_GOOD) return code;
-    if (a.help) {
-        fputs(HELP, stdout);
-        for (int i = 0; PAIR_METHODS[i]; i++)
-            printf("  %-8s  %s\n", PAIR_METHODS[i]->name, PAIR_METHODS[i]->summary);
-        return APP_GOOD;
-    }
-    if (a.wants_pairs) {
+    Arguments a = {.load = app_scene_options()};
+    bool help = false, wants_pairs = false;
+    int code = parse(argc, argv, &a, &help, &wants_pairs);
+    if (help) print_help();
+    if (code != APP_GOOD || help) return code;
+    if (wants_pairs) {
         a.pairs.file = a.file;
         a.pairs.load = a.load;
         a.pairs.json = a.json;
@@ -222,9 +194,9 @@ int cmd_vis(int argc, char **argv) {
     }
     a.load.fresh = true;
     a.load.keep = !a.out;
-    a.load.stoppable = true;
+    a.load.progress = app_progress_stoppable(0);
     Arena arena = {0};
-    AppScene scene;
+    LoadedScene scene;
     Error error;
     bool good = check_place(&a, &arena, &error) && app_load(a.file, &a.load, &arena, &scene, &error) &&
                 (!a.out || vis_save(a.out, &scene.graph, &scene.forest, &error));

@@ -1,245 +1,200 @@
 // cmd_walk.c - `enfilade walk FILE`: a walk through a building, in a window or off-screen.
 #include <dirent.h>
 #include <fnmatch.h>
-#include <getopt.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/app/app_light.h"
+#include "engine/app/app.h"
 #include "engine/core/file.h"
 #include "engine/walk/walk_offscreen.h"
 #include "engine/walk/walk_window.h"
 
-static const char HELP[] =
-    "usage: enfilade walk FILE [OPTIONS]\n"
-    "       enfilade walk FILE --offscreen DIR [--tour auto|NAME | --replay PATH] [OPTIONS]\n\n"
-    "Walks through a building, in a window or, off-screen, along a tour. `auto` visits every cell that a "
-    "person\n"
-    "reaches through doors; NAME is a tour or viewpoint stored in the file; PATH was recorded in the "
-    "window.\n\n"
-    "In both:\n"
-    "  --map NAME         which one of a file that holds several maps (default: the first)\n"
-    "  --memory MB        memory that may be used, 16 to 1000000 (default: what fits the file to open it, "
-    "then "
-    "three quarters\n"
-    "                     of the machine's); OpenGL's own is not counted\n"
-    "  --size WxH         pixels, 16 to 8192 each (window 1280x720; off-screen 960x540, with --verify "
-    "640x360)\n"
-    "  --look NAME        fast, fine or baked (default: baked where there is light, else off-screen fine; in "
-    "the\n"
-    "                     window fast where OpenGL is software)\n"
-    "  --light FILE.rad   the light that `enfilade bake` stored (default: FILE with the suffix .rad, or what "
-    "`enfilade bake\n"
-    "                     FILE` left in the user's cache, where there is one; one that does not fit is "
-    "passed "
-    "over)\n"
-    "  --false-colour Q   light in numbers: radiosity, irradiance (W/m2) or illuminance (lux)\n"
-    "  --method NAME      what is culled: none, frustum, portals, plan, stab (default)\n"
-    "  --doors STATE      open (off-screen), closed, drawn (window) or random\n"
-    "  --replay PATH      follow a recorded path\n\n"
-    "In the window:\n"
-    "  --view NAME        begin at a stored viewpoint\n"
-    "  --pictures DIR     where screenshots and recorded paths go (default: the current folder)\n"
-    "  --scale S          of text, pixels to a point, 0.5 to 8 (default: what the screen says)\n"
-    "  --full-screen      fill the screen\n"
-    "  --no-bake          where there is no light do not bake it in the background\n"
-    "  --no-vsync         do not wait for the screen\n"
-    "  --trace OUT        a JSON line ten times a second: place, doors, figures\n\n"
-    "Off-screen:\n"
-    "  --offscreen DIR    write the frames to DIR/frame-00000.png ...\n"
-    "  --bake             where there is no light bake it first, and keep it in the user's cache\n"
-    "  --tour NAME        auto (default), or the name of a stored tour or viewpoint\n"
-    "  --video OUT.mp4    also as a video, made by ffmpeg\n"
-    "  --fps N            frames of the video in a second, 1 to 240 (default 12; of a replay 60)\n"
-    "  --every N          write each Nth frame only (default 1)\n"
-    "  --step M           greatest way between two frames, metres, 0.01 to 10 (default 0.5)\n"
-    "  --turn DEG         greatest turn between two frames, degrees, 1 to 60 (default 15)\n"
-    "  --stats OUT.csv    a line a frame: place, cells, objects, polygons, times\n"
-    "  --verify           draw each frame also with nothing culled and compare, in flat colours\n"
-    "  --random N         then verify N random views as well (with --verify)\n"
-    "  --raycast N        check N of these frames and views against rays, too (with --verify)\n"
-    "  --seed N           of what is random (default 1)\n"
-    "  --json             one JSON object on standard output\n\n"
-    "Exit status 1 also when --verify finds a difference. Keys in the window:\n";
-
 typedef struct Arguments {
     WalkOptions walk;      // off-screen
-    WindowOptions window;  // what both share is in `walk` until all is read
-    const char *file, *map, *light;
-    bool json, help, sized, off_screen, toured, bake, no_bake;
+    WindowOptions window;  // parts that both share are in `walk` until all is read
+    WalkLoad load;
+    const char *file;
+    int size[2];
+    bool json, sized, off_screen, toured, bake, no_bake, no_vsync;
 } Arguments;
 
-enum {
-    OFFSCREEN = 256,
-    TOUR,
-    SIZE,
-    VIDEO,
-    FPS,
-    EVERY,
-    STEP,
-    TURN,
-    STATS,
-    METHOD,
-    DOORS,
-    VERIFY,
-    RANDOM,
-    RAYCAST,
-    SEED,
-    LOOK,
-    REPLAY,
-    VIEW,
-    PICTURES,
-    SCALE,
-    FULL_SCREEN,
-    NO_VSYNC,
-    TRACE,
-    MAP,
-    MEMORY,
-    LIGHT,
-    FALSE_COLOUR,
-    BAKE,
-    NO_BAKE
+#define AT(field) offsetof(Arguments, field)
+static const Option ROWS[] = {
+    {.type = OPTION_HEADING, .help = "In both:"},
+    OPTION_MAP(AT(load.scene.map)),
+    OPTION_MEMORY(
+        AT(load.scene.memory),
+        "what fits the file to open it, then three quarters of the machine's; OpenGL's own is not counted"),
+    {.name = "size",
+     .value = "WxH",
+     .type = OPTION_SIZE,
+     .at = AT(size),
+     .low = 16,
+     .high = 8192,
+     .help = "pixels, @ (window 1280x720; off-screen 960x540, with --verify 640x360)"},
+    {.name = "look",
+     .value = "NAME",
+     .type = OPTION_NAME,
+     .at = AT(walk.look),
+     .names = WALK_LOOK_NAMES,
+     .name_count = WALK_LOOKS,
+     .help = "@ (default: baked where there is light, else off-screen fine; in the window fast where OpenGL "
+             "is software)"},
+    {.name = "light",
+     .value = "FILE.rad",
+     .type = OPTION_TEXT,
+     .at = AT(load.scene.light),
+     .help = "the light that `enfilade bake` stored (default: FILE with the suffix .rad, or the light that "
+             "`enfilade bake "
+             "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
+    {.name = "false-colour",
+     .value = "Q",
+     .type = OPTION_NAME,
+     .at = AT(walk.false_colour),
+     .names = FALSE_COLOUR_NAMES,
+     .name_count = FALSE_COLOURS,
+     .help = "light in numbers: @; radiosity and irradiance in W/m2, illuminance in lux"},
+    {.name = "culling",
+     .value = "NAME",
+     .type = OPTION_NAME,
+     .at = AT(walk.method),
+     .names = VIS_METHOD_NAMES,
+     .name_count = VIS_METHODS,
+     .help = "how objects that cannot be seen are left out: @ (default stab)"},
+    {.name = "doors",
+     .value = "STATE",
+     .type = OPTION_NAME,
+     .at = AT(walk.doors),
+     .names = WALK_DOORS_NAMES,
+     .name_count = WALK_DOORS,
+     .help = "@ (default: in the window drawn, off-screen open)"},
+    {.name = "replay",
+     .value = "PATH",
+     .type = OPTION_TEXT,
+     .at = AT(walk.replay),
+     .help = "follow a recorded path"},
+    {.type = OPTION_HEADING, .help = "In the window:"},
+    {.name = "view",
+     .value = "NAME",
+     .type = OPTION_TEXT,
+     .at = AT(window.session.view),
+     .help = "begin at a stored viewpoint"},
+    {.name = "pictures",
+     .value = "DIR",
+     .type = OPTION_TEXT,
+     .at = AT(window.session.pictures),
+     .help = "where screenshots and recorded paths go (default: the current folder)"},
+    {.name = "scale",
+     .value = "S",
+     .type = OPTION_NUMBER,
+     .at = AT(window.scale),
+     .low = 0.5,
+     .high = 8,
+     .help = "of text, pixels to a point, @ (default: as the screen says)"},
+    {.name = "full-screen",
+     .type = OPTION_FLAG,
+     .at = AT(window.display.full_screen),
+     .help = "fill the screen"},
+    {.name = "no-bake",
+     .type = OPTION_FLAG,
+     .at = AT(no_bake),
+     .help = "where there is no light do not bake it in the background"},
+    {.name = "no-vsync", .type = OPTION_FLAG, .at = AT(no_vsync), .help = "do not wait for the screen"},
+    {.name = "trace",
+     .value = "OUT",
+     .type = OPTION_TEXT,
+     .at = AT(window.session.trace),
+     .help = "a JSON line ten times a second: place, doors, figures"},
+    {.type = OPTION_HEADING, .help = "Off-screen:"},
+    {.name = "offscreen",
+     .value = "DIR",
+     .type = OPTION_TEXT,
+     .at = AT(walk.folder),
+     .help = "write the frames to DIR/frame-00000.png ..."},
+    {.name = "bake",
+     .type = OPTION_FLAG,
+     .at = AT(bake),
+     .help = "where there is no light bake it first, and keep it in the user's cache"},
+    {.name = "tour",
+     .value = "NAME",
+     .type = OPTION_TEXT,
+     .at = AT(walk.tour),
+     .help = "auto (default), or the name of a stored tour or viewpoint"},
+    {.name = "video",
+     .value = "OUT.mp4",
+     .type = OPTION_TEXT,
+     .at = AT(walk.video),
+     .help = "also as a video, made by ffmpeg"},
+    {.name = "fps",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = AT(walk.frames_per_second),
+     .low = 1,
+     .high = 240,
+     .help = "frames of the video in a second, @ (default 12; of a replay 60)"},
+    {.name = "every",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = AT(walk.every),
+     .low = 1,
+     .high = 1000000,
+     .help = "write each Nth frame only, @ (default 1)"},
+    {.name = "step",
+     .value = "M",
+     .type = OPTION_NUMBER,
+     .at = AT(walk.path.step),
+     .low = 0.01,
+     .high = 10,
+     .help = "greatest way between two frames, metres, @ (default 0.5)"},
+    {.name = "turn",
+     .value = "DEG",
+     .type = OPTION_DEGREES,
+     .at = AT(walk.path.turn),
+     .low = 1,
+     .high = 60,
+     .help = "greatest turn between two frames, degrees, @ (default 15)"},
+    {.name = "stats",
+     .value = "OUT.csv",
+     .type = OPTION_TEXT,
+     .at = AT(walk.stats),
+     .help = "a line a frame: place, cells, objects, polygons, times"},
+    {.name = "verify",
+     .type = OPTION_FLAG,
+     .at = AT(walk.verify),
+     .help = "draw each frame also with nothing culled and compare, in flat colours"},
+    {.name = "random",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = AT(walk.random),
+     .low = 1,
+     .high = 10000000,
+     .help = "then verify so many random views as well, @ (with --verify)"},
+    {.name = "raycast",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = AT(walk.raycast),
+     .low = 1,
+     .high = 1000000,
+     .help = "check so many of these frames and views against rays, too, @ (with --verify)"},
+    {.name = "seed",
+     .value = "N",
+     .type = OPTION_SEED,
+     .at = AT(walk.seed),
+     .high = 2147483647,
+     .help = "of random views and doors, @ (default 1)"},
+    OPTION_JSON(AT(json)),
 };
+static const OptionTable OPTIONS = OPTION_TABLE(
+    "walk",
+    "FILE [OPTIONS]\n"
+    "FILE --offscreen DIR [--tour auto|NAME | --replay PATH] [OPTIONS]",
+    "Walks through a building, in a window or, off-screen, along a tour. `auto` visits every cell that a "
+    "person reaches "
+    "through doors; NAME is a tour or viewpoint stored in the file; PATH was recorded in the window.",
+    ROWS);
 
-static int misuse_number(const char *option, const char *value, const char *allowed) {
-    return app_misuse("walk", "walk: --%s is `%s` (allowed %s)", option, value, allowed);
-}
-
-static int take_number(Arguments *a, int c, const char *value) {
-    int seed;
-    double degrees;
-    switch (c) {
-    case SIZE:
-        a->sized = true;
-        if (app_parse_size(value, &a->walk.width, &a->walk.height)) return APP_GOOD;
-        return misuse_number("size", value, "WxH, 16 to 8192 each");
-    case FPS:
-        if (app_parse_int(value, 1, 240, &a->walk.frames_per_second)) return APP_GOOD;
-        return misuse_number("fps", value, "1 to 240");
-    case EVERY:
-        if (app_parse_int(value, 1, 1000000, &a->walk.every)) return APP_GOOD;
-        return misuse_number("every", value, "1 to 1000000");
-    case STEP:
-        if (app_parse_number(value, 0.01, 10, &a->walk.path.step)) return APP_GOOD;
-        return misuse_number("step", value, "0.01 to 10 metres");
-    case TURN:
-        if (!app_parse_number(value, 1, 60, &degrees)) return misuse_number("turn", value, "1 to 60 degrees");
-        a->walk.path.turn = degrees * (M_PI / 180);
-        return APP_GOOD;
-    case SCALE:
-        if (app_parse_number(value, 0.5, 8, &a->window.scale)) return APP_GOOD;
-        return misuse_number("scale", value, "0.5 to 8");
-    case RANDOM:
-        if (app_parse_int(value, 1, 10000000, &a->walk.random)) return APP_GOOD;
-        return misuse_number("random", value, "1 to 10000000");
-    case RAYCAST:
-        if (app_parse_int(value, 1, 1000000, &a->walk.raycast)) return APP_GOOD;
-        return misuse_number("raycast", value, "1 to 1000000");
-    default:
-        if (!app_parse_int(value, 0, 2147483647, &seed))
-            return misuse_number("seed", value, "0 to 2147483647");
-        a->walk.seed = (uint64_t)seed;
-        return APP_GOOD;
-    }
-}
-
-static int take_window(Arguments *a, int c, const char *value) {
-    switch (c) {
-    case VIEW:
-        a->window.session.view = value;
-        return APP_GOOD;
-    case PICTURES:
-        a->window.session.pictures = value;
-        return APP_GOOD;
-    case TRACE:
-        a->window.session.trace = value;
-        return APP_GOOD;
-    case FULL_SCREEN:
-        a->window.display.full_screen = true;
-        return APP_GOOD;
-    case NO_VSYNC:
-        a->window.display.vsync = false;
-        return APP_GOOD;
-    default:
-        return take_number(a, c, value);
-    }
-}
-
-static int take_name(Arguments *a, int c, const char *value) {
-    int index = 0, code;
-    switch (c) {
-    case METHOD:
-        code = app_parse_name("walk", "--method", value, VIS_METHOD_NAMES, VIS_METHODS, &index);
-        a->walk.method = (VisMethod)index;
-        return code;
-    case LOOK:
-        code = app_parse_name("walk", "--look", value, WALK_LOOK_NAMES, WALK_LOOKS, &index);
-        a->walk.look = (WalkLook)index;
-        return code;
-    case FALSE_COLOUR:
-        code = app_parse_name("walk", "--false-colour", value, FALSE_COLOUR_NAMES, FALSE_COLOURS, &index);
-        a->walk.false_colour = (FalseColour)index;
-        return code;
-    default:
-        code = app_parse_name("walk", "--doors", value, WALK_DOORS_NAMES, WALK_DOORS, &index);
-        a->walk.doors = (WalkDoors)index;
-        return code;
-    }
-}
-
-static int take(Arguments *a, int c, char **argv) {
-    switch (c) {
-    case 'j':
-        a->json = true;
-        return APP_GOOD;
-    case OFFSCREEN:
-        a->walk.folder = optarg;
-        a->off_screen = true;
-        return APP_GOOD;
-    case TOUR:
-        a->walk.tour = optarg;
-        a->toured = true;
-        return APP_GOOD;
-    case MAP:
-        a->map = optarg;
-        return APP_GOOD;
-    case MEMORY:
-        return app_take_memory("walk", optarg);
-    case LIGHT:
-        a->light = optarg;
-        return APP_GOOD;
-    case REPLAY:
-        a->walk.replay = optarg;
-        return APP_GOOD;
-    case VIDEO:
-        a->walk.video = optarg;
-        return APP_GOOD;
-    case STATS:
-        a->walk.stats = optarg;
-        return APP_GOOD;
-    case VERIFY:
-        a->walk.verify = true;
-        return APP_GOOD;
-    case BAKE:
-        a->bake = true;
-        return APP_GOOD;
-    case NO_BAKE:
-        a->no_bake = true;
-        return APP_GOOD;
-    case METHOD:
-    case LOOK:
-    case DOORS:
-    case FALSE_COLOUR:
-        return take_name(a, c, optarg);
-    case ':':
-    case '?':
-        return app_misuse_option("walk", c, argv);
-    default:
-        return take_window(a, c, optarg);
-    }
-}
-
-// What was asked for must go together.
+// Options that exclude or need one another.
 static int check(const Arguments *a) {
     if (a->walk.random > 0 && !a->walk.verify) return app_misuse("walk", "walk: --random needs --verify");
     if (a->walk.raycast > 0 && !a->walk.verify) return app_misuse("walk", "walk: --raycast needs --verify");
@@ -259,55 +214,18 @@ static int check(const Arguments *a) {
     return APP_GOOD;
 }
 
-static int parse(int argc, char **argv, Arguments *a) {
-    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {"verify", no_argument, NULL, VERIFY},
-                                            {"offscreen", required_argument, NULL, OFFSCREEN},
-                                            {"tour", required_argument, NULL, TOUR},
-                                            {"size", required_argument, NULL, SIZE},
-                                            {"video", required_argument, NULL, VIDEO},
-                                            {"fps", required_argument, NULL, FPS},
-                                            {"every", required_argument, NULL, EVERY},
-                                            {"step", required_argument, NULL, STEP},
-                                            {"turn", required_argument, NULL, TURN},
-                                            {"stats", required_argument, NULL, STATS},
-                                            {"method", required_argument, NULL, METHOD},
-                                            {"doors", required_argument, NULL, DOORS},
-                                            {"random", required_argument, NULL, RANDOM},
-                                            {"raycast", required_argument, NULL, RAYCAST},
-                                            {"seed", required_argument, NULL, SEED},
-                                            {"look", required_argument, NULL, LOOK},
-                                            {"replay", required_argument, NULL, REPLAY},
-                                            {"view", required_argument, NULL, VIEW},
-                                            {"pictures", required_argument, NULL, PICTURES},
-                                            {"scale", required_argument, NULL, SCALE},
-                                            {"full-screen", no_argument, NULL, FULL_SCREEN},
-                                            {"no-vsync", no_argument, NULL, NO_VSYNC},
-                                            {"trace", required_argument, NULL, TRACE},
-                                            {"map", required_argument, NULL, MAP},
-                                            {"memory", required_argument, NULL, MEMORY},
-                                            {"light", required_argument, NULL, LIGHT},
-                                            {"false-colour", required_argument, NULL, FALSE_COLOUR},
-                                            {"bake", no_argument, NULL, BAKE},
-                                            {"no-bake", no_argument, NULL, NO_BAKE},
-                                            {0}};
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":h", options, NULL)) != -1;) {
-        if (c == 'h') {
-            a->help = true;
-            return APP_GOOD;
-        }
-        int code = take(a, c, argv);
-        if (code != APP_GOOD) return code;
-    }
-    if (argc - optind != 1)
-        return app_misuse("walk", "walk: one building file is needed, %d were given", argc - optind);
-    a->file = argv[optind];
+static int parse(int argc, char **argv, Arguments *a, bool *help) {
+    bool given[sizeof ROWS / sizeof *ROWS] = {false};
+    int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
+    if (code != APP_GOOD || *help) return code;
+    a->sized = options_given(&OPTIONS, given, "size");
+    a->toured = options_given(&OPTIONS, given, "tour");
+    a->off_screen = a->walk.folder != NULL;
+    if (a->no_vsync) a->window.display.vsync = false;
     return check(a);
 }
 
-static void print_json(const AppScene *scene, const WalkTotals *t) {
+static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     json_t *o = app_counts(scene);
     json_object_set_new(o, "frames", json_integer(t->frames));
     json_object_set_new(o, "random_frames", json_integer(t->random_frames));
@@ -348,45 +266,14 @@ static void print_result(const Arguments *a, const WalkTotals *t) {
     }
 }
 
-// The building with its light, if it has any. What is found beside it or in the cache and does not fit is passed over with a
-// warning; what was asked for must fit. Where there is none, how it can be baked, if it can and is to be.
-static bool load_lit(const Arguments *a, const char *path, Arena *arena, AppScene *scene,
-                     const WalkLight **light, AppBake **bake, Error *error) {
-    AppOptions load = app_default_options();
-    const char *lights[APP_LIGHTS];
-    app_open_budget(path);
-    int count = a->walk.verify ? 0 : app_find_lights(path, a->map, a->light, arena, lights);
-    if (!app_output_spares(lights, count, error)) return false;
-    bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
-    load.map = a->map;
-    load.work = "walking";
-    load.lamps = count > 0 || bakes;
-    *light = NULL;
-    *bake = NULL;
-    if (!app_load(path, &load, arena, scene, error) || !app_has_walls(scene, error)) return false;
-    WalkLight *found = ARENA_ARRAY(arena, WalkLight, 1);
-    for (int i = 0; i < count; i++) {
-        if (app_load_light(lights[i], scene, arena, found, error)) {
-            *light = found;
-            return true;
-        }
-        if (a->light) return false;
-        fprintf(stderr, "enfilade: passed over: %s\n", error->text);
-    }
-    if (bakes) *bake = app_bake_new(path, scene, arena);
-    if (!load.lamps || bakes) return true;
-    load.lamps = false;
-    return app_load(path, &load, arena, scene, error);
-}
-
 // Before the first frame.
-static bool bake_first(Arguments *a, AppBake *bake, Arena *arena, Error *error) {
+static bool bake_first(Arguments *a, const LightBaker *baker, Arena *arena, Error *error) {
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     LightHooks hooks = {.progress = app_progress()};
-    bool good = app_bake(bake, &hooks, arena, light, error);
+    bool good = baker->bake(baker->context, &hooks, arena, light, error);
     app_progress_end();
     if (!good) return false;
-    if (*error->text) fprintf(stderr, "enfilade: %s\n", error->text);
+    if (*error->text) app_warn(error->text);
     a->walk.light = light;
     return true;
 }
@@ -397,55 +284,44 @@ static bool check_folder(const Arguments *a, const Building *b, Arena *arena, Er
         !file_check(arena_format(arena, "%s/frame-00000.png", a->walk.folder), 0, error))
         return false;
     // How many pictures there will be is not known yet: each name that one may have counts.
-    const char *read[] = {a->file, a->light, a->walk.replay};
+    const char *read[] = {a->file, a->load.scene.light, a->walk.replay};
     DIR *folder = opendir(a->walk.folder);
     bool good = true;
     for (struct dirent *entry; good && folder && (entry = readdir(folder));) {
         if (fnmatch("frame-*.png", entry->d_name, 0) != 0) continue;
         const char *path = arena_format(arena, "%s/%s", a->walk.folder, entry->d_name);
-        good =
-            app_spares(&path, 1, read, 3, error) && app_spares(&path, 1, b->beside, b->beside_count, error);
+        good = scene_spares(&path, 1, read, 3, error) &&
+               scene_spares(&path, 1, b->beside, b->beside_count, error);
     }
     if (folder) closedir(folder);
     return good;
 }
 
 static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
-    AppScene scene;
-    AppBake *bake;
-    if (!load_lit(a, a->file, arena, &scene, &a->walk.light, &bake, error) ||
-        !check_folder(a, &scene.building, arena, error) || (bake && !bake_first(a, bake, arena, error)))
-        return false;
+    WalkScene scene;
+    bool loaded = walk_scene_load(&a->load, a->file, arena, &scene, error);
+    app_progress_end();
+    if (!loaded || !check_folder(a, scene.graph->building, arena, error)) return false;
+    a->walk.light = scene.light;
+    if (scene.baker.bake && !bake_first(a, &scene.baker, arena, error)) return false;
     if (a->walk.look == WALK_LOOKS) a->walk.look = a->walk.light ? WALK_BAKED : WALK_FINE;
     if (a->walk.look == WALK_BAKED && !a->walk.light)
         return error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)",
                          a->file);
     Progress progress = app_progress();
-    bool good = walk_offscreen(&scene.graph, &scene.forest, &a->walk, &progress, arena, totals, error);
+    bool good = walk_offscreen(scene.graph, scene.forest, &a->walk, &progress, arena, totals, error);
     app_progress_end();
     if (!good) return false;
     if (a->json) {
-        print_json(&scene, totals);
+        print_json(scene.scene, totals);
     } else {
         print_result(a, totals);
     }
     return true;
 }
 
-static bool load_scene(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
-    const Arguments *a = context;
-    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    const WalkLight *light;
-    AppBake *bake;
-    if (!load_lit(a, path, arena, scene, &light, &bake, error)) return false;
-    *out =
-        (WalkScene){&scene->graph, &scene->forest, light, {bake ? app_bake : NULL, bake, bake && bake->out}};
-    app_memory_gently();  // should the file change
-    return true;
-}
-
 static bool open_window(Arguments *a, Arena *arena, Error *error) {
-    SessionLoader loader = {load_scene, a};
+    SessionLoader loader = {walk_scene_load, &a->load};
     SessionOptions *session = &a->window.session;
     session->file = a->file;
     session->replay = a->walk.replay;
@@ -456,43 +332,49 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     if (a->walk.doors != WALK_DOORS) session->doors = a->walk.doors;
     a->window.display.title = arena_format(arena, "%s - Enfilade", a->file);
     if (a->sized) {
-        a->window.display.width = a->walk.width;
-        a->window.display.height = a->walk.height;
+        a->window.display.width = a->size[0];
+        a->window.display.height = a->size[1];
     }
     return walk_window(&a->window, &loader, arena, error);
 }
 
 static void print_help(void) {
-    fputs(HELP, stdout);
+    options_print_help(&OPTIONS);
+    puts("\nExit status 1 also when --verify finds a difference. Keys in the window:");
     for (int i = 0; i < SESSION_KEY_COUNT; i++)
         printf("  %-18s %s\n", SESSION_KEYS[i].keys, SESSION_KEYS[i].action);
 }
 
+static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
+    SceneOptions *load = &a->load.scene;
+    const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
+               *read[] = {a->file, load->light, a->walk.replay};
+    if (!app_check_files(written, 3, read, 3, load, error)) return false;
+    a->load.bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
+    load->work = "walking";
+    load->find_light = !a->walk.verify;
+    load->lamps = a->load.bakes ? SCENE_LAMPS_ALL : load->find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
+    if (!a->off_screen) return open_window(a, arena, error);
+    if (a->walk.verify) a->walk.width = 640, a->walk.height = 360;
+    if (a->sized) a->walk.width = a->size[0], a->walk.height = a->size[1];
+    if (a->walk.doors == WALK_DOORS) a->walk.doors = WALK_DOORS_OPEN;
+    return draw_tour(a, arena, totals, error);
+}
+
 int cmd_walk(int argc, char **argv) {
-    Arguments a = {.walk = walk_default_options(), .window = window_default_options()};
+    Arguments a = {.walk = walk_default_options(),
+                   .window = window_default_options(),
+                   .load = {.scene = app_scene_options()}};
+    bool help = false;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
-    int code = parse(argc, argv, &a);
-    if (code != APP_GOOD) return code;
-    if (a.help) {
-        print_help();
-        return APP_GOOD;
-    }
+    int code = parse(argc, argv, &a, &help);
+    if (help) print_help();
+    if (code != APP_GOOD || help) return code;
     Arena arena = {0};
     WalkTotals totals = {0};
     Error error;
-    const char *written[] = {a.walk.video, a.walk.stats, a.window.session.trace},
-               *read[] = {a.file, a.light, a.walk.replay};
-    bool good = app_check_files(written, 3, read, 3, &error);
-    if (!good) {
-        // Said below.
-    } else if (a.off_screen) {
-        if (a.walk.verify && !a.sized) a.walk.width = 640, a.walk.height = 360;
-        if (a.walk.doors == WALK_DOORS) a.walk.doors = WALK_DOORS_OPEN;
-        good = draw_tour(&a, &arena, &totals, &error);
-    } else {
-        good = open_window(&a, &arena, &error);
-    }
+    bool good = walk(&a, &arena, &totals, &error);
     if (!good) app_fail(APP_BAD_INPUT, "%s", error.text);
     if (good && totals.bad_frames > 0) {
         app_fail(APP_BAD_INPUT, "%d frames differ from the unculled ones; %s", totals.bad_frames,

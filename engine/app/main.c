@@ -1,13 +1,25 @@
 // main.c - the program `enfilade`: picks the subcommand.
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "engine/app/app.h"
 #include "maps/maps.h"
+
+// Benchmarks are a program of their own, beside this one or on the PATH.
+static int cmd_bench(int argc, char **argv) {
+    (void)argc;
+    char path[4096];
+    ssize_t length = readlink("/proc/self/exe", path, sizeof path - 16);
+    path[length > 0 ? length : 0] = 0;
+    char *slash = strrchr(path, '/');
+    snprintf(slash ? slash + 1 : path, 16, "enfilade-bench");
+    if (slash) execv(path, argv);
+    execvp("enfilade-bench", argv);
+    return app_fail(APP_BAD_INPUT, "enfilade-bench: cannot be run: %s (it belongs beside this program)",
+                    strerror(errno));
+}
 
 static const AppCommand COMMANDS[] = {
     {"info", "what is in a building: rooms, cells, portals, doors, what was not enclosed", cmd_info},
@@ -31,24 +43,7 @@ static void print_help(void) {
     puts("`enfilade COMMAND --help` tells more. Exit status: 0 good, 1 bad input, 2 wrong use.");
 }
 
-// Else the first files that are opened would take their places, and get what is printed. What is printed to a closed one fails.
-static void open_standard_streams(void) {
-    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
-        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
-            _exit(APP_BAD_INPUT);
-}
-
-// A result that did not arrive is none.
-static int check_printed(int code) {
-    bool lost = ferror(stdout) != 0;
-    errno = 0;
-    if (fclose(stdout) == 0 && !lost) return code;
-    app_fail(0, "standard output: cannot be written%s%s", errno ? ": " : "", errno ? strerror(errno) : "");
-    return code == APP_GOOD ? APP_BAD_INPUT : code;
-}
-
 static int run(int argc, char **argv) {
-    app_count_libraries();
     if (argc < 2) {
         fputs("enfilade: no command given\nTry `enfilade --help`.\n", stderr);
         return APP_BAD_USE;
@@ -71,8 +66,6 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    open_standard_streams();
-    // A limit of files' sizes is told of as a full disk is.
-    signal(SIGXFSZ, SIG_IGN);
-    return check_printed(run(argc, argv));
+    app_begin();
+    return app_end(run(argc, argv));
 }

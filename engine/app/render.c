@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "engine/app/app_light.h"
 #include "engine/core/clock.h"
 #include "engine/draw/image.h"
+#include "engine/scene/light.h"
 
 // Where neither the command nor a view of the building says, radians.
 static const double USUAL_FOV = 70 * (M_PI / 180);
@@ -16,8 +16,8 @@ static const double NEAREST_LOOK = 1e-6;
 typedef struct Render {
     const RenderArguments *a;
     StillOptions still;  // as asked for, and as fits
-    AppScene scene;
-    WalkLight light;
+    LoadedScene scene;
+    const WalkLight *light;
     RadSolution lamps_only;
     Camera camera;
     StillReport report;
@@ -63,41 +63,30 @@ static bool find_camera(Render *r, Error *error) {
         v.yaw = atan2(way.y, way.x);
         v.pitch = asin(fmin(fmax(way.z / length, -1), 1));
     }
-    r->camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
+    r->camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->size[0], a->size[1]);
     return true;
 }
 
 // ---- light
 
-// What was asked for must fit; what was found and does not is passed over.
-static bool find_light(Render *r, Arena *arena, bool *found, Error *error) {
-    const char *lights[APP_LIGHTS];
-    int count = app_find_lights(r->a->file, r->a->map, r->a->light, arena, lights);
-    *found = false;
-    for (int i = 0; i < count && !*found; i++) {
-        *found = app_load_light(lights[i], &r->scene, arena, &r->light, error);
-        if (!*found && r->a->light) return false;
-        if (!*found) fprintf(stderr, "enfilade: passed over: %s\n", error->text);
-    }
-    return true;
-}
-
 static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
-    AppBake *bake = app_bake_new(r->a->file, &r->scene, arena);
-    if (!bake)
+    LightBaker baker = light_baker(&r->scene, arena);
+    WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
+    if (!baker.bake)
         return error_set(error, "%s: nothing emits light (bake it with --sky, then --light FILE.rad)",
                          r->a->file);
     LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
-    bool good = app_bake(bake, &hooks, arena, &r->light, error);
-    if (good && *error->text) fprintf(stderr, "enfilade: %s\n", error->text);
+    bool good = baker.bake(baker.context, &hooks, arena, light, error);
+    if (good && *error->text) app_warn(error->text);
+    r->light = light;
     r->baked = true;
     return good;
 }
 
 static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
     double start = clock_seconds();
-    bool found;
-    bool good = find_light(r, arena, &found, error) && (found || bake_light(r, progress, arena, error));
+    bool good = light_find(&r->scene, r->a->load.light != NULL, arena, &r->light, error) &&
+                (r->light || bake_light(r, progress, arena, error));
     r->seconds_light = clock_seconds() - start;
     return good;
 }
@@ -108,31 +97,31 @@ static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *
 static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
                        Error *error) {
     Error reason;
-    const char *place = app_cache_path(
+    const char *place = scene_cache_path(
         arena, arena_format(arena, "%016llx-lamps.rad", (unsigned long long)r->scene.building.hash));
-    if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light.door_open, arena, out, &reason))
+    if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light->door_open, arena, out, &reason))
         return true;
     if (!rad_start_dark(mesh, arena, out, error)) return false;
-    bool keep = app_cache_takes(place, APP_LIGHT_ROOM);
+    bool keep = scene_cache_takes(&r->scene, place, LIGHT_ROOM);
     RadOptions options = rad_default_options();
     options.residual = options.form_factor.resolution = 0;
     rad_fit(mesh, &options);
     options.lamps_only = true;
     options.residual = 0;
     options.threads = r->a->still.threads;
-    RadReport report = rad_shoot(mesh, &r->scene.forest, r->light.door_open, &options, progress, out);
+    RadReport report = rad_shoot(mesh, &r->scene.forest, r->light->door_open, &options, progress, out);
     if (report.stopped) return error_set(error, "stopped");
-    if (keep && !rad_save(place, mesh, r->light.door_open, out, &reason))
+    if (keep && !rad_save(place, mesh, r->light->door_open, out, &reason))
         fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
     return true;
 }
 
 // On the mesh that was baked, then shown as that light is.
 static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
-    const FineMesh *fine = r->light.fine;
+    const FineMesh *fine = r->light->fine;
     RadSolution solution;
     double start = clock_seconds();
-    if (!find_lamps(r, fine ? fine->light : r->light.mesh, progress, arena, &solution, error)) return false;
+    if (!find_lamps(r, fine ? fine->light : r->light->mesh, progress, arena, &solution, error)) return false;
     r->lamps_only = fine ? fine_light(fine, &solution, arena) : solution;
     r->seconds_lamps = clock_seconds() - start;
     return true;
@@ -154,20 +143,20 @@ static StillDirect fitting_direct(const Mesh *mesh) {
 
 static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
     const RenderArguments *a = r->a;
-    uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->width * (size_t)a->height * 3);
-    StillSource source = {&r->scene.forest, &r->light, &r->lamps_only};
+    uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->size[0] * (size_t)a->size[1] * 3);
+    StillSource source = {&r->scene.forest, r->light, &r->lamps_only};
     if (!still_draw(&source, &r->camera, &r->still, progress, rgb, &r->report))
         return error_set(error, "stopped");
-    return image_write_png(a->out, rgb, a->width, a->height, error);
+    return image_write_png(a->out, rgb, a->size[0], a->size[1], error);
 }
 
-static bool load(Render *r, Arena *arena, Error *error) {
-    AppOptions load = app_default_options();
-    load.map = r->a->map;
-    load.lamps = true;
+static bool load(Render *r, const SceneOptions *from, Arena *arena, Error *error) {
+    SceneOptions load = *from;
+    load.lamps = SCENE_LAMPS_ALL;
+    load.find_light = true;
     load.work = "drawing";
     load.vis.threads = r->a->still.threads;
-    return app_load(r->a->file, &load, arena, &r->scene, error) && app_has_walls(&r->scene, error);
+    return app_load(r->a->file, &load, arena, &r->scene, error) && scene_has_walls(&r->scene, error);
 }
 
 static void print_result(const Render *r) {
@@ -175,15 +164,15 @@ static void print_result(const Render *r) {
     const RenderArguments *a = r->a;
     double millions = (double)s->work.rays / 1e6;
     if (!a->json) {
-        printf("%s: %dx%d, %d samples a pixel, %.1f million rays, %d lamps, %.2f s", a->out, a->width,
-               a->height, a->still.samples, millions, s->lamps, s->seconds);
+        printf("%s: %dx%d, %d samples a pixel, %.1f million rays, %d lamps, %.2f s", a->out, a->size[0],
+               a->size[1], a->still.samples, millions, s->lamps, s->seconds);
         printf(" (light %s in %.2f s, lamps %.2f s, scene %.2f s)\n", r->baked ? "baked" : "read",
                r->seconds_light, r->seconds_lamps, s->seconds_scene);
         return;
     }
     app_print_json(json_pack(
         "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f s:f}", "file", a->out,
-        "width", a->width, "height", a->height, "samples", a->still.samples, "depth", a->still.depth,
+        "width", a->size[0], "height", a->size[1], "samples", a->still.samples, "depth", a->still.depth,
         "direct", STILL_DIRECT_NAMES[r->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
         s->exposure, "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt",
         (json_int_t)s->work.matt, "ended_escaped", (json_int_t)s->work.escaped, "ended_faint",
@@ -197,10 +186,12 @@ int render(const RenderArguments *arguments) {
     Arena arena = {0};
     Error error = {""};
     Progress progress = app_progress_stoppable(0);
-    const char *read[] = {arguments->file, arguments->light};
-    bool good = app_check_files(&arguments->out, 1, read, 2, &error) && load(&r, &arena, &error) &&
-                find_camera(&r, &error) && get_light(&r, &progress, &arena, &error);
-    if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light.mesh);
+    const char *read[] = {arguments->file, arguments->load.light};
+    SceneOptions options = arguments->load;
+    bool good = app_check_files(&arguments->out, 1, read, 2, &options, &error) &&
+                load(&r, &options, &arena, &error) && find_camera(&r, &error) &&
+                get_light(&r, &progress, &arena, &error);
+    if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light->mesh);
     if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
     good = good && draw(&r, &progress, &arena, &error);
     app_progress_end();

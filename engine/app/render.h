@@ -6,14 +6,21 @@
 #include "engine/stills/still.h"
 
 typedef struct RenderArguments {
-    const char *file, *map, *light, *out;
-    const char *view;             // NULL: the first of the building, or where a walk begins
-    bool from, towards, widened;  // `eye`, `look`, `fov` were given
+    // Its `light` is the file that was given, or NULL.
+    SceneOptions load;
+    const char *file, *out;
+    // NULL: the first of the building, or where a walk begins.
+    const char *view;
+    // `eye`, `look`, `fov` were given.
+    bool from, towards, widened;
     Vec3 eye, look;
-    double fov;  // radians, horizontal
-    int width, height;
+    // Radians, horizontal.
+    double fov;
+    // Width and height, pixels.
+    int size[2];
     StillOptions still;
-    bool direct_given;  // else `still.direct` is what fits the building
+    // Else `still.direct` is as fits the building.
+    bool direct_given;
     bool json;
 } RenderArguments;
 

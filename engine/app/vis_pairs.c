@@ -3,23 +3,21 @@
 
 #include <stdio.h>
 
-#include "engine/app/peer.h"
 #include "engine/core/clock.h"
 #include "engine/core/memory.h"
 #include "visibility/pairs/compare.h"
 #include "visibility/pairs/seen_file.h"
 
 typedef struct Outcome {
-    AppScene scene;
+    LoadedScene scene;
     const PairMethod *method;
     PairSet set;
     double seconds;
     uint64_t
         *checked;  // pairs whose sightlines hold when walked again, or that have one, where none are walked
     long long refuted;
-    bool compared, has_peer;
+    bool compared;
     PairFigures plain, counting_witnesses;  // against the file, and against it and the checked sightlines
-    PeerRun peer;
 } Outcome;
 
 static void compare(uint64_t *bound, Outcome *o) {
@@ -47,8 +45,9 @@ static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
 static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *error) {
     uint64_t *bound = NULL;
     const char *read[] = {a->file, a->against};
-    if (!app_check_files(&a->out, 1, read, 2, error) ||
-        !app_load_cells(a->file, &a->load, arena, &o->scene, error))
+    SceneOptions load = a->load;
+    if (!app_check_files(&a->out, 1, read, 2, &load, error) ||
+        !scene_load_cells(a->file, &load, arena, &o->scene, error))
         return false;
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
@@ -56,8 +55,7 @@ static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *err
     find(a, arena, o);
     if (a->out && !seen_write(a->out, o->set.seen, o->set.cell_count, error)) return false;
     if (bound) compare(bound, o);
-    o->has_peer = a->peer && peer_run(a->peer, a->file, 1, arena, &o->peer, error);
-    return o->has_peer || !a->peer;
+    return true;
 }
 
 // Pairs of cells in the set without a sightline that holds, both ways round.
@@ -82,11 +80,6 @@ static void print_json(const Outcome *o) {
         json_object_set_new(j, "over_percent_with_witnesses", json_real(pairs_over(&o->counting_witnesses)));
         json_object_set_new(j, "misses", json_integer(o->plain.missed));
     }
-    if (o->has_peer) {
-        long long pairs = pair_count(o->peer.seen, set->cell_count, set->words);
-        json_object_set_new(j, "peer_pairs", json_integer(pairs));
-        json_object_set_new(j, "peer_cpu_seconds", json_real(o->peer.cpu_seconds));
-    }
     app_print_json(j);
 }
 
@@ -109,11 +102,6 @@ static void print_text(const VisPairsArguments *a, const Outcome *o) {
            o->seconds);
     if (o->refuted > 0) printf("%lld sightlines did not hold when walked again\n", o->refuted);
     if (o->compared) print_comparison(a, o);
-    if (o->has_peer) {
-        pairs = pair_count(o->peer.seen, set->cell_count, set->words);
-        printf("%s: %.2f cells in the mean, %.3f s of CPU on one thread\n", a->peer,
-               (double)pairs / set->cell_count, o->peer.cpu_seconds);
-    }
 }
 
 int vis_pairs(const VisPairsArguments *a) {

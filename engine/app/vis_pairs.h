@@ -7,11 +7,10 @@
 
 typedef struct VisPairsArguments {
     const char *file;
-    AppOptions load;      // its threads are the method's
+    SceneOptions load;    // its threads are the method's
     const char *method;   // NULL: the finest
     const char *out;      // where the matrix goes, or NULL
     const char *against;  // a .seen file to compare with, or NULL
-    const char *peer;     // a compiler to compare with, or NULL
     double seconds;       // to stop after; 0: when done
     bool json;
 } VisPairsArguments;

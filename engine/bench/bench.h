@@ -1,48 +1,111 @@
-// bench.h - benchmarks: each measures buildings and writes CSV with a header on standard output. One file, and one row in
-// the table of cmd_bench.c, each.
-#ifndef APP_BENCH_H
-#define APP_BENCH_H
+// bench.h - benchmarks: each measures buildings and writes CSV with a header on standard output. One file, and one row in the table of
+// main.c, each.
+#ifndef BENCH_BENCH_H
+#define BENCH_BENCH_H
 
 #include "engine/app/app.h"
 #include "engine/core/text.h"
 #include "engine/draw/walk_renderer.h"
 
+enum { BENCH_RESOLUTIONS = 16 };
+
+// The options of all benchmarks; each reads those that its rows name.
 typedef struct BenchArguments {
+    SceneOptions load;
     char **files;
     int file_count;
-    const char *map;            // of files that hold several; NULL: the first
-    int width, height, frames;  // of pictures
+    // Width and height of pictures, pixels.
+    int size[2];
+    int frames;
     WalkLook look;
-    int steps;  // of a walk
+    // Of a walk.
+    int steps;
     uint64_t seed;
-    const char *methods;   // of those there are, separated by commas; NULL: all
-    int samples;           // points on each portal for the lower bound; 0: none
-    const char *peer;      // an external compiler, or NULL
-    double seconds;        // after which a method is stopped; 0: when done
-    const char *csv;       // where the table goes besides, or NULL
-    const char *cullings;  // of views, separated by commas; NULL: all
-    int resolutions[16], resolution_count;
+    // Names with commas between them; NULL: all.
+    const char *methods, *cullings;
+    // Points on each portal for the lower bound; 0: none.
+    int samples;
+    // An external compiler, or NULL.
+    const char *peer;
+    // After which a method is stopped; 0: when done.
+    double seconds;
+    // Where the table goes besides, or NULL.
+    const char *csv;
+    int resolutions[BENCH_RESOLUTIONS], resolution_count;
     int shooters;
-    int rays;              // of the reference, a shooter
-    int points;            // at which light is compared; 0: what the benchmark likes
-    double error;          // standard error of the truth there, relative; 0: what the benchmark likes
-    double sky[3];         // radiance, W/m^2/sr a channel
-    bool verbose;          // the worst points on standard error
-    const char *pictures;  // a folder for those that go with a table, or NULL
+    // Of the reference, a shooter.
+    int rays;
+    // 20 shooters, 300,000 rays.
+    bool quick;
+    // Points at which light is compared; 0: as the benchmark likes.
+    int points;
+    // Standard error of the truth there, relative; 0: as the benchmark likes.
+    double error;
+    // Radiance, W/m^2/sr a channel.
+    double sky[3];
+    // The worst points on standard error.
+    bool verbose;
+    // A folder for pictures that go with a table, or NULL.
+    const char *pictures;
 } BenchArguments;
 
-// Usual for what measures light.
+// Usual for benchmarks of light.
 #define BENCH_LIT_FILES "build/maps/office-plain.plan build/maps/house.plan"
 
 // A benchmark: a row of the table.
 typedef struct Bench {
-    const char *name, *help;  // help: what it measures, and its options, lines that end
+    // What it measures: a paragraph.
+    const char *name, *about;
+    // Its own rows of options; --map and --memory are everybody's.
+    const Option *options;
+    int option_count;
     bool (*run)(const BenchArguments *arguments, Error *error);
-    bool (*knows)(const char *method);  // of --methods; NULL: it has none
-    const char *list;                   // the command whose help lists them
-    void (*print_methods)(void);        // the end of the help, where no command lists them; NULL: nothing
-    const char *files;  // measured unless others are given, separated by blanks; NULL: the office
+    // Is this one of --methods? NULL: the benchmark has none.
+    bool (*is_method)(const char *name);
+    // The command whose help lists them; NULL: this benchmark's, by print_methods.
+    const char *list;
+    void (*print_methods)(void);
+    // Measured unless others are given, separated by blanks; NULL: the office.
+    const char *files;
 } Bench;
+
+#define BENCH_AT(field) offsetof(BenchArguments, field)
+#define BENCH_OPTIONS(rows) .options = (rows), .option_count = (int)(sizeof(rows) / sizeof *(rows))
+// Rows that many benchmarks have.
+#define BENCH_SEED(text)                                                                                     \
+    {                                                                                                        \
+        .name = "seed", .value = "N", .type = OPTION_SEED, .at = BENCH_AT(seed), .high = 2147483647,         \
+        .help = text ", @ (default 1)"                                                                       \
+    }
+#define BENCH_SIZE(text)                                                                                     \
+    {                                                                                                        \
+        .name = "size", .value = "WxH", .type = OPTION_SIZE, .at = BENCH_AT(size), .low = 16, .high = 8192,  \
+        .help = text ", pixels, @ (default 640x360)"                                                         \
+    }
+#define BENCH_METHODS(text)                                                                                  \
+    { .name = "methods", .value = "A,B", .type = OPTION_TEXT, .at = BENCH_AT(methods), .help = text }
+#define BENCH_CSV                                                                                            \
+    {                                                                                                        \
+        .name = "csv", .value = "OUT", .type = OPTION_TEXT, .at = BENCH_AT(csv),                             \
+        .help = "writes the table there besides, whole or not at all"                                        \
+    }
+#define BENCH_POINTS(usual)                                                                                  \
+    {                                                                                                        \
+        .name = "points", .value = "N", .type = OPTION_INT, .at = BENCH_AT(points), .low = 1,                \
+        .high = 1000000, .help = "@ (default " usual ")"                                                     \
+    }
+#define BENCH_ERROR(text)                                                                                    \
+    {                                                                                                        \
+        .name = "error", .value = "E", .type = OPTION_NUMBER, .at = BENCH_AT(error), .low = 1e-6, .high = 1, \
+        .help = text                                                                                         \
+    }
+#define BENCH_SKY                                                                                            \
+    {                                                                                                        \
+        .name = "sky", .value = "L", .type = OPTION_SKY, .at = BENCH_AT(sky), .high = 1e6,                   \
+        .help = "daylight, as `enfilade bake` has it: @ (default 0)"                                         \
+    }
+#define BENCH_PICTURES(text)                                                                                 \
+    { .name = "pictures", .value = "DIR", .type = OPTION_TEXT, .at = BENCH_AT(pictures), .help = text }
 
 // Adds the rows of one building to the table, and prints them.
 typedef bool BenchFile(const char *file, const BenchArguments *arguments, Text *csv, Error *error);
@@ -52,7 +115,8 @@ bool bench_table(const BenchArguments *arguments, const char *head,
                  bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
                  Error *error);
 
-const char *bench_name(const char *file);  // of a building in the CSV: without its folder
+// The building's name in the CSV: without its folder.
+const char *bench_name(const char *file);
 // Is the word among those of `list`, separated by commas? NULL: any is.
 bool bench_listed(const char *list, const char *word);
 

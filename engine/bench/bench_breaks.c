@@ -4,6 +4,7 @@
 // Each figure is the root mean square over scenes turned every way about the eye's normal, so that none is aligned with a
 // method's pixels or lines.
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -147,7 +148,7 @@ static double error_at(BreakScene *scene, const FormFactorMethod *method, const 
     return sqrt(square / TURNS);
 }
 
-static bool measure(const BenchArguments *arguments, Error *error) {
+static bool measure_breaks(const BenchArguments *arguments, Error *error) {
     (void)error;
     FormFactorOptions options = form_factor_default_options();
     printf("break,method,resolution,x,error\n");
@@ -165,12 +166,15 @@ static bool measure(const BenchArguments *arguments, Error *error) {
     return true;
 }
 
+static const Option ROWS[] = {
+    BENCH_SEED("of their turns"),
+};
+
 const Bench BENCH_BREAKS = {
     .name = "breaks",
-    .help = "  breaks         where each form-factor method breaks: error against the size of an element in "
-            "pixels, the distance\n"
-            "                 of a wall, the threshold of polylines, the distance from the origin; in scenes "
-            "of its own\n"
-            "    --seed N            of their turns\n",
-    .run = measure,
+    .about =
+        "where each form-factor method breaks: error against the size of an element in pixels, the distance "
+        "of a wall, the threshold of polylines, the distance from the origin; in scenes of its own",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_breaks,
 };

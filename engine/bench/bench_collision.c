@@ -1,5 +1,6 @@
 // bench_collision.c - a body that walks at random through each building while its doors move: what a step costs, how many
 // walls it looks at against all there are (Oki 3.2), and whether it ever is where it may not be.
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -13,10 +14,9 @@ static long count_walls(const CellGraph *graph) {
 }
 
 static bool bench_building(const char *file, const BenchArguments *a, Arena *arena, Error *error) {
-    AppOptions load = app_default_options();
-    load.map = a->map;
-    AppScene scene;
-    if (!app_load(file, &load, arena, &scene, error) || !app_has_walls(&scene, error)) return false;
+    SceneOptions load = a->load;
+    LoadedScene scene;
+    if (!app_load(file, &load, arena, &scene, error) || !scene_has_walls(&scene, error)) return false;
     CollisionWalkOptions options = {.steps = a->steps, .seed = a->seed, .flood_every = 1};
     CollisionReport r;
     if (!collision_walk(&scene.graph, &options, &r, error)) return false;
@@ -31,7 +31,7 @@ static bool bench_building(const char *file, const BenchArguments *a, Arena *are
     return true;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_collision(const BenchArguments *a, Error *error) {
     bool good = true;
     puts("building,steps,wall_tests_per_step,walls_total,object_tests_per_step,violations,relocations,stuck,"
          "shut_in,"
@@ -44,12 +44,22 @@ static bool measure(const BenchArguments *a, Error *error) {
     return good;
 }
 
+static const Option ROWS[] = {
+    {.name = "steps",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = BENCH_AT(steps),
+     .low = 1,
+     .high = 100000000,
+     .help = "@ (default 100000)"},
+    BENCH_SEED("of the walk"),
+};
+
 const Bench BENCH_COLLISION = {
     .name = "collision",
-    .help = "  collision      a body walks at random while doors move: walls and pieces of furniture looked "
-            "at a step, places\n"
-            "                 where it may not be, ways of a flood of the floor that it cannot walk, time\n"
-            "    --steps N    1 to 100000000 (default 100000)\n"
-            "    --seed N     of the walk, 0 to 2147483647 (default 1)\n",
-    .run = measure,
+    .about =
+        "a body walks at random while doors move: walls and pieces of furniture looked at a step, places "
+        "where it may not be, ways of a flood of the floor that it cannot walk, time",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_collision,
 };

@@ -5,7 +5,9 @@
 // are of one thread, the look at what is in view included (rays need none); the least of several passes for each shooter, so
 // that what else the machine does shows little.
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "engine/bench/bench.h"
 #include "engine/bench/shot_reference.h"
@@ -38,7 +40,7 @@ typedef struct Run {
 typedef struct ShotBench {
     const char *file;
     const BenchArguments *arguments;
-    AppScene scene;
+    LoadedScene scene;
     Mesh mesh;
     Viewer *viewer;
     int *shooters;  // [shooter_count] patches
@@ -128,7 +130,7 @@ static bool on_front(const ShotBench *b, const Run *run) {
     return true;
 }
 
-static void add_row(const ShotBench *b, const Run *run, Text *table) {
+static void add_formfactors_row(const ShotBench *b, const Run *run, Text *table) {
     double n = b->shooter_count;
     text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
                 run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
@@ -158,7 +160,7 @@ static const char *hidden_of(const char *name) {
     return hidden ? hidden->name : NULL;
 }
 
-static bool knows(const char *name) { return form_factor_method(name) || hidden_of(name); }
+static bool is_formfactors_method(const char *name) { return form_factor_method(name) || hidden_of(name); }
 
 static void choose_runs(ShotBench *b, Arena *arena) {
     const BenchArguments *a = b->arguments;
@@ -182,7 +184,7 @@ static void choose_runs(ShotBench *b, Arena *arena) {
 
 static void print_runs(const ShotBench *b, Text *table) {
     size_t start = table->size;
-    for (int i = 0; i < b->run_count; i++) add_row(b, &b->runs[i], table);
+    for (int i = 0; i < b->run_count; i++) add_formfactors_row(b, &b->runs[i], table);
     if (b->run_count > 0) fputs(table->data + start, stdout);
     fflush(stdout);
 }
@@ -238,16 +240,15 @@ static void print_ratios(const ShotBench *b) {
     }
 }
 
-static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
+static bool formfactors_of_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
     Arena arena = {0};
     ShotBench *b = ARENA_ARRAY(&arena, ShotBench, 1);
     b->file = file;
     b->arguments = a;
-    AppOptions options = app_default_options();
-    options.map = a->map;
+    SceneOptions options = a->load;
     MeshOptions mesh = mesh_default_options();
     mesh.close = 0;  // the scene of the figures that are compared
-    bool good = app_load(file, &options, &arena, &b->scene, error) && app_has_walls(&b->scene, error) &&
+    bool good = app_load(file, &options, &arena, &b->scene, error) && scene_has_walls(&b->scene, error) &&
                 mesh_build(&b->scene.graph, NULL, NULL, &mesh, &arena, &b->mesh, error);
     if (good) {
         b->viewer = viewer_new(&b->mesh, &b->scene.forest, NULL, &arena);
@@ -262,26 +263,82 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
-    return bench_table(a, HEAD, NULL, bench_file, error);
+static bool measure_formfactors(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, formfactors_of_file, error);
 }
+
+// Whole numbers, separated by commas.
+static int take_resolutions(const char *text, void *arguments, Error *error) {
+    BenchArguments *a = arguments;
+    for (a->resolution_count = 0; *text && a->resolution_count < BENCH_RESOLUTIONS; text += *text == ',') {
+        char *end;
+        long number = strtol(text, &end, 10);
+        bool good = end != text && (*end == ',' || !*end) && number >= 8 && number <= 2000;
+        if (!good) break;
+        a->resolutions[a->resolution_count++] = (int)number;
+        text = end;
+    }
+    if (*text == 0 && a->resolution_count > 0) return APP_GOOD;
+    error_set(error, "8 to 2000, %d of them at most", BENCH_RESOLUTIONS);
+    return APP_BAD_USE;
+}
+
+static int take_cullings(const char *text, void *arguments, Error *error) {
+    ((BenchArguments *)arguments)->cullings = text;
+    while (*text) {
+        int length = (int)strcspn(text, ","), i = 0;
+        while (i < VIEW_CULLINGS && ((int)strlen(VIEW_CULLING_NAMES[i]) != length ||
+                                     strncmp(text, VIEW_CULLING_NAMES[i], (size_t)length) != 0))
+            i++;
+        if (i == VIEW_CULLINGS) {
+            error_set(error, "none, depth, cells, plan, portals, with commas between them");
+            return APP_BAD_USE;
+        }
+        text += length + (text[length] == ',');
+    }
+    return APP_GOOD;
+}
+
+static const Option ROWS[] = {
+    BENCH_METHODS("some of the methods (default: all; `enfilade bake --help` lists them); hemicube-NAME is "
+                  "the hemicube whose sides "
+                  "a hidden-surface method fills"),
+    {.name = "resolutions",
+     .value = "N,..",
+     .type = OPTION_OTHER,
+     .take = take_resolutions,
+     .help = "8 to 2000 each, 16 at most (default 50,71,100,141,200)"},
+    {.name = "cullings",
+     .value = "A,..",
+     .type = OPTION_OTHER,
+     .take = take_cullings,
+     .help = "of none, depth, cells, plan, portals (default none,depth,portals)"},
+    {.name = "shooters",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = BENCH_AT(shooters),
+     .low = 1,
+     .high = 10000,
+     .help = "patches that shoot, @ (default 60)"},
+    {.name = "rays",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = BENCH_AT(rays),
+     .low = 1000,
+     .high = 2000000000,
+     .help = "of the reference, a shooter, @ (default 4000000)"},
+    BENCH_SEED("of the reference"),
+    {.name = "quick", .type = OPTION_FLAG, .at = BENCH_AT(quick), .help = "20 shooters, 300000 rays"},
+    BENCH_CSV,
+};
 
 const Bench BENCH_FORMFACTORS = {
     .name = "formfactors",
-    .help = "  formfactors    one shot by each form-factor method: time and error against random rays, what "
-            "was drawn; and how\n"
-            "                 much faster than rays it is at equal error\n"
-            "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them); "
-            "hemicube-NAME\n"
-            "                        is the hemicube whose sides a hidden-surface method fills\n"
-            "    --resolutions N,..  8 to 2000 each, 16 at most (default 50,71,100,141,200)\n"
-            "    --cullings A,..     of none, depth, cells, plan, portals (default none,depth,portals)\n"
-            "    --shooters N        patches that shoot, 1 to 10000 (default 60)\n"
-            "    --rays N            of the reference, a shooter, 1000 to 2000000000 (default 4000000)\n"
-            "    --seed N            of the reference\n"
-            "    --quick             20 shooters, 300000 rays\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
-    .knows = knows,
+    .about =
+        "one shot by each form-factor method: time and error against random rays, work done; and how much "
+        "faster than rays it is at equal error",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_formfactors,
+    .is_method = is_formfactors_method,
     .list = "bake",
 };

@@ -5,6 +5,7 @@
 // Times are of one thread, the least of several draws of each view, and their mean over the views; preparing a scene is told
 // apart. What differs from the ray caster's picture is counted.
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -88,7 +89,7 @@ static bool run_method(HiddenBench *b, const HiddenMethod *method, ItemBuffer *k
     return good;
 }
 
-static void add_row(HiddenBench *b, const char *method, const Run *run, double depth) {
+static void add_hidden_row(HiddenBench *b, const char *method, const Run *run, double depth) {
     size_t before = b->csv->size;
     const Camera *camera = &b->views->views[0].camera;
     int n = b->views->count;
@@ -126,7 +127,7 @@ static bool bench_views(HiddenBench *b, const char *table, const char *scene, co
         b->runs[m] = (Run){0};
         if (!bench_listed(b->arguments->methods, HIDDEN_METHODS[m]->name)) continue;
         good = run_method(b, HIDDEN_METHODS[m], NULL, &b->runs[m], error);
-        if (good) add_row(b, HIDDEN_METHODS[m]->name, &b->runs[m], depth);
+        if (good) add_hidden_row(b, HIDDEN_METHODS[m]->name, &b->runs[m], depth);
     }
     arena_free(&arena);
     return good;
@@ -220,24 +221,27 @@ static bool bench_building(const char *file, const BenchArguments *a, Text *csv,
     return good;
 }
 
-static bool knows(const char *method) { return hidden_find(method) != NULL; }
+static bool is_hidden_method(const char *method) { return hidden_find(method) != NULL; }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_hidden(const BenchArguments *a, Error *error) {
     // llvmpipe draws in the calling thread then, whose time is taken.
     setenv("LP_NUM_THREADS", "0", 1);
     return bench_table(a, HEAD, bench_own_scenes, bench_building, error);
 }
 
+static const Option ROWS[] = {
+    BENCH_METHODS("some of the methods (default: all; `enfilade bake --help` lists them)"),
+    BENCH_SIZE("of the pictures of FILE"),
+    BENCH_SEED("of its own scenes"),
+    BENCH_CSV,
+};
+
 const Bench BENCH_HIDDEN = {
     .name = "hidden",
-    .help = "  hidden         each hidden-surface method: time, memory and operations by polygons, depth "
-            "complexity and\n"
-            "                 resolution, in scenes of its own; in FILE along the auto tour, culled and not\n"
-            "    --methods A,B       some of the methods (default: all; `enfilade bake --help` lists them)\n"
-            "    --size WxH          of the pictures of FILE (default 640x360)\n"
-            "    --seed N            of its own scenes\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
-    .knows = knows,
+    .about = "each hidden-surface method: time, memory and operations by polygons, depth complexity and "
+             "resolution, in scenes of its own; in FILE along the auto tour, culled and not",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_hidden,
+    .is_method = is_hidden_method,
     .list = "bake",
 };

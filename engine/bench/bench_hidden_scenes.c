@@ -115,12 +115,11 @@ static Scene subdivided(const CellGraph *graph, Scene scene, const Camera *camer
 
 bool hidden_views_building(const char *file, const BenchArguments *a, int frames, Arena *arena,
                            HiddenViews *whole, HiddenViews *culled, Error *error) {
-    AppScene *scene = ARENA_ARRAY(arena, AppScene, 1);
-    AppOptions load = app_default_options();
+    LoadedScene *scene = ARENA_ARRAY(arena, LoadedScene, 1);
+    SceneOptions load = a->load;
     TourOptions options = tour_default_options();
     TourPath path;
-    load.map = a->map;
-    if (!app_load(file, &load, arena, scene, error) || !app_has_walls(scene, error) ||
+    if (!app_load(file, &load, arena, scene, error) || !scene_has_walls(scene, error) ||
         !tour_make(&scene->graph, "auto", &options, arena, &path, error))
         return false;
     VisQuery *query = vis_query_new(&scene->graph, &scene->forest, arena);
@@ -133,7 +132,7 @@ bool hidden_views_building(const char *file, const BenchArguments *a, int frames
         *out[k] = (HiddenViews){ARENA_ARRAY(arena, HiddenView, frames), frames};
         for (int i = 0; i < frames; i++) {
             const TourFrame *at = &path.frames[(long)i * path.frame_count / frames];
-            Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
+            Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->size[0], a->size[1]);
             Eye eye = walk_eye(&camera);
             bool same = k == 0 && i > 0 && !curved;
             Scene list = same ? whole->views[0].scene : (Scene){0};

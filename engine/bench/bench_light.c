@@ -2,6 +2,7 @@
 //
 // Errors are relative to the irradiance, or to a hundredth of the mean of all points where that is more; the last of each three also
 // to the mean.
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -81,7 +82,7 @@ static const Way WAYS[] = {
 
 enum { WAY_COUNT = sizeof WAYS / sizeof *WAYS };
 
-static bool knows(const char *name) {
+static bool is_light_method(const char *name) {
     for (int i = 0; i < WAY_COUNT; i++)
         if (strcmp(WAYS[i].name, name) == 0) return true;
     return false;
@@ -188,8 +189,8 @@ static void print_worst(const LightScene *s, const Way *way, int what, const dou
     }
 }
 
-static void add_row(const LightScene *s, const Way *way, const LightBake *bake, const LightErrors *errors,
-                    Text *csv) {
+static void add_light_row(const LightScene *s, const Way *way, const LightBake *bake,
+                          const LightErrors *errors, Text *csv) {
     size_t before = csv->size;
     text_append(csv, "%s,%s,%g,%d,%s,%zu,%g,%d,%d,%d,%lld,%lld,%.4f,%.4f", bench_name(s->file), way->name,
                 bake->options.element, bake->options.per_patch, VIEW_CULLING_NAMES[bake->rad.culling],
@@ -218,7 +219,7 @@ static bool draw_errors(const LightScene *s, const Way *way, const LightBake *ba
     const Building *building = &s->scene.building;
     Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
     if (building->viewpoint_count > 0) v = building->viewpoints[0];
-    Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->width, a->height);
+    Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->size[0], a->size[1]);
     ErrorPicture picture = {&bake->fine->mesh, &bake->shown, a->seed};
     ErrorPictureFound found;
     double begin = clock_seconds();
@@ -236,14 +237,14 @@ static bool bench_way(const LightScene *s, const Way *way, Text *csv, Error *err
     bool good = light_bake(s, &arena, &bake, error);
     if (good) {
         LightErrors errors = light_errors(s, &bake, s->points.count, &arena);
-        add_row(s, way, &bake, &errors, csv);
+        add_light_row(s, way, &bake, &errors, csv);
         if (s->arguments->pictures) good = draw_errors(s, way, &bake, error);
     }
     arena_free(&arena);
     return good;
 }
 
-static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+static bool light_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Arena arena = {0};
     LightScene s;
     bool good = light_scene_open(file, a, LIGHT_TRUTH_EACH, &arena, &s, error);
@@ -253,35 +254,39 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Err
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_light(const BenchArguments *a, Error *error) {
     BenchArguments own = *a;
     if (own.points == 0) own.points = 100;
     if (own.error == 0) own.error = 0.003;
-    return bench_table(&own, HEAD, NULL, bench_file, error);
+    return bench_table(&own, HEAD, NULL, light_of_file, error);
 }
+
+static const Option ROWS[] = {
+    BENCH_METHODS("some of the ways below (default: all)"),
+    BENCH_POINTS("100"),
+    BENCH_ERROR("standard error of the truth, relative, @ (default 0.003)"),
+    BENCH_SEED("of points and paths"),
+    BENCH_SKY,
+    BENCH_PICTURES(
+        "of errors of the light as shown, from FILE's first viewpoint: DIR/default-error.png and so on, "
+        "DIR/light-error-scale.svg"),
+    BENCH_SIZE("of these pictures, which take minutes"),
+    {.name = "verbose",
+     .type = OPTION_FLAG,
+     .at = BENCH_AT(verbose),
+     .help = "the three worst points of each row on standard error"},
+    BENCH_CSV,
+};
 
 const Bench BENCH_LIGHT = {
     .name = "light",
-    .help = "  light          how right a bake is at random points, against path tracing, and what it costs, "
-            "by ways to bake;\n"
-            "                 percent of the irradiance there, or of a hundredth of the mean where that is "
-            "more; gather_: as --probe\n"
-            "                 gathers it, element_ and vertex_: of the solution where the point lies, (B - "
-            "E) / rho\n"
-            "                 (default FILES: " BENCH_LIT_FILES ")\n"
-            "    --methods A,B       some of the ways below (default: all)\n"
-            "    --points N          1 to 1000000 (default 100)\n"
-            "    --error E           standard error of the truth, relative, 1e-6 to 1 (default 0.003)\n"
-            "    --seed N            of points and paths\n"
-            "    --sky L             daylight, as `enfilade bake` has it\n"
-            "    --pictures DIR      of errors of what is shown, from FILE's first viewpoint: "
-            "DIR/default-error.png and so on,\n"
-            "                        DIR/light-error-scale.svg; --size WxH (default 640x360: minutes)\n"
-            "    --verbose           the three worst points of each row on standard error\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
-    .knows = knows,
-    .list = "bench",
+    .about =
+        "how right a bake is at random points, against path tracing, and what it costs, by ways to bake; "
+        "percent of the irradiance there, or of a hundredth of the mean where that is more; gather_: as "
+        "--probe gathers it, element_ and vertex_: of the solution where the point lies, (B - E) / rho",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_light,
+    .is_method = is_light_method,
     .print_methods = print_ways,
     .files = BENCH_LIT_FILES,
 };

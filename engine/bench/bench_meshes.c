@@ -5,6 +5,7 @@
 // The error is that of the field: the root of the mean square, over all surfaces, of what the irradiance is off, of its mean
 // (against path tracing at random points, evenly by area). Of what elements hold, of what is shown between their corners, and of
 // what the first points gather.
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/light_scene.h"
@@ -44,8 +45,8 @@ static double elements_at(const Curve *curve, int what, double rms) {
     return 0;
 }
 
-static void add_row(const LightScene *s, const LightBake *bake, int kind, const Size *size, const Curve *even,
-                    Text *csv) {
+static void add_meshes_row(const LightScene *s, const LightBake *bake, int kind, const Size *size,
+                           const Curve *even, Text *csv) {
     size_t before = csv->size;
     text_append(csv, "%s,%s,%g,%d,%d,%.4f,%.4f", bench_name(s->file), KIND[kind].name, bake->options.element,
                 bake->mesh.element_count, bake->mesh.patch_count, bake->mesh_seconds, bake->seconds);
@@ -85,13 +86,13 @@ static bool bench_size(const LightScene *s, int kind, double scale, Curve *curve
         size->elements = bake.mesh.element_count;
         for (int what = 0; what < LIGHT_COMPARED; what++)
             size->rms[what] = light_errors_rms(s, errors.off[what]);
-        add_row(s, &bake, kind, size, &curves[EVEN], csv);
+        add_meshes_row(s, &bake, kind, size, &curves[EVEN], csv);
     }
     arena_free(&arena);
     return good;
 }
 
-static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+static bool meshes_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     Arena arena = {0};
     LightScene s;
     Curve curves[KINDS] = {0};
@@ -103,29 +104,32 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Err
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_meshes(const BenchArguments *a, Error *error) {
     BenchArguments own = *a;
     if (own.points == 0) own.points = 500;
     if (own.error == 0) own.error = 0.03;
-    return bench_table(&own, HEAD, NULL, bench_file, error);
+    return bench_table(&own, HEAD, NULL, meshes_of_file, error);
 }
+
+static const Option ROWS[] = {
+    BENCH_POINTS("500"),
+    BENCH_ERROR("standard error of the truth, of the mean irradiance, @ (default 0.03)"),
+    BENCH_SEED("of points and paths"),
+    BENCH_SKY,
+    BENCH_CSV,
+};
 
 const Bench BENCH_MESHES = {
     .name = "meshes",
-    .help =
-        "  meshes         what adaptive meshes save: elements against error, from coarse to fine, of even\n"
-        "                 meshes, of even ones cut where things stand (cut) and of what `enfilade bake` "
-        "makes\n"
-        "                 (adaptive); the root of the mean square, over all surfaces, of what the irradiance "
-        "is\n"
-        "                 off, percent of its mean: element_: what elements hold, vertex_: between corners,\n"
-        "                 gather_: of the first 100 points;\n"
-        "                 of_even_: elements, of those that an even mesh needs for the same error\n"
-        "                 (default FILES: " BENCH_LIT_FILES ")\n"
-        "    --points N          1 to 1000000 (default 500)\n"
-        "    --error E           standard error of the truth, of the mean irradiance, 1e-6 to 1 (default "
-        "0.03)\n"
-        "    --seed N, --sky L, --csv OUT  as above\n",
-    .run = measure,
+    .about =
+        "what adaptive meshes save: elements against error, from coarse to fine, of even meshes, of even "
+        "ones "
+        "cut where things stand (cut) and of those that `enfilade bake` makes (adaptive); the root of the "
+        "mean square, over all surfaces, of the error of the irradiance, percent of its mean: element_: as "
+        "elements hold it, vertex_: between corners, gather_: of the first 100 points; of_even_: elements, "
+        "of "
+        "those that an even mesh needs for the same error",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_meshes,
     .files = BENCH_LIT_FILES,
 };

@@ -3,6 +3,7 @@
 // hemicube. Beside them, the same shots by the methods of today. Machines differ by a factor of thousands: only ratios can be
 // compared.
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -49,7 +50,7 @@ static ViewPoint point_of(const Mesh *mesh, int patch) {
 // ---- Oki
 
 typedef struct OkiBench {
-    const AppScene *scene;
+    const LoadedScene *scene;
     const Mesh *mesh;
     ElementBuffer *buffer;
     VisQuery *query;
@@ -129,11 +130,10 @@ static void oki_rows(OkiBench *b, const char *file, Text *csv) {
 
 static bool bench_oki(const char *file, const BenchArguments *arguments, Text *csv, Error *error) {
     Arena arena = {0};
-    AppScene scene;
-    AppOptions options = app_default_options();
-    options.map = arguments->map;
+    LoadedScene scene;
+    SceneOptions options = arguments->load;
     Mesh mesh;
-    bool good = app_load(file, &options, &arena, &scene, error) && app_has_walls(&scene, error) &&
+    bool good = app_load(file, &options, &arena, &scene, error) && scene_has_walls(&scene, error) &&
                 mesh_of_size(&scene.graph, &arena, &mesh, error);
     if (good) {
         OkiBench b = {.scene = &scene, .mesh = &mesh};
@@ -255,16 +255,20 @@ static bool bench_both_doi(const BenchArguments *a, Text *csv, Error *error) {
            bench_doi("doi-itoh-2", 3294, 3, 100, a->pictures, csv, error);
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_radiosity(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, bench_both_doi, bench_oki, error);
 }
 
+static const Option ROWS[] = {
+    BENCH_PICTURES("of the room by each method, DIR/doi-itoh-2-hemicube.png and so on"),
+    BENCH_CSV,
+};
+
 const Bench BENCH_RADIOSITY = {
     .name = "radiosity",
-    .help = "  radiosity      the tables of the papers again, on scenes of their sizes: what culling saves "
-            "of FILE (Oki), the\n"
-            "                 hemisphere base against the hemicube in a furnished room (Doi & Itoh)\n"
-            "    --pictures DIR      of the room by each method, DIR/doi-itoh-2-hemicube.png and so on\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
+    .about =
+        "the tables of the papers again, on scenes of their sizes: what culling saves of FILE (Oki), the "
+        "hemisphere base against the hemicube in a furnished room (Doi & Itoh)",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_radiosity,
 };

@@ -199,10 +199,9 @@ static void prepare(TreeBench *b, const CellGraph *g, Arena *arena) {
 
 bool bench_ray_trees(const char *file, const BenchArguments *arguments, Text *csv, Error *error) {
     Arena arena = {0};
-    AppScene scene;
-    AppOptions load = app_default_options();
-    load.map = arguments->map;
-    bool good = app_load_cells(file, &load, &arena, &scene, error) && app_has_walls(&scene, error);
+    LoadedScene scene;
+    SceneOptions load = arguments->load;
+    bool good = scene_load_cells(file, &load, &arena, &scene, error) && scene_has_walls(&scene, error);
     if (good) {
         TreeBench b;
         Ray *rays = ARENA_ARRAY(&arena, Ray, COUNT);

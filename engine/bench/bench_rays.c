@@ -4,6 +4,7 @@
 // Rays come from three sizes away and pass through the shape's bounds. Times are the least of several rounds, of all methods
 // in turn. The truth is every root that any method finds and Newton's steps confirm, but for those of grazing rays, which
 // rounding makes two or none.
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -150,7 +151,7 @@ static void compare(Shooter *shooters, int count, const BezierPatch *whole, cons
 
 // ---- tables
 
-static void add_row(const Shooter *s, double hit_share, Text *csv) {
+static void add_rays_row(const Shooter *s, double hit_share, Text *csv) {
     double n = (double)s->work.rays, ns = hit_share * s->ns[1] + (1 - hit_share) * s->ns[0];
     size_t start = csv->size;
     text_append(csv, "%s,%s,%lld,%.4f,%.3f,%.0f,%.0f,%.0f,%.2f,%.2f,%.2f,%lld", s->shape, s->method,
@@ -172,7 +173,7 @@ static void measure_all(Shooter *shooters, int count, Box box, uint64_t seed, Te
     int misses = sort_rays(&shooters[0], rays, RAYS);
     for (int round = 0; round < ROUNDS; round++)
         for (int m = 0; m < count; m++) measure_shooter(&shooters[m], rays, misses, RAYS, round == 0);
-    for (int m = 0; m < count; m++) add_row(&shooters[m], 1 - (double)misses / RAYS, csv);
+    for (int m = 0; m < count; m++) add_rays_row(&shooters[m], 1 - (double)misses / RAYS, csv);
     arena_free(&arena);
 }
 
@@ -253,18 +254,22 @@ static bool bench_shapes(const BenchArguments *a, Text *csv, Error *error) {
     return true;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_rays(const BenchArguments *a, Error *error) {
     return bench_table(a, HEAD, bench_shapes, bench_ray_trees, error);
 }
 
+static const Option ROWS[] = {
+    BENCH_SEED("of the rays"),
+    BENCH_CSV,
+};
+
 const Bench BENCH_RAYS = {
     .name = "rays",
-    .help = "  rays           what a ray costs that hits or misses a curved shape; of Bezier patches by each "
-            "method, and what each\n"
-            "                 misses or makes up; in each building rays of a picture, anywhere, and between "
-            "places by our own\n"
-            "                 hierarchy, a grid and Embree\n"
-            "    --seed N            of the rays\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
+    .about =
+        "what a ray costs that hits or misses a curved shape; of Bezier patches by each method, and what "
+        "each "
+        "misses or makes up; in each building rays of a picture, anywhere, and between places by our own "
+        "hierarchy, a grid and Embree",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_rays,
 };

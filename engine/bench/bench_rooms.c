@@ -1,6 +1,7 @@
 // bench_rooms.c - what a shot costs as a building grows, with each culling: the same rooms, 10 to 1,000 of them
 // (build/generate rooms-N). Culled, it should depend on what is in view alone.
 // Times are of the thread's own work, on a busy machine too.
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -19,7 +20,7 @@ static const double LONGEST_PASS = 1, LONGEST = 2;  // seconds
 
 typedef struct RoomsBench {
     const char *file;
-    AppScene scene;
+    LoadedScene scene;
     Mesh mesh;
     Viewer *viewer;
     FormFactor *rows;
@@ -60,7 +61,8 @@ static Pass run_pass(const RoomsBench *b, ViewCulling culling, uint64_t seed) {
     return pass;
 }
 
-static void add_row(const RoomsBench *b, const char *method, ViewCulling culling, uint64_t seed, Text *csv) {
+static void add_rooms_row(const RoomsBench *b, const char *method, ViewCulling culling, uint64_t seed,
+                          Text *csv) {
     Pass best = {.seconds = INFINITY, .shots = 1};
     double begin = clock_thread_seconds();
     for (int i = 0; i < PASSES && (i == 0 || clock_thread_seconds() - begin < LONGEST); i++) {
@@ -77,35 +79,38 @@ static void add_row(const RoomsBench *b, const char *method, ViewCulling culling
     fflush(stdout);
 }
 
-static bool bench_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+static bool rooms_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
     static const char *const METHODS[] = {"hemisphere", "hemicube"};
     Arena arena = {0};
     RoomsBench b = {.file = file};
-    AppOptions options = app_default_options();
-    options.map = a->map;
+    SceneOptions options = a->load;
     MeshOptions mesh_options = mesh_default_options();
     mesh_options.close = 0;  // the scene of the figures that are compared
-    bool good = app_load(file, &options, &arena, &b.scene, error) && app_has_walls(&b.scene, error) &&
+    bool good = app_load(file, &options, &arena, &b.scene, error) && scene_has_walls(&b.scene, error) &&
                 mesh_build(&b.scene.graph, NULL, NULL, &mesh_options, &arena, &b.mesh, error);
     if (good) b.viewer = viewer_new(&b.mesh, &b.scene.forest, NULL, &arena);
     for (int m = 0; m < 2 && good; m++) {
         FormFactorOptions form_factor = form_factor_default_options();
         b.rows = form_factor_new(form_factor_method(METHODS[m]), &b.mesh, &form_factor, &arena);
-        for (int c = 0; c < VIEW_CULLINGS; c++) add_row(&b, METHODS[m], (ViewCulling)c, a->seed, csv);
+        for (int c = 0; c < VIEW_CULLINGS; c++) add_rooms_row(&b, METHODS[m], (ViewCulling)c, a->seed, csv);
         form_factor_end(b.rows);
     }
     arena_free(&arena);
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
-    return bench_table(a, HEAD, NULL, bench_file, error);
+static bool measure_rooms(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, rooms_of_file, error);
 }
+
+static const Option ROWS[] = {
+    BENCH_SEED("of the patches that shoot"),
+    BENCH_CSV,
+};
 
 const Bench BENCH_ROOMS = {
     .name = "rooms",
-    .help = "  rooms          one shot in each FILE with each culling: how cost grows with a building\n"
-            "    --seed N            of the patches that shoot\n"
-            "    --csv OUT           as above\n",
-    .run = measure,
+    .about = "one shot in each FILE with each culling: how cost grows with a building",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_rooms,
 };

@@ -3,12 +3,13 @@
 // beside the building, and the sightlines of the methods themselves as far as they hold when walked again.
 //
 // Every run has a process of its own: peak memory is the run's, and no thread is left over from an earlier one.
+#include <stddef.h>
 #include <stdio.h>
 #include <unistd.h>
 
-#include "engine/app/peer.h"
 #include "engine/bench/apart.h"
 #include "engine/bench/bench.h"
+#include "engine/bench/peer.h"
 #include "engine/core/clock.h"
 #include "engine/core/text.h"
 #include "visibility/pairs/compare.h"
@@ -38,7 +39,7 @@ typedef struct MethodRun {
 typedef struct FileBench {
     const char *file;
     const BenchArguments *arguments;
-    AppScene scene;
+    LoadedScene scene;
     size_t rows_size;  // bytes of a matrix
     uint64_t *bound;
     const PairMethod *methods[MOST_METHODS];
@@ -241,14 +242,13 @@ static void choose_methods(FileBench *b) {
     }
 }
 
-static bool bench_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
+static bool visibility_of_file(const char *file, const BenchArguments *a, Text *table, Error *error) {
     Arena arena = {0};
     FileBench b = {.file = file, .arguments = a};
-    AppOptions options = app_default_options();
-    options.map = a->map;
+    SceneOptions options = a->load;
     choose_methods(&b);
     run_peer(&b, &arena);  // first: while this process is small, the peak of its child is the child's own
-    bool good = app_load_cells(file, &options, &arena, &b.scene, error) && make_bound(&b, &arena, error) &&
+    bool good = scene_load_cells(file, &options, &arena, &b.scene, error) && make_bound(&b, &arena, error) &&
                 run_methods(&b, error);
     size_t start = table->size;
     for (int i = 0; i < b.method_count && good; i++) add_method(&b, i, table);
@@ -264,27 +264,45 @@ static bool bench_file(const char *file, const BenchArguments *a, Text *table, E
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
-    return bench_table(a, HEAD, NULL, bench_file, error);
+static bool measure_visibility(const BenchArguments *a, Error *error) {
+    return bench_table(a, HEAD, NULL, visibility_of_file, error);
 }
 
-static bool knows(const char *name) { return pair_method(name) != NULL; }
+static bool is_visibility_method(const char *name) { return pair_method(name) != NULL; }
+
+static const Option ROWS[] = {
+    BENCH_METHODS("some of the methods (default: all; `enfilade vis --help` lists them)"),
+    {.name = "samples",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = BENCH_AT(samples),
+     .high = 1000000,
+     .help = "points on each portal for the proven pairs, @ (default 12); a file of proven pairs beside "
+             "FILE, with the "
+             "suffix .seen, is taken besides"},
+    BENCH_SEED("of the samples"),
+    {.name = "seconds",
+     .value = "S",
+     .type = OPTION_NUMBER,
+     .at = BENCH_AT(seconds),
+     .low = 0.001,
+     .high = 1e6,
+     .help = "stops a method after S seconds, @"},
+    {.name = "peer",
+     .value = "PROGRAM",
+     .type = OPTION_TEXT,
+     .at = BENCH_AT(peer),
+     .help = "a row for an external visibility compiler for Quake levels, of portal files"},
+    BENCH_CSV,
+};
 
 const Bench BENCH_VISIBILITY = {
     .name = "visibility",
-    .help =
-        "  visibility     each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible "
-        "pairs, over-estimate\n"
-        "                 against pairs proven by sightlines, misses, pairs left undecided\n"
-        "    --methods A,B   some of the methods (default: all; `enfilade vis --help` lists them)\n"
-        "    --samples N     points on each portal for the proven pairs, 0 to 1000000 (default 12); a file "
-        "of proven\n"
-        "                    pairs beside FILE, with the suffix .seen, is taken besides\n"
-        "    --seed N        of the samples\n"
-        "    --seconds S     stops a method after S seconds, 0.001 to 1e6\n"
-        "    --peer PROGRAM  a row for an external visibility compiler for Quake levels, of portal files\n"
-        "    --csv OUT       writes the table there besides, whole or not at all\n",
-    .run = measure,
-    .knows = knows,
+    .about = "each cell-to-cell method: CPU and wall time on 1 and 2 threads, memory, visible pairs, "
+             "over-estimate "
+             "against pairs proven by sightlines, misses, pairs left undecided",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_visibility,
+    .is_method = is_visibility_method,
     .list = "vis",
 };

@@ -1,4 +1,5 @@
 // bench_walk.c - each way of culling along the automatic tour of each building.
+#include <stddef.h>
 #include <stdio.h>
 
 #include "engine/bench/bench.h"
@@ -15,7 +16,7 @@ typedef struct Sums {
 
 // A building and what looks at it.
 typedef struct Watch {
-    AppScene scene;
+    LoadedScene scene;
     TourPath path;
     VisQuery *query;
     WalkRenderer *renderer;
@@ -25,7 +26,7 @@ typedef struct Watch {
 // Draws one frame; what it took and showed is added to the sums, if there are any.
 static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMethod method, Sums *sums,
                  Error *error) {
-    Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->width, a->height);
+    Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->size[0], a->size[1]);
     Eye eye = walk_eye(&camera);
     w->cell = vis_locate(&w->scene.graph, at->eye, w->cell);
     double start = clock_seconds();
@@ -62,11 +63,10 @@ static bool measure_method(Watch *w, const BenchArguments *a, VisMethod method, 
 
 static bool bench_building(const char *file, const BenchArguments *a, GlContext *context, Arena *arena,
                            Error *error) {
-    AppOptions load = app_default_options();
-    load.map = a->map;
+    SceneOptions load = a->load;
     Watch watch = {.cell = -1};
     TourOptions options = tour_default_options();
-    if (!app_load(file, &load, arena, &watch.scene, error) || !app_has_walls(&watch.scene, error))
+    if (!app_load(file, &load, arena, &watch.scene, error) || !scene_has_walls(&watch.scene, error))
         return false;
     const CellGraph *graph = &watch.scene.graph;
     if (!tour_make(graph, "auto", &options, arena, &watch.path, error)) return false;
@@ -89,7 +89,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     return good;
 }
 
-static bool measure(const BenchArguments *a, Error *error) {
+static bool measure_walk(const BenchArguments *a, Error *error) {
     Arena arena = {0};
     GlContext *context = gl_context_open(&arena, error);
     bool good = context != NULL;
@@ -107,14 +107,29 @@ static bool measure(const BenchArguments *a, Error *error) {
     return good;
 }
 
+static const Option ROWS[] = {
+    BENCH_SIZE("of the frames"),
+    {.name = "look",
+     .value = "NAME",
+     .type = OPTION_NAME,
+     .at = BENCH_AT(look),
+     .names = WALK_LOOK_NAMES,
+     .name_count = WALK_FINE + 1,
+     .help = "@ (default fast)"},
+    {.name = "frames",
+     .value = "N",
+     .type = OPTION_INT,
+     .at = BENCH_AT(frames),
+     .low = 1,
+     .high = 1000000,
+     .help = "of the tour, evenly taken, each after the one before it, @ (default 200)"},
+};
+
 const Bench BENCH_WALK = {
     .name = "walk",
-    .help = "  walk           each culling method along the auto tour of each building: polygons drawn, "
-            "cells seen, time of\n"
-            "                 the query and of the whole frame\n"
-            "    --size WxH   of the frames, pixels, 16 to 8192 each (default 640x360)\n"
-            "    --look NAME  fast (default) or fine\n"
-            "    --frames N   of the tour, evenly taken, each after the one before it, 1 to 1000000 (default "
-            "200)\n",
-    .run = measure,
+    .about =
+        "each culling method along the auto tour of each building: polygons drawn, cells seen, time of the "
+        "query and of the whole frame",
+    BENCH_OPTIONS(ROWS),
+    .run = measure_walk,
 };

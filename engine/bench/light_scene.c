@@ -34,10 +34,9 @@ static bool make_points(LightScene *s, LightTruth kind, Arena *arena, Error *err
 bool light_scene_open(const char *file, const BenchArguments *a, LightTruth kind, Arena *arena,
                       LightScene *out, Error *error) {
     *out = (LightScene){.file = file, .arguments = a};
-    AppOptions options = app_default_options();
-    options.map = a->map;
-    options.lamps = true;
-    if (!app_load(file, &options, arena, &out->scene, error) || !app_has_walls(&out->scene, error))
+    SceneOptions options = a->load;
+    options.lamps = SCENE_LAMPS_ALL;
+    if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
         return false;
     out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
     out->vertices = bake_vertices(&out->scene.graph, out->doors, arena);

@@ -10,7 +10,7 @@
 typedef struct LightScene {
     const char *file;
     const BenchArguments *arguments;
-    AppScene scene;
+    LoadedScene scene;
     float *doors;    // [opening_count] as drawn
     Vec3 *vertices;  // the graph's, with the doors there
     LightPoints points;

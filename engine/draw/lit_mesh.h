@@ -4,7 +4,7 @@
 #define WALK_LIT_MESH_H
 
 #include "engine/draw/false_colour.h"
-#include "engine/draw/walk_light.h"
+#include "engine/scene/walk_light.h"
 
 typedef struct LitVertex {
     float position[3], normal[3];

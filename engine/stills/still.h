@@ -3,7 +3,7 @@
 #define STILLS_STILL_H
 
 #include "engine/draw/exposure.h"
-#include "engine/draw/walk_light.h"
+#include "engine/scene/walk_light.h"
 #include "engine/stills/whitted.h"
 
 typedef enum StillDirect { STILL_BAKED, STILL_RAYS, STILL_DIRECTS } StillDirect;

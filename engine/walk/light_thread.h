@@ -4,24 +4,7 @@
 #define WALK_LIGHT_THREAD_H
 
 #include "engine/draw/lit_mesh.h"
-
-// What a bake in the background is told, and tells.
-typedef struct LightHooks {
-    Progress progress;  // asks to stop
-    // A state of the light worth showing; the first time as soon as there is a mesh, which stays the same.
-    void (*show)(void *context, const Mesh *mesh, const RadSolution *so_far);
-    void *context;
-    double show_every;  // at most so often, seconds
-    int threads;        // 0: all cores
-} LightHooks;
-
-// Who knows how to bake the building shown, and where to store it. The result lives in the arena. What went wrong without
-// being a reason to show no light, such as a full disk, is told in `error`, which is empty otherwise.
-typedef struct LightBaker {
-    bool (*bake)(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error);
-    void *context;
-    bool keeps;  // the next walk finds the light
-} LightBaker;
+#include "engine/scene/light.h"
 
 typedef struct LightThread LightThread;
 

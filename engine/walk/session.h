@@ -5,18 +5,11 @@
 
 #include "engine/draw/walk_renderer.h"
 #include "engine/overlay/hud.h"
+#include "engine/scene/light.h"
 #include "engine/walk/display.h"
-#include "engine/walk/light_thread.h"
 #include "engine/walk/walk_offscreen.h"
 
-// What is walked through. All live as long as the arena they were loaded into.
-typedef struct WalkScene {
-    const CellGraph *graph;
-    const StabForest *forest;
-    const WalkLight *light;  // baked, or NULL
-    LightBaker baker;        // bakes it in the background, where `bake` is not NULL and there is no light
-} WalkScene;
-
+// Loads the building, at first and when its file changes (walk_scene_load).
 typedef struct SessionLoader {
     bool (*load)(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
     void *context;

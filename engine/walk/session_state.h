@@ -7,6 +7,7 @@
 #include "engine/sim/person.h"
 #include "engine/sim/recording.h"
 #include "engine/walk/file_watch.h"
+#include "engine/walk/light_thread.h"
 #include "engine/walk/session.h"
 
 // Ticks of a walk in a second. Recorded paths keep every second one.

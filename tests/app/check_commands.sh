@@ -33,14 +33,14 @@ expect 2 "$program" bench nonsense && says err 'no benchmark `nonsense` (allowed
 for bench in $(sed -n 's/.*(allowed: \(.*\))$/\1/p' "$work/err" | tr -d ,); do
     expect 0 "$program" bench --help && says out "^  $bench  "
 done
-expect 2 "$program" vis --method nonsense $maps/two-rooms.plan && says err 'is `nonsense`'
-expect 2 "$program" vis --seconds 0 $maps/two-rooms.plan && says err 'allowed 0.001 to 1e6'
+expect 2 "$program" vis --pairs-method nonsense $maps/two-rooms.plan && says err 'is `nonsense`'
+expect 2 "$program" vis --seconds 0 $maps/two-rooms.plan && says err 'allowed 0.001 to 1000000'
 expect 2 "$program" vis --pairs "$work/x.seen" -o "$work/x.vis" $maps/two-rooms.plan && says err 'allowed: --pairs'
 expect 2 "$program" bench visibility --samples -1 $maps/two-rooms.plan && says err 'allowed 0 to 1000000'
 expect 2 "$program" bench visibility --methods flood,nonsense $maps/two-rooms.plan && says err '`flood,nonsense`'
 expect 2 "$program" bench formfactors --methods hemisphere,nonsense && says err '`hemisphere,nonsense`'
-expect 2 "$program" bench walk --methods stab && says err 'walk has no --methods'
-expect 2 "$program" bench walk --steps 3 && says err 'walk has no --steps'
+expect 2 "$program" bench walk --methods stab && says err 'no option `--methods`'
+expect 2 "$program" bench walk --steps 3 && says err 'no option `--steps`'
 expect 2 "$program" bench formfactors --cullings most && says err '`most`'
 expect 2 "$program" bench formfactors --resolutions 100,7 && says err '`100,7`'
 expect 2 "$program" bake && says err 'one building file'
@@ -92,7 +92,6 @@ over vis $maps/office.plan --memory 16 --pairs "$work/over"
 over plan $maps/office.plan --memory 16 -o "$work/over"
 over render $maps/office.plan --memory 16 -o "$work/over"
 over bench walk $maps/office.plan --memory 16
-stage=reading  # twice, to look for its light first
 over walk $maps/office.plan --memory 16 --offscreen "$work/over"
 stage=baking
 over bake $maps/house.plan --memory 40 --element 0.1 -o "$work/over"
@@ -124,32 +123,32 @@ rm "$work"/cache/enfilade/*.vis  # other buildings' are damaged still
 # A cell-to-cell method: its matrix is the same on any number of threads, holds what is in it, and is compared.
 for method in flood plan height flow proof; do
     for threads in 1 2 7; do
-        expect 0 "$program" vis $maps/house.plan --method $method --pairs "$work/$threads.seen" --threads $threads
+        expect 0 "$program" vis $maps/house.plan --pairs-method $method --pairs "$work/$threads.seen" --threads $threads
     done
     cmp -s "$work/1.seen" "$work/2.seen" && cmp -s "$work/1.seen" "$work/7.seen" || fail "$method depends on threads"
-    expect 0 "$program" vis $maps/house.plan --method $method --against "$work/1.seen" && says out ' 0 missed; over 0.000 %'
+    expect 0 "$program" vis $maps/house.plan --pairs-method $method --against "$work/1.seen" && says out ' 0 missed; over 0.000 %'
 done
 expect 0 "$program" vis --json $maps/house.plan --against "$work/1.seen"
 for key in cells portals pairs undecided misses over_percent seconds; do says out "\"$key\": [0-9]"; done
 says out '"method": "proof"' && says out '"stopped": false'
-expect 0 "$program" vis $maps/house.plan --method flood --pairs "$work/flood.seen"
-expect 1 "$program" vis $maps/house.plan --method plan --against "$work/flood.seen" && says out 'missed first: cells'
+expect 0 "$program" vis $maps/house.plan --pairs-method flood --pairs "$work/flood.seen"
+expect 1 "$program" vis $maps/house.plan --pairs-method plan --against "$work/flood.seen" && says out 'missed first: cells'
 expect 1 "$program" vis $maps/two-rooms.plan --against "$work/flood.seen" && says err 'is of 65 cells (expected 13)'
 expect 1 "$program" vis $maps/two-rooms.plan --pairs "$work/no/such/folder/x.seen" && says err 'cannot be written'
 # Stopped at once, by time or by hand, it still writes what errs towards visible.
 expect 0 "$program" vis $maps/office.plan --seconds 0.001 --pairs "$work/early.seen" && says out 'stopped early'
 expect 0 "$program" vis $maps/office.plan --pairs "$work/whole.seen"
-expect 0 "$program" vis $maps/office.plan --method flood --against "$work/whole.seen"
+expect 0 "$program" vis $maps/office.plan --pairs-method flood --against "$work/whole.seen"
 
 # A compiler to compare with: one that fails, one that is no such program, one that writes what is asked for.
 mkdir "$work/tmp" && export TMPDIR=$work/tmp
 printf 'PRT1\n2\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/two.prt"
-expect 1 "$program" vis "$work/two.prt" --peer /no/such/program && says err 'No such file'
+expect 0 "$program" bench visibility "$work/two.prt" --peer /no/such/program && says out 'No such file'
 printf '#!/bin/sh\necho "no leaves"; exit 3\n' >"$work/peer" && chmod +x "$work/peer"
-expect 1 "$program" vis "$work/two.prt" --peer "$work/peer" && says err 'exit status 3: no leaves'
+expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" && says out 'exit status 3: no leaves'
 printf '#!/bin/sh\nexit 0\n' >"$work/peer"
-expect 1 "$program" vis "$work/two.prt" --peer "$work/peer" && says err 'leaf 1 has no visibility'
-expect 1 "$program" vis $maps/two-rooms.plan --peer "$work/peer" && says err 'is no PRT1 file'
+expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" && says out 'leaf 1 has no visibility'
+expect 0 "$program" bench visibility $maps/two-rooms.plan --peer "$work/peer" && says out 'is no PRT1 file'
 cat >"$work/peer" <<'END'
 #!/usr/bin/env python3
 # Both leaves see both: a row of one byte, 3, at the end of the file; -threads N NAME.bsp.
@@ -164,7 +163,6 @@ for leaf in 1, 2:
 open(name, 'wb').write(level + b'\3')
 END
 if python3 -c '' 2>/dev/null; then
-    expect 0 "$program" vis "$work/two.prt" --peer "$work/peer" && says out 'peer: 2.00 cells in the mean'
     expect 0 "$program" bench visibility "$work/two.prt" --peer "$work/peer" --csv "$work/bench.csv"
     same "$work/out" "$work/bench.csv" 'the table in the file is another'
     grep -q '^two.prt,peer,2,1,.*,4,4,4,0.0000,0.0000,0,' "$work/bench.csv" || fail "peer: $(tail -1 "$work/bench.csv")"

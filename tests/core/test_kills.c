@@ -142,7 +142,7 @@ Test(kills, trees_in_the_cache, .timeout = 7200) {
 }
 
 Test(kills, pairs, .timeout = 7200) {
-    check("out/*.seen", "vis maps/buildings/house.plan --method flood --pairs OUT/out/a.seen",
+    check("out/*.seen", "vis maps/buildings/house.plan --pairs-method flood --pairs OUT/out/a.seen",
           "vis " TWO " --pairs OUT/out/a.seen");
 }
 

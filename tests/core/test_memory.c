@@ -6,9 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "engine/app/app.h"
 #include "engine/core/memory.h"
 #include "engine/core/parallel.h"
+#include "engine/scene/scene.h"
 #include "tests/support/support.h"
 
 // All that is asked for is counted, grown or not, and all that is given back is taken off: a leak in the count would end long walks.
@@ -195,23 +195,21 @@ Test(memory, gives_up_a_larger_building) {
 #ifdef __SANITIZE_ADDRESS__
     cr_skip_test("arenas keep gaps under the sanitizer: the budget is as wide as they");
 #endif
-    AppOptions options = app_default_options();
+    SceneOptions options = scene_default_options();
     Arena arena = {0}, other = {0};
-    AppScene scene, changed;
+    LoadedScene scene, changed;
     Error error = {""};
-    char megabytes[16];
     options.fresh = true;
     options.keep = false;
-    cr_assert(app_load("build/maps/office.plan", &options, &arena, &scene, &error), "%s", error.text);
-    snprintf(megabytes, sizeof megabytes, "%zu", (memory_peak() >> 20) + 2);
+    cr_assert(scene_load("build/maps/office.plan", &options, &arena, &scene, &error), "%s", error.text);
+    options.memory = memory_peak() + ((size_t)2 << 20);
     arena_free(&arena);
-    cr_assert_eq(app_take_memory("walk", megabytes), APP_GOOD);
-    cr_assert(app_load("build/maps/two-rooms.plan", &options, &arena, &scene, &error), "%s", error.text);
-    app_memory_gently();
-    cr_expect_not(app_load("build/maps/office.plan", &options, &other, &changed, &error));
+    cr_assert(scene_load("build/maps/two-rooms.plan", &options, &arena, &scene, &error), "%s", error.text);
+    options.gentle = true;
+    cr_expect_not(scene_load("build/maps/office.plan", &options, &other, &changed, &error));
     cr_expect(strstr(error.text, "build/maps/office.plan: making cells takes more than "), "%s", error.text);
     arena_free(&other);
-    cr_expect(app_load("build/maps/house.plan", &options, &other, &changed, &error), "%s", error.text);
+    cr_expect(scene_load("build/maps/house.plan", &options, &other, &changed, &error), "%s", error.text);
     cr_expect_eq(scene.graph.cell_count, scene.forest.cell_count);
     arena_free(&other);
     arena_free(&arena);

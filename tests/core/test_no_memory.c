@@ -116,7 +116,7 @@ static void become(const Sweep *s, const Pipeline *p, long nth) {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // it would lie there, too
     signal(SIGALRM, SIG_DFL);
     alarm(PATIENCE);
-    app_count_libraries();
+    json_set_alloc_funcs(memory_new, memory_free);
     memory_fail_at(nth);
     int status = p->command(argc, argv);
     *s->requests = memory_fail_at(0);

@@ -5,7 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "engine/app/bake.h"
+#include "engine/app/bake_probes.h"
+#include "engine/scene/bake_mesh.h"
 #include "radiosity/truth/path_tracer.h"
 
 // Of the mean of all points: what is darker is measured against it.
@@ -17,7 +18,7 @@ static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 RadReport baked_solve(Lit *lit, RadSolution *out) {
     Error error = {""};
-    BakeArguments a = bake_default_arguments();
+    BakeOptions a = bake_default_options();
     VisOptions vis = vis_default_options();
     vis.threads = 1;
     cr_assert(vis_build_cells(lit->building, &vis, &lit->arena, &lit->graph, &error), "%s", error.text);
@@ -175,9 +176,10 @@ void baked_print(const char *name, const BakedErrors *e) {
 BakedBuilding *baked_building(const char *path, double residual) {
     Error error;
     BakedBuilding *b = calloc(1, sizeof *b);
-    BakeArguments a = bake_default_arguments();
-    a.file = path;
-    cr_assert(b && app_load(path, &a.load, &b->arena, &b->scene, &error), "%s", error.text);
+    BakeOptions a = bake_default_options();
+    SceneOptions load = scene_default_options();
+    load.lamps = SCENE_LAMPS_ALL;
+    cr_assert(b && scene_load(path, &load, &b->arena, &b->scene, &error), "%s", error.text);
     cr_assert(bake_mesh(&a, &b->scene, NULL, NULL, &b->arena, &b->doors, &b->mesh, &error), "%s", error.text);
     cr_assert(rad_start(&b->mesh, &b->arena, &b->solution, &error), "%s", error.text);
     a.rad.residual = residual;

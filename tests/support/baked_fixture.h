@@ -35,7 +35,7 @@ void baked_print(const char *name, const BakedErrors *errors);
 // A building from its file, doors as drawn, to a residual, 0: what fits. Freed by the caller.
 typedef struct BakedBuilding {
     Arena arena;
-    AppScene scene;
+    LoadedScene scene;
     float *doors;  // [opening_count]
     Mesh mesh;
     RadSolution solution;

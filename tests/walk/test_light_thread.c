@@ -5,8 +5,8 @@
 #include <stdatomic.h>
 #include <unistd.h>
 
-#include "engine/app/app_light.h"
 #include "engine/app/bake.h"
+#include "engine/scene/light.h"
 #include "engine/walk/session_state.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
@@ -222,8 +222,8 @@ Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
     // Shown is what a walk that finds the file shows.
     WalkLight light;
     Error error;
-    const AppScene *scene = ((AppBake *)w.session->shown->scene.baker.context)->scene;
-    cr_assert(app_load_light(output, scene, &w.arena, &light, &error), "%s", error.text);
+    const LoadedScene *scene = w.session->shown->scene.scene;
+    cr_assert(light_load(output, scene, &w.arena, &light, &error), "%s", error.text);
     const LitMesh *mesh = lit_mesh_new(light.mesh, &w.arena);
     LitLight loaded = lit_light_new(mesh, &w.arena);
     lit_light_fill(mesh, light.solution, &loaded);

@@ -1,5 +1,5 @@
 // peer.c - runs an external visibility compiler in a folder of its own.
-#include "engine/app/peer.h"
+#include "engine/bench/peer.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "engine/app/bsp29.h"
+#include "engine/bench/bsp29.h"
 #include "engine/core/clock.h"
 #include "engine/core/memory.h"
 

@@ -1,7 +1,7 @@
 // bsp29.h - as much of a Quake level file (BSP version 29) as a visibility compiler reads and writes: the leaves, and
 // what each of them sees.
-#ifndef APP_BSP29_H
-#define APP_BSP29_H
+#ifndef BENCH_BSP29_H
+#define BENCH_BSP29_H
 
 #include "engine/core/file.h"
 

@@ -1,7 +1,7 @@
 // bsp29.c - layout: the version, then offset and size of 15 lumps, then the lumps. Leaf 0 is all that is solid; cell c is
 // leaf c + 1, whose `visofs` says where its row begins in the visibility lump. Rows are run-length coded: a zero byte is
 // followed by how many zero bytes it stands for (id Software, 1996). Little-endian.
-#include "engine/app/bsp29.h"
+#include "engine/bench/bsp29.h"
 
 enum { VERSION = 29, LUMPS = 15, ENTITIES = 0, TEXTURES = 2, VISIBILITY = 4, LEAVES = 10, MODELS = 14 };
 enum { HEAD = 4 + 8 * LUMPS, LEAF_SIZE = 28, MODEL_SIZE = 64 };

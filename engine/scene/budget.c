@@ -1,24 +1,18 @@
-// app_memory.c - how much memory a command may use: while a building is opened as much as fits its file, then a share of the
-// machine's, or what --memory says. What libraries ask of us is counted too.
-#include <jansson.h>
+// budget.c - see the header; the constants stand here.
+#include "engine/scene/budget.h"
+
 #include <stdio.h>
 #include <unistd.h>
 
-#include "engine/app/app.h"
 #include "engine/core/memory.h"
 
-static const size_t MEGABYTE = (size_t)1 << 20;
 // While a building is opened: what a file of so many bytes may take, all it refers to included, so that it stays below a gigabyte
 // with all that libraries need; and so much more for each byte beyond. What grows fastest are sets of visible cells, with the
 // square of their number: a plan of 2.6 MB, 60,000 rooms, takes 2.8 GB.
 static const size_t OPENING_BASE = (size_t)768 << 20, OPENING_COVERED = (size_t)1 << 20;
-enum { OPENING_PER_BYTE = 2048, LEAST_MEGABYTES = 16, MOST_MEGABYTES = 1000000 };
+enum { OPENING_PER_BYTE = 2048 };
 // Of the machine's memory, for what is done with the building.
 static const double SHARE = 0.75;
-
-// One command a process.
-static size_t given;  // by --memory; 0: not
-static bool gentle;   // there is a building to go back to
 
 // The least of what the machine has and what this process may have of it (cgroups 2 and 1).
 static size_t machine_memory(void) {
@@ -33,17 +27,8 @@ static size_t machine_memory(void) {
     return least;
 }
 
-static size_t working_limit(void) { return given > 0 ? given : (size_t)(SHARE * (double)machine_memory()); }
-
-void app_count_libraries(void) { json_set_alloc_funcs(memory_new, memory_free); }
-
-int app_take_memory(const char *command, const char *text) {
-    int megabytes;
-    if (!app_parse_int(text, LEAST_MEGABYTES, MOST_MEGABYTES, &megabytes))
-        return app_misuse(command, "%s: --memory is `%s` (allowed %d to %d)", command, text, LEAST_MEGABYTES,
-                          MOST_MEGABYTES);
-    given = (size_t)megabytes * MEGABYTE;
-    return APP_GOOD;
+static size_t working_limit(size_t given) {
+    return given > 0 ? given : (size_t)(SHARE * (double)machine_memory());
 }
 
 static void set_budget(const char *file, const MemoryBudget *limits, const char *stage) {
@@ -54,8 +39,8 @@ static void set_budget(const char *file, const MemoryBudget *limits, const char 
     memory_set_stage(stage);
 }
 
-void app_open_budget(const char *file) {
-    size_t most = working_limit();
+void budget_open(const char *file, size_t given, bool gentle) {
+    size_t most = working_limit(given);
     MemoryBudget budget = {.base = given, .most = most, .granted = given, .gentle = gentle, .fence = !gentle};
     if (given == 0) {
         budget.base = memory_used() + OPENING_BASE;
@@ -67,9 +52,7 @@ void app_open_budget(const char *file) {
     set_budget(file, &budget, "reading");
 }
 
-void app_work_budget(const char *file, const char *work) {
-    size_t most = working_limit();
+void budget_work(const char *file, size_t given, const char *work) {
+    size_t most = working_limit(given);
     set_budget(file, &(MemoryBudget){.base = most, .most = most}, work);
 }
-
-void app_memory_gently(void) { gentle = true; }

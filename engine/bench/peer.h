@@ -1,7 +1,7 @@
 // peer.h - an external visibility compiler on the same portal file, to compare with: any program that reads NAME.prt
 // beside NAME.bsp (Quake, version 29) and writes visibility into the latter, called `PROGRAM -threads N NAME.bsp`.
-#ifndef APP_PEER_H
-#define APP_PEER_H
+#ifndef BENCH_PEER_H
+#define BENCH_PEER_H
 
 #include "engine/core/file.h"
 

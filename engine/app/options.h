@@ -1,0 +1,101 @@
+// options.h - the options of a command as one table: parsing, messages and help come from it; the shell's completion and the manual
+// page come from the help.
+#ifndef APP_OPTIONS_H
+#define APP_OPTIONS_H
+
+#include "engine/core/arena.h"
+#include "engine/core/error.h"
+
+// Exit codes.
+enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2 };
+
+// The type of an option's value, and of the field of the command's arguments that takes it.
+typedef enum OptionType {
+    OPTION_FLAG,       // bool; there is no value
+    OPTION_TEXT,       // const char *
+    OPTION_INT,        // int, low to high
+    OPTION_SEED,       // uint64_t, low to high
+    OPTION_NUMBER,     // double, low to high
+    OPTION_DEGREES,    // double, radians; low to high degrees
+    OPTION_MEGABYTES,  // size_t, bytes; low to high megabytes
+    OPTION_SIZE,       // int[2], pixels: WxH, low to high each
+    OPTION_POINT,      // Vec3, metres: X,Y,Z
+    OPTION_SKY,        // double[3], W/m^2/sr: L or R,G,B, low to high each
+    OPTION_NAME,       // int: the index of one of `names`
+    OPTION_OTHER,      // as `take` does
+    OPTION_HEADING,    // no option: a line of the help
+} OptionType;
+
+// One option: a row of the table.
+typedef struct Option {
+    // Without the dashes; of one letter for -o.
+    const char *name;
+    // The value as the help calls it; NULL: there is none.
+    const char *value;
+    // One sentence without a full stop. `@` stands for the values allowed, which the row knows.
+    const char *help;
+    OptionType type;
+    // Where the value goes: an offset in the command's arguments.
+    size_t at;
+    double low, high;
+    // [name_count] of OPTION_NAME
+    const char *const *names;
+    int name_count;
+    // Of OPTION_OTHER: returns the exit code. The values allowed go to `error`, which stays empty where the function itself has told
+    // the fault.
+    int (*take)(const char *value, void *arguments, Error *error);
+} Option;
+
+typedef struct OptionTable {
+    const char *command;
+    // The words after `enfilade COMMAND`, a line each.
+    const char *usage;
+    // Paragraphs, with an empty line between them; NULL: none.
+    const char *about;
+    const Option *rows;
+    int count;
+} OptionTable;
+
+#define OPTION_TABLE(command, usage, about, rows)                                                            \
+    { (command), (usage), (about), (rows), (int)(sizeof(rows) / sizeof *(rows)) }
+
+// Reads the options into `arguments`, [count] `given` says which were there (NULL: nobody asks), and moves all other words of the
+// command line to its end, of which *first is the index of the first. Returns the exit code: after APP_BAD_USE and APP_BAD_INPUT a
+// sentence was printed. With --help it sets *help and reads no further.
+int options_parse(const OptionTable *table, int argc, char **argv, void *arguments, bool *given, int *first,
+                  bool *help);
+// For commands with one building file: that file into *file, or wrong use.
+int options_parse_file(const OptionTable *table, int argc, char **argv, void *arguments, bool *given,
+                       const char **file, bool *help);
+// Was the option of this name there?
+bool options_given(const OptionTable *table, const bool *given, const char *name);
+void options_print_help(const OptionTable *table);
+// The rows alone, indented by so many columns; and paragraphs, from column `at` on and filled to the width of the help.
+void options_print_rows(const Option *rows, int count, int indent);
+void options_print_paragraph(const char *text, int at, int indent);
+
+// `enfilade: SENTENCE` on standard error; returns the exit code given.
+int app_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Wrong use: the sentence, which begins with the command, and how to get help.
+int app_misuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Rows that many commands have; `field` is a member of the command's arguments.
+#define OPTION_MAP(field)                                                                                    \
+    {                                                                                                        \
+        .name = "map", .value = "NAME", .type = OPTION_TEXT, .at = (field),                                  \
+        .help = "one map of a file that holds several (default: the first)"                                  \
+    }
+#define OPTION_MEMORY(field, text)                                                                           \
+    {                                                                                                        \
+        .name = "memory", .value = "MB", .type = OPTION_MEGABYTES, .at = (field), .low = 16,                 \
+        .high = 1000000, .help = "memory that may be used, @ (default: " text ")"                            \
+    }
+#define OPTION_JSON(field)                                                                                   \
+    { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }
+#define OPTION_THREADS(field)                                                                                \
+    {                                                                                                        \
+        .name = "threads", .value = "N", .type = OPTION_INT, .at = (field), .low = 1, .high = 256,           \
+        .help = "@ (default: all cores)"                                                                     \
+    }
+
+#endif

@@ -1,0 +1,91 @@
+// bake_mesh.c - doors, stand-ins, elements: from a scene to the mesh that is baked.
+#include "engine/scene/bake_mesh.h"
+
+#include <string.h>
+
+// An element for every grain of sand: such options are surely a mistake.
+static const double MOST_ELEMENTS = 30e6;
+
+const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};
+
+BakeOptions bake_default_options(void) {
+    BakeOptions o = {
+        .mesh = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
+    o.mesh.element = 0;
+    o.rad.residual = 0;
+    o.rad.form_factor.resolution = 0;
+    return o;
+}
+
+float *bake_doors(const Building *b, int state, Arena *arena) {
+    float *doors = ARENA_ARRAY(arena, float, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) {
+        const Opening *o = &b->openings[i];
+        bool leaf = o->kind == OPENING_DOOR;
+        doors[i] = !leaf || state == BAKE_DOORS_OPEN ? 1 : state == BAKE_DOORS_CLOSED ? 0 : (float)o->open;
+    }
+    return doors;
+}
+
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
+    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
+    if (graph->vertex_count > 0)
+        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
+    vis_pose(graph, doors, vertices);
+    return vertices;
+}
+
+static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
+    double area = 0;
+    for (int i = 0; i < graph->polygon_count; i++) {
+        const Polygon *p = &graph->polygons[i];
+        area += polygon_area(graph->vertices + p->first_vertex, p->vertex_count);
+    }
+    if (area / side / side + graph->polygon_count <= MOST_ELEMENTS) return true;
+    return error_set(error,
+                     "%s: %.0f m^2 in elements of %g m are about %.2g elements (at most %g): give --element",
+                     file, area, side, area / side / side, MOST_ELEMENTS);
+}
+
+// What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
+static bool find_mesh(const BakeOptions *bake, const AdaptScene *lit, MeshOptions *options,
+                      const char *resumed, const Progress *progress, Arena *arena, Mesh *out, Error *error) {
+    if (resumed) {
+        const Building *building = lit->graph->building;
+        float *doors = ARENA_ARRAY(arena, float, building->opening_count + 1);
+        MeshOptions stored;
+        if (!rad_load_options(resumed, building, arena, &stored, doors, error)) return false;
+        options->splits = stored.splits;
+    } else if (bake->adapt.share > 0) {
+        AdaptOptions adapt = bake->adapt;
+        memcpy(adapt.sky, bake->sky, sizeof adapt.sky);
+        return adapt_mesh(lit, options, &adapt, &bake->rad, progress, arena, out, error);
+    }
+    return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
+}
+
+// Before stand-ins and meshes are made, which takes long in furnished homes; many have no lamps.
+static bool check_light(const BakeOptions *bake, const LoadedScene *scene, Error *error) {
+    if (bake->sky[0] + bake->sky[1] + bake->sky[2] > 0 || scene_emits(scene)) return true;
+    return error_set(error,
+                     "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
+                     "(--sky L brings daylight)",
+                     scene->building.source, scene->building.material_count);
+}
+
+bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *resumed,
+               const Progress *progress, Arena *arena, float **doors, Mesh *out, Error *error) {
+    const CellGraph *graph = &scene->graph;
+    MeshOptions options = bake->mesh;
+    if (!scene_has_walls(scene, error) || !check_light(bake, scene, error)) return false;
+    options.threads = bake->rad.threads;
+    if (options.element == 0) options.element = mesh_fitting_element(graph);
+    if (!check_size(scene->building.source, options.element, graph, error)) return false;
+    Arena scratch = {0};
+    *doors = bake_doors(&scene->building, bake->doors, arena);
+    AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
+    options.proxies = proxies_find(graph, lit.vertices, options.proxy, arena);
+    bool good = find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
+    arena_free(&scratch);
+    return good;
+}

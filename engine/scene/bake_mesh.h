@@ -1,0 +1,36 @@
+// bake_mesh.h - the mesh that a bake of a scene begins with.
+#ifndef SCENE_BAKE_MESH_H
+#define SCENE_BAKE_MESH_H
+
+#include "engine/scene/scene.h"
+#include "radiosity/shoot/adapt.h"
+
+// The state of all doors while light is baked.
+enum { BAKE_DOORS_DRAWN, BAKE_DOORS_OPEN, BAKE_DOORS_CLOSED, BAKE_DOORS };
+extern const char *const BAKE_DOORS_NAMES[BAKE_DOORS];
+
+// How a scene is baked.
+typedef struct BakeOptions {
+    // Element 0: as fits the building.
+    MeshOptions mesh;
+    AdaptOptions adapt;
+    // Residual and resolution 0: as fit the mesh (rad_fit).
+    RadOptions rad;
+    // One of BAKE_DOORS_...
+    int doors;
+    // Radiance, W/m^2/sr a channel; 0: night.
+    double sky[3];
+} BakeOptions;
+BakeOptions bake_default_options(void);
+
+// The share by which each door is open in one of these states, [opening_count]; and the graph's vertices with the doors there.
+float *bake_doors(const Building *building, int state, Arena *arena);
+Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena);
+
+// The doors, [opening_count], and the mesh that a bake begins with, or goes on with from the .rad file `resumed` (NULL: from
+// nothing). The scene was loaded with lamps. Refuses a scene without light, and too many elements; fails, "stopped", when progress
+// stops it.
+bool bake_mesh(const BakeOptions *options, const LoadedScene *scene, const char *resumed,
+               const Progress *progress, Arena *arena, float **doors, Mesh *out, Error *error);
+
+#endif

@@ -1,0 +1,124 @@
+// light.c - finds and reads a .rad file for a scene, or makes it.
+#include "engine/scene/light.h"
+
+#include <string.h>
+
+#include "engine/core/clock.h"
+#include "engine/scene/bake_mesh.h"
+
+const char *light_place(const Building *building, Arena *arena) {
+    return scene_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));
+}
+
+// The building as it is, lit.
+static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, const float *doors,
+                           Arena *arena) {
+    RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
+    *shown = fine_light(fine, solution, arena);
+    return (WalkLight){&fine->mesh, shown, doors, fine};
+}
+
+bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
+    const CellGraph *graph = &scene->graph;
+    MeshOptions options;
+    Arena scratch = {0};
+    float *doors = ARENA_ARRAY(arena, float, scene->building.opening_count + 1);
+    Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
+    RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
+    bool good = rad_load_options(path, &scene->building, arena, &options, doors, error);
+    if (good) {
+        Vec3 *vertices = bake_vertices(graph, doors, &scratch);
+        options.proxies = proxies_find(graph, vertices, options.proxy, arena);
+        good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
+               rad_load(path, mesh, doors, arena, solution, error);
+    }
+    arena_free(&scratch);
+    if (good) *out = show_fine(fine_mesh_new(mesh, arena), solution, doors, arena);
+    return good;
+}
+
+bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLight **out, Error *error) {
+    WalkLight *found = ARENA_ARRAY(arena, WalkLight, 1);
+    *out = NULL;
+    for (int i = 0; i < scene->light_count; i++) {
+        if (light_load(scene->lights[i], scene, arena, found, error)) {
+            *out = found;
+            return true;
+        }
+        if (given) return false;
+        Error sentence;
+        error_set(&sentence, "passed over: %.900s", error->text);
+        if (scene->warn) scene->warn(sentence.text);
+    }
+    return true;
+}
+
+// ---- baking
+
+// A scene to be baked; `out` is NULL where there is no place to store the light.
+typedef struct SceneBake {
+    const LoadedScene *scene;
+    const char *out;
+} SceneBake;
+
+typedef struct Shower {
+    const LightHooks *hooks;
+    const FineMesh *fine;
+} Shower;
+
+static void show(void *context, const RadSolution *so_far) {
+    const Shower *shower = context;
+    Arena scratch = {0};
+    WalkLight shown = show_fine(shower->fine, so_far, NULL, &scratch);
+    shower->hooks->show(shower->hooks->context, shown.mesh, shown.solution);
+    arena_free(&scratch);
+}
+
+static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    const SceneBake *bake = context;
+    BakeOptions options = bake_default_options();
+    Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
+    RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
+    Shower shower = {hooks, NULL};
+    float *doors;
+    options.rad.threads = hooks->threads;
+    if (!bake_mesh(&options, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
+        !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
+        return false;
+    shower.fine = fine_mesh_new(mesh, arena);
+    rad_fit(mesh, &options.rad);
+    if (hooks->show) {
+        show(&shower, solution);
+        options.rad.show = show;
+        options.rad.show_context = &shower;
+        options.rad.show_every = hooks->show_every;
+    }
+    RadReport report = rad_shoot(mesh, &bake->scene->forest, doors, &options.rad, &hooks->progress, solution);
+    if (report.stopped) return error_set(error, "stopped");
+    *error = (Error){""};
+    if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
+    *out = show_fine(shower.fine, solution, doors, arena);
+    return true;
+}
+
+LightBaker light_baker(LoadedScene *scene, Arena *arena) {
+    Error error;
+    if (!scene_emits(scene) || !scene_has_walls(scene, &error)) return (LightBaker){0};
+    SceneBake *bake = ARENA_ARRAY(arena, SceneBake, 1);
+    *bake = (SceneBake){scene, light_place(&scene->building, arena)};
+    if (!scene_cache_takes(scene, bake->out, LIGHT_ROOM)) bake->out = NULL;
+    return (LightBaker){bake_scene, bake, bake->out != NULL};
+}
+
+// ---- loading a building to walk through
+
+bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
+    WalkLoad *load = context;
+    LoadedScene *scene = ARENA_ARRAY(arena, LoadedScene, 1);
+    if (!scene_load(path, &load->scene, arena, scene, error) || !scene_has_walls(scene, error)) return false;
+    *out = (WalkScene){.scene = scene, .graph = &scene->graph, .forest = &scene->forest};
+    if (!light_find(scene, load->scene.light != NULL, arena, &out->light, error)) return false;
+    if (!out->light && load->bakes) out->baker = light_baker(scene, arena);
+    load->scene.gentle = true;
+    return true;
+}

@@ -1,0 +1,68 @@
+// light.h - the light of a scene for those who show it: found where `enfilade bake` stored it, or baked.
+#ifndef SCENE_LIGHT_H
+#define SCENE_LIGHT_H
+
+#include "engine/scene/scene.h"
+#include "engine/scene/walk_light.h"
+
+// Where `enfilade bake` leaves the light of a building; NULL: there is no cache.
+const char *light_place(const Building *building, Arena *arena);
+// Room that a cache must have before light is made, bytes: less than most buildings' light takes.
+enum { LIGHT_ROOM = 1 << 20 };
+
+// The first of the scene's lights that fits its mesh, which is made again as it was baked; NULL: none does. Fails where the light
+// was given (SceneOptions.light) and does not fit; others are passed over with a warning.
+bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLight **out, Error *error);
+// One file. Refuses a file that is damaged or of another building.
+bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error);
+
+// Instructions to a bake, and its news.
+typedef struct LightHooks {
+    // Asks to stop.
+    Progress progress;
+    // A state of the light worth showing; the first time as soon as there is a mesh, which stays the same. NULL: none is shown.
+    void (*show)(void *context, const Mesh *mesh, const RadSolution *so_far);
+    void *context;
+    // At most so often, seconds.
+    double show_every;
+    // 0: all cores.
+    int threads;
+} LightHooks;
+
+// A party that knows how to bake the building shown, and where to store the light, which lives in the arena. A fault that is no
+// reason to show no light, such as a full disk, is told in `error`, which is empty otherwise.
+typedef struct LightBaker {
+    bool (*bake)(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error);
+    void *context;
+    // The next walk finds the light.
+    bool keeps;
+} LightBaker;
+
+// The baker that bakes as `enfilade bake FILE` does by itself, and stores the light where that stores it. Its `bake` is NULL where
+// nothing emits light, or there is nothing that light could fall on. The scene was loaded with all lamps.
+LightBaker light_baker(LoadedScene *scene, Arena *arena);
+
+// ---- loading a building to walk through
+
+// A building to walk through. All parts live as long as the arena they were loaded into.
+typedef struct WalkScene {
+    const LoadedScene *scene;
+    const CellGraph *graph;
+    const StabForest *forest;
+    // Baked, or NULL.
+    const WalkLight *light;
+    // Bakes light in the background, where its `bake` is not NULL and there is no light.
+    LightBaker baker;
+} WalkScene;
+
+// How a building is loaded to walk through: stab trees, light, or a baker for it.
+typedef struct WalkLoad {
+    SceneOptions scene;
+    // Light is baked where there is none.
+    bool bakes;
+} WalkLoad;
+
+// `context` is a WalkLoad. After the first building its memory is asked for gently, for there is one to go on with.
+bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
+
+#endif

@@ -1,0 +1,93 @@
+// scene.h - a building loaded from its file, ready to be looked at, walked in and lit: read, with faces for its lamps, prepared for
+// visibility with the user's cache, within a budget of memory.
+#ifndef SCENE_SCENE_H
+#define SCENE_SCENE_H
+
+#include "visibility/vis.h"
+
+// Which lights get faces that emit (lamp_faces.h).
+typedef enum SceneLamps {
+    SCENE_LAMPS_NONE,
+    SCENE_LAMPS_ALL,
+    // All where the building has stored light, else none.
+    SCENE_LAMPS_IF_LIT,
+} SceneLamps;
+
+// How a building is loaded. Strings and arrays last as long as the scene.
+typedef struct SceneOptions {
+    VisOptions vis;
+    // Make the stab trees anew even where the cache has them.
+    bool fresh;
+    // Store the stab trees in the cache.
+    bool keep;
+    SceneLamps lamps;
+    // One of a file that holds several maps; NULL: the first.
+    const char *map;
+    // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
+    bool find_light;
+    const char *light;
+    // The use of the building, where it may take too much memory: "baking"; NULL: "working on it".
+    const char *work;
+    // Memory that may be used, bytes; 0: as much as fits the file to open it, then three quarters of the machine's.
+    size_t memory;
+    // A building that takes too much memory is given up with a sentence as long as that is possible, since the caller has another
+    // to go on with.
+    bool gentle;
+    // [written_count] files that the caller will write: a building that refers to one of them is refused. NULLs are passed over.
+    const char *const *written;
+    int written_count;
+    // The search for visible sets; where it asks to stop, the sets are too large, never too small.
+    Progress progress;
+    // Takes sentences on faults that do not end the loading, such as a damaged cache; NULL: nobody is told.
+    void (*warn)(const char *sentence);
+} SceneOptions;
+SceneOptions scene_default_options(void);
+
+// Light files that a building may have, the likeliest first: beside it, and in the cache.
+enum { SCENE_LIGHTS = 2 };
+
+typedef struct LoadedScene {
+    Building building;
+    CellGraph graph;
+    StabForest forest;
+    double read_seconds, cells_seconds, trees_seconds;
+    // Objects added for lights.
+    int lamp_faces;
+    // The trees came from the cache; the cache has them; their search was stopped early.
+    bool cached, kept, stopped;
+    // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.
+    long long undecided;
+    // Files of light whose head fits the building, where it was looked for.
+    const char *lights[SCENE_LIGHTS];
+    int light_count;
+    // The cache cannot be written, and `warn` was told.
+    bool no_cache;
+    void (*warn)(const char *sentence);
+} LoadedScene;
+
+// Reads the building, makes cells, and stab trees or finds them in the cache. A cache that cannot be used is passed over with a
+// warning.
+bool scene_load(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out, Error *error);
+// The same without stab trees.
+bool scene_load_cells(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
+                      Error *error);
+
+// False, and a sentence, for a file of cells and portals alone, in which there is nothing to draw or to walk on.
+bool scene_has_walls(const LoadedScene *scene, Error *error);
+// Has the building any material that emits light?
+bool scene_emits(const LoadedScene *scene);
+
+// Are the files that are written none of those that are read? NULLs are passed over.
+bool scene_spares(const char *const *written, int write_count, const char *const *read, int read_count,
+                  Error *error);
+
+// ---- the cache
+
+// A file in the user's cache, or NULL: there is no cache.
+char *scene_cache_path(Arena *arena, const char *name);
+// Can the file be written there, of `size` bytes and more? Makes the cache's folder.
+bool scene_cache_check(const char *path, size_t size, Error *error);
+// The same for those who do without a cache: the scene's `warn` is told once.
+bool scene_cache_takes(LoadedScene *scene, const char *path, size_t size);
+
+#endif

@@ -1,0 +1,61 @@
+// prepare.c - from a building to cells and stab trees: which cells see each other by the finest method, then the trees within that.
+#include "visibility/prepare/prepare.h"
+
+#include <unistd.h>
+
+#include "engine/core/file.h"
+#include "engine/core/memory.h"
+#include "visibility/pairs/pairs.h"
+
+VisPrepareOptions vis_prepare_default_options(void) {
+    return (VisPrepareOptions){.vis = vis_default_options()};
+}
+
+// Stopped on the way, trees are roots alone, and visible sets hold all pairs that were not excluded.
+static void make_forest(const VisPrepareOptions *options, const Progress *progress, Arena *arena,
+                        VisPrepared *out) {
+    Arena scratch = {0};
+    PairOptions pairs = {.threads = options->vis.threads};
+    PairSet set = {0};
+    VisOptions vis = options->vis;
+    if (out->graph.cell_count <= VIS_MANY_CELLS) {
+        memory_set_stage("finding which cells see each other");
+        pair_method_finest()->find(&out->graph, &pairs, progress, &scratch, &set);
+        vis.known = set.seen;
+    }
+    memory_set_stage("making stab trees");
+    out->stopped = set.stopped || !vis_build_forest(&out->graph, &vis, progress, arena, &out->forest);
+    if (out->stopped) {
+        vis.max_nodes = 1;
+        vis_build_forest(&out->graph, &vis, NULL, arena, &out->forest);
+    }
+    out->undecided = set.seen ? pair_count(set.seen, set.cell_count, set.words) -
+                                    pair_count(set.proven, set.cell_count, set.words)
+                              : cell_rows_count(&out->forest.seen) - out->graph.cell_count;
+    arena_free(&scratch);
+}
+
+// Whether the file can be written is asked before hours of work rather than after them.
+static void read_or_make_forest(const VisPrepareOptions *options, const Progress *progress, Arena *arena,
+                                VisPrepared *out) {
+    const char *file = options->file;
+    if (file && !options->fresh && access(file, R_OK) == 0) {
+        out->read = out->kept = vis_load(file, &out->graph, arena, &out->forest, &out->not_read);
+        if (out->read) return;
+    }
+    bool write = file && !options->read_only && file_check(file, 0, &out->not_kept);
+    make_forest(options, progress, arena, out);
+    if (write && !out->stopped) out->kept = vis_save(file, &out->graph, &out->forest, &out->not_kept);
+}
+
+bool vis_prepare(const Building *building, const VisPrepareOptions *options, const Progress *progress,
+                 Arena *arena, VisPrepared *out, Error *error) {
+    *out = (VisPrepared){0};
+    memory_set_stage("making cells");
+    if (!vis_build_cells(building, &options->vis, arena, &out->graph, error) || !memory_within(error))
+        return false;
+    memory_lower_fence();
+    progress_report(progress, "cells", 1);
+    read_or_make_forest(options, progress, arena, out);
+    return true;
+}

@@ -1,17 +1,49 @@
 // export_glb.c - the document and its container (Khronos, glTF 2.0 Specification, 2021, 3.4 and 4.4; KHR_materials_unlit).
 #include "engine/app/export_glb.h"
 
+#include <jansson.h>
+#include <stdlib.h>
+
 #include "engine/app/app.h"
-#include "engine/app/export_parts.h"
+#include "engine/app/export_tree.h"
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
+#include "engine/core/polygon.h"
+#include "radiosity/show/reconstruct.h"
+
+// How a polygon is drawn: walls from their front alone, things from both sides, glass as it lets light through.
+typedef enum ExportLook { EXPORT_WALL, EXPORT_THING, EXPORT_GLASS, EXPORT_LOOKS } ExportLook;
+
+typedef struct Export {
+    const Mesh *mesh;
+    const CellGraph *graph;
+    const float *door_open;
+    Nodes nodes;
+    VertexLight light;
+    double exposure;  // m^2/W
+    Vec3 origin;      // of positions, building space
+    Arena arena;
+    json_t *materials, *meshes, *accessors;
+    int *material;  // [material_count * EXPORT_LOOKS] in `materials`, -1: not yet there
+    // The binary part, each with its own view.
+    float (*position)[3];
+    uint16_t (*colour)[4];
+    uint32_t *index;
+    int position_count, position_capacity, colour_count, colour_capacity, index_count, index_capacity;
+    // Of the primitive at hand: the vertex a node of light became.
+    int *vertex, *stamp, now;  // [nodes.count]
+} Export;
+
+// Views of the binary part.
+enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_INDICES, EXPORT_VIEWS };
 
 // What a place of middling brightness becomes in linear light: as in a walk, behind its curve.
 static const double MIDDLE = 0.52;
 // A container counts its bytes in 32 bits.
 static const size_t LARGEST = (size_t)UINT32_MAX - 64;
 
-json_t *export_text(const char *text) {
+// A text as JSON; bytes that are no UTF-8 become question marks.
+static json_t *export_text(const char *text) {
     json_t *json = json_string(text ? text : "");
     if (json) return json;
     Arena scratch = {0};
@@ -27,7 +59,7 @@ static bool emits(const Material *m) { return m->emission.r + m->emission.g + m-
 static json_t *rgb(Rgb c) { return json_pack("[f f f]", (double)c.r, (double)c.g, (double)c.b); }
 
 // Light is in the vertices: unlit, white. What the surface is made of is told apart.
-int export_material(Export *e, int index, ExportLook look) {
+static int export_material(Export *e, int index, ExportLook look) {
     int *known = &e->material[index * EXPORT_LOOKS + (int)look];
     if (*known >= 0) return *known;
     const Material *m = &e->graph->building->materials[index];
@@ -43,6 +75,266 @@ int export_material(Export *e, int index, ExportLook look) {
     json_array_append_new(e->materials, json);
     return *known = (int)json_array_size(e->materials) - 1;
 }
+
+// ---- meshes: a primitive a material and look
+
+enum { FULL = 65535 };  // of a normalized unsigned short
+
+static int look_of(const Export *e, int object, int polygon) {
+    if (vis_is_glass(e->graph, polygon)) return EXPORT_GLASS;
+    return e->graph->objects[object].kind == OBJECT_SURFACE ? EXPORT_WALL : EXPORT_THING;
+}
+
+// Does the polygon have anything to draw?
+static bool export_shows(const Export *e, int object, int polygon) {
+    return e->mesh->face_of[polygon] >= 0 ||
+           (vis_is_glass(e->graph, polygon) && vis_shown(&e->graph->objects[object], e->door_open));
+}
+
+// ---- the polygons of a node, by material
+
+typedef struct Shown {
+    int polygon, key, order;
+} Shown;
+
+typedef struct ShownList {
+    Shown *shown;
+    int count, capacity;
+    Arena arena;
+} ShownList;
+
+static int by_key(const void *a, const void *b) {
+    const Shown *x = a, *y = b;
+    return x->key != y->key ? (x->key < y->key ? -1 : 1) : (x->order > y->order) - (x->order < y->order);
+}
+
+static void list_shown(const Export *e, const ExportTree *tree, const ExportNode *node, ShownList *list) {
+    for (int o = node->first_object; o >= 0; o = tree->next[o]) {
+        const Object *object = &e->graph->objects[o];
+        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
+            if (!export_shows(e, o, p)) continue;
+            int key = e->graph->polygons[p].material * EXPORT_LOOKS + look_of(e, o, p), order = list->count;
+            *ARENA_PUSH(&list->arena, list->shown, list->count, list->capacity) = (Shown){p, key, order};
+        }
+    }
+    qsort(list->shown, (size_t)list->count, sizeof *list->shown, by_key);
+}
+
+// ---- vertices
+
+// Where a leaf stood when its light was found is undone: its node puts it there again.
+static Vec3 to_node(const Export *e, const ExportNode *node, Vec3 p) {
+    if (node->leaf < 0) return vec3_sub(p, e->origin);
+    const Leaf *leaf = &e->graph->building->leaves[node->leaf];
+    double open = e->door_open ? (double)e->door_open[leaf->opening] : 1, angle = -open * leaf->turn;
+    p = vec3(p.x - leaf->pivot.x - open * leaf->slide.x, p.y - leaf->pivot.y - open * leaf->slide.y,
+             p.z - open * leaf->rise);
+    return vec3(cos(angle) * p.x - sin(angle) * p.y, sin(angle) * p.x + cos(angle) * p.y, p.z - e->origin.z);
+}
+
+static void add_position(Export *e, Vec3 p) {
+    float *at = *ARENA_PUSH(&e->arena, e->position, e->position_count, e->position_capacity);
+    at[0] = (float)p.x;
+    at[1] = (float)p.y;
+    at[2] = (float)p.z;
+}
+
+static void add_colour(Export *e, const double b[3]) {
+    uint16_t *at = *ARENA_PUSH(&e->arena, e->colour, e->colour_count, e->colour_capacity);
+    for (int c = 0; c < 3; c++) at[c] = (uint16_t)lrint(FULL * fmin(b[c] * e->exposure, 1));
+    at[3] = FULL;
+}
+
+// The triangles of corners that became these vertices.
+static void add_triangles(Export *e, const Vec3 *v, const int *vertex, int count) {
+    Arena scratch = {0};
+    int *triangle = ARENA_ARRAY(&scratch, int, 3 * count);
+    polygon_triangulate(v, count, triangle);
+    for (int k = 0; k < 3 * (count - 2); k++)
+        *ARENA_PUSH(&e->arena, e->index, e->index_count, e->index_capacity) = (uint32_t)vertex[triangle[k]];
+    arena_free(&scratch);
+}
+
+static void add_element(Export *e, const ExportNode *node, const Element *element, int first_vertex) {
+    Arena scratch = {0};
+    Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
+    int *vertex = ARENA_ARRAY(&scratch, int, element->corner_count);
+    for (int i = 0; i < element->corner_count; i++) {
+        int corner = element->first_corner + i, at = e->nodes.of_corner[corner];
+        v[i] = e->mesh->vertices[e->mesh->corners[corner]];
+        if (e->stamp[at] != e->now) {
+            e->stamp[at] = e->now;
+            e->vertex[at] = e->position_count - first_vertex;
+            add_position(e, to_node(e, node, v[i]));
+            add_colour(e, e->light.corner[corner]);
+        }
+        vertex[i] = e->vertex[at];
+    }
+    add_triangles(e, v, vertex, element->corner_count);
+    arena_free(&scratch);
+}
+
+static void add_face(Export *e, const ExportNode *node, int polygon, int first_vertex) {
+    const Face *face = &e->mesh->faces[e->mesh->face_of[polygon]];
+    for (int i = 0; i < face->element_count; i++)
+        add_element(e, node, &e->mesh->elements[face->first_element + i], first_vertex);
+}
+
+// Glass has no light of its own. Of leaves it is as when closed, which is how nodes of leaves have it.
+static void add_pane(Export *e, const ExportNode *node, int polygon, int first_vertex) {
+    const Polygon *p = &e->graph->polygons[polygon];
+    const Vec3 *v = e->graph->vertices + p->first_vertex;
+    Arena scratch = {0};
+    int *vertex = ARENA_ARRAY(&scratch, int, p->vertex_count);
+    const double bright[3] = {1 / e->exposure, 1 / e->exposure, 1 / e->exposure};
+    Vec3 from = e->origin;
+    if (node->leaf >= 0) {
+        const Leaf *leaf = &e->graph->building->leaves[node->leaf];
+        from = vec3(leaf->pivot.x, leaf->pivot.y, e->origin.z);
+    }
+    for (int i = 0; i < p->vertex_count; i++) {
+        vertex[i] = e->position_count - first_vertex;
+        add_position(e, vec3_sub(v[i], from));
+        add_colour(e, bright);
+    }
+    add_triangles(e, v, vertex, p->vertex_count);
+    arena_free(&scratch);
+}
+
+// ---- accessors
+
+enum { UNSIGNED_SHORT = 5123, UNSIGNED_INT = 5125, FLOAT = 5126 };
+
+static int add_accessor(Export *e, json_t *accessor) {
+    json_array_append_new(e->accessors, accessor);
+    return (int)json_array_size(e->accessors) - 1;
+}
+
+static int add_positions(Export *e, int first) {
+    float low[3], high[3];
+    memcpy(low, e->position[first], sizeof low);
+    memcpy(high, low, sizeof high);
+    for (int i = first; i < e->position_count; i++) {
+        for (int c = 0; c < 3; c++) {
+            low[c] = fminf(low[c], e->position[i][c]);
+            high[c] = fmaxf(high[c], e->position[i][c]);
+        }
+    }
+    return add_accessor(e,
+                        json_pack("{s:i s:I s:i s:i s:s s:[f f f] s:[f f f]}", "bufferView", EXPORT_POSITIONS,
+                                  "byteOffset", (json_int_t)first * (json_int_t)sizeof *e->position,
+                                  "componentType", FLOAT, "count", e->position_count - first, "type", "VEC3",
+                                  "min", (double)low[0], (double)low[1], (double)low[2], "max",
+                                  (double)high[0], (double)high[1], (double)high[2]));
+}
+
+// Polygons of one key.
+static json_t *add_primitive(Export *e, const ExportNode *node, const Shown *shown, int count) {
+    int vertex = e->position_count, index = e->index_count;
+    e->now++;
+    for (int i = 0; i < count; i++) {
+        if (e->mesh->face_of[shown[i].polygon] >= 0)
+            add_face(e, node, shown[i].polygon, vertex);
+        else
+            add_pane(e, node, shown[i].polygon, vertex);
+    }
+    int positions = add_positions(e, vertex);
+    int colours = add_accessor(e, json_pack("{s:i s:I s:i s:b s:i s:s}", "bufferView", EXPORT_COLOURS,
+                                            "byteOffset", (json_int_t)vertex * (json_int_t)sizeof *e->colour,
+                                            "componentType", UNSIGNED_SHORT, "normalized", 1, "count",
+                                            e->colour_count - vertex, "type", "VEC4"));
+    int indices =
+        add_accessor(e, json_pack("{s:i s:I s:i s:i s:s}", "bufferView", EXPORT_INDICES, "byteOffset",
+                                  (json_int_t)index * (json_int_t)sizeof *e->index, "componentType",
+                                  UNSIGNED_INT, "count", e->index_count - index, "type", "SCALAR"));
+    int material = export_material(e, shown->key / EXPORT_LOOKS, (ExportLook)(shown->key % EXPORT_LOOKS));
+    return json_pack("{s:{s:i s:i} s:i s:i}", "attributes", "POSITION", positions, "COLOR_0", colours,
+                     "indices", indices, "material", material);
+}
+
+// The mesh of a node\'s objects, as index in the document.
+static int export_mesh(Export *e, const ExportTree *tree, const ExportNode *node) {
+    ShownList list = {0};
+    list_shown(e, tree, node, &list);
+    json_t *primitives = json_array();
+    for (int i = 0, end; i < list.count; i = end) {
+        for (end = i; end < list.count && list.shown[end].key == list.shown[i].key;) end++;
+        json_array_append_new(primitives, add_primitive(e, node, list.shown + i, end - i));
+    }
+    arena_free(&list.arena);
+    json_array_append_new(e->meshes,
+                          json_pack("{s:o s:o}", "name", export_text(node->name), "primitives", primitives));
+    return (int)json_array_size(e->meshes) - 1;
+}
+
+// ---- nodes: z up, as buildings are; the root turns it to y up
+
+static const double ASPECT = 16.0 / 9;  // of cameras: Viewpoint.fov is across
+static const double NEAREST = 0.05;     // metres from a camera to what is drawn
+static const double TURN = 0.70710678118654752;
+
+static json_t *vector(double x, double y, double z) { return json_pack("[f f f]", x, y, z); }
+
+// At share t of its way: turned about its pivot, slid, raised.
+static void pose_leaf(const Export *e, const Leaf *leaf, json_t *node) {
+    double open = e->door_open ? (double)e->door_open[leaf->opening] : 1, half = open * leaf->turn / 2;
+    json_object_set_new(node, "translation",
+                        vector(leaf->pivot.x + open * leaf->slide.x - e->origin.x,
+                               leaf->pivot.y + open * leaf->slide.y - e->origin.y, open * leaf->rise));
+    if (half != 0)
+        json_object_set_new(node, "rotation", json_pack("[f f f f]", 0.0, 0.0, sin(half), cos(half)));
+    json_object_set_new(node, "extras",
+                        json_pack("{s:f s:f s:[f f] s:f}", "open", open, "turn", leaf->turn, "slide",
+                                  leaf->slide.x, leaf->slide.y, "rise", leaf->rise));
+}
+
+// The turn that takes a camera's axes (looks along -z, y up) to yaw and pitch: about x by a right angle and the pitch, then
+// about z.
+static json_t *camera_turn(double yaw, double pitch) {
+    double a = (M_PI / 2 + pitch) / 2, b = (yaw - M_PI / 2) / 2;
+    return json_pack("[f f f f]", sin(a) * cos(b), sin(a) * sin(b), cos(a) * sin(b), cos(a) * cos(b));
+}
+
+static void append_child(json_t *parent, int child) {
+    json_t *children = json_object_get(parent, "children");
+    if (!children) json_object_set_new(parent, "children", children = json_array());
+    json_array_append_new(children, json_integer(child));
+}
+
+static void add_camera(const Export *e, const Viewpoint *v, json_t *nodes, json_t *cameras) {
+    double far = vec3_length(vec3_sub(e->graph->box.max, e->graph->box.min));
+    double up = 2 * atan(tan(v->fov / 2) / ASPECT);
+    json_array_append_new(cameras, json_pack("{s:o s:s s:{s:f s:f s:f s:f}}", "name", export_text(v->name),
+                                             "type", "perspective", "perspective", "aspectRatio", ASPECT,
+                                             "yfov", up, "znear", NEAREST, "zfar", far));
+    Vec3 at = vec3_sub(v->eye, e->origin);
+    append_child(json_array_get(nodes, 0), (int)json_array_size(nodes));
+    json_array_append_new(nodes,
+                          json_pack("{s:o s:i s:o s:o}", "name", export_text(v->name), "camera",
+                                    (int)json_array_size(cameras) - 1, "translation",
+                                    vector(at.x, at.y, at.z), "rotation", camera_turn(v->yaw, v->pitch)));
+}
+
+// Nodes and cameras; returns the node of the scene.
+static int export_nodes(Export *e, const ExportTree *tree, json_t *nodes, json_t *cameras) {
+    const Building *b = e->graph->building;
+    for (int i = 0; i < tree->count; i++) {
+        const ExportNode *n = &tree->nodes[i];
+        json_t *node = json_pack("{s:o}", "name", export_text(n->name));
+        if (n->first_object >= 0) json_object_set_new(node, "mesh", json_integer(export_mesh(e, tree, n)));
+        if (n->leaf >= 0) pose_leaf(e, &b->leaves[n->leaf], node);
+        if (n->parent >= 0) append_child(json_array_get(nodes, (size_t)n->parent), i);
+        json_array_append_new(nodes, node);
+    }
+    // (x, y, z) with z up becomes (x, z, -y).
+    json_t *root = json_array_get(nodes, 0);
+    json_object_set_new(root, "rotation", json_pack("[f f f f]", -TURN, 0.0, 0.0, TURN));
+    json_object_set_new(root, "translation", vector(e->origin.x, e->origin.z, -e->origin.y));
+    for (int i = 0; i < b->viewpoint_count; i++) add_camera(e, &b->viewpoints[i], nodes, cameras);
+    return 0;
+}
+
+// ---- the document
 
 // The logarithmic mean of what does not emit, each place by the light that leaves it, made MIDDLE (Reinhard, Stark, Shirley &
 // Ferwerda 2002).

@@ -6,6 +6,8 @@
 // doorway is lost by that.
 #include "engine/sim/doors.h"
 
+#include <string.h>
+
 #include "engine/core/error.h"
 #include "engine/sim/door_part.h"
 
@@ -14,6 +16,8 @@ static const double SWING_SECONDS = 0.9;
 // Leaves keep this far from bodies and from other leaves, and no point of them goes farther than that in one step, so
 // that halfway through it they are clear too. Metres.
 static const double CLEAR = 0.01;
+// A door that was moved by less is the same door, metres: more than a file's decimals, less than a door's width.
+static const double SAME_PLACE = 0.01;
 // A ray is in the next cell this far beyond the last, metres: far above rounding, thinner than any wall.
 static const double BEYOND = 1e-6;
 
@@ -51,6 +55,42 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
     }
     d.near_first[b->opening_count] = count;
     return d;
+}
+
+// How far the ends and the sill of an opening are from those of another, metres.
+static double openings_apart(const Opening *a, const Opening *b) {
+    double ends =
+        fmax(vec2_length(vec2_sub(a->line[0], b->line[0])), vec2_length(vec2_sub(a->line[1], b->line[1])));
+    return fmax(ends, fabs(a->sill - b->sill));
+}
+
+// The opening of `of` nearest to `to` and nearer than `reach`, by name where `named`, and not `taken` (NULL: all are free); -1: none.
+static int nearest_opening(const Opening *to, const Building *of, double reach, bool named,
+                           const unsigned char *taken) {
+    int best = -1;
+    for (int k = 0; k < of->opening_count; k++) {
+        const Opening *o = &of->openings[k];
+        if ((taken && taken[k]) || (named && strcmp(o->name, to->name) != 0)) continue;
+        double apart = openings_apart(o, to);
+        if (apart < reach) best = k, reach = apart;
+    }
+    return best;
+}
+
+void doors_keep(Doors *doors, const Doors *earlier) {
+    const Building *now = doors->graph->building, *before = earlier->graph->building;
+    Arena scratch = {0};
+    unsigned char *taken = ARENA_ARRAY(&scratch, unsigned char, before->opening_count + 1);
+    int *at = ARENA_ARRAY(&scratch, int, now->opening_count + 1);
+    for (int i = 0; i < now->opening_count; i++) {
+        at[i] = nearest_opening(&now->openings[i], before, SAME_PLACE, false, NULL);
+        if (at[i] >= 0) taken[at[i]] = 1;
+    }
+    for (int i = 0; i < now->opening_count; i++) {
+        if (at[i] < 0) at[i] = nearest_opening(&now->openings[i], before, INFINITY, true, taken);
+        if (at[i] >= 0) doors_set(doors, i, earlier->open[at[i]]);
+    }
+    arena_free(&scratch);
 }
 
 bool doors_toggle(Doors *doors, int opening) {

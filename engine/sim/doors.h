@@ -25,6 +25,10 @@ bool doors_toggle(Doors *doors, int opening);
 // Puts it there at once, whatever is in the way.
 void doors_set(Doors *doors, int opening, float share);
 
+// Doors of a building that was read again stand as they did: a door is the earlier one at its place, else the nearest of its name
+// that no other door has for its place. Doors that are neither stay as drawn.
+void doors_keep(Doors *doors, const Doors *earlier);
+
 // Moves all doors towards where they are wanted; a lift carries the body that stands on it. `body` may be NULL.
 // Allocates nothing.
 void doors_advance(Doors *doors, double seconds, Body *body);

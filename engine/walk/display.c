@@ -1,18 +1,7 @@
-// display.c - the table of back ends, and the queue that makes their events dependable: presses and releases pair up.
+// display.c - calls of the back end, and the queue that makes their events dependable: presses and releases pair up.
 #include "engine/walk/display.h"
 
-#include <string.h>
-
 #include "engine/walk/display_back_end.h"
-
-const DisplayBackEnd *const DISPLAY_BACK_ENDS[] = {&DISPLAY_GLFW, &DISPLAY_OFFSCREEN, NULL};
-
-const DisplayBackEnd *display_find(const char *name) {
-    for (int i = 0; DISPLAY_BACK_ENDS[i]; i++) {
-        if (strcmp(DISPLAY_BACK_ENDS[i]->name, name) == 0) return DISPLAY_BACK_ENDS[i];
-    }
-    return NULL;
-}
 
 DisplayOptions display_default_options(void) {
     return (DisplayOptions){.title = "Enfilade", .width = 1280, .height = 720, .vsync = true, .scale = 1};

@@ -93,8 +93,6 @@ typedef struct Display Display;
 typedef struct DisplayBackEnd DisplayBackEnd;  // see display_back_end.h
 
 extern const DisplayBackEnd DISPLAY_GLFW, DISPLAY_OFFSCREEN;
-extern const DisplayBackEnd *const DISPLAY_BACK_ENDS[];  // ends with NULL
-const DisplayBackEnd *display_find(const char *name);    // NULL: no such back end
 
 // In the thread where the program began: windows want that. Its OpenGL 3.3 core context is current, with functions
 // loaded, until another is made so. NULL with the reason.

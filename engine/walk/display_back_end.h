@@ -1,6 +1,6 @@
 // display_back_end.h - what a back end of the display provides, and where it puts its events. For back ends only.
 //
-// A back end is one file and one row in DISPLAY_BACK_ENDS.
+// A back end is one file.
 #ifndef WALK_DISPLAY_BACK_END_H
 #define WALK_DISPLAY_BACK_END_H
 

@@ -1,6 +1,5 @@
 // session.c - time, and what is said.
-#include <stdarg.h>
-#include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <glad/gl.h>
@@ -18,15 +17,6 @@ static const double USUAL_FOV = 75 * M_PI / 180;
 SessionOptions session_default_options(void) {
     return (SessionOptions){
         .pictures = ".", .doors = WALK_DOORS_DRAWN, .method = VIS_STAB, .look = WALK_LOOKS};
-}
-
-void session_say(Session *s, bool error, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    vsnprintf(s->message, sizeof s->message, format, args);
-    va_end(args);
-    s->message_is_error = error;
-    s->message_since = s->now;
 }
 
 // By software the fine look takes a tenth of a second.
@@ -85,6 +75,44 @@ void session_free(Session *s) {
     arena_free(&s->frame_arena);
 }
 
+// ---- reading again
+
+void session_reload(Session *s) {
+    Error error;
+    // Begun anew before it is read: what F5 reads is not read once more because it had changed.
+    s->watch = file_watch_begin(s->options.file);
+    Shown *next = shown_load(s, &error);
+    if (!next) {
+        session_say(s, true, "%s", error.text);
+        return;
+    }
+    doors_keep(&next->doors, &s->shown->doors);
+    session_leave(s, s->shown);
+    s->shown = next;
+    if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
+    s->visible = (VisResult){.eye_cell = -1};
+    s->frozen = false;
+    // What was recorded names the doors of the file as it was.
+    s->replay = NULL;
+    if (s->recording) session_record(s);
+    s->person.cell = -1;
+    person_put(&s->person, &next->world, s->person.eye, s->person.yaw, s->person.pitch);
+    session_say(s, false, "%s was read again", s->options.file);
+}
+
+static void watch_file(Session *s) {
+    switch (file_watch_look(&s->watch, s->now)) {
+    case FILE_CHANGED:
+        session_reload(s);
+        break;
+    case FILE_GONE:
+        session_say(s, true, "%s is gone; what was read of it is still shown", s->options.file);
+        break;
+    default:
+        break;
+    }
+}
+
 // ---- time
 
 static double held(const Session *s, Held more, Held less) {
@@ -112,7 +140,7 @@ void session_advance(Session *s, double now) {
     s->now = now;
     s->behind += fmin(fmax(passed, 0), LONGEST_STALL);
     for (; s->behind >= 1.0 / SESSION_TICKS; s->behind -= 1.0 / SESSION_TICKS) tick(s);
-    session_watch(s);
+    watch_file(s);
     session_let_go(s);
     session_trace(s);
 }

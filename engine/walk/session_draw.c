@@ -9,20 +9,6 @@ static const float HIDDEN_COLOUR[4] = {1.0f, 0.35f, 0.2f, 0.5f};
 
 static void smooth(double *figure, double now) { *figure += (*figure == 0 ? 1 : FRESH) * (now - *figure); }
 
-int session_flags(const Session *s, const char **out) {
-    int count = 0;
-    if (s->frozen) out[count++] = "frozen";
-    if (s->method != VIS_STAB) out[count++] = VIS_METHOD_NAMES[s->method];
-    if (s->person.flying) out[count++] = "flight";
-    if (s->wireframe) out[count++] = "wireframe";
-    if (s->stab_tree) out[count++] = "stab tree";
-    if (s->replay) out[count++] = "replay";
-    if (session_light_arriving(s)) out[count++] = "light arriving";
-    if (s->exposure.fixed) out[count++] = "exposure fixed";
-    if (s->false_colour != FALSE_COLOUR_OFF) out[count++] = FALSE_COLOUR_NAMES[s->false_colour];
-    return count;
-}
-
 static void ask(Session *s, const Camera *camera) {
     if (s->frozen && s->visible.objects) return;
     Eye eye = walk_eye(camera);
@@ -130,8 +116,4 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
 
 void session_show(Session *s, unsigned framebuffer, int width, int height) {
     walk_renderer_show(s->shown->renderer, framebuffer, width, height);
-}
-
-bool session_read(Session *s, uint8_t *rgb, Error *error) {
-    return walk_renderer_read(s->shown->renderer, rgb, error);
 }

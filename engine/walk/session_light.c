@@ -93,10 +93,6 @@ double session_light_done(const Session *s) {
     return walk_renderer_lit(s->shown->renderer) ? 1 : 0;
 }
 
-bool session_light_arriving(const Session *s) {
-    return s->shown->baking && light_thread_end(s->shown->baking) == LIGHT_UNDER_WAY;
-}
-
 const char *session_light_text(const Session *s, Arena *arena) {
     const char *arriving = "";
     if (session_light_arriving(s)) arriving = arena_format(arena, "%.0f %%, ", 100 * session_light_done(s));

@@ -55,7 +55,7 @@ bool shown_free(Shown *shown, double seconds) {
     return true;
 }
 
-static void leave(Session *s, Shown *shown) {
+void session_leave(Session *s, Shown *shown) {
     if (shown_free(shown, 0)) return;
     shown->next = s->leaving;
     s->leaving = shown;
@@ -68,52 +68,6 @@ void session_let_go(Session *s) {
             *at = next;
         else
             at = &(*at)->next;
-    }
-}
-
-// ---- reading again
-
-static void keep_doors(Doors *to, const Doors *from, const Building *now, const Building *before) {
-    for (int i = 0; i < now->opening_count; i++) {
-        for (int k = 0; k < before->opening_count; k++) {
-            if (strcmp(now->openings[i].name, before->openings[k].name) == 0) doors_set(to, i, from->open[k]);
-        }
-    }
-}
-
-void session_reload(Session *s) {
-    Error error;
-    // Begun anew before it is read: what F5 reads is not read once more because it had changed.
-    s->watch = file_watch_begin(s->options.file);
-    Shown *next = shown_load(s, &error);
-    if (!next) {
-        session_say(s, true, "%s", error.text);
-        return;
-    }
-    keep_doors(&next->doors, &s->shown->doors, next->scene.graph->building, s->shown->scene.graph->building);
-    leave(s, s->shown);
-    s->shown = next;
-    if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
-    s->visible = (VisResult){.eye_cell = -1};
-    s->frozen = false;
-    // What was recorded names the doors of the file as it was.
-    s->replay = NULL;
-    if (s->recording) session_record(s);
-    s->person.cell = -1;
-    person_put(&s->person, &next->world, s->person.eye, s->person.yaw, s->person.pitch);
-    session_say(s, false, "%s was read again", s->options.file);
-}
-
-void session_watch(Session *s) {
-    switch (file_watch_look(&s->watch, s->now)) {
-    case FILE_CHANGED:
-        session_reload(s);
-        break;
-    case FILE_GONE:
-        session_say(s, true, "%s is gone; what was read of it is still shown", s->options.file);
-        break;
-    default:
-        break;
     }
 }
 
@@ -159,28 +113,6 @@ bool session_jump_to(Session *s, const char *name, Error *error) {
                      b->viewpoint_count);
 }
 
-const char *session_room(const Session *s) {
-    const CellGraph *graph = s->shown->scene.graph;
-    const Building *b = graph->building;
-    if (s->person.cell < 0) return "in no room";
-    const Region *r = vis_region(graph, s->person.cell);
-    if (*r->name) return r->name;
-    switch (r->kind) {
-    case REGION_OUTDOORS:
-        return "outdoors";
-    case REGION_SHAFT:
-        return "stairwell";
-    case REGION_OPENING:
-        return *b->openings[r->opening].name ? b->openings[r->opening].name : "doorway";
-    default:
-        return "room";
-    }
-}
-
-int session_storey(const Session *s) {
-    return plan_view_storey(s->shown->scene.graph, s->person.cell, s->person.eye);
-}
-
 // Over or under where one is; where nothing is free there, in the middle of the storey's first room.
 void session_change_storey(Session *s, int by) {
     const CellGraph *graph = s->shown->scene.graph;
@@ -203,10 +135,4 @@ void session_change_storey(Session *s, int by) {
     }
     session_stand(s, eye, s->person.yaw, s->person.pitch);
     session_say(s, false, "%s", b->storeys[storey].name);
-}
-
-int session_door(const Session *s) {
-    const Person *p = &s->person;
-    Vec3 ahead = vec3(cos(p->pitch) * cos(p->yaw), cos(p->pitch) * sin(p->yaw), sin(p->pitch));
-    return doors_looked_at(&s->shown->doors, p->eye, p->cell, ahead, DOORS_REACH);
 }

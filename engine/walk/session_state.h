@@ -92,9 +92,8 @@ Shown *shown_load(const Session *s, Error *error);
 bool shown_free(Shown *shown, double seconds);
 // Frees what has ended of what was shown before.
 void session_let_go(Session *s);
-// Reads the file again if it changed; the walk goes on where it was. What is wrong is said and the old stays.
-void session_watch(Session *s);
-void session_reload(Session *s);
+// The building shown gives way to another; it is freed when its bake has ended.
+void session_leave(Session *s, Shown *shown);
 // On foot where this eye looks from, in flight where no body comes near enough to it. Ends a replay.
 void session_stand(Session *s, Vec3 eye, double yaw, double pitch);
 // To a stored viewpoint; false if there are fewer.
@@ -102,9 +101,6 @@ bool session_jump(Session *s, int viewpoint);
 bool session_jump_to(Session *s, const char *name, Error *error);
 void session_start(Session *s);
 void session_change_storey(Session *s, int by);
-int session_storey(const Session *s);  // -1: outdoors or nowhere
-const char *session_room(const Session *s);
-int session_door(const Session *s);  // looked at and within reach, or -1
 
 // ---- session_files.c
 void session_take_picture(Session *s);
@@ -122,19 +118,28 @@ void session_trace(Session *s);
 void session_receive_light(Session *s);                 // once a frame, before it
 void session_expose(Session *s, const Camera *camera);  // of what is visible
 bool session_light_shown(const Session *s);             // light by radiosity
-bool session_light_arriving(const Session *s);
-double session_light_done(const Session *s);  // 0 .. 1
+double session_light_done(const Session *s);            // 0 .. 1
 const char *session_light_text(const Session *s, Arena *arena);
 bool session_legend(const Session *s, HudLegend *out);  // false: there is none
 void session_brighten(Session *s, int by);
 void session_fix_exposure(Session *s);
 void session_change_colours(Session *s);
 
-// ---- session_draw.c
+// ---- session_state.c
+void session_say(Session *s, bool error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+const char *session_room(const Session *s);
+// -1: outdoors or nowhere.
+int session_storey(const Session *s);
+// Looked at and within reach, or -1.
+int session_door(const Session *s);
+// A bake in the background has not yet ended.
+bool session_light_arriving(const Session *s);
 enum { SESSION_FLAGS = 10 };
-int session_flags(const Session *s, const char **out);  // words for what is not as usual; returns how many
+// Words for everything that is not as usual; returns how many.
+int session_flags(const Session *s, const char **out);
 
 // ---- session.c
-void session_say(Session *s, bool error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+// Reads the file again; the walk goes on where it was. A fault is said, and the building shown stays.
+void session_reload(Session *s);
 
 #endif

@@ -325,6 +325,36 @@ Test(doors, stand_as_they_are_told) {
     cr_expect_float_eq(most / (double)DRAWS, (0.1 + 1 - sqrt(sqrt(0.9))) / 4, 0.009);
 }
 
+// Proves that doors that share a name, as all do that Sweet Home 3D was not told a name for, stand as they did after the file was read
+// again: by place, whatever their order; one that was moved by name, as the nearest that has no other's place; a new one as drawn.
+Test(doors, are_kept_by_place_then_by_name) {
+    Made before, after;
+    make(&before, "door Door 4.075,0.7 angle 90 width 0.9 height 2\n"
+                  "door Door 4.075,1.8 angle 90 width 0.9 height 2\n"
+                  "door other 4.075,3.2 angle 90 width 0.9 height 2\n");
+    doors_set(&before.doors, 1, 1);
+    doors_set(&before.doors, 2, 0.25f);
+    // The second first, the first moved along the wall, `other` renamed where it stands.
+    make(&after, "door Door 4.075,1.8 angle 90 width 0.9 height 2\n"
+                 "door Door 4.075,0.6 angle 90 width 0.9 height 2\n"
+                 "door Door 4.075,3.2 angle 90 width 0.9 height 2\n");
+    doors_keep(&after.doors, &before.doors);
+    cr_expect_eq(after.doors.open[0], 1.0f);
+    cr_expect_eq(after.doors.open[1], 0.0f);
+    cr_expect_eq(after.doors.open[2], 0.25f);
+    arena_free(&after.arena);
+    // The moved one was the open one; the other keeps its place.
+    make(&after, "door Door 4.075,0.7 angle 90 width 0.9 height 2\n"
+                 "door Door 4.075,2.1 angle 90 width 0.9 height 2\n"
+                 "door fresh 4.075,3.3 angle 90 width 0.9 height 2\n");
+    doors_keep(&after.doors, &before.doors);
+    cr_expect_eq(after.doors.open[0], 0.0f);
+    cr_expect_eq(after.doors.open[1], 1.0f);
+    cr_expect_eq(after.doors.open[2], 0.0f, "a new door stands as drawn");
+    arena_free(&after.arena);
+    arena_free(&before.arena);
+}
+
 // ---- what is looked at
 
 static bool in_leaf(const Building *b, const Leaf *leaf, double open, Vec3 p, double grown) {

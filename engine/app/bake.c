@@ -93,7 +93,7 @@ static bool shine(Bake *bake, Error *error) {
     return error_set(error, "nothing emits light, and none of the sky's comes in");
 }
 
-static bool begin(Bake *bake, Arena *arena, Error *error) {
+static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
                check_sky(bake, error);
@@ -160,7 +160,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     SceneOptions load = a->load;
     if (!app_check_files(written, 2, read, 2, &load, error) ||
         !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
-        !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin(bake, arena, error))
+        !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
         return false;
     Timed timed = {app_progress_stoppable(0), clock_seconds()};
     Progress progress = {report_timed, &timed};
@@ -274,7 +274,7 @@ static void gather_probes(const Bake *bake, Probes *probes) {
     bake_probes_gather(&scene, probes);
 }
 
-static void print_result(Bake *bake) {
+static void print_bake(Bake *bake) {
     BakeArguments a = *bake->a;
     json_t *facts = facts_of(bake);
     gather_probes(bake, &a.probes);
@@ -303,7 +303,7 @@ int bake(BakeArguments *arguments) {
     double start = clock_seconds();
     bool good = compute(&b, &arena, &error);
     b.seconds = clock_seconds() - start;
-    if (good) print_result(&b);
+    if (good) print_bake(&b);
     arena_free(&arena);
     return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
 }

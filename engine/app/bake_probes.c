@@ -14,7 +14,7 @@ static const double SAME_WAY = 0.9997;
 enum { LONGEST_LINE = 512 };
 static const size_t LARGEST_FILE = (size_t)64 << 20;
 
-static bool add(const char *where, const double v[6], Arena *arena, Probes *out, Error *error) {
+static bool add_probe(const char *where, const double v[6], Arena *arena, Probes *out, Error *error) {
     Probe probe = {.place = vec3(v[0], v[1], v[2]), .normal = vec3(v[3], v[4], v[5])};
     double length = vec3_length(probe.normal);
     for (int i = 0; i < 6; i++) {
@@ -51,7 +51,7 @@ bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error)
     const char *rest;
     if (!read_numbers(text, v, &rest) || *rest)
         return error_set(error, "a probe is `%.60s` (expected X,Y,Z,NX,NY,NZ)", text);
-    return add("--probe", v, arena, out, error);
+    return add_probe("--probe", v, arena, out, error);
 }
 
 static bool read_line(const char *where, char *line, Arena *arena, Probes *out, Error *error) {
@@ -69,7 +69,7 @@ static bool read_line(const char *where, char *line, Arena *arena, Probes *out, 
     const char *rest;
     if (!read_numbers(line, v, &rest) || (!named && rest[strspn(rest, " \t\r")] != 0))
         return error_set(error, "%s: is `%.60s` (expected x y z nx ny nz)", where, line);
-    return add(where, v, arena, out, error);
+    return add_probe(where, v, arena, out, error);
 }
 
 bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error) {

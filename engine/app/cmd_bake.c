@@ -238,7 +238,7 @@ static const OptionTable OPTIONS = OPTION_TABLE(
     "any number of threads, and with culling or without. Ctrl-C stops early and stores the light so far.",
     ROWS);
 
-static int parse(int argc, char **argv, Arguments *a, bool *help) {
+static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     BakeArguments *b = &a->to;
     int code = options_parse_file(&OPTIONS, argc, argv, a, NULL, &b->file, help);
     if (code != APP_GOOD || *help) return code;
@@ -249,7 +249,7 @@ static int parse(int argc, char **argv, Arguments *a, bool *help) {
     return APP_GOOD;
 }
 
-static void print_help(void) {
+static void print_bake_help(void) {
     options_print_help(&OPTIONS);
     putchar('\n');
     options_print_paragraph(
@@ -266,8 +266,8 @@ static void print_help(void) {
 int cmd_bake(int argc, char **argv) {
     Arguments a = {.to = bake_default_arguments()};
     bool help = false;
-    int code = parse(argc, argv, &a, &help);
-    if (help) print_help();
+    int code = parse_bake(argc, argv, &a, &help);
+    if (help) print_bake_help();
     if (code == APP_GOOD && !help) code = bake(&a.to);
     arena_free(&a.arena);
     return code;

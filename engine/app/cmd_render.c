@@ -89,7 +89,7 @@ static const OptionTable OPTIONS =
                  "number of threads. Ctrl-C leaves no file.",
                  ROWS);
 
-static int parse(int argc, char **argv, RenderArguments *a, bool *help) {
+static int parse_render(int argc, char **argv, RenderArguments *a, bool *help) {
     bool given[sizeof ROWS / sizeof *ROWS] = {false};
     int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
     if (code != APP_GOOD || *help) return code;
@@ -106,7 +106,7 @@ static int parse(int argc, char **argv, RenderArguments *a, bool *help) {
 int cmd_render(int argc, char **argv) {
     RenderArguments a = {.load = app_scene_options(), .size = {1280, 720}, .still = still_default_options()};
     bool help = false;
-    int code = parse(argc, argv, &a, &help);
+    int code = parse_render(argc, argv, &a, &help);
     if (help) options_print_help(&OPTIONS);
     return code != APP_GOOD || help ? code : render(&a);
 }

@@ -82,7 +82,7 @@ static const OptionTable OPTIONS =
                  "threads.",
                  ROWS);
 
-static int parse(int argc, char **argv, Arguments *a, bool *help, bool *wants_pairs) {
+static int parse_vis(int argc, char **argv, Arguments *a, bool *help, bool *wants_pairs) {
     bool given[sizeof ROWS / sizeof *ROWS] = {false};
     int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
     if (code != APP_GOOD || *help) return code;
@@ -94,7 +94,7 @@ static int parse(int argc, char **argv, Arguments *a, bool *help, bool *wants_pa
     return APP_GOOD;
 }
 
-static void print_help(void) {
+static void print_vis_help(void) {
     options_print_help(&OPTIONS);
     puts("\nmethods:");
     for (int i = 0; PAIR_METHODS[i]; i++)
@@ -144,7 +144,7 @@ static int bounded_trees(const StabForest *forest) {
     return count;
 }
 
-static void print_result(const Arguments *a, const LoadedScene *scene) {
+static void print_vis(const Arguments *a, const LoadedScene *scene) {
     double cells, polygons, seconds = scene->cells_seconds + scene->trees_seconds;
     cell_to_cell(scene, &cells, &polygons);
     if (a->json) {
@@ -183,8 +183,8 @@ static bool check_place(Arguments *a, Arena *arena, Error *error) {
 int cmd_vis(int argc, char **argv) {
     Arguments a = {.load = app_scene_options()};
     bool help = false, wants_pairs = false;
-    int code = parse(argc, argv, &a, &help, &wants_pairs);
-    if (help) print_help();
+    int code = parse_vis(argc, argv, &a, &help, &wants_pairs);
+    if (help) print_vis_help();
     if (code != APP_GOOD || help) return code;
     if (wants_pairs) {
         a.pairs.file = a.file;
@@ -201,7 +201,7 @@ int cmd_vis(int argc, char **argv) {
     bool good = check_place(&a, &arena, &error) && app_load(a.file, &a.load, &arena, &scene, &error) &&
                 (!a.out || vis_save(a.out, &scene.graph, &scene.forest, &error));
     if (good) {
-        print_result(&a, &scene);
+        print_vis(&a, &scene);
         app_print_notes(&scene.building, 10);
     }
     // Where they could not be kept, that was said.

@@ -214,7 +214,7 @@ static int check(const Arguments *a) {
     return APP_GOOD;
 }
 
-static int parse(int argc, char **argv, Arguments *a, bool *help) {
+static int parse_walk(int argc, char **argv, Arguments *a, bool *help) {
     bool given[sizeof ROWS / sizeof *ROWS] = {false};
     int code = options_parse_file(&OPTIONS, argc, argv, a, given, &a->file, help);
     if (code != APP_GOOD || *help) return code;
@@ -245,7 +245,7 @@ static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     app_print_json(o);
 }
 
-static void print_result(const Arguments *a, const WalkTotals *t) {
+static void print_walk(const Arguments *a, const WalkTotals *t) {
     printf("%d frames of %s `%s`; %.1f of %d polygons drawn in the mean (%.1f %%), query %.1f us, frame "
            "%.1f ms\n",
            t->frames, a->walk.replay ? "path" : "tour", a->walk.replay ? a->walk.replay : a->walk.tour,
@@ -315,7 +315,7 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
     if (a->json) {
         print_json(scene.scene, totals);
     } else {
-        print_result(a, totals);
+        print_walk(a, totals);
     }
     return true;
 }
@@ -338,7 +338,7 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     return walk_window(&a->window, &loader, arena, error);
 }
 
-static void print_help(void) {
+static void print_walk_help(void) {
     options_print_help(&OPTIONS);
     puts("\nExit status 1 also when --verify finds a difference. Keys in the window:");
     for (int i = 0; i < SESSION_KEY_COUNT; i++)
@@ -368,8 +368,8 @@ int cmd_walk(int argc, char **argv) {
     bool help = false;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
-    int code = parse(argc, argv, &a, &help);
-    if (help) print_help();
+    int code = parse_walk(argc, argv, &a, &help);
+    if (help) print_walk_help();
     if (code != APP_GOOD || help) return code;
     Arena arena = {0};
     WalkTotals totals = {0};

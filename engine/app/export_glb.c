@@ -54,7 +54,7 @@ static json_t *export_text(const char *text) {
     return json;
 }
 
-static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
+static bool material_emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 
 static json_t *rgb(Rgb c) { return json_pack("[f f f]", (double)c.r, (double)c.g, (double)c.b); }
 
@@ -146,7 +146,7 @@ static void add_colour(Export *e, const double b[3]) {
 }
 
 // The triangles of corners that became these vertices.
-static void add_triangles(Export *e, const Vec3 *v, const int *vertex, int count) {
+static void export_triangles(Export *e, const Vec3 *v, const int *vertex, int count) {
     Arena scratch = {0};
     int *triangle = ARENA_ARRAY(&scratch, int, 3 * count);
     polygon_triangulate(v, count, triangle);
@@ -155,7 +155,7 @@ static void add_triangles(Export *e, const Vec3 *v, const int *vertex, int count
     arena_free(&scratch);
 }
 
-static void add_element(Export *e, const ExportNode *node, const Element *element, int first_vertex) {
+static void export_element(Export *e, const ExportNode *node, const Element *element, int first_vertex) {
     Arena scratch = {0};
     Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
     int *vertex = ARENA_ARRAY(&scratch, int, element->corner_count);
@@ -170,14 +170,14 @@ static void add_element(Export *e, const ExportNode *node, const Element *elemen
         }
         vertex[i] = e->vertex[at];
     }
-    add_triangles(e, v, vertex, element->corner_count);
+    export_triangles(e, v, vertex, element->corner_count);
     arena_free(&scratch);
 }
 
-static void add_face(Export *e, const ExportNode *node, int polygon, int first_vertex) {
+static void export_face(Export *e, const ExportNode *node, int polygon, int first_vertex) {
     const Face *face = &e->mesh->faces[e->mesh->face_of[polygon]];
     for (int i = 0; i < face->element_count; i++)
-        add_element(e, node, &e->mesh->elements[face->first_element + i], first_vertex);
+        export_element(e, node, &e->mesh->elements[face->first_element + i], first_vertex);
 }
 
 // Glass has no light of its own. Of leaves it is as when closed, which is how nodes of leaves have it.
@@ -197,7 +197,7 @@ static void add_pane(Export *e, const ExportNode *node, int polygon, int first_v
         add_position(e, vec3_sub(v[i], from));
         add_colour(e, bright);
     }
-    add_triangles(e, v, vertex, p->vertex_count);
+    export_triangles(e, v, vertex, p->vertex_count);
     arena_free(&scratch);
 }
 
@@ -234,7 +234,7 @@ static json_t *add_primitive(Export *e, const ExportNode *node, const Shown *sho
     e->now++;
     for (int i = 0; i < count; i++) {
         if (e->mesh->face_of[shown[i].polygon] >= 0)
-            add_face(e, node, shown[i].polygon, vertex);
+            export_face(e, node, shown[i].polygon, vertex);
         else
             add_pane(e, node, shown[i].polygon, vertex);
     }
@@ -344,14 +344,14 @@ static double find_exposure(const Mesh *mesh, const RadSolution *solution) {
         const Element *element = &mesh->elements[i];
         const double *b = solution->radiosity[i];
         double y = 0.2126 * b[0] + 0.7152 * b[1] + 0.0722 * b[2];
-        if (emits(mesh_material(mesh, element->face)) || !(y > 0)) continue;
+        if (material_emits(mesh_material(mesh, element->face)) || !(y > 0)) continue;
         logs += element->area * y * log(y);
         power += element->area * y;
     }
     return power > 0 ? MIDDLE / exp(logs / power) : 1;
 }
 
-static void start(Export *e, const Mesh *mesh, const RadSolution *solution, const float *door_open) {
+static void start_export(Export *e, const Mesh *mesh, const RadSolution *solution, const float *door_open) {
     *e = (Export){.mesh = mesh, .graph = mesh->graph, .door_open = door_open};
     const Box box = mesh->graph->box;
     e->nodes = nodes_of(mesh, &e->arena);
@@ -434,7 +434,7 @@ static json_t *document_of(Export *e, size_t *binary) {
 
 static size_t whole(size_t size) { return (size + 3) / 4 * 4; }
 
-static unsigned char *put(unsigned char *at, const void *data, size_t size) {
+static unsigned char *put_bytes(unsigned char *at, const void *data, size_t size) {
     if (size > 0) memcpy(at, data, size);
     return at + size;
 }
@@ -442,7 +442,7 @@ static unsigned char *put(unsigned char *at, const void *data, size_t size) {
 // A chunk's head: its length and its kind, four letters.
 static unsigned char *put_head(unsigned char *at, size_t length, const char kind[4]) {
     uint32_t size = (uint32_t)length;
-    return put(put(at, &size, 4), kind, 4);
+    return put_bytes(put_bytes(at, &size, 4), kind, 4);
 }
 
 // Little-endian, as this machine.
@@ -455,13 +455,13 @@ static bool write_container(const char *path, const Export *e, const char *text,
                          path, total, LARGEST);
     unsigned char *file = memory_new(total), *at = file;
     uint32_t head[2] = {2, (uint32_t)total};
-    at = put(put(at, "glTF", 4), head, sizeof head);
-    at = put(put_head(at, whole(length), "JSON"), text, length);
+    at = put_bytes(put_bytes(at, "glTF", 4), head, sizeof head);
+    at = put_bytes(put_head(at, whole(length), "JSON"), text, length);
     memset(at, ' ', whole(length) - length);
     at = put_head(at + whole(length) - length, whole(binary), "BIN\0");
-    at = put(at, e->position, view_size(e, EXPORT_POSITIONS));
-    at = put(at, e->colour, view_size(e, EXPORT_COLOURS));
-    put(at, e->index, view_size(e, EXPORT_INDICES));
+    at = put_bytes(at, e->position, view_size(e, EXPORT_POSITIONS));
+    at = put_bytes(at, e->colour, view_size(e, EXPORT_COLOURS));
+    put_bytes(at, e->index, view_size(e, EXPORT_INDICES));
     bool good = file_write(path, file, total, error);
     memory_free(file);
     return good;
@@ -471,7 +471,7 @@ bool export_glb(const char *path, const Mesh *mesh, const RadSolution *solution,
                 Error *error) {
     Export e;
     size_t binary;
-    start(&e, mesh, solution, door_open);
+    start_export(&e, mesh, solution, door_open);
     json_t *json = document_of(&e, &binary);
     char *text = json_dumps(json, JSON_COMPACT);
     json_decref(json);

@@ -16,7 +16,7 @@ static int *none_yet(int count, Arena *arena) {
     return nodes;
 }
 
-static int add_node(Builder *b, const char *name, const char *otherwise, int parent) {
+static int add_tree_node(Builder *b, const char *name, const char *otherwise, int parent) {
     ExportTree *tree = b->tree;
     *ARENA_PUSH(b->arena, tree->nodes, tree->count, tree->capacity) =
         (ExportNode){.name = name && *name ? name : otherwise,
@@ -39,14 +39,15 @@ static void add_object(Builder *b, int node, int object) {
 static int storey_node(Builder *b, int storey) {
     if (storey < 0) return 0;
     if (b->storey[storey] < 0)
-        b->storey[storey] = add_node(b, b->graph->building->storeys[storey].name, "storey", 0);
+        b->storey[storey] = add_tree_node(b, b->graph->building->storeys[storey].name, "storey", 0);
     return b->storey[storey];
 }
 
 static int opening_node(Builder *b, int opening) {
     const Opening *o = &b->graph->building->openings[opening];
     if (b->opening[opening] < 0)
-        b->opening[opening] = add_node(b, o->name, opening_kind_name(o->kind), storey_node(b, o->storey));
+        b->opening[opening] =
+            add_tree_node(b, o->name, opening_kind_name(o->kind), storey_node(b, o->storey));
     return b->opening[opening];
 }
 
@@ -54,8 +55,8 @@ static int region_node(Builder *b, int index) {
     const Region *r = &b->graph->building->regions[index];
     if (r->opening >= 0) return opening_node(b, r->opening);
     if (b->region[index] < 0)
-        b->region[index] =
-            add_node(b, r->name, r->kind == REGION_SHAFT ? "stairwell" : "room", storey_node(b, r->storey));
+        b->region[index] = add_tree_node(b, r->name, r->kind == REGION_SHAFT ? "stairwell" : "room",
+                                         storey_node(b, r->storey));
     return b->region[index];
 }
 
@@ -65,7 +66,7 @@ static int cell_node(Builder *b, int cell) {
     const Cell *c = &b->graph->cells[cell];
     if (vis_region(b->graph, cell)->kind != REGION_OUTDOORS && c->region >= 0)
         return region_node(b, c->region);
-    if (b->outdoors < 0) b->outdoors = add_node(b, "outdoors", "", 0);
+    if (b->outdoors < 0) b->outdoors = add_tree_node(b, "outdoors", "", 0);
     return b->outdoors;
 }
 
@@ -80,7 +81,7 @@ static void place_object(Builder *b, int index) {
     Box box = b->graph->object_boxes[index];
     int parent = o->opening >= 0 ? opening_node(b, o->opening)
                                  : cell_node(b, vis_locate(b->graph, vec3_lerp(box.min, box.max, 0.5), -1));
-    int node = add_node(b, o->name, kind_name(o->kind), parent);
+    int node = add_tree_node(b, o->name, kind_name(o->kind), parent);
     b->tree->nodes[node].leaf = o->leaf;
     add_object(b, node, index);
 }
@@ -98,7 +99,7 @@ ExportTree export_tree(const CellGraph *graph, const bool *wanted, Arena *arena)
     b.storey = none_yet(building->storey_count, &scratch);
     b.region = none_yet(building->region_count, &scratch);
     b.opening = none_yet(building->opening_count, &scratch);
-    add_node(&b, base_name(building->source), "building", -1);
+    add_tree_node(&b, base_name(building->source), "building", -1);
     int *cell_of = none_yet(graph->object_count, &scratch);
     for (int c = 0; c < graph->cell_count; c++)
         for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++) cell_of[o] = c;

@@ -43,7 +43,7 @@ static void print_help(void) {
     puts("`enfilade COMMAND --help` tells more. Exit status: 0 good, 1 bad input, 2 wrong use.");
 }
 
-static int run(int argc, char **argv) {
+static int run_command(int argc, char **argv) {
     if (argc < 2) {
         fputs("enfilade: no command given\nTry `enfilade --help`.\n", stderr);
         return APP_BAD_USE;
@@ -67,5 +67,5 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     app_begin();
-    return app_end(run(argc, argv));
+    return app_end(run_command(argc, argv));
 }

@@ -81,7 +81,7 @@ static bool read_size(const char *text, const Option *row, int size[2]) {
            size[0] <= row->high && size[1] >= row->low && size[1] <= row->high;
 }
 
-static bool read_name(const char *text, const Option *row, int *out) {
+static bool read_choice(const char *text, const Option *row, int *out) {
     for (int i = 0; i < row->name_count; i++) {
         if (strcmp(row->names[i], text) != 0) continue;
         *out = i;
@@ -118,7 +118,7 @@ static bool take_value(const Option *row, const char *text, void *at) {
     case OPTION_SKY:
         return read_sky(text, row, at);
     case OPTION_NAME:
-        return read_name(text, row, at);
+        return read_choice(text, row, at);
     default:
         *(const char **)at = text;
         return true;
@@ -232,7 +232,7 @@ bool options_given(const OptionTable *table, const bool *given, const char *name
 // ---- help
 
 // Words fill lines from column `at` on, of which all but the first are indented; ends the last line.
-static void fill(const char *text, int at, int indent) {
+static void fill_lines(const char *text, int at, int indent) {
     for (bool begun = false; *text;) {
         if (*text == '\n') {
             printf(text[1] == '\n' ? "\n\n%*s" : "\n%*s", indent, "");
@@ -256,7 +256,7 @@ static void fill(const char *text, int at, int indent) {
 
 void options_print_paragraph(const char *text, int at, int indent) {
     if (at < indent) printf("%*s", indent - at, "");
-    fill(text, at < indent ? indent : at, indent);
+    fill_lines(text, at < indent ? indent : at, indent);
 }
 
 // The row's help with the values allowed in place of `@`.
@@ -268,7 +268,7 @@ static void print_row_help(const Option *row, int column) {
         snprintf(text, sizeof text, "%.*s%s%s", (int)(at - row->help), row->help, allowed, at + 1);
     else
         snprintf(text, sizeof text, "%s", row->help);
-    fill(text, column, column);
+    fill_lines(text, column, column);
 }
 
 void options_print_rows(const Option *rows, int count, int indent) {
@@ -282,7 +282,7 @@ void options_print_rows(const Option *rows, int count, int indent) {
         const Option *row = &rows[i];
         if (row->type == OPTION_HEADING) {
             printf("\n%*s", indent - 2, "");
-            fill(row->help, indent - 2, indent - 2);
+            fill_lines(row->help, indent - 2, indent - 2);
             continue;
         }
         int used = printf("%*s%s%s%s%s", indent, "", row->name[1] ? "--" : "-", row->name,
@@ -300,7 +300,7 @@ void options_print_help(const OptionTable *table) {
         char text[1024];
         int indent = 17 + (int)strlen(table->command);
         snprintf(text, sizeof text, "%.*s", length, line);
-        fill(text, indent, indent);
+        fill_lines(text, indent, indent);
         line += length + (line[length] == '\n');
     }
     putchar('\n');

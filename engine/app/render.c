@@ -159,7 +159,7 @@ static bool load(Render *r, const SceneOptions *from, Arena *arena, Error *error
     return app_load(r->a->file, &load, arena, &r->scene, error) && scene_has_walls(&r->scene, error);
 }
 
-static void print_result(const Render *r) {
+static void print_render(const Render *r) {
     const StillReport *s = &r->report;
     const RenderArguments *a = r->a;
     double millions = (double)s->work.rays / 1e6;
@@ -195,7 +195,7 @@ int render(const RenderArguments *arguments) {
     if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
     good = good && draw(&r, &progress, &arena, &error);
     app_progress_end();
-    if (good) print_result(&r);
+    if (good) print_render(&r);
     arena_free(&arena);
     if (good) return APP_GOOD;
     if (strcmp(error.text, "stopped") == 0)

@@ -28,7 +28,7 @@ static void compare(uint64_t *bound, Outcome *o) {
     o->compared = true;
 }
 
-static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
+static void find_pairs(const VisPairsArguments *a, Arena *arena, Outcome *o) {
     // Sightlines, millions in a large map, are kept only where they are to be walked again.
     PairOptions options = {.threads = a->load.vis.threads, .witnesses = a->against != NULL};
     Progress progress = app_progress_stoppable(a->seconds);
@@ -42,7 +42,7 @@ static void find(const VisPairsArguments *a, Arena *arena, Outcome *o) {
     o->refuted = pairs_check_witnesses(&o->scene.graph, &o->set, o->checked);
 }
 
-static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *error) {
+static bool run_pairs(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *error) {
     uint64_t *bound = NULL;
     const char *read[] = {a->file, a->against};
     SceneOptions load = a->load;
@@ -52,7 +52,7 @@ static bool run(const VisPairsArguments *a, Arena *arena, Outcome *o, Error *err
     // Before the work: a file that cannot be used is better known at once.
     if (a->against && !seen_read(a->against, o->scene.graph.cell_count, arena, &bound, error)) return false;
     memory_set_stage("finding which cells see each other");
-    find(a, arena, o);
+    find_pairs(a, arena, o);
     if (a->out && !seen_write(a->out, o->set.seen, o->set.cell_count, error)) return false;
     if (bound) compare(bound, o);
     return true;
@@ -109,7 +109,7 @@ int vis_pairs(const VisPairsArguments *a) {
     if (!outcome.method) return app_misuse("vis", "vis: there is no method `%s`", a->method);
     Arena arena = {0};
     Error error;
-    bool good = run(a, &arena, &outcome, &error);
+    bool good = run_pairs(a, &arena, &outcome, &error);
     if (good && a->json) print_json(&outcome);
     if (good && !a->json) print_text(a, &outcome);
     bool missed = outcome.compared && outcome.plain.missed > 0;

@@ -25,7 +25,7 @@ static void add_turned(PlainScene *scene, const Vec3 quad[4], double angle, Vec3
 }
 
 // A horizontal square that looks down at the origin.
-static void add_square(PlainScene *scene, double half, double height, double angle, Vec3 shift) {
+static void add_level_square(PlainScene *scene, double half, double height, double angle, Vec3 shift) {
     const Vec3 v[4] = {
         {-half, -half, height}, {-half, half, height}, {half, half, height}, {half, -half, height}};
     add_turned(scene, v, angle, shift);
@@ -55,7 +55,7 @@ static double small_square(const FormFactorMethod *method, const FormFactorOptio
     Arena arena = {0};
     PlainScene *scene = plain_scene_new(&arena);
     Vec3 shift = vec3(random_between(random, -.1, .1), random_between(random, -.1, .1), 0);
-    add_square(scene, x / options->resolution, 1, random_between(random, 0, 2 * M_PI), shift);
+    add_level_square(scene, x / options->resolution, 1, random_between(random, 0, 2 * M_PI), shift);
     double error = share_error(method, options, scene, true);
     arena_free(&arena);
     return error;
@@ -80,13 +80,13 @@ static double coarse_edges(const FormFactorMethod *method, const FormFactorOptio
     FormFactorOptions coarse = *options;
     coarse.edge_threshold = x * M_PI / 180;
     PlainScene *scene = plain_scene_new(&arena);
-    add_square(scene, 0.5, 1, random_between(random, 0, 2 * M_PI), vec3(0, 0, 0));
+    add_level_square(scene, 0.5, 1, random_between(random, 0, 2 * M_PI), vec3(0, 0, 0));
     double error = share_error(method, &coarse, scene, true);
     arena_free(&arena);
     return error;
 }
 
-static void add_box(PlainScene *scene, Vec3 low, Vec3 high, bool inwards, double angle, Vec3 shift) {
+static void add_room_box(PlainScene *scene, Vec3 low, Vec3 high, bool inwards, double angle, Vec3 shift) {
     const double at[2][3] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     for (int side = 0; side < 6; side++) {
         int axis = side % 3, end = side / 3;
@@ -111,9 +111,9 @@ static double far_away(const FormFactorMethod *method, const FormFactorOptions *
         Arena arena = {0};
         PlainScene *scene = plain_scene_new(&arena);
         Vec3 shift = vec3_scale(vec3(0.64, -0.48, 0.6), i * x);
-        add_box(scene, vec3(-1, -1.3, 0), vec3(2.5, 1.7, 2.5), true, angle, shift);
-        add_box(scene, vec3(0.5, 0.3, 0.7), vec3(1.2, 0.9, 1.1), false, angle, shift);
-        add_box(scene, vec3(-0.8, -0.9, 0.1), vec3(-0.3, -0.2, 1.9), false, angle, shift);
+        add_room_box(scene, vec3(-1, -1.3, 0), vec3(2.5, 1.7, 2.5), true, angle, shift);
+        add_room_box(scene, vec3(0.5, 0.3, 0.7), vec3(1.2, 0.9, 1.1), false, angle, shift);
+        add_room_box(scene, vec3(-0.8, -0.9, 0.1), vec3(-0.3, -0.2, 1.9), false, angle, shift);
         FormFactor *maker = form_factor_new(method, &scene->mesh, options, &arena);
         const Row *row = form_factor_row(maker, plain_scene_look(scene, shift, vec3(0, 0, 1)));
         for (int k = 0; k < row->count; k++) factor[i][row->element[k]] = (double)row->factor[k];

@@ -63,7 +63,7 @@ static Vec3 somewhere(Random *random) {
 }
 
 // A square of area 1 about the origin, turned any way.
-static void add_square(Vec3 v[4], Random *random, Vec3 centre, double size) {
+static void random_square(Vec3 v[4], Random *random, Vec3 centre, double size) {
     Vec3 n = direction(random), u = vec3_normalize(vec3_cross(n, direction(random))), w = vec3_cross(n, u);
     for (int k = 0; k < 4; k++) {
         Vec3 along = vec3_scale(u, k == 1 || k == 2 ? size / 2 : -size / 2);
@@ -83,7 +83,7 @@ static HiddenViews hidden_views_random(int polygons, double depth, int width, in
             Vec3 centre = somewhere(&random);
             // Seen from a random side a square shows half of its area.
             double size = 2 * TAN * centre.x * sqrt(2 * depth / polygons);
-            add_square(soup.vertices + 4 * (size_t)i, &random, centre, size);
+            random_square(soup.vertices + 4 * (size_t)i, &random, centre, size);
         }
         views.views[s] =
             (HiddenView){{soup.polygons, soup.vertices, NULL, polygons}, ahead(width, height), false};

@@ -124,7 +124,7 @@ static double bench_room_error(const BenchRoom *room, const double *light, const
 // ---- pictures
 
 // The element that a ray meets first, or -1.
-static int meet(const Mesh *mesh, Vec3 eye, Vec3 along) {
+static int first_element(const Mesh *mesh, Vec3 eye, Vec3 along) {
     double nearest = INFINITY;
     int best = -1;
     for (int f = 0; f < mesh->face_count; f++) {
@@ -156,8 +156,8 @@ static bool bench_room_picture(const BenchRoom *room, const double *light, const
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
         double x = (2 * (k % WIDTH + 0.5) / WIDTH - 1) * 1.1,
                y = (1 - 2 * (k / WIDTH + 0.5) / HEIGHT) * 0.825;
-        int element =
-            meet(&room->mesh, EYE, vec3_add(ahead, vec3_add(vec3_scale(right, x), vec3_scale(up, y))));
+        int element = first_element(&room->mesh, EYE,
+                                    vec3_add(ahead, vec3_add(vec3_scale(right, x), vec3_scale(up, y))));
         double b = element < 0 ? 0 : light[element], shade = 1 - exp(-b / 1.2);
         for (int c = 0; c < 3; c++) rgb[3 * k + c] = (uint8_t)(255 * pow(shade, 1 / 2.2) + 0.5);
     }

@@ -184,7 +184,7 @@ static void add_tree_rows(const TreeBench *b, const char *scene, Kind kind, cons
     fflush(stdout);
 }
 
-static void prepare(TreeBench *b, const CellGraph *g, Arena *arena) {
+static void prepare_trees(TreeBench *b, const CellGraph *g, Arena *arena) {
     int *list = ARENA_ARRAY(arena, int, g->polygon_count + 1);
     for (int p = 0; p < g->polygon_count; p++) list[p] = p;
     RaySource source = {
@@ -214,7 +214,7 @@ static bool bench_ray_trees(const char *file, const BenchArguments *arguments, T
         Ray *rays = ARENA_ARRAY(&arena, Ray, TREE_COUNT);
         double *met[WAYS];
         for (int way = 0; way < WAYS; way++) met[way] = ARENA_ARRAY(&arena, double, TREE_COUNT);
-        prepare(&b, &scene.graph, &arena);
+        prepare_trees(&b, &scene.graph, &arena);
         for (int kind = 0; kind < KINDS; kind++) {
             make_tree_rays(&scene.graph, (Kind)kind, rays);
             add_tree_rows(&b, bench_name(file), (Kind)kind, rays, met, csv);

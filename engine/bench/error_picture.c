@@ -39,7 +39,8 @@ static double shown_at(const ErrorPicture *e, const VertexLight *field, int face
     return false_colour_value(FALSE_COLOUR_IRRADIANCE, b, mesh_material(e->mesh, face));
 }
 
-static void look(const ErrorPicture *e, const Camera *camera, const PathScene *scene, Pixels *p) {
+static void look_through_pixels(const ErrorPicture *e, const Camera *camera, const PathScene *scene,
+                                Pixels *p) {
     Arena scratch = {0};
     VertexLight field = reconstruct_light(e->mesh, e->solution, &scratch);
     p->count = camera->width * camera->height;
@@ -86,13 +87,13 @@ static void look_and_trace(const ErrorPicture *e, const Camera *camera, Pixels *
     Arena scratch = {0};
     PathWorld world = path_world(e->mesh, e->solution->sky, &scratch);
     Tracing tracing = {&world, p, e->seed};
-    look(e, camera, world.scene, p);
+    look_through_pixels(e, camera, world.scene, p);
     parallel_for(parallel_threads(0), p->seen, trace_pixel, &tracing);
     path_world_end(&world);
     arena_free(&scratch);
 }
 
-static void put(uint8_t out[3], Rgb c) {
+static void put_colour(uint8_t out[3], Rgb c) {
     out[0] = (uint8_t)lrintf(255 * c.r);
     out[1] = (uint8_t)lrintf(255 * c.g);
     out[2] = (uint8_t)lrintf(255 * c.b);
@@ -104,7 +105,7 @@ static void colour(const Pixels *p, uint8_t *rgb, ErrorPictureFound *found) {
     memset(rgb, NOTHING, (size_t)p->count * 3);
     for (int i = 0; i < p->seen; i++) {
         double scale = fmax(p->truth[i], DARK * mean), off = (p->shown[i] - p->truth[i]) / scale;
-        put(rgb + 3 * p->pixel[i], false_colour_signed(off / ENDS));
+        put_colour(rgb + 3 * p->pixel[i], false_colour_signed(off / ENDS));
         squares += off * off;
         scatter += p->scatter[i] / scale * p->scatter[i] / scale;
     }
@@ -116,7 +117,7 @@ static void colour(const Pixels *p, uint8_t *rgb, ErrorPictureFound *found) {
 
 static unsigned hex_of(Rgb c) {
     uint8_t v[3];
-    put(v, c);
+    put_colour(v, c);
     return (unsigned)v[0] << 16 | (unsigned)v[1] << 8 | v[2];
 }
 

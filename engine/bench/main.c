@@ -21,7 +21,7 @@ static const Option COMMON[] = {
 };
 enum { COMMON_COUNT = sizeof COMMON / sizeof *COMMON };
 
-static void print_help(void) {
+static void print_bench_help(void) {
     printf("usage: enfilade bench NAME [FILE ...] [OPTIONS]\n"
            "       enfilade-bench NAME [FILE ...] [OPTIONS]\n\n"
            "Measures, and writes CSV with a header on standard output (default FILE: %s).\n\n",
@@ -58,7 +58,7 @@ static bool are_methods(const char *names, bool (*is_method)(const char *)) {
     return true;
 }
 
-static int measure(const Bench *bench, BenchArguments *a, char **files, int file_count) {
+static int measure_files(const Bench *bench, BenchArguments *a, char **files, int file_count) {
     if (a->methods && !are_methods(a->methods, bench->is_method))
         return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
                           a->methods, bench->list ? bench->list : "bench");
@@ -98,16 +98,16 @@ static int run_bench(const Bench *bench, int argc, char **argv) {
     memcpy(rows + COMMON_COUNT, bench->options, (size_t)bench->option_count * sizeof *rows);
     OptionTable table = {.command = "bench", .rows = rows, .count = count};
     int code = options_parse(&table, argc, argv, &a, NULL, &first, &help);
-    if (help) print_help();
+    if (help) print_bench_help();
     if (code != APP_GOOD || help) return code;
     if (a.quick) a.shooters = 20, a.rays = 300000;
-    return measure(bench, &a, argv + first, argc - first);
+    return measure_files(bench, &a, argv + first, argc - first);
 }
 
-static int run(int argc, char **argv) {
+static int run_named(int argc, char **argv) {
     if (argc < 2) return misuse_name("which one?");
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
-        print_help();
+        print_bench_help();
         return APP_GOOD;
     }
     if (argv[1][0] == '-')
@@ -121,5 +121,5 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     app_begin();
-    return app_end(run(argc, argv));
+    return app_end(run_named(argc, argv));
 }

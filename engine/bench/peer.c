@@ -23,7 +23,7 @@ enum { CONTENTS_EMPTY = -1, CONTENTS_SOLID = -2, NONE = -1 };
 enum { LEAF_ROW = 4, MODEL_HEAD_NODES = 36, MODEL_LEAVES = 52 };
 static const char ENTITY_TEXT[] = "{\n\"classname\" \"worldspawn\"\n}\n";
 
-static void put(unsigned char *at, int value) {
+static void put_int(unsigned char *at, int value) {
     for (int k = 0; k < 4; k++) at[k] = (unsigned char)((uint32_t)value >> (8 * k));
 }
 static int get(const unsigned char *at) {
@@ -42,19 +42,19 @@ static Bytes bsp29_make(int cell_count, Arena *arena) {
         size += (sizes[i] + 3) / 4 * 4;
     }
     unsigned char *data = arena_alloc(arena, size, 1);
-    put(data, VERSION);
+    put_int(data, VERSION);
     for (int i = 0; i < LUMPS; i++) {
-        put(data + 4 + 8 * i, (int)at[i]);
-        put(data + 8 + 8 * i, (int)sizes[i]);
+        put_int(data + 4 + 8 * i, (int)at[i]);
+        put_int(data + 8 + 8 * i, (int)sizes[i]);
     }
     memcpy(data + at[ENTITIES], ENTITY_TEXT, sizeof ENTITY_TEXT);
     for (int c = 0; c <= cell_count; c++) {
         unsigned char *leaf = data + at[LEAVES] + (size_t)c * LEAF_SIZE;
-        put(leaf, c == 0 ? CONTENTS_SOLID : CONTENTS_EMPTY);
-        put(leaf + LEAF_ROW, NONE);
+        put_int(leaf, c == 0 ? CONTENTS_SOLID : CONTENTS_EMPTY);
+        put_int(leaf + LEAF_ROW, NONE);
     }
-    for (int k = 1; k < 3; k++) put(data + at[MODELS] + MODEL_HEAD_NODES + 4 * k, NONE);
-    put(data + at[MODELS] + MODEL_LEAVES, cell_count);
+    for (int k = 1; k < 3; k++) put_int(data + at[MODELS] + MODEL_HEAD_NODES + 4 * k, NONE);
+    put_int(data + at[MODELS] + MODEL_LEAVES, cell_count);
     return (Bytes){data, size};
 }
 
@@ -143,8 +143,8 @@ static const char *last_line(const char *log, Arena *arena) {
     return line ? line + 1 : start;
 }
 
-static bool run(const char *program, int threads, const char *folder, Arena *arena, PeerRun *out,
-                Error *error) {
+static bool run_compiler(const char *program, int threads, const char *folder, Arena *arena, PeerRun *out,
+                         Error *error) {
     const char *level = arena_format(arena, "%s/map.bsp", folder),
                *log = arena_format(arena, "%s/log", folder);
     const char *number = arena_format(arena, "%d", threads);
@@ -181,7 +181,7 @@ bool peer_run(const char *program, const char *file, int threads, Arena *arena, 
     Bytes level = bsp29_make(out->cell_count, arena);
     bool good = file_write(arena_format(arena, "%s/map.prt", folder), portals.data, portals.size, error) &&
                 file_write(arena_format(arena, "%s/map.bsp", folder), level.data, level.size, error) &&
-                run(program, threads, folder, arena, out, error);
+                run_compiler(program, threads, folder, arena, out, error);
     memory_remove_end(&end);
     remove_folder(folder);
     return good;

@@ -34,7 +34,7 @@ BodyWorld body_world(const CellGraph *graph, const float *door_open, Arena *aren
 
 static Vec2 plan_of(Vec3 p) { return vec2(p.x, p.y); }
 
-static Gathered gather(BodyWorld *w, int cell, Vec2 at, double radius, double z0, double z1) {
+static Gathered gather_ground(BodyWorld *w, int cell, Vec2 at, double radius, double z0, double z1) {
     Gathered g = obstacles_gather(w->obstacles, w->door_open, cell, at, radius + 2 * SKIN, (Band){z0, z1});
     w->wall_tests += g.wall_tests;
     w->object_tests += g.object_tests;
@@ -137,7 +137,7 @@ static Slide slide(const Gathered *g, Band band, Vec2 from, Vec2 way) {
 }
 
 // Follows the slide from cell to cell, rising first and sinking last; -1 where it would leave them.
-static int follow(BodyWorld *w, const Body *b, const Slide *s, double foot) {
+static int follow_slide(BodyWorld *w, const Body *b, const Slide *s, double foot) {
     double start = b->foot.z + BODY_MIDDLE, end = foot + BODY_MIDDLE, level = fmax(start, end);
     int cell = b->cell;
     Vec3 from = vec3(s->at[0].x, s->at[0].y, start);
@@ -162,7 +162,7 @@ static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int c
 
 // What of an end that will not do may do when more is taken for a wall: what hangs low over a step up, or what cannot
 // be stood on. False when all of it is already.
-static bool widen(Band *band, const Ground *ground, double old_foot, double foot) {
+static bool widen_band(Band *band, const Ground *ground, double old_foot, double foot) {
     Band was = *band;
     if (ground->blocked) return false;
     if (ground->ceiling - foot < BODY_LOWEST) band->z1 = fmax(band->z1, foot + BODY_LOWEST);
@@ -174,8 +174,8 @@ static bool widen(Band *band, const Ground *ground, double old_foot, double foot
 static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
     double start = b->foot.z;
     Vec2 from = plan_of(b->foot);
-    Gathered g = gather(w, b->cell, from, BODY_RADIUS + vec2_length(way), start - BODY_STEP,
-                        start + BODY_STEP + BODY_HEIGHT);
+    Gathered g = gather_ground(w, b->cell, from, BODY_RADIUS + vec2_length(way), start - BODY_STEP,
+                               start + BODY_STEP + BODY_HEIGHT);
     double step = step_left(b, &g);
     Band band = {start + step, start + BODY_LOWEST};
     w->pieces++;
@@ -186,14 +186,14 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
         bool carried = b->standing && ground.support >= start - BODY_STEP;
         double foot = carried ? ground.support : start;
         if (!ground.blocked && ground.ceiling - foot >= BODY_LOWEST && !is_rough(&ground, start)) {
-            int cell = follow(w, b, &s, foot);
+            int cell = follow_slide(w, b, &s, foot);
             if (cell >= 0) {
                 take_place(b, w, &s, foot, cell, &ground);
                 b->standing = carried;
                 return true;
             }
         }
-        if (!widen(&band, &ground, start, foot)) way = vec2_scale(way, 0.5);
+        if (!widen_band(&band, &ground, start, foot)) way = vec2_scale(way, 0.5);
     }
     w->refused++;
     return false;
@@ -204,11 +204,11 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
 // As far as `drop` down, on to whatever is there.
 static void sink(Body *b, BodyWorld *w, double drop) {
     Vec2 at = plan_of(b->foot);
-    Gathered g = gather(w, b->cell, at, BODY_RADIUS, b->foot.z - drop, b->foot.z + BODY_HEIGHT);
+    Gathered g = gather_ground(w, b->cell, at, BODY_RADIUS, b->foot.z - drop, b->foot.z + BODY_HEIGHT);
     Ground ground = ground_at(&g, at, BODY_RADIUS, b->foot.z, 0);
     double foot = fmax(ground.support, b->foot.z - drop);
     Slide still = {.at = {at}, .count = 1};
-    int cell = ground.blocked ? -1 : follow(w, b, &still, foot);
+    int cell = ground.blocked ? -1 : follow_slide(w, b, &still, foot);
     // Where a floor is missing there is nothing to fall into.
     if (cell < 0) foot = b->foot.z;
     b->standing = cell < 0 || foot == ground.support;
@@ -230,14 +230,14 @@ static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     int cell = vis_locate(w->graph, vec3(foot.x, foot.y, foot.z + BODY_MIDDLE), -1);
     if (cell < 0 || (region >= 0 && w->graph->cells[cell].region != region)) return false;
     if (obstacles_is_shut(w->obstacles, cell)) return false;
-    Gathered g =
-        gather(w, cell, plan_of(foot), BODY_RADIUS, foot.z - DEEPEST, foot.z + BODY_STEP + BODY_HEIGHT);
+    Gathered g = gather_ground(w, cell, plan_of(foot), BODY_RADIUS, foot.z - DEEPEST,
+                               foot.z + BODY_STEP + BODY_HEIGHT);
     Ground ground = ground_at(&g, plan_of(foot), BODY_RADIUS, foot.z, BODY_STEP);
     if (ground.blocked || !isfinite(ground.support) || ground.ceiling - ground.support < BODY_LOWEST)
         return false;
     Body placed = {.foot = foot, .cell = cell, .standing = true};
     Slide still = {.at = {plan_of(foot)}, .count = 1};
-    cell = follow(w, &placed, &still, ground.support);
+    cell = follow_slide(w, &placed, &still, ground.support);
     if (cell < 0) return false;
     take_place(&placed, w, &still, ground.support, cell, &ground);
     *b = placed;
@@ -264,7 +264,7 @@ static double nearest_height(const CellGraph *graph, Vec3 foot) {
 }
 
 // Rings about the place, ever wider.
-static bool search(Body *b, BodyWorld *w, Vec3 foot, int region) {
+static bool search_rings(Body *b, BodyWorld *w, Vec3 foot, int region) {
     for (double ring = 0; ring <= BODY_SEARCH; ring += PLACES_APART) {
         int places = (int)fmax(1, ceil(2 * M_PI * ring / PLACES_APART));
         for (int i = 0; i < places; i++) {
@@ -279,15 +279,15 @@ static bool search(Body *b, BodyWorld *w, Vec3 foot, int region) {
 
 bool body_place_near(Body *b, BodyWorld *w, Vec3 foot) {
     int cell = vis_locate(w->graph, vec3(foot.x, foot.y, foot.z + BODY_MIDDLE), -1);
-    if (cell >= 0 && search(b, w, foot, w->graph->cells[cell].region)) return true;
-    return search(b, w, foot, -1);
+    if (cell >= 0 && search_rings(b, w, foot, w->graph->cells[cell].region)) return true;
+    return search_rings(b, w, foot, -1);
 }
 
 // ---- steps
 
 static bool is_free(const Body *b, BodyWorld *w) {
     if (b->cell < 0) return false;
-    Gathered g = gather(w, b->cell, plan_of(b->foot), BODY_RADIUS, b->foot.z, b->foot.z + BODY_LOWEST);
+    Gathered g = gather_ground(w, b->cell, plan_of(b->foot), BODY_RADIUS, b->foot.z, b->foot.z + BODY_LOWEST);
     return !ground_at(&g, plan_of(b->foot), BODY_RADIUS, b->foot.z, 0).blocked;
 }
 

@@ -55,7 +55,7 @@ static int column(const CollisionCheck *check, double x) {
     return i < 0 ? 0 : i >= check->nx ? check->nx - 1 : (int)i;
 }
 
-static int row(const CollisionCheck *check, double y) {
+static int grid_row(const CollisionCheck *check, double y) {
     double j = floor((y - check->origin.y) / check->size);
     return j < 0 ? 0 : j >= check->ny ? check->ny - 1 : (int)j;
 }
@@ -73,7 +73,7 @@ static void lay_grid(CollisionCheck *check, Arena *arena) {
     for (int pass = 0; pass < 2; pass++) {
         for (int p = 0; p < check->graph->polygon_count; p++) {
             Box b = check->box[p];
-            for (int j = row(check, b.min.y); check->solid[p] && j <= row(check, b.max.y); j++) {
+            for (int j = grid_row(check, b.min.y); check->solid[p] && j <= grid_row(check, b.max.y); j++) {
                 for (int i = column(check, b.min.x); i <= column(check, b.max.x); i++) {
                     int square = j * check->nx + i;
                     if (pass == 1) check->polygons[check->first[square] + count[square]] = p;
@@ -126,7 +126,7 @@ CollisionCheck *collision_check_new(const CellGraph *graph, Arena *arena) {
 int collision_check_near(CollisionCheck *check, Box box, const int **polygons) {
     int count = 0;
     check->serial++;
-    for (int j = row(check, box.min.y); j <= row(check, box.max.y); j++) {
+    for (int j = grid_row(check, box.min.y); j <= grid_row(check, box.max.y); j++) {
         for (int i = column(check, box.min.x); i <= column(check, box.max.x); i++) {
             int square = j * check->nx + i;
             for (int k = check->first[square]; k < check->first[square + 1]; k++) {

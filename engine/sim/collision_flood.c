@@ -78,7 +78,7 @@ static bool heights_over(const Vec3 *v, int count, Vec2 at, double radius, doubl
 }
 
 // True where it is something to step on.
-static bool meet(Stand *s, const FloodRules *r, double low, double high) {
+static bool stand_on(Stand *s, const FloodRules *r, double low, double high) {
     if (high <= s->foot + s->step) return true;
     if (low >= s->foot + r->headroom) {
         s->ceiling = fmin(s->ceiling, low);
@@ -96,7 +96,7 @@ static void meet_polygon(Stand *s, const Flooder *f, int polygon, Vec2 at) {
            distance = collision_plan_distance(v, p->vertex_count, at);
     if (distance >= r->radius + r->spare) return;
     if (!heights_over(v, p->vertex_count, at, r->radius + r->spare, &low, &high)) return;
-    if (!meet(s, r, low, high)) return;
+    if (!stand_on(s, r, low, high)) return;
     s->top = fmax(s->top, high);
     double level = fabs(plane_of_polygon(v, p->vertex_count).n.z);
     if (level >= STEEP) s->footing = fmax(s->footing, high);
@@ -117,7 +117,7 @@ static void meet_leaves(Stand *s, const Flooder *f, Vec2 at) {
         int count = leaf_plan(b, leaf, 1, corner);
         for (int c = 0; c < count; c++) plan[c] = vec3(corner[c].x, corner[c].y, 0);
         if (collision_plan_distance(plan, count, at) < f->rules->radius + f->rules->spare)
-            meet(s, f->rules, leaf->z0 + leaf->rise, leaf->z1 + leaf->rise);
+            stand_on(s, f->rules, leaf->z0 + leaf->rise, leaf->z1 + leaf->rise);
     }
 }
 
@@ -147,7 +147,7 @@ static Stand stand_at(const Flooder *f, Vec2 at, double foot, double step) {
 
 // ---- the flood
 
-static Vec2 place_of(const CollisionFlood *flood, int i, int j) {
+static Vec2 column_place(const CollisionFlood *flood, int i, int j) {
     return vec2(flood->origin.x + i * FLOOD_APART, flood->origin.y + j * FLOOD_APART);
 }
 
@@ -155,13 +155,13 @@ static Vec2 place_of(const CollisionFlood *flood, int i, int j) {
 static Stand stand_in(Flooder *f, int i, int j, double foot, double step) {
     Stand *last = &f->last[j * f->out->nx + i];
     if (last->asked && last->foot == foot && last->step == step) return *last;
-    *last = stand_at(f, place_of(f->out, i, j), foot, step);
+    *last = stand_at(f, column_place(f->out, i, j), foot, step);
     last->asked = true;
     return *last;
 }
 
 // Finds the place of a column at this height, or makes it.
-static int take(Flooder *f, int i, int j, Stand s) {
+static int take_stand(Flooder *f, int i, int j, Stand s) {
     enum { MOST_PLACES = 1 << 23 };
     CollisionFlood *flood = f->out;
     const double same = 1e-6;  // metres: the same floor, cut twice
@@ -170,7 +170,7 @@ static int take(Flooder *f, int i, int j, Stand s) {
         if (fabs(flood->places[k].foot.z - s.support) < same) return k;
     }
     if (flood->place_count == MOST_PLACES) return -1;
-    Vec2 at = place_of(flood, i, j);
+    Vec2 at = column_place(flood, i, j);
     *ARENA_PUSH(f->arena, flood->places, flood->place_count, flood->place_capacity) =
         (FloodPlace){vec3(at.x, at.y, s.support), s.middle, s.ceiling, {-1, -1, -1, -1}, *first};
     return *first = flood->place_count - 1;
@@ -194,7 +194,7 @@ static void spread(Flooder *f, int from) {
         if (f->rules->strict &&
             (here.foot.z - s.support > f->rules->step || here.ceiling < top || s.ceiling < top))
             continue;
-        int to = take(f, i, j, s);
+        int to = take_stand(f, i, j, s);
         flood->places[from].link[k] = to;
     }
 }
@@ -226,7 +226,7 @@ static void seed(Flooder *f, int c) {
     int j = (int)lround((sum.y / cell->edge_count - flood->origin.y) / FLOOD_APART);
     if (i < 0 || j < 0 || i >= flood->nx || j >= flood->ny) return;
     Stand s = stand_in(f, i, j, cell->z0, 0);
-    if (s.free) take(f, i, j, s);
+    if (s.free) take_stand(f, i, j, s);
 }
 
 CollisionFlood collision_flood(CollisionCheck *check, const CellGraph *graph, const FloodRules *rules,

@@ -206,7 +206,7 @@ static void walk_flood(Watch *w) {
 
 // ---- all of it
 
-static bool begin(Watch *w, Arena *arena, Error *error) {
+static bool begin_watch(Watch *w, Arena *arena, Error *error) {
     const Building *b = w->graph->building;
     w->doors = doors_new(w->graph, arena);
     w->world = body_world(w->graph, w->doors.open, arena);
@@ -235,7 +235,7 @@ bool collision_walk(const CellGraph *graph, const CollisionWalkOptions *options,
     Arena arena = {0};
     *out = (CollisionReport){.hash = 0xcbf29ce484222325u};
     Watch w = {.graph = graph, .options = options, .out = out, .body = {.cell = -1}};
-    bool good = begin(&w, &arena, error);
+    bool good = begin_watch(&w, &arena, error);
     if (good) {
         walk_flood(&w);
         w.world.wall_tests = w.world.object_tests = w.world.pieces = w.world.relocations = w.world.refused =

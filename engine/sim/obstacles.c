@@ -48,7 +48,7 @@ struct Obstacles {
     int solid_count, wall_tests, object_tests;
 };
 
-static Box box_of(const Vec3 *v, int count) {
+static Box box_of_vertices(const Vec3 *v, int count) {
     Box box = box_empty();
     for (int i = 0; i < count; i++) box = box_add(box, v[i]);
     return box;
@@ -151,7 +151,7 @@ static void build_boxes(Obstacles *o, Arena *arena) {
     o->steep = ARENA_ARRAY(arena, bool, graph->polygon_count + 1);
     for (int i = 0; i < graph->polygon_count; i++) {
         const Polygon *p = &graph->polygons[i];
-        o->item_box[i] = box_of(graph->vertices + p->first_vertex, p->vertex_count);
+        o->item_box[i] = box_of_vertices(graph->vertices + p->first_vertex, p->vertex_count);
         o->steep[i] = fabs(plane_of_polygon(graph->vertices + p->first_vertex, p->vertex_count).n.z) < STEEP;
     }
     for (int i = 0; i < b->leaf_count; i++)
@@ -159,7 +159,7 @@ static void build_boxes(Obstacles *o, Arena *arena) {
     o->portal_box = ARENA_ARRAY(arena, Box, graph->portal_count + 1);
     for (int i = 0; i < graph->portal_count; i++) {
         const Portal *p = &graph->portals[i];
-        o->portal_box[i] = box_of(graph->portal_vertices + p->first_vertex, p->vertex_count);
+        o->portal_box[i] = box_of_vertices(graph->portal_vertices + p->first_vertex, p->vertex_count);
     }
 }
 
@@ -267,7 +267,7 @@ static void reach_cell(Obstacles *o, int cell) {
     o->cells[o->cell_count++] = cell;
 }
 
-static void begin(Obstacles *o, int cell) {
+static void begin_cell(Obstacles *o, int cell) {
     // The counter may turn over: then what was seen 2^32 calls ago must not seem seen now.
     if (++o->serial == 0) {
         memset(o->cell_seen, 0, (size_t)o->graph->cell_count * sizeof *o->cell_seen);
@@ -286,7 +286,7 @@ static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) 
     o->solids[o->solid_count++] = (Solid){.vertices = vertices, .count = count, .steep = true, .box = box};
 }
 
-static void add_polygon(Obstacles *o, int polygon, const Box *near) {
+static void add_obstacle_polygon(Obstacles *o, int polygon, const Box *near) {
     if (!box_overlap(o->item_box[polygon], *near)) return;
     const Polygon *p = &o->graph->polygons[polygon];
     o->solids[o->solid_count++] = (Solid){.vertices = o->graph->vertices + p->first_vertex,
@@ -319,7 +319,8 @@ static void add_cell(Obstacles *o, int cell, const float *door_open, const Way *
     for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
         const Object *object = &graph->objects[i];
         o->wall_tests += object->polygon_count;
-        for (int p = 0; p < object->polygon_count; p++) add_polygon(o, object->first_polygon + p, &way->box);
+        for (int p = 0; p < object->polygon_count; p++)
+            add_obstacle_polygon(o, object->first_polygon + p, &way->box);
     }
     for (int i = 0; i < graph->cells[cell].contact_count; i++) {
         Contact contact = graph->contacts[graph->cells[cell].first_contact + i];
@@ -346,7 +347,7 @@ static void add_items(Obstacles *o, const float *door_open, const Box *near) {
             o->item_seen[item] = o->serial;
             o->object_tests++;
             if (item < o->graph->polygon_count) {
-                add_polygon(o, item, near);
+                add_obstacle_polygon(o, item, near);
             } else {
                 add_leaf(o, item - o->graph->polygon_count, door_open, near);
             }
@@ -360,11 +361,11 @@ Gathered obstacles_gather(Obstacles *o, const float *door_open, int cell, Vec2 a
                at,
                radius,
                {{at.x - radius, at.y - radius, heights.z0}, {at.x + radius, at.y + radius, heights.z1}}};
-    begin(o, cell);
+    begin_cell(o, cell);
     for (int i = 0; i < o->cell_count; i++) add_cell(o, o->cells[i], door_open, &way);
     add_items(o, door_open, &way.box);
     for (int i = 0; i < 4; i++) {
-        Box box = box_of(o->border[i], 4);
+        Box box = box_of_vertices(o->border[i], 4);
         if (box_overlap(box, way.box)) add_barrier(o, o->border[i], 4, box);
     }
     return (Gathered){o->solids, o->solid_count, o->wall_tests, o->object_tests};
@@ -375,7 +376,7 @@ int obstacles_cross(Obstacles *o, int cell, Vec3 from, Vec3 to) {
     if (end < 0 || end == cell) return end;
     if (o->shut[end]) return -1;
     Way way = make_way(from, to, TOUCH);
-    begin(o, cell);
+    begin_cell(o, cell);
     for (int i = 0; i < o->cell_count; i++) {
         const Cell *c = &o->graph->cells[o->cells[i]];
         for (int k = 0; k < c->contact_count; k++) {

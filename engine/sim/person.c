@@ -52,7 +52,7 @@ static void fly(Person *p, const PersonWish *wish, double seconds) {
 }
 
 // What the eye still lags behind after the body moved, it makes up for over the next ticks; within the body.
-static void follow(Person *p, double before, double seconds) {
+static void follow_body(Person *p, double before, double seconds) {
     Vec3 over = eye_over(p);
     double lag = (before - over.z) * exp(-EYE_QUICKNESS * seconds);
     double lowest = p->body.foot.z + body_eye(&p->body) / 2,
@@ -74,7 +74,7 @@ static void walk(Person *p, BodyWorld *world, const PersonWish *wish, double sec
     // What a wall took away is gone; being put elsewhere is no speed.
     Vec2 moved = vec2_scale(vec2_sub(vec2(p->body.foot.x, p->body.foot.y), start), 1 / seconds);
     p->velocity = vec2_length(moved) > 2 * PERSON_RUN ? vec2(0, 0) : moved;
-    follow(p, before, seconds);
+    follow_body(p, before, seconds);
 }
 
 void person_tick(Person *p, BodyWorld *world, const PersonWish *wish, double seconds) {

@@ -125,7 +125,7 @@ static int reachable(const CellGraph *graph, int start, unsigned char *out) {
 
 // ---- places
 
-static Vec3 centre_of(const Guide *g, int cell) {
+static Vec3 centre_of_cell(const Guide *g, int cell) {
     const Cell *c = &g->graph->cells[cell];
     Vec2 sum = {0, 0};
     double area = 0;
@@ -143,7 +143,7 @@ static Vec3 centre_of(const Guide *g, int cell) {
 }
 
 // Where the way from `here` towards `there` crosses the portal: as straight as a person's breadth allows.
-static Vec3 crossing(const Guide *g, const Portal *portal, Vec3 here, Vec3 there) {
+static Vec3 portal_crossing(const Guide *g, const Portal *portal, Vec3 here, Vec3 there) {
     Box box = portal_box(g->graph, portal);
     if (portal->horizontal) {
         Vec3 middle = {0, 0, 0};
@@ -275,7 +275,7 @@ static int find_target(Guide *g) {
             int contact = c->first_contact + i, next = graph->contacts[contact].cell;
             const Portal *portal = &graph->portals[graph->contacts[contact].portal];
             if (!g->path->reachable[next] || !g->passable[graph->contacts[contact].portal]) continue;
-            Vec3 at = crossing(g, portal, g->at[cell], centre_of(g, next));
+            Vec3 at = portal_crossing(g, portal, g->at[cell], centre_of_cell(g, next));
             double cost = g->cost[cell] + vec3_length(vec3_sub(at, g->at[cell]));
             if (cost >= g->cost[next]) continue;
             g->cost[next] = cost;
@@ -297,7 +297,7 @@ static void enter(Guide *g, int cell) {
 static void look_back(Guide *g, const Portal *door) {
     int side = kind_of(g->graph, door->cell[0]) == REGION_OPENING ? 1 : 0;
     Vec3 out = vec3_scale(door->plane.n, side == 0 ? 1 : -1);
-    Vec3 start = crossing(g, door, g->eye, vec3_add(g->eye, out));
+    Vec3 start = portal_crossing(g, door, g->eye, vec3_add(g->eye, out));
     double reach = TOUR_STEP_OUT;
     Vec3 place = vec3_add(start, vec3_scale(out, reach));
     for (; reach > 0.1 && vis_locate(g->graph, place, g->cell) != g->cell; reach /= 2) {
@@ -316,8 +316,8 @@ static void walk_to(Guide *g, int target) {
     }
     for (int i = count - 1; i >= 0; i--) {
         const Contact *contact = &g->graph->contacts[way[i]];
-        Vec3 there = i > 0 ? g->at[g->graph->contacts[way[i - 1]].cell] : centre_of(g, target);
-        go_to(g, crossing(g, &g->graph->portals[contact->portal], g->eye, there));
+        Vec3 there = i > 0 ? g->at[g->graph->contacts[way[i - 1]].cell] : centre_of_cell(g, target);
+        go_to(g, portal_crossing(g, &g->graph->portals[contact->portal], g->eye, there));
         enter(g, contact->cell);
     }
     RegionKind kind = kind_of(g->graph, target);
@@ -326,7 +326,7 @@ static void walk_to(Guide *g, int target) {
         if (is_outer_step(g, target, &door)) look_back(g, door);
         return;
     }
-    go_to(g, centre_of(g, target));
+    go_to(g, centre_of_cell(g, target));
     int room = g->room[room_of(g->graph, target)];
     if (kind != REGION_ROOM || g->looked[room] || g->largest[room] != target) return;
     g->looked[room] = 1;
@@ -404,7 +404,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     find_rooms(&guide);
     find_largest(&guide);
     bool inside = vis_locate(graph, graph->building->start, start) == start;
-    guide.eye = inside ? graph->building->start : centre_of(&guide, start);
+    guide.eye = inside ? graph->building->start : centre_of_cell(&guide, start);
     guide.yaw = inside ? wrap(graph->building->start_yaw) : 0;
     emit(&guide);
     enter(&guide, start);

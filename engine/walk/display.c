@@ -30,7 +30,7 @@ static void press(Display *display, DisplayEvent event) {
 }
 
 // Motion adds up: only where it led counts.
-static void look(Display *display, DisplayEvent event) {
+static void look_around(Display *display, DisplayEvent event) {
     if (!display->mouse_held) return;
     DisplayEvent *last =
         &display->queue[(display->first + display->count + DISPLAY_QUEUE - 1) % DISPLAY_QUEUE];
@@ -53,7 +53,7 @@ void display_push(Display *display, DisplayEvent event) {
         release(display, event.key);
         break;
     case DISPLAY_LOOK:
-        look(display, event);
+        look_around(display, event);
         break;
     case DISPLAY_FOCUS_LOST:
         for (int key = 0; key < DISPLAY_KEYS; key++) release(display, key);

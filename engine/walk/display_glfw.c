@@ -186,7 +186,7 @@ static void close_window(Display *display) {
 
 // ---- the rest of the table
 
-static DisplaySize size_of(const Display *display) {
+static DisplaySize glfw_size(const Display *display) {
     DisplaySize size = {.scale = scale_of(own(display)->glfw)};
     glfwGetFramebufferSize(own(display)->glfw, &size.width, &size.height);
     if (glfwGetWindowAttrib(own(display)->glfw, GLFW_ICONIFIED)) size.width = size.height = 0;
@@ -198,7 +198,7 @@ static unsigned framebuffer_of(const Display *display) {
     return 0;
 }
 
-static void gather(Display *display) {
+static void glfw_gather(Display *display) {
     (void)display;
     glfwPollEvents();
 }
@@ -248,5 +248,5 @@ static void fill_screen(Display *display, bool full) {
 static void set_title(Display *display, const char *title) { glfwSetWindowTitle(own(display)->glfw, title); }
 
 const DisplayBackEnd DISPLAY_GLFW = {"glfw",     "a window, by GLFW", open_window, close_window,
-                                     size_of,    framebuffer_of,      gather,      present,
+                                     glfw_size,  framebuffer_of,      glfw_gather, present,
                                      seconds_of, hold_mouse,          fill_screen, set_title};

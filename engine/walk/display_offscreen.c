@@ -49,7 +49,7 @@ static void close_offscreen(Display *display) {
     gl_context_close(o->context);
 }
 
-static DisplaySize size_of(const Display *display) {
+static DisplaySize offscreen_size(const Display *display) {
     const Offscreen *o = display->own;
     return o->size;
 }
@@ -64,7 +64,7 @@ static double seconds_of(const Display *display) {
     return (double)o->presented / FRAMES_PER_SECOND;
 }
 
-static void gather(Display *display) {
+static void offscreen_gather(Display *display) {
     Offscreen *o = display->own;
     double now = seconds_of(display);
     for (; o->next_cue < o->cue_count && o->cues[o->next_cue].at <= now; o->next_cue++) {
@@ -84,9 +84,9 @@ static void present(Display *display) {
 static void nothing(Display *display, bool on) { (void)display, (void)on; }
 static void no_title(Display *display, const char *title) { (void)display, (void)title; }
 
-const DisplayBackEnd DISPLAY_OFFSCREEN = {"offscreen",    "in memory, by OSMesa",
-                                          open_offscreen, close_offscreen,
-                                          size_of,        framebuffer_of,
-                                          gather,         present,
-                                          seconds_of,     nothing,
-                                          nothing,        no_title};
+const DisplayBackEnd DISPLAY_OFFSCREEN = {"offscreen",      "in memory, by OSMesa",
+                                          open_offscreen,   close_offscreen,
+                                          offscreen_size,   framebuffer_of,
+                                          offscreen_gather, present,
+                                          seconds_of,       nothing,
+                                          nothing,          no_title};

@@ -43,7 +43,7 @@ static bool note_progress(void *context, const char *stage, double done) {
     return !atomic_load(&t->stop);
 }
 
-static void fill(LightThread *t, const RadSolution *solution) {
+static void fill_light(LightThread *t, const RadSolution *solution) {
     int free_one = t->held == 0 ? 1 : 0;
     lit_light_fill(atomic_load(&t->mesh), solution, &t->state[free_one]);
     pthread_mutex_lock(&t->lock);
@@ -70,7 +70,7 @@ static void show(void *context, const Mesh *mesh, const RadSolution *so_far) {
     RadSolution glowing = *so_far;
     glowing.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *glowing.radiosity);
     ambient_radiosities(mesh, so_far, glowing.radiosity);
-    fill(t, &glowing);
+    fill_light(t, &glowing);
     arena_free(&scratch);
 }
 
@@ -80,7 +80,7 @@ static void show_last(LightThread *t, const WalkLight *light) {
     pthread_mutex_lock(&t->lock);
     while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
     pthread_mutex_unlock(&t->lock);
-    if (!atomic_load(&t->stop)) fill(t, light->solution);
+    if (!atomic_load(&t->stop)) fill_light(t, light->solution);
 }
 
 static void *work(void *context) {

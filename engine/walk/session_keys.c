@@ -125,7 +125,7 @@ static void jump(Session *s, int key) {
     if (!session_jump(s, key - '1')) session_say(s, false, "there is no viewpoint %c", key);
 }
 
-static void start(Session *s, int key) {
+static void start_key(Session *s, int key) {
     (void)key;
     session_start(s);
 }
@@ -197,7 +197,7 @@ static const struct {
               {DISPLAY_KEY_PAGE_UP, DISPLAY_KEY_PAGE_UP, change_storey},
               {DISPLAY_KEY_PAGE_DOWN, DISPLAY_KEY_PAGE_DOWN, change_storey},
               {'1', '9', jump},
-              {'0', '0', start},
+              {'0', '0', start_key},
               {DISPLAY_KEY_F5, DISPLAY_KEY_F5, reload},
               {DISPLAY_KEY_F11, DISPLAY_KEY_F11, full_screen},
               {DISPLAY_KEY_ESCAPE, DISPLAY_KEY_ESCAPE, leave}};

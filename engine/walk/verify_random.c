@@ -15,7 +15,7 @@ typedef bool (*Place)(const CellGraph *graph, Random *random, Vec3 *eye);
 
 static const Region *region_of(const CellGraph *graph, int cell) { return vis_region(graph, cell); }
 
-static Vec2 centre_of(const CellGraph *graph, const Cell *cell) {
+static Vec2 centre_of_box(const CellGraph *graph, const Cell *cell) {
     Vec2 sum = {0, 0};
     for (int i = 0; i < cell->edge_count; i++) sum = vec2_add(sum, graph->plan[cell->first_edge + i]);
     return vec2_scale(sum, 1.0 / cell->edge_count);
@@ -70,7 +70,7 @@ static bool outdoors(const CellGraph *graph, Random *random, Vec3 *eye) {
 static bool corner(const CellGraph *graph, Random *random, Vec3 *eye) {
     const Cell *cell = &graph->cells[random_index(random, graph->cell_count)];
     Vec2 p = graph->plan[cell->first_edge + random_index(random, cell->edge_count)],
-         c = centre_of(graph, cell);
+         c = centre_of_box(graph, cell);
     double away = random_between(random, NEAR_LEAST, NEAR_MOST), size = vec2_length(vec2_sub(c, p));
     if (size < 4 * away) return false;
     p = vec2_add(p, vec2_scale(vec2_sub(c, p), away / size));

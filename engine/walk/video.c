@@ -41,7 +41,8 @@ static void undo(void *context) {
     if (*video->draft.beside) unlink(video->draft.beside);
 }
 
-static bool start(Video *video, int input, int width, int height, int frames_per_second, Arena *arena) {
+static bool start_ffmpeg(Video *video, int input, int width, int height, int frames_per_second,
+                         Arena *arena) {
     char *size = arena_format(arena, "%dx%d", width, height),
          *rate = arena_format(arena, "%d", frames_per_second);
     // Without /proc the draft has a name, which it made itself.
@@ -80,7 +81,7 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
         return NULL;
     }
     memory_hold_end();
-    bool started = start(video, pair[1], width, height, frames_per_second, arena);
+    bool started = start_ffmpeg(video, pair[1], width, height, frames_per_second, arena);
     int failure = errno;
     video->end = (MemoryEnd){.undo = undo, .context = video};
     if (started) memory_add_end(&video->end);

@@ -18,7 +18,7 @@ static bool draw(const WindowOptions *options, Display *display, Session *sessio
     return true;
 }
 
-static bool run(const WindowOptions *options, Display *display, Session *session, Error *error) {
+static bool run_window(const WindowOptions *options, Display *display, Session *session, Error *error) {
     while (!session_ended(session)) {
         for (DisplayEvent event; display_next_event(display, &event);) session_event(session, &event);
         session_advance(session, display_seconds(display));
@@ -33,7 +33,8 @@ bool walk_window(const WindowOptions *options, const SessionLoader *loader, Aren
     Display *display = display_open(options->back_end, &options->display, arena, error);
     if (!display) return false;
     Session *session = session_new(&options->session, loader, arena, error);
-    bool good = session && run(options, display, session, error) && session_keep_recording(session, error);
+    bool good =
+        session && run_window(options, display, session, error) && session_keep_recording(session, error);
     session_free(session);
     display_close(display);
     return good;

@@ -51,7 +51,7 @@ flags_coverage := -O1 --coverage
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lzip -lexpat -lpng -ljansson -lxxhash -lglfw -lOSMesa -lembree3 -lm
+libs := -lgeos_c -lminizip -lexpat -lpng -ljansson -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.
@@ -60,12 +60,17 @@ objects := $(patsubst %.c,$(dir)/%.o,$(sources) $(only_$(config))) $(dir)/glad/g
 # Without the programs' own: the rest is what tests link.
 mains := $(dir)/engine/app/main.o $(dir)/engine/bench/main.o
 library := $(filter-out $(mains),$(objects))
-# What the installed library is made of: all below the walk.
-public := $(filter-out $(patsubst %,$(dir)/engine/%/%,scene draw overlay walk stills app bench),$(library))
+# The installed libraries: all below the scenes, apart by the libraries that they need in their turn.
+base_layers := engine/core $(filter maps%,$(layers)) visibility $(patsubst %,visibility/%,cells soup trees query pairs prepare) engine/sim
+light_layers := engine/gl $(patsubst %,visibility/%,bezier rays hidden) $(filter radiosity%,$(layers))
+objects_in = $(patsubst %.c,$(dir)/%.o,$(foreach l,$(1),$(wildcard $(l)/*.c)))
+base_libs := -lgeos_c -lminizip -lexpat -ljansson -lm
+light_libs := -lOSMesa -lembree3 -lm
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
-soname := libenfilade.so.$(firstword $(subst ., ,$(version)))
+major := $(firstword $(subst ., ,$(version)))
+soname := libenfilade.so.$(major)
 programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/core/fail_malloc.c
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*/*.cpp))
 fuzzers := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/wad_builder support/home_fixture \
@@ -73,11 +78,11 @@ fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan build/maps/flat.Home.xml build/maps/hillside.sh3d build/maps/villa.sh3d
 
-to_build := gcc libc6-dev python3-glad libgeos-dev libzip-dev libexpat1-dev libpng-dev libjansson-dev \
+to_build := gcc libc6-dev python3-glad libgeos-dev libminizip-dev libexpat1-dev libpng-dev libjansson-dev \
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
             fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
-to_test := $(to_walk) time libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
+to_test := $(to_walk) libzip-dev time libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
 to_lint := clang-format cppcheck
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_docs := doxygen
@@ -106,15 +111,15 @@ $(dir)/enfilade: $(dir)/engine/app/main.o $(filter-out $(dir)/engine/bench/%,$(l
 $(dir)/enfilade-bench: $(dir)/engine/bench/main.o $(library)
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ $(libs)
 $(dir)/tests/all: $(library) $(tests)
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lcriterion -lstdc++ -lzip $(libs)
 # From an archive, so that a target holds what it needs and no more: after every try libFuzzer looks at all counters.
 # Files come from the target where it serves them (tests/fuzz/target.h).
 $(dir)/fuzzed.a: $(library) $(fuzz_help)
 	@rm -f $@ && ar rcs $@ $^
 $(dir)/tests/fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/mutator.o $(dir)/fuzzed.a
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -Wl,--wrap=file_read -o $@ $^ $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -fsanitize=fuzzer -Wl,--wrap=file_read -o $@ $^ -lzip $(libs)
 $(dir)/tests/try_fuzz_%: $(dir)/tests/fuzz/fuzz_%.o $(dir)/tests/fuzz/try_fuzz.o $(dir)/tests/fuzz/mutator.o $(dir)/fuzzed.a
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -Wl,--wrap=file_read -o $@ $^ $(libs)
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -Wl,--wrap=file_read -o $@ $^ -lzip $(libs)
 $(dir)/tests/make_hostile: $(dir)/tests/support/hostile.o $(dir)/tests/maps/make_hostile.o
 	@echo "link $@" && $(CC) $(CFLAGS_ALL) -o $@ $^ -lm
 # What opens a building, without what draws or lights it.
@@ -195,7 +200,7 @@ fuzz:
 	@bash tests/fuzz/fuzz.sh $(fuzz_seconds); status=$$?; bash tests/coverage.sh build/coverage maps '' build/fuzz/corpus; exit $$status
 # Faults of one line that the tests should notice: `make mutants mutants="--only query --again"`; tests/mutants.py tells more.
 mutants: maps program $(dir)/tests/all
-	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ $(libs)' \
+	@python3 tests/mutants.py --compile '$(CC) $(CFLAGS_ALL)' --link '$(CC) $(CFLAGS_ALL) $(library) $(tests) -lcriterion -lstdc++ -lzip $(libs)' \
 	    $(mutants)
 # The share of lines that tests and seeds run, by file of a folder; of suites that match a pattern, e.g. suites='wad*/*'.
 coverage:
@@ -262,20 +267,26 @@ lint:
 	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
-# The library gives away only the names of its headers.
-$(dir)/libenfilade.names: $(public) engine/library/exports.sh $(wildcard $(layers:%=%/*.h))
-	@rm -rf $(dir)/include && sh engine/library/headers.sh $(dir)/include/enfilade
-	@sh engine/library/exports.sh $(dir)/include $(public) >$@
-$(dir)/libenfilade.a: $(dir)/libenfilade.names
-	@echo "link $@" && rm -f $@ && $(CC) -r -nostdlib -o $(dir)/libenfilade.o $(public)
-	@objcopy --keep-global-symbols=$< $(dir)/libenfilade.o && ar rcs $@ $(dir)/libenfilade.o
-$(dir)/libenfilade.so: $(dir)/libenfilade.names
-	@(echo '{ global:'; sed 's/$$/;/' $<; echo 'local: *; };') >$(dir)/libenfilade.map
-	@echo "link $@" && $(CC) $(CFLAGS_ALL) -shared -Wl,-soname,$(soname) -Wl,-z,defs \
-	    -Wl,--version-script=$(dir)/libenfilade.map -o $@ $(public) $(filter-out -lglfw,$(libs))
+# Each library is one object, in which every name has the prefix, and gives away the names of its headers alone.
+$(dir)/libenfilade.rename: $(call objects_in,$(base_layers)) $(call objects_in,$(light_layers)) $(dir)/glad/gl.o $(wildcard engine/library/*.py) \
+                           $(wildcard $(layers:%=%/*.h) engine/library/*.h)
+	@rm -rf $(dir)/include && python3 engine/library/headers.py $(dir)/include/enfilade $(dir)/libenfilade.headers
+	@$(CC) -r -nostdlib -o $(dir)/libenfilade.o $(call objects_in,$(base_layers))
+	@$(CC) -r -nostdlib -o $(dir)/libenfilade-light.o $(call objects_in,$(light_layers)) $(dir)/glad/gl.o
+	@python3 engine/library/exports.py $(dir)/libenfilade.headers $(dir)/libenfilade.o $(dir)/libenfilade-light.o $(dir)/libenfilade
+	@for l in libenfilade libenfilade-light; do objcopy --redefine-syms=$@ $(dir)/$$l.o || exit 1; done
+	@for l in base light; do (echo '{ global:'; sed 's/$$/;/' $(dir)/libenfilade.$$l; echo 'local: *; };') >$(dir)/libenfilade.$$l.map; done
+$(dir)/libenfilade.so: $(dir)/libenfilade.rename
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -shared -Wl,-soname,$(soname) -Wl,-z,defs,--as-needed \
+	    -Wl,--version-script=$(dir)/libenfilade.base.map -o $@ $(dir)/libenfilade.o $(base_libs)
+$(dir)/libenfilade-light.so: $(dir)/libenfilade.so
+	@echo "link $@" && $(CC) $(CFLAGS_ALL) -shared -Wl,-soname,$(soname:libenfilade%=libenfilade-light%) -Wl,-z,defs,--as-needed \
+	    -Wl,--version-script=$(dir)/libenfilade.light.map -o $@ $(dir)/libenfilade-light.o -L$(dir) -lenfilade $(light_libs)
+$(dir)/lib%.a: $(dir)/libenfilade-light.so
+	@echo "link $@" && rm -f $@ && ar rcs $@ $(dir)/lib$*.o
 $(dir)/enfilade.1: $(dir)/enfilade engine/library/man.sh
 	@sh engine/library/man.sh $< >$@
-libraries: $(dir)/libenfilade.a $(dir)/libenfilade.so
+libraries: $(dir)/libenfilade.a $(dir)/libenfilade-light.a
 install: all
 	$(submake) libraries $(dir)/enfilade.1
 	install -D -m 755 -t $(DESTDIR)$(PREFIX)/bin $(dir)/enfilade $(dir)/enfilade-bench
@@ -284,18 +295,21 @@ install: all
 	install -D -m 644 engine/library/_enfilade $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_enfilade
 	install -d $(DESTDIR)$(PREFIX)/share/enfilade $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(maps) maps/README.md LICENSE engine/NOTICES $(DESTDIR)$(PREFIX)/share/enfilade
-	install -D -m 644 $(dir)/libenfilade.a $(DESTDIR)$(PREFIX)/lib/libenfilade.a
-	install -D -m 755 $(dir)/libenfilade.so $(DESTDIR)$(PREFIX)/lib/libenfilade.so.$(version)
-	ln -sf libenfilade.so.$(version) $(DESTDIR)$(PREFIX)/lib/$(soname)
-	ln -sf $(soname) $(DESTDIR)$(PREFIX)/lib/libenfilade.so
-	sh engine/library/headers.sh $(DESTDIR)$(PREFIX)/include/enfilade
+	for l in libenfilade libenfilade-light; do \
+	    install -D -m 644 $(dir)/$$l.a $(DESTDIR)$(PREFIX)/lib/$$l.a && \
+	    install -D -m 755 $(dir)/$$l.so $(DESTDIR)$(PREFIX)/lib/$$l.so.$(version) && \
+	    ln -sf $$l.so.$(version) $(DESTDIR)$(PREFIX)/lib/$$l.so.$(major) && ln -sf $$l.so.$(major) $(DESTDIR)$(PREFIX)/lib/$$l.so || exit 1; \
+	done
+	cp -r $(dir)/include/enfilade $(DESTDIR)$(PREFIX)/include
 	@mkdir -p $(DESTDIR)$(PREFIX)/lib/pkgconfig
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(version)|; s|@LIBS@|$(filter-out -lglfw,$(libs)) -fopenmp|' \
-	    engine/library/enfilade.pc.in >$(DESTDIR)$(PREFIX)/lib/pkgconfig/enfilade.pc
+	for l in enfilade enfilade-light; do \
+	    sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(version)|; s|@BASE_LIBS@|$(base_libs) -fopenmp|; s|@LIGHT_LIBS@|$(light_libs) -fopenmp|' \
+	        engine/library/$$l.pc.in >$(DESTDIR)$(PREFIX)/lib/pkgconfig/$$l.pc || exit 1; \
+	done
 docs:
 	$(call install,$(to_docs))
 	@rm -rf build/docs && mkdir -p build/docs
-	@sh engine/library/headers.sh build/docs/include/enfilade
+	@python3 engine/library/headers.py build/docs/include/enfilade build/docs/names
 	doxygen engine/library/Doxyfile
 	@# Members of structs may speak for themselves; types and functions may not.
 	@(cat engine/library/Doxyfile; echo 'EXTRACT_ALL = NO'; echo 'GENERATE_HTML = NO'; echo 'WARN_AS_ERROR = NO') | \

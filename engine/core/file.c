@@ -9,6 +9,9 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+// In this object, so that no library is needed for it.
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "engine/core/memory.h"

@@ -1,36 +1,22 @@
-// enfilade.h - all that the library offers, in the order in which one needs it.
+// enfilade.h - buildings, what can be seen in them, and walking in them; enfilade_light.h has hidden surfaces and light.
 //
-// Read a building (maps.h, lamp_faces.h), find cells, portals and stab trees (vis.h; pairs.h for finer sets), ask for what can be
-// seen (vis.h) or which polygon lies in each pixel (hidden.h), mesh and light it (mesh.h, adapt.h, shoot.h, sky.h), and ask for the
-// light (reconstruct.h, gather.h, final_gather.h; path_tracer.h for the truth).
+// Read a building (maps.h) or make one in memory (sketch.h), prepare it (prepare.h: cells, portals, stab trees), ask for what can be
+// seen (query.h), move doors (doors.h) and a body that collides with walls, furniture and leaves (body.h).
 //
-// Lengths are metres, z is up, angles radians, light W/m^2 a channel. What can fail returns false and one sentence in an Error; what
-// is made lies in the caller's Arena and goes with it. Options come from a function `..._default_options`. Nothing here prints, and
-// nothing is global but a count of memory: buildings may be worked on side by side.
+// Lengths are metres, z is up, angles radians. A function that can fail returns false and one sentence in an Error; a result lies in the
+// caller's Arena and goes with it. Options come from a function `..._default_options`. Nothing here prints, and nothing is global but a
+// count of memory: buildings may be worked on side by side, each by one thread at a time; a building, its cells and its stab trees are
+// read only once they are made, and any number of threads may ask about them, each with a query, doors and a body of its own.
 #ifndef ENFILADE_H
 #define ENFILADE_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
+#include "engine/sim/body.h"
+#include "engine/sim/doors.h"
 #include "maps/building/lamp_faces.h"
+#include "maps/building/sketch.h"
 #include "maps/maps.h"
-#include "radiosity/factors/form_factor.h"
-#include "radiosity/mesh/mesh.h"
-#include "radiosity/shoot/adapt.h"
-#include "radiosity/shoot/shoot.h"
-#include "radiosity/shoot/sky.h"
-#include "radiosity/show/final_gather.h"
-#include "radiosity/show/gather.h"
-#include "radiosity/show/reconstruct.h"
-#include "radiosity/truth/path_tracer.h"
-#include "visibility/hidden/hidden.h"
 #include "visibility/pairs/pairs.h"
+#include "visibility/prepare/prepare.h"
 #include "visibility/vis.h"
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif

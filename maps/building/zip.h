@@ -4,7 +4,7 @@
 
 #include "engine/core/file.h"
 
-typedef struct Archive Archive;  // opaque: libzip's machinery
+typedef struct Archive Archive;  // opaque: minizip's machinery
 
 // More entries than any building file has (the largest seen: a few hundred).
 #define ARCHIVE_MAX_ENTRIES 65536

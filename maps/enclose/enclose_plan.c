@@ -5,6 +5,9 @@
 // where equality is exact.
 #include <stdio.h>
 #include <stdlib.h>
+
+// In this object, so that no library is needed for it.
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "maps/enclose/enclose.h"

@@ -9,6 +9,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+// In this object, so that no library is needed for it.
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "engine/core/memory.h"

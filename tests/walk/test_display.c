@@ -168,10 +168,6 @@ Test(display, offscreen_frames) {
     }
 }
 
-// The table of back ends is what the command line knows.
-Test(display, back_ends_by_name) {
-}
-
 // ---- a window
 
 // Without a display there is one sentence with the reason and the way out; and the next attempt is a new one.

@@ -1,7 +1,228 @@
 // cmd_render.c - `enfilade render FILE`: a still by rays, with mirrors and glass.
 #include <stddef.h>
+#include <stdio.h>
+#include <unistd.h>
 
-#include "engine/app/render.h"
+#include "engine/app/app.h"
+#include "engine/core/clock.h"
+#include "engine/draw/image.h"
+#include "engine/scene/light.h"
+#include "engine/stills/still.h"
+
+typedef struct RenderArguments {
+    // Its `light` is the file that was given, or NULL.
+    SceneOptions load;
+    const char *file, *out;
+    // NULL: the first of the building, or where a walk begins.
+    const char *view;
+    // `eye`, `look`, `fov` were given.
+    bool from, towards, widened;
+    Vec3 eye, look;
+    // Radians, horizontal.
+    double fov;
+    // Width and height, pixels.
+    int size[2];
+    StillOptions still;
+    // Else `still.direct` is as fits the building.
+    bool direct_given;
+    bool json;
+} RenderArguments;
+
+// Where neither the command nor a view of the building says, radians.
+static const double USUAL_FOV = 70 * (M_PI / 180);
+// An eye and what it looks at are at least so far apart, metres.
+static const double NEAREST_LOOK = 1e-6;
+
+typedef struct Render {
+    const RenderArguments *a;
+    StillOptions still;  // as asked for, and as fits
+    LoadedScene scene;
+    const WalkLight *light;
+    RadSolution lamps_only;
+    Camera camera;
+    StillReport report;
+    double seconds_light, seconds_lamps;
+    bool baked;  // here, not found
+    bool stopped;
+} Render;
+
+// ---- the camera
+
+static bool find_view(const RenderArguments *a, const Building *b, Viewpoint *out, Error *error) {
+    *out = (Viewpoint){.eye = b->start, .yaw = b->start_yaw, .fov = USUAL_FOV};
+    if (!a->view) {
+        if (b->viewpoint_count > 0) *out = b->viewpoints[0];
+        return true;
+    }
+    char names[512] = "";
+    size_t used = 0;
+    for (int i = 0; i < b->viewpoint_count; i++) {
+        if (strcmp(b->viewpoints[i].name, a->view) == 0) {
+            *out = b->viewpoints[i];
+            return true;
+        }
+        int more =
+            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", b->viewpoints[i].name);
+        if (more > 0 && used + (size_t)more < sizeof names) used += (size_t)more;
+    }
+    return error_set(error, "%s: there is no view `%s` (allowed: %s)", a->file, a->view,
+                     used ? names : "none, it has no views");
+}
+
+static bool find_camera(Render *r, Error *error) {
+    const RenderArguments *a = r->a;
+    Viewpoint v;
+    if (!find_view(a, &r->scene.building, &v, error)) return false;
+    if (a->from) v.eye = a->eye;
+    if (a->widened) v.fov = a->fov;
+    if (a->towards) {
+        Vec3 way = vec3_sub(a->look, v.eye);
+        double length = vec3_length(way);
+        if (!(length > NEAREST_LOOK))
+            return error_set(error, "%s: --look is where the eye is (allowed: another place)", a->file);
+        v.yaw = atan2(way.y, way.x);
+        v.pitch = asin(fmin(fmax(way.z / length, -1), 1));
+    }
+    r->camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, a->size[0], a->size[1]);
+    return true;
+}
+
+// ---- light
+
+static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    LightBaker baker = light_baker(&r->scene, arena);
+    WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
+    if (!baker.bake)
+        return error_set(error, "%s: nothing emits light (bake it with --sky, then --light FILE.rad)",
+                         r->a->file);
+    LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
+    bool good = baker.bake(baker.context, &hooks, arena, light, error);
+    if (good && *error->text) app_warn(error->text);
+    r->light = light;
+    r->baked = true;
+    return good;
+}
+
+static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    double start = clock_seconds();
+    bool good = light_find(&r->scene, r->a->load.light != NULL, arena, &r->light, error) &&
+                (r->light || bake_light(r, progress, arena, error));
+    r->seconds_light = clock_seconds() - start;
+    return good;
+}
+
+// ---- what lamps send straight
+
+// Found in the cache, or made as the bake does it and kept there. One that was made on another mesh is made anew.
+static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
+                       Error *error) {
+    Error reason;
+    const char *place = scene_cache_path(
+        arena, arena_format(arena, "%016llx-lamps.rad", (unsigned long long)r->scene.building.hash));
+    if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light->door_open, arena, out, &reason))
+        return true;
+    if (!rad_start_dark(mesh, arena, out, error)) return false;
+    bool keep = scene_cache_takes(&r->scene, place, LIGHT_ROOM);
+    RadOptions options = rad_default_options();
+    options.residual = options.form_factor.resolution = 0;
+    rad_fit(mesh, &options);
+    options.lamps_only = true;
+    options.residual = 0;
+    options.threads = r->a->still.threads;
+    RadReport report = rad_shoot(mesh, &r->scene.forest, r->light->door_open, &options, progress, out);
+    if (report.stopped) return error_set(error, "stopped");
+    if (keep && !rad_save(place, mesh, r->light->door_open, out, &reason))
+        fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
+    return true;
+}
+
+// On the mesh that was baked, then shown as that light is.
+static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    const FineMesh *fine = r->light->fine;
+    RadSolution solution;
+    double start = clock_seconds();
+    if (!find_lamps(r, fine ? fine->light : r->light->mesh, progress, arena, &solution, error)) return false;
+    r->lamps_only = fine ? fine_light(fine, &solution, arena) : solution;
+    r->seconds_lamps = clock_seconds() - start;
+    return true;
+}
+
+// ---- the picture
+
+// Where so much of all surfaces emits shadows have no edges: rays would bring noise alone.
+static const double MOST_EMITTING = 0.25;
+
+static StillDirect fitting_direct(const Mesh *mesh) {
+    double emitting = 0, all = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        all += mesh->elements[e].area;
+        if (mesh_emits(mesh, mesh->elements[e].face)) emitting += mesh->elements[e].area;
+    }
+    return emitting > MOST_EMITTING * all ? STILL_BAKED : STILL_RAYS;
+}
+
+static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
+    const RenderArguments *a = r->a;
+    uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->size[0] * (size_t)a->size[1] * 3);
+    StillSource source = {&r->scene.forest, r->light, &r->lamps_only};
+    if (!still_draw(&source, &r->camera, &r->still, progress, rgb, &r->report))
+        return error_set(error, "stopped");
+    return image_write_png(a->out, rgb, a->size[0], a->size[1], error);
+}
+
+static bool load(Render *r, const SceneOptions *from, Arena *arena, Error *error) {
+    SceneOptions load = *from;
+    load.lamps = SCENE_LAMPS_ALL;
+    load.find_light = true;
+    load.work = "drawing";
+    load.vis.threads = r->a->still.threads;
+    return app_load(r->a->file, &load, arena, &r->scene, error) && scene_has_walls(&r->scene, error);
+}
+
+static void print_render(const Render *r) {
+    const StillReport *s = &r->report;
+    const RenderArguments *a = r->a;
+    double millions = (double)s->work.rays / 1e6;
+    if (!a->json) {
+        printf("%s: %dx%d, %d samples a pixel, %.1f million rays, %d lamps, %.2f s", a->out, a->size[0],
+               a->size[1], a->still.samples, millions, s->lamps, s->seconds);
+        printf(" (light %s in %.2f s, lamps %.2f s, scene %.2f s)\n", r->baked ? "baked" : "read",
+               r->seconds_light, r->seconds_lamps, s->seconds_scene);
+        return;
+    }
+    app_print_json(json_pack(
+        "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f s:f}", "file", a->out,
+        "width", a->size[0], "height", a->size[1], "samples", a->still.samples, "depth", a->still.depth,
+        "direct", STILL_DIRECT_NAMES[r->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
+        s->exposure, "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt",
+        (json_int_t)s->work.matt, "ended_escaped", (json_int_t)s->work.escaped, "ended_faint",
+        (json_int_t)s->work.faint, "ended_deep", (json_int_t)s->work.deep, "baked", r->baked, "seconds_light",
+        r->seconds_light, "seconds_lamps", r->seconds_lamps, "seconds_scene", s->seconds_scene, "seconds",
+        s->seconds));
+}
+
+// the exit code
+static int render(const RenderArguments *arguments) {
+    Render r = {.a = arguments, .still = arguments->still};
+    Arena arena = {0};
+    Error error = {""};
+    Progress progress = app_progress_stoppable(0);
+    const char *read[] = {arguments->file, arguments->load.light};
+    SceneOptions options = arguments->load;
+    bool good = app_check_files(&arguments->out, 1, read, 2, &options, &error) &&
+                load(&r, &options, &arena, &error) && find_camera(&r, &error) &&
+                get_light(&r, &progress, &arena, &error);
+    if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light->mesh);
+    if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
+    good = good && draw(&r, &progress, &arena, &error);
+    app_progress_end();
+    if (good) print_render(&r);
+    arena_free(&arena);
+    if (good) return APP_GOOD;
+    if (strcmp(error.text, "stopped") == 0)
+        return app_fail(APP_BAD_INPUT, "stopped: %s was not written", arguments->out);
+    return app_fail(APP_BAD_INPUT, "%s", error.text);
+}
 
 #define AT(field) offsetof(RenderArguments, field)
 static const Option ROWS[] = {

@@ -55,7 +55,7 @@ Progress app_progress(void) {
     return isatty(STDERR_FILENO) ? (Progress){report, NULL} : (Progress){NULL, NULL};
 }
 
-// What asks a stage to stop. The signal comes from outside: there is one flag a process, which any of its threads may set or read.
+// A signal or a deadline asks a stage to stop. The signal comes from outside: one flag a process, which any thread may set or read.
 static atomic_bool interrupted;
 static double deadline;  // on the clock; 0: none
 

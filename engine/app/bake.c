@@ -51,7 +51,7 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     return good;
 }
 
-// What is resumed is in the cache where no .rad file is named. Light that has no place there is made all the same.
+// Where no .rad file is named, the light to resume is in the cache. Light that has no place there is made all the same.
 static bool find_places(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     bake->out = a->out;
@@ -178,7 +178,7 @@ static double peak_mb(void) {
     return (double)usage.ru_maxrss / 1024;
 }
 
-// What lamps emit, W; the rest came from the sky.
+// The power of the lamps, W; the rest came from the sky.
 static double lamp_power(const Mesh *mesh) {
     double power = 0;
     for (int p = 0; p < mesh->patch_count; p++) {
@@ -267,7 +267,7 @@ static void print_warnings(const Bake *bake) {
         fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
 }
 
-// Of constant elements: slopes would make more of what is wrong with elements in corners, where shooters are near.
+// Elements count as constant: slopes would enlarge the errors of elements in corners, where shooters are near.
 static void gather_probes(const Bake *bake, Probes *probes) {
     if (probes->count == 0) return;
     GatherScene scene = {&bake->fine->mesh, &bake->scene.forest, bake->doors, &bake->shown, NULL};

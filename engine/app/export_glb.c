@@ -84,7 +84,7 @@ static int region_node(Builder *b, int index) {
     return b->region[index];
 }
 
-// Of a cell's room; of a building without regions, and where there is no cell, the root.
+// The node of a cell's room; the root in a building without regions, and where there is no cell.
 static int cell_node(Builder *b, int cell) {
     if (cell < 0 || b->graph->building->form != FORM_REGIONS) return 0;
     const Cell *c = &b->graph->cells[cell];
@@ -115,7 +115,7 @@ static const char *base_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-// Of those objects alone that `wanted` [object_count] tells.
+// The tree holds only objects that `wanted` [object_count] names.
 static ExportTree export_tree(const CellGraph *graph, const bool *wanted, Arena *arena) {
     const Building *building = graph->building;
     Arena scratch = {0};
@@ -158,14 +158,14 @@ typedef struct Export {
     uint16_t (*colour)[4];
     uint32_t *index;
     int position_count, position_capacity, colour_count, colour_capacity, index_count, index_capacity;
-    // Of the primitive at hand: the vertex a node of light became.
+    // The vertex that a node of light became in the primitive at hand.
     int *vertex, *stamp, now;  // [nodes.count]
 } Export;
 
 // Views of the binary part.
 enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_INDICES, EXPORT_VIEWS };
 
-// What a place of middling brightness becomes in linear light: as in a walk, behind its curve.
+// A place of middling brightness becomes this in linear light, as in a walk behind its curve.
 static const double MIDDLE = 0.52;
 // A container counts its bytes in 32 bits.
 static const size_t LARGEST = (size_t)UINT32_MAX - 64;

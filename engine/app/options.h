@@ -41,7 +41,7 @@ typedef struct Option {
     // [name_count] of OPTION_NAME
     const char *const *names;
     int name_count;
-    // Of OPTION_OTHER: returns the exit code. The values allowed go to `error`, which stays empty where the function itself has told
+    // For OPTION_OTHER: returns the exit code. The values allowed go to `error`, which stays empty where the function itself has told
     // the fault.
     int (*take)(const char *value, void *arguments, Error *error);
 } Option;

@@ -18,7 +18,7 @@ typedef struct BenchArguments {
     int size[2];
     int frames;
     WalkLook look;
-    // Of a walk.
+    // Steps of a walk.
     int steps;
     uint64_t seed;
     // Names with commas between them; NULL: all.
@@ -33,7 +33,7 @@ typedef struct BenchArguments {
     const char *csv;
     int resolutions[BENCH_RESOLUTIONS], resolution_count;
     int shooters;
-    // Of the reference, a shooter.
+    // Rays of the reference for each shooter.
     int rays;
     // 20 shooters, 300,000 rays.
     bool quick;
@@ -54,7 +54,7 @@ typedef struct BenchArguments {
 
 // A benchmark: a row of the table.
 typedef struct Bench {
-    // What it measures: a paragraph.
+    // `about`: a paragraph about the measurement.
     const char *name, *about;
     // Its own rows of options; --map and --memory are everybody's.
     const Option *options;

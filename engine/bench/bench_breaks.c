@@ -109,7 +109,7 @@ static void see(PlainScene *s, int face) {
     view->faces[at] = seen;
 }
 
-// What a point with a normal sees, near to far.
+// The quads that a point with a normal sees, near to far.
 static const View *plain_scene_look(PlainScene *s, Vec3 eye, Vec3 normal) {
     View *view = &s->view;
     view->eye = eye;

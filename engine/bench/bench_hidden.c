@@ -183,7 +183,7 @@ static const char HEAD[] =
 static const double VIEW_SECONDS = 0.03;
 enum { VIEW_DRAWS = 30, MOST_METHODS = 16 };
 
-// Of a method on the views of a scene; sums over the views.
+// A method's figures on the views of a scene: sums over the views.
 typedef struct Run {
     double prepare_seconds, seconds;
     int prepared;  // scenes

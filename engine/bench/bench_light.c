@@ -32,7 +32,7 @@ typedef struct ErrorPictureFound {
 static const double ENDS = 0.2;
 // Pixels with less light than this share of the mean of all are measured against it.
 static const double DARK = 0.01;
-// Of walks, a pixel: 4,084 of them, a few per cent of noise. A path tracer's query takes eight times as many to know its own error.
+// 4,084 walks a pixel leave a few per cent of noise. A path tracer's query takes eight times as many to know its own error.
 enum { BLOCKS = 4 };
 static const uint8_t NOTHING = 96;  // grey
 
@@ -294,7 +294,7 @@ static int by_size(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-// Of all points, or of those that are lit.
+// The spread over all points, or over the points that are lit.
 static Spread spread_of(const LightPoints *points, const double *off, bool lit) {
     int count = points->count;
     Arena scratch = {0};

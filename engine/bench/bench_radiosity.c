@@ -109,7 +109,7 @@ static void bench_room_shoot(RoomLight *state, int patch, const Row *row) {
     }
 }
 
-// Of what arrives at elements, the lamp left out: the area-weighted mean of |difference|, over the mean light, percent.
+// The area-weighted mean of |difference| of the light that arrives at elements, the lamp left out, over the mean light, percent.
 static double bench_room_error(const BenchRoom *room, const double *light, const double *reference) {
     double off = 0, all = 0;
     for (int e = 0; e < room->mesh.element_count; e++) {

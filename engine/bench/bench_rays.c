@@ -21,7 +21,7 @@
 #include "visibility/rays/ray_tree.h"
 
 enum { TREE_ROUNDS = 5, TREE_SIDE = 256, TREE_COUNT = TREE_SIDE * TREE_SIDE };
-// What Embree leaves out or takes twice at an edge is told apart from what differs: by so many metres along the ray.
+// Hits that Embree leaves out or takes twice at an edge are told apart from hits that differ by so many metres along the ray.
 static const double SAME_HIT = 1e-3;
 
 typedef enum Kind { PICTURE, ANYWHERE, BETWEEN, KINDS } Kind;
@@ -231,13 +231,13 @@ static const char HEAD[] =
     "roots,missed,false\n";
 
 enum { RAYS = 4000, TRUTH_RAYS = 1000, ROUNDS = 5, MOST_HITS = 32, MOST_METHODS = 8 };
-// Of rays, by what they cost slow methods: halving takes a hundred times as long as the others.
+// Slow methods get fewer rays: halving takes a hundred times as long as the others.
 enum { SLOW_RAYS = 400 };
 // A root is confirmed when it is no farther than this from the ray, of the size, and the same as another no farther
 // than the second along it. Grazing: the sine of the ray's angle with the patch.
 static const double CONFIRMED = 1e-9, SAME = 1e-8, GRAZING = 1e-4;
 
-// What finds the hits of a ray with one shape.
+// A method and its data, which find the hits of a ray with one shape.
 typedef struct Shooter {
     const char *shape, *method;
     const BezierMethod *of_patch;  // or NULL

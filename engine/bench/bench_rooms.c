@@ -14,7 +14,7 @@
 static const char HEAD[] = "building,rooms,cells,polygons,elements,method,culling,shots,ms_a_shot,ms_a_look,"
                            "faces_drawn,elements_drawn\n";
 
-// Of each row of the table: so many shots, or as many as there is time for, in several passes of which the quickest counts.
+// Each row of the table takes so many shots, or as many as there is time for, in several passes of which the quickest counts.
 enum { SHOTS = 500, PASSES = 5 };
 static const double LONGEST_PASS = 1, LONGEST = 2;  // seconds
 

@@ -104,7 +104,7 @@ static bool unpack(Bytes packed, size_t from, int cell_count, uint64_t *row) {
     return true;
 }
 
-// What the leaves of such a level see once it was compiled, as PairSet.seen. Refuses one without visibility.
+// The leaves that each leaf of such a level sees once it was compiled, as PairSet.seen. Refuses a level without visibility.
 static bool bsp29_read_seen(const char *path, int cell_count, Arena *arena, uint64_t **rows, Error *error) {
     enum { LIMIT = 1 << 30 };
     Bytes content, leaves, packed;
@@ -208,7 +208,7 @@ static bool peer_run(const char *program, const char *file, int threads, Arena *
     return good;
 }
 
-// What this process used so far.
+// Time and memory that this process used so far.
 typedef struct ApartUsage {
     double cpu_seconds;  // of all its threads
     double peak_mb;
@@ -370,7 +370,7 @@ static SampleOptions sample_options(const BenchArguments *a) {
     return options;
 }
 
-// What is known to be visible before any method ran.
+// Pairs that are known to be visible before any method ran.
 static bool make_bound(FileBench *b, Arena *arena, Error *error) {
     int cells = b->scene.graph.cell_count, words = (cells + 63) / 64;
     b->rows_size = (size_t)cells * (size_t)words * sizeof *b->bound;
@@ -441,7 +441,7 @@ static void add_method(const FileBench *b, int i, Text *row) {
     text_append(row, "%.4f,%.4f,%.4f,%.4f,%.1f,", one->cpu_seconds, one->wall_seconds, two->cpu_seconds,
                 two->wall_seconds, one->peak_mb);
     add_pairs(b, one->method->name, one->seen, row);
-    // Of a method without sightlines all pairs but those of a cell with itself are undecided.
+    // A method without sightlines leaves all pairs undecided but those of a cell with itself.
     PairFigures own = pairs_compare(one->seen, (proving ? proving : one)->checked, b->scene.graph.cell_count);
     text_append(row, "%lld,%lld,%lld,%lld,%s,\n", own.beyond, one->work.chains, one->work.clips,
                 one->work.separators, one->stopped || two->stopped ? "yes" : "no");

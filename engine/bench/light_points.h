@@ -23,7 +23,7 @@ typedef struct LightPoints {
 // them: nobody sees that. Fails where there are none.
 bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *arena, LightPoints *out,
                          Error *error);
-// What the standard error of the truth is a share of: of the irradiance at the point, or a hundredth of the mean of all points where
+// The standard error of the truth is a share of the irradiance at the point, or of a hundredth of the mean of all points where
 // that is more, so that points in the dark do not decide; or of the mean.
 typedef enum LightTruth { LIGHT_TRUTH_EACH, LIGHT_TRUTH_MEAN } LightTruth;
 void light_points_trace(const Mesh *mesh, const double sky[3], LightTruth kind, double error, uint64_t seed,

@@ -142,7 +142,7 @@ LightErrors light_errors(const LightScene *s, const LightBake *bake, int gatheri
     return out;
 }
 
-// What the truth scatters by itself is no error of ours.
+// The scatter of the truth itself is no error of ours.
 double light_errors_rms(const LightScene *s, const double *off) {
     double squares = 0, scatter = 0;
     int count = 0;

@@ -38,7 +38,7 @@ typedef struct LightBake {
 void light_bake_defaults(const LightScene *scene, LightBake *out);
 bool light_bake(const LightScene *scene, Arena *arena, LightBake *bake, Error *error);
 
-// What is compared with the truth: what a point gathers from what it sees, as `bake --probe` does; and the solution itself where
+// Compared with the truth are the light that a point gathers, as `bake --probe` does, and the solution itself where
 // the point lies, (B - E) / rho, of the element there and between its corners, which is what a walk shows.
 enum { LIGHT_GATHERED, LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_COMPARED };
 extern const char *const LIGHT_COMPARED_NAMES[LIGHT_COMPARED];

@@ -18,7 +18,7 @@ typedef struct Arena {
 // Zeroed, aligned to 64 bytes. Never returns NULL: no memory ends the program (memory.h).
 void *arena_alloc(Arena *arena, size_t count, size_t size);
 char *arena_string(Arena *arena, const char *text);  // a copy
-// What printf would print, in the arena.
+// A string in the arena, as printf would print it.
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // The same with the arguments in a list.
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
@@ -31,7 +31,7 @@ void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block f
 // zeroed last element. The memory of outgrown arrays stays in the arena (at most as much again).
 #define ARENA_PUSH(arena, array, count, capacity)                                                            \
     ((array) = arena_grow((arena), (array), (count), &(capacity), sizeof *(array)), (array) + (count)++)
-// What ARENA_PUSH calls: an array with room for one more than `count`, the new element zeroed.
+// ARENA_PUSH calls this: an array with room for one more than `count`, the new element zeroed.
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size);
 
 #endif

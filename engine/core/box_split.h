@@ -5,7 +5,7 @@
 
 #include "engine/core/vec.h"
 
-// What is sorted into a hierarchy.
+// An item to be sorted into a hierarchy.
 typedef struct BoxItem {
     Box box;
     Vec3 centre;

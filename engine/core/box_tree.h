@@ -19,7 +19,7 @@ typedef struct BoxTree {
     int count, node_count;
 } BoxTree;
 
-// What a search found. Start with {0}; one of these serves many searches, and keeps its memory.
+// The items that a search found. Start with {0}; one BoxHits serves many searches, and keeps its memory.
 typedef struct BoxHits {
     int *items;
     int count, capacity;

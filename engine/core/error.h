@@ -14,7 +14,7 @@ bool error_set(Error *error, const char *format, ...) __attribute__((format(prin
 
 // Our own mistake, never bad input: prints the place and aborts, in release builds too.
 #define CORE_ASSERT(condition) ((condition) ? (void)0 : error_assert(#condition, __FILE__, __LINE__))
-// What CORE_ASSERT calls.
+// CORE_ASSERT calls this.
 void error_assert(const char *condition, const char *file, int line) __attribute__((noreturn));
 
 #endif

@@ -29,7 +29,7 @@ static bool fail(const char *path, Error *error) {
 
 // ---- where
 
-// Of `/dev/fd/N`, to which `/dev/stdout` leads: the descriptor, else -1.
+// The descriptor of `/dev/fd/N`, to which `/dev/stdout` leads, else -1.
 static int own_descriptor(const char *path) {
     static const char *const folders[] = {"/proc/self/fd/", "/dev/fd/"};
     for (int i = 0; i < 2; i++) {
@@ -129,7 +129,7 @@ static void name_beside(const char *target, int i, char beside[FILE_LONGEST_PATH
     CORE_ASSERT(snprintf(beside, FILE_LONGEST_PATH, BESIDE, target, i % NAMES) < FILE_LONGEST_PATH);
 }
 
-// What a killed writer left. Whoever writes holds a lock on the file, which no dead program does, on whatever machine.
+// Removes the file that a killed writer left. A writer holds a lock on its file, which no dead program does, on whatever machine.
 static void sweep(const char *target) {
     for (int i = 0; i < NAMES; i++) {
         char beside[FILE_LONGEST_PATH];
@@ -214,7 +214,7 @@ static bool begin(const char *path, bool named, FileDraft *draft, Error *error) 
     if (!find_target(path, draft, &exists)) return fail(path, error);
     if (draft->stream) return open_stream(draft) || fail(path, error);
     sweep(draft->target);
-    // What replaces a private file is private from its beginning.
+    // A file that replaces a private one is private from its beginning.
     mode_t mode = exists ? 0600 : 0666;
     if ((!named && open_nameless(draft, mode)) || open_named(draft, mode)) return true;
     if (!exists || (errno != EACCES && errno != EPERM)) return fail(path, error);

@@ -29,7 +29,7 @@ static inline Four four_choose(FourMask mask, Four yes, Four no) {
 #endif
 }
 
-// Of what is no number, b.
+// b where either is no number.
 static inline Four four_least(Four a, Four b) {
 #ifdef __AVX2__
     return (Four)_mm256_min_pd((__m256d)a, (__m256d)b);

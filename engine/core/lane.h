@@ -78,7 +78,7 @@ static inline Lane lane_least(Lane a, Lane b) {
 #endif
 }
 
-// Of what is no number, b.
+// b where either is no number.
 static inline Lane lane_most(Lane a, Lane b) {
 #ifdef __AVX2__
     return (Lane)_mm256_max_ps((__m256)a, (__m256)b);

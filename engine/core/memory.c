@@ -30,7 +30,7 @@ static atomic_bool exceeded;                               // what is allowed
 static size_t fence_base;  // bytes of data not counted here; 0: no fence stands
 static struct rlimit unfenced;
 
-// What the system knows of this process.
+// The system's figures of this process.
 typedef struct Process {
     size_t data, resident_peak;  // bytes
     long threads;
@@ -139,7 +139,7 @@ static void move_fence(void) {
 static void raise_fence(void) {
 // The sanitizers' own memory is data too.
 #ifndef __SANITIZE_ADDRESS__
-    // What a fence leaves to libraries beyond the budget: for heaps in pieces.
+    // A fence leaves so much to libraries beyond the budget, for heaps in pieces.
     static const size_t SLACK = (size_t)32 << 20;
     Process now;
     // Threads must not meet a fence: their stacks are data too.

@@ -30,7 +30,7 @@ size_t memory_peak(void);
 
 // ---- budgets
 
-// What work on a file may use. A request for more ends the program as no memory does, but says
+// The memory that work on a file may use. A request for more ends the program as no memory does, but says
 // `FILE: STAGE takes more than N MB of memory (REMEDY)`.
 typedef struct MemoryBudget {
     const char *file, *remedy;  // they last as long as the budget
@@ -57,7 +57,7 @@ bool memory_within(Error *error);
 void memory_hold_end(void);
 void memory_release_end(void);
 
-// What is to be undone where the program ends for lack of memory: a child process, its file. The owner's, listed from
+// A child process or its file, to be undone where the program ends for lack of memory. The owner's, listed from
 // memory_add_end to memory_remove_end. `undo` runs in any thread, under the hold, and takes no memory.
 typedef struct MemoryEnd {
     void (*undo)(void *context);

@@ -1,7 +1,7 @@
 // polygon.c - Sutherland & Hodgman 1974 clipping by one plane, and ear clipping of convex polygons.
 #include "engine/core/polygon.h"
 
-// What is left of a polygon has no area, of all that it had: rounding of vertices that are a millionth of its length off the line.
+// A rest of a polygon with less than this share of its area has none: rounding puts vertices a millionth of its length off the line.
 static const double NO_AREA = 1e-6;
 
 // The cut is computed from the lexicographically smaller end, so that it is the same from both sides.
@@ -62,7 +62,7 @@ static double fatness(Vec3 a, Vec3 b, Vec3 c) {
     return longest > 0 ? vec3_length(vec3_cross(ab, ac)) / longest : 0;
 }
 
-// Of a ring of vertices, twice.
+// Twice the area of a ring of vertices.
 static double ring_area(const Vec3 *vertices, const int *ring, int count) {
     Vec3 sum = {0, 0, 0};
     for (int i = 1; i + 1 < count; i++)

@@ -47,7 +47,7 @@ static bool check_size(const char *file, double side, const CellGraph *graph, Er
                      file, area, side, area / side / side, MOST_ELEMENTS);
 }
 
-// What is resumed has its splits in its file: light there asks for them no more, and what does not fit is told by name.
+// The file of a light that is resumed has the splits: light there asks for them no more, and a part that does not fit is told by name.
 static bool find_mesh(const BakeOptions *bake, const AdaptScene *lit, MeshOptions *options,
                       const char *resumed, const Progress *progress, Arena *arena, Mesh *out, Error *error) {
     if (resumed) {

@@ -11,7 +11,7 @@
 // square of their number: a plan of 2.6 MB, 60,000 rooms, takes 2.8 GB.
 static const size_t OPENING_BASE = (size_t)768 << 20, OPENING_COVERED = (size_t)1 << 20;
 enum { OPENING_PER_BYTE = 2048 };
-// Of the machine's memory, for what is done with the building.
+// Share of the machine's memory for work with the building.
 static const double SHARE = 0.75;
 
 // The least of what the machine has and what this process may have of it (cgroups 2 and 1).

@@ -146,7 +146,7 @@ bool scene_load(const char *path, const SceneOptions *options, Arena *arena, Loa
     if (!read_building(path, options, arena, out, error)) return false;
     double start = clock_seconds();
     VisPrepareOptions prepare = {.vis = options->vis, .fresh = options->fresh, .read_only = !options->keep};
-    // Of a soup, every polygon takes part in the making of cells.
+    // In a soup every polygon takes part in the making of cells.
     bool other = out->lamp_faces > 0 && out->building.form == FORM_SOUP;
     prepare.file =
         scene_cache_path(arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash,

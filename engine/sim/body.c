@@ -12,7 +12,7 @@
 static const double SKIN = 1e-4;
 // A piece of a way is no longer than this, metres: half the radius, so that no stair's tread is passed over.
 static const double PIECE = BODY_RADIUS / 2;
-// What carries its middle counts for the height of a step, a disc of this radius, metres.
+// For the height of a step counts the ground under its middle, a disc of this radius, metres.
 static const double MIDDLE = BODY_RADIUS / 2;
 // Pieces of a way shorter than this lead nowhere, metres.
 static const double NOWHERE = 1e-9;
@@ -41,7 +41,7 @@ static Gathered gather_ground(BodyWorld *w, int cell, Vec2 at, double radius, do
     return g;
 }
 
-// What a foot at some height finds over and under its disc.
+// Solids that a foot at some height finds over and under its disc.
 typedef struct Ground {
     bool blocked;    // by something too high to step over and too low to duck under
     double support;  // the highest below, -INFINITY without
@@ -160,7 +160,7 @@ static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int c
     note_place(w, b->foot);
 }
 
-// What of an end that will not do may do when more is taken for a wall: what hangs low over a step up, or what cannot
+// An end that will not do may do when more is taken for a wall: a solid that hangs low over a step up, or one that cannot
 // be stood on. False when all of it is already.
 static bool widen_band(Band *band, const Ground *ground, double old_foot, double foot) {
     Band was = *band;
@@ -302,7 +302,7 @@ void body_step(Body *b, BodyWorld *w, Vec2 way, double seconds) {
     int pieces = (int)ceil(length / PIECE);
     double share = seconds / fmax(1, pieces);
     for (int i = 0; i < pieces; i++) {
-        // What stopped it once stops it again.
+        // A solid that stopped it once stops it again.
         if (!walk_piece(b, w, vec2_scale(way, 1.0 / pieces))) break;
         seconds -= share;
         if (!b->standing) fall(b, w, share);

@@ -17,7 +17,7 @@
 // The eye is so high when standing, and never nearer than this to what is overhead.
 #define BODY_EYE 1.6
 #define BODY_CROWN 0.1
-// What is over the middle of the body, within this radius, is over its head; metres.
+// A solid over the middle of the body, within this radius, is over its head; metres.
 #define BODY_HEAD 0.1
 // Its cell is where the axis is at this height over the foot: the middle of what it may neither step over nor duck
 // under, so no sill and no lintel that it passes is ever between.
@@ -41,7 +41,7 @@ typedef struct BodyTrace {
     bool overflow;
 } BodyTrace;
 
-// What it walks in, and what that has cost.
+// The solids and doors among which bodies walk, and counts of the work.
 typedef struct BodyWorld {
     const CellGraph *graph;
     Obstacles *obstacles;

@@ -151,7 +151,7 @@ static Vec2 column_place(const CollisionFlood *flood, int i, int j) {
     return vec2(flood->origin.x + i * FLOOD_APART, flood->origin.y + j * FLOOD_APART);
 }
 
-// Of a column, remembered.
+// The stand in a column, remembered.
 static Stand stand_in(Flooder *f, int i, int j, double foot, double step) {
     Stand *last = &f->last[j * f->out->nx + i];
     if (last->asked && last->foot == foot && last->step == step) return *last;
@@ -182,7 +182,7 @@ static void spread(Flooder *f, int from) {
     FloodPlace here = flood->places[from];
     int x = (int)lround((here.foot.x - flood->origin.x) / FLOOD_APART);
     int y = (int)lround((here.foot.y - flood->origin.y) / FLOOD_APART);
-    // What carries the middle counts for the height of a step.
+    // For the height of a step counts the ground under the middle.
     double step = f->rules->strict ? fmax(0, here.middle + f->rules->step - here.foot.z) : f->rules->step;
     for (int k = 0; k < 4; k++) {
         int i = x + STEPS[k][0], j = y + STEPS[k][1];

@@ -123,7 +123,7 @@ static bool bands_overlap(Band a, Band b) { return a.z0 < b.z1 && b.z0 < a.z1; }
 
 static double overlap(Band a, Band b) { return fmin(a.z1, b.z1) - fmax(a.z0, b.z0); }
 
-// What comes up from below a foot.
+// A part that comes up from below a foot.
 static bool comes_under(const PartStep *s, const Body *body) {
     return s->was_there && s->from.heights.z1 <= body->foot.z + BODY_TOLERANCE &&
            s->to.heights.z1 > s->from.heights.z1 && s->to.heights.z1 > body->foot.z &&

@@ -39,7 +39,7 @@ struct Obstacles {
     int *bare_door;                   // [portal_count] the door without leaves that closes it, or -1
     Vec3 border[4][4];                // the sides of the world
     Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] of leaves gathered
-    // Of the last call:
+    // The last call:
     unsigned serial;
     unsigned *cell_seen, *item_seen;  // the last call that saw it
     int *cells;                       // [cell_count] reached
@@ -69,7 +69,7 @@ static Range squares_under(const PlanGrid *grid, Box box) {
                    clamp((box.max.y - grid->origin.y) / grid->size, grid->ny)};
 }
 
-// What never moves of the building, then what may come of its doors. `list` [polygon_count + leaf_count].
+// The polygons that never move, then the leaves of doors. `list` [polygon_count + leaf_count].
 static int list_items(const CellGraph *graph, Arena *scratch, int *list) {
     const Building *b = graph->building;
     unsigned char *frameless = ARENA_ARRAY(scratch, unsigned char, b->opening_count + 1);

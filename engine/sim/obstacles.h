@@ -16,7 +16,7 @@ typedef struct Gathered {
     int wall_tests, object_tests;  // surfaces and furniture polygons looked at
 } Gathered;
 
-// What is solid within `radius` in plan about `at`, between two heights: from `cell` on through every portal that this
+// The solids within `radius` in plan about `at`, between two heights: from `cell` on through every portal that this
 // volume touches, and never into any other cell (Oki 3.2). `door_open` as for vis_query.
 Gathered obstacles_gather(Obstacles *obstacles, const float *door_open, int cell, Vec2 at, double radius,
                           Band heights);

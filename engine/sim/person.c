@@ -51,7 +51,7 @@ static void fly(Person *p, const PersonWish *wish, double seconds) {
     p->eye = vec3_add(p->eye, vec3_scale(vec3_normalize(way), speed * seconds));
 }
 
-// What the eye still lags behind after the body moved, it makes up for over the next ticks; within the body.
+// The eye lags behind after the body moved, and catches up over the next ticks, within the body.
 static void follow_body(Person *p, double before, double seconds) {
     Vec3 over = eye_over(p);
     double lag = (before - over.z) * exp(-EYE_QUICKNESS * seconds);
@@ -71,7 +71,7 @@ static void walk(Person *p, BodyWorld *world, const PersonWish *wish, double sec
     double before = p->eye.z;
     Vec2 start = vec2(p->body.foot.x, p->body.foot.y);
     body_step(&p->body, world, vec2_scale(p->velocity, seconds), seconds);
-    // What a wall took away is gone; being put elsewhere is no speed.
+    // Speed that a wall took away is gone; being put elsewhere is no speed.
     Vec2 moved = vec2_scale(vec2_sub(vec2(p->body.foot.x, p->body.foot.y), start), 1 / seconds);
     p->velocity = vec2_length(moved) > 2 * PERSON_RUN ? vec2(0, 0) : moved;
     follow_body(p, before, seconds);

@@ -10,7 +10,7 @@
 #define PERSON_FLY 4.0
 #define PERSON_FLY_FAST 14.0
 
-// What the person wants this tick. Each way -1 .. 1.
+// The person's wish for this tick. Each way -1 .. 1.
 typedef struct PersonWish {
     double forward, right, up;  // up only in flight
     bool hurry;

@@ -10,7 +10,7 @@
 
 // A line a frame of some 60 characters, four hours long, and a door in each.
 static const size_t LARGEST_FILE = (size_t)256 << 20;
-// Of yaw, radians: eyes keep theirs within half a turn, but a path may wind.
+// Greatest yaw, radians: eyes keep theirs within half a turn, but a path may wind.
 static const double GREATEST_YAW = 1e6;
 static const double NARROWEST_FOV = 1e-3, WIDEST_FOV = 3.14;
 
@@ -290,7 +290,7 @@ static bool read_line(Reading *reading, char *text) {
     return read_frame(reading);
 }
 
-// What the words of the lines need goes into `scratch`.
+// Memory for the words of the lines comes from `scratch`.
 static bool read_lines(Reading *reading, Bytes bytes) {
     char *text = (char *)bytes.data, *end = text + bytes.size;
     while (text < end) {

@@ -69,7 +69,7 @@ static void offscreen_gather(Display *display) {
     double now = seconds_of(display);
     for (; o->next_cue < o->cue_count && o->cues[o->next_cue].at <= now; o->next_cue++) {
         DisplayEvent event = o->cues[o->next_cue].event;
-        // What does not fit in memory shows when it is drawn.
+        // A size that does not fit in memory shows when a frame is drawn.
         if (event.kind == DISPLAY_RESIZED) resize(o, (int)event.x, (int)event.y, NULL);
         display_push(display, event);
     }

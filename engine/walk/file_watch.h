@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// What tells one state of a file from another. Editors write in place or put a new file under the old name.
+// Facts that tell one state of a file from another. Editors write in place or put a new file under the old name.
 typedef struct FileStamp {
     bool exists;
     uint64_t device, inode;

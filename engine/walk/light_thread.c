@@ -26,7 +26,7 @@ struct LightThread {
     Error error;
     atomic_bool stop;
     atomic_int done, end;  // thousandths; LightEnd
-    // What is handed over. The lock is held for moments only.
+    // Parts that are handed over. The lock is held for moments only.
     pthread_mutex_t lock;
     pthread_cond_t received;
     _Atomic(LitMesh *) mesh;
@@ -86,7 +86,7 @@ static void show_last(LightThread *t, const WalkLight *light) {
 static void *work(void *context) {
     LightThread *t = context;
     WalkLight light;
-    // Of this thread alone, in Linux, and of those that it starts.
+    // In Linux this is the priority of this thread alone, and of threads that it starts.
     setpriority(PRIO_PROCESS, 0, NICE);
     bool good = t->baker.bake(t->baker.context, &t->hooks, &t->arena, &light, &t->error);
     good = good && !atomic_load(&t->stop);

@@ -24,7 +24,7 @@ typedef enum LightEnd {
     LIGHT_FAILED,  // there is none; or it was stopped
 } LightEnd;
 LightEnd light_thread_end(const LightThread *thread);
-// What to say after the end, "": nothing.
+// A sentence for the user after the end; "": none.
 const char *light_thread_note(const LightThread *thread);
 
 void light_thread_stop(LightThread *thread);

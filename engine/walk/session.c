@@ -8,7 +8,7 @@
 
 // A window that stood still for longer than this has not been walked in meanwhile, seconds.
 static const double LONGEST_STALL = 0.25;
-// Of keys that turn the head, radians a second.
+// Keys turn the head so fast, radians a second.
 static const double TURN = 1.8;
 // How long the end of a walk may take, seconds.
 static const double LEAVE_SECONDS = 0.01;
@@ -92,7 +92,7 @@ void session_reload(Session *s) {
     if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
     s->visible = (VisResult){.eye_cell = -1};
     s->frozen = false;
-    // What was recorded names the doors of the file as it was.
+    // A recording names the doors of the file as it was.
     s->replay = NULL;
     if (s->recording) session_record(s);
     s->person.cell = -1;

@@ -43,16 +43,16 @@ void session_event(Session *session, const DisplayEvent *event);
 void session_advance(Session *session, double now);
 // Draws a frame of so many pixels, `scale` of them to a point. Allocates only when something was loaded or resized.
 bool session_draw(Session *session, int width, int height, double scale, Error *error);
-// What was drawn: to a framebuffer of the window, or as [height * width * 3] sRGB, rows from the top.
+// The last frame: to a framebuffer of the window, or as [height * width * 3] sRGB, rows from the top.
 void session_show(Session *session, unsigned framebuffer, int width, int height);
 bool session_read(Session *session, uint8_t *rgb, Error *error);
 
-// What the window is to do: hold the mouse, fill the screen, close.
+// Requests to the window: hold the mouse, fill the screen, close.
 bool session_wants_mouse(const Session *session);
 bool session_wants_full_screen(const Session *session);
 bool session_ended(const Session *session);
 
-// What the keys do: for the help on the screen and in the terminal.
+// The keys and their actions, for the help on the screen and in the terminal.
 extern const HudKey SESSION_KEYS[];
 extern const int SESSION_KEY_COUNT;
 

@@ -2,7 +2,7 @@
 // does, and false colours tell it in numbers.
 #include "engine/walk/session_state.h"
 
-// Of what arrives a frame copies so much, bytes: a tenth of a millisecond.
+// A frame copies so much of the light that arrives, bytes: a tenth of a millisecond.
 static const size_t SLICE = 512 << 10;
 static const double STOP = 0.5;
 

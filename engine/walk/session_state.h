@@ -31,7 +31,7 @@ typedef enum Held {
     HELD_KEYS
 } Held;
 
-// What a file holds and what was made of it: swapped as a whole when the file is read again.
+// A building and everything that was made of it: swapped as a whole when the file is read again.
 typedef struct Shown {
     Arena arena;
     WalkScene scene;
@@ -69,7 +69,7 @@ struct Session {
     double last_frame, drawn_at;
     double periods[SESSION_PERIODS];  // ms, of the frames since the last line of the trace
     int period_count;
-    // What is said.
+    // The sentence on the screen.
     char message[512];
     bool message_is_error;
     double message_since;

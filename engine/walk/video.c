@@ -30,7 +30,7 @@ struct Video {
     char said[512];  // then: the last line of the log
 };
 
-// Of the draft, in ffmpeg; it seeks in it and reads it again, which it does in files alone.
+// The descriptor of the draft in ffmpeg, which seeks in it and reads it again; ffmpeg does so in files alone.
 enum { DRAFT = 3 };
 #define DRAFT_PATH "/proc/self/fd/3"
 

@@ -28,7 +28,7 @@ WalkOptions walk_default_options(void) {
                          .path = tour_default_options()};
 }
 
-// What one frame came to, drawn for its looks or verified.
+// The figures of one frame, drawn for its looks or verified.
 typedef struct Frame {
     VisResult visible;
     double query_seconds, draw_seconds;
@@ -100,7 +100,7 @@ static void divide_means(WalkTotals *t) {
 
 // ---- frames
 
-// What rays see through each pixel against the draw list.
+// Compares the polygons that rays see through each pixel with the draw list.
 static bool compare_rays(Walk *w, const Camera *camera, const float *door_open, Frame *out, Error *error) {
     const CellGraph *graph = w->graph;
     arena_reset(&w->rays);

@@ -69,7 +69,7 @@ static bool has_plane(const Vec3 triangle[3]) {
 
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
 // goes. What is no ear stays none as long as its neighbours and the vertex in its triangle are there.
-static int add_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
+static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
     int *ring = memory_new(sizeof(int) * 2 * (size_t)count), *why = ring + count, added = 0;
     for (int i = 0; i < count; i++) {
         ring[i] = i;
@@ -116,7 +116,7 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
             push_polygon(arena, b, v, kept, material);
             added = 1;
         } else {
-            added = add_triangles(arena, b, v, kept, plane.n, material);
+            added = add_as_triangles(arena, b, v, kept, plane.n, material);
         }
     }
     if (v != few) memory_free(v);

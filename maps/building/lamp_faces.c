@@ -8,7 +8,7 @@ static const double HEADROOM = 0.1;
 // The smallest radius taken, metres: that of a light bulb. Smaller faces are hard to see from afar by any sampling.
 static const double BULB = 0.03;
 
-static Box box_of(const Building *b, int object) {
+static Box box_of_object(const Building *b, int object) {
     Box box = box_empty();
     const Object *o = &b->objects[object];
     for (int i = o->first_polygon; i < o->first_polygon + o->polygon_count; i++) {
@@ -59,7 +59,7 @@ static int light_material(Arena *arena, Building *b, const Light *light, double 
 }
 
 // A square about p that faces n, one of the axes; `side` metres.
-static void add_square(Arena *arena, Building *b, Vec3 p, Vec3 n, double side, int material) {
+static void add_lamp_square(Arena *arena, Building *b, Vec3 p, Vec3 n, double side, int material) {
     Vec3 across = fabs(n.x) > 0.5 ? vec3(0, 1, 0) : vec3(1, 0, 0), up = vec3_cross(n, across);
     Vec3 corner[4];
     for (int i = 0; i < 4; i++) {
@@ -74,7 +74,8 @@ static void add_to_lamp(Arena *arena, Building *b, const Light *light, Box lamp,
     double side = radius * sqrt(M_PI);
     bool upwards = p.z > (lamp.min.z + lamp.max.z) / 2 && ceiling_above(b, p) > lamp.max.z + HEADROOM;
     p.z = upwards ? lamp.max.z + GAP : lamp.min.z - GAP;
-    add_square(arena, b, p, vec3(0, 0, upwards ? 1 : -1), side, light_material(arena, b, light, side * side));
+    add_lamp_square(arena, b, p, vec3(0, 0, upwards ? 1 : -1), side,
+                    light_material(arena, b, light, side * side));
 }
 
 static void add_cube(Arena *arena, Building *b, const Light *light, double radius) {
@@ -83,7 +84,7 @@ static void add_cube(Arena *arena, Building *b, const Light *light, double radiu
     for (int i = 0; i < 6; i++) {
         double s = i % 2 ? 1 : -1;
         Vec3 n = i < 2 ? vec3(s, 0, 0) : i < 4 ? vec3(0, s, 0) : vec3(0, 0, s);
-        add_square(arena, b, vec3_add(light->position, vec3_scale(n, side / 2)), n, side, material);
+        add_lamp_square(arena, b, vec3_add(light->position, vec3_scale(n, side / 2)), n, side, material);
     }
 }
 
@@ -93,7 +94,7 @@ int lamp_faces_add(Arena *arena, Building *b) {
         Light light = b->lights[i];
         double radius = fmax(light.radius, BULB);
         if (light.flux.r <= 0 && light.flux.g <= 0 && light.flux.b <= 0) continue;
-        Box lamp = light.object >= 0 ? box_of(b, light.object) : box_empty();
+        Box lamp = light.object >= 0 ? box_of_object(b, light.object) : box_empty();
         if (light.object >= 0 && glows(b, light.object)) continue;
         building_add_object(arena, b, OBJECT_LAMP, light.name);
         if (box_is_empty(lamp))

@@ -28,7 +28,7 @@ static struct {
 } models[MAX_MODELS];
 static int model_count;
 
-static void begin(const char *name, const char *kind) {
+static void begin_model(const char *name, const char *kind) {
     models[model_count].name = name;
     models[model_count++].polygons = 0;
     printf("\nmodel %s%s\n", name, kind);
@@ -76,13 +76,13 @@ enum {
 
 static void plain_models(void) {
     // Corners, not centres, are placed: the coordinates are those of the reference figures.
-    begin("desk", "");
+    begin_model("desk", "");
     box((Box3){0, 0, 700, 1200, 700, 740}, "slab", "");
     box((Box3){30, 20, 0, 70, 680, 700}, "panel", "top");
     box((Box3){1130, 20, 0, 1170, 680, 700}, "panel", "top");
     box((Box3){400, 550, 740, 800, 650, 1150}, "block", "bottom");
     end();
-    begin("cabinet", "");
+    begin_model("cabinet", "");
     box((Box3){0, 0, 0, 450, 220, 1800}, "panel", "bottom");
     end();
 }
@@ -177,7 +177,7 @@ static int pick_size(Office *o, int low, int high) { return low + GRAIN * pick(o
 static bool chance(Office *o, int percent) { return pick(o, 0, 99) < percent; }
 
 // Places a model in the room's own frame: x along the corridor's wall, y away from it, mm; angle in degrees.
-static void put(Office *o, const char *model, int x, int y, int angle) {
+static void place_model(Office *o, const char *model, int x, int y, int angle) {
     const Room *r = &o->room;
     int wx = r->upper ? r->x0 + x : r->x1 - x, wy = r->upper ? r->y0 + y : r->y1 - y;
     int turned = ((angle + (r->upper ? 0 : 180)) % 360 + 360) % 360;
@@ -197,26 +197,26 @@ static void put_raised(Office *o, const char *model, int x, int y, int z, int an
 
 static void desk_models(void) {
     // The user sits on the -y side.
-    begin("desk", "");
+    begin_model("desk", "");
     box((Box3){-700, -350, 700, 700, 350, 740}, "beech", "");
     box((Box3){-680, -330, 0, -640, 330, 700}, "steel", "top");
     box((Box3){640, -330, 0, 680, 330, 700}, "steel", "top");
     box((Box3){-640, 290, 300, 640, 310, 700}, "steel", "top");
     end();
-    begin("pedestal", "");
+    begin_model("pedestal", "");
     box((Box3){-200, -300, 0, 200, 300, 580}, "steel", "bottom");
     for (int i = 0; i < 3; i++)
         box((Box3){-190, -320, 30 + 180 * i, 190, -300, 200 + 180 * i}, "drawer", "back");
     end();
-    begin("screen", "");
+    begin_model("screen", "");
     box((Box3){-120, -90, 0, 120, 90, 15}, "black", "bottom");
     box((Box3){-20, -10, 15, 20, 10, 120}, "black", "top bottom");
     box((Box3){-270, -30, 120, 270, 0, 460}, "glass", "");
     end();
-    begin("keyboard", "");
+    begin_model("keyboard", "");
     box((Box3){-220, -70, 0, 220, 70, 25}, "black", "bottom");
     end();
-    begin("chair", "");  // faces +y
+    begin_model("chair", "");  // faces +y
     box((Box3){-230, -220, 430, 230, 230, 490}, "fabric", "");
     box((Box3){-210, -260, 560, 210, -210, 980}, "fabric", "");
     box((Box3){-30, -30, 60, 30, 30, 430}, "black", "top bottom");
@@ -226,14 +226,14 @@ static void desk_models(void) {
 }
 
 static void storage_models(void) {
-    begin("cabinet", "");  // opens to -y
+    begin_model("cabinet", "");  // opens to -y
     box((Box3){-400, -200, 0, 400, 200, 1300}, "steel", "bottom");
     for (int i = 0; i < 4; i++) {
         box((Box3){-380, -215, 40 + 310 * i, 380, -200, 330 + 310 * i}, "drawer", "back");
         box((Box3){-60, -235, 240 + 310 * i, 60, -215, 260 + 310 * i}, "black", "back");
     }
     end();
-    begin("shelf", "");
+    begin_model("shelf", "");
     box((Box3){-450, -150, 0, -430, 150, 2000}, "beech", "bottom");
     box((Box3){430, -150, 0, 450, 150, 2000}, "beech", "bottom");
     box((Box3){-430, 130, 0, 430, 150, 2000}, "beech", "bottom left right");
@@ -245,7 +245,7 @@ static void storage_models(void) {
             "bottom left back");
     }
     end();
-    begin("locker", "");
+    begin_model("locker", "");
     box((Box3){-450, -225, 0, 450, 225, 1900}, "steel", "bottom");
     for (int i = 0; i < 3; i++)
         box((Box3){-440 + 295 * i, -240, 60, -150 + 295 * i, -225, 1860}, "drawer", "back");
@@ -253,20 +253,20 @@ static void storage_models(void) {
 }
 
 static void other_models(void) {
-    begin("table", "");
+    begin_model("table", "");
     box((Box3){-1200, -550, 700, 1200, 550, 740}, "beech", "");
     for (int i = 0; i < 4; i++) {
         int x = i & 1 ? 1080 : -1120, y = i & 2 ? 430 : -470;
         box((Box3){x, y, 0, x + 40, y + 40, 700}, "steel", "top bottom");
     }
     end();
-    begin("sofa", "");  // faces -y
+    begin_model("sofa", "");  // faces -y
     box((Box3){-850, -400, 80, 850, 200, 420}, "fabric", "bottom");
     box((Box3){-850, 200, 80, 850, 400, 820}, "fabric", "bottom");
     box((Box3){-1000, -400, 80, -850, 400, 600}, "fabric", "");
     box((Box3){850, -400, 80, 1000, 400, 600}, "fabric", "");
     end();
-    begin("plant", "");
+    begin_model("plant", "");
     cylinder(0, 0, 0, 380, 190, 8, "clay");
     for (int i = 0; i < 6; i++) {
         static const int TIP[6][2] = {{380, 0},  {190, 330},   {-190, 330},
@@ -276,16 +276,16 @@ static void other_models(void) {
         models[model_count - 1].polygons++;
     }
     end();
-    begin("bin", "");
+    begin_model("bin", "");
     cylinder(0, 0, 0, 320, 140, 8, "black");
     end();
-    begin("copier", "");
+    begin_model("copier", "");
     box((Box3){-350, -300, 0, 350, 300, 900}, "drawer", "bottom");
     box((Box3){-300, -250, 900, 250, 250, 1080}, "black", "bottom");
     box((Box3){-330, -310, 100, 330, -300, 420}, "steel", "back");
     box((Box3){-330, -310, 480, 330, -300, 780}, "steel", "back");
     end();
-    begin("board", "");  // hangs at its +y
+    begin_model("board", "");  // hangs at its +y
     box((Box3){-900, -30, 0, 900, 0, 1100}, "white", "");
     box((Box3){-880, -90, -30, 880, 0, 0}, "steel", "");
     end();
@@ -307,21 +307,21 @@ static bool beside_door(const Room *r, int x, int half) { return abs(x - r->door
 static void put_desk(Office *o, int x, int y, int angle) {
     // Local offsets turned by quarter turns: (dx, dy) in the desk's frame.
     int c = angle == 0 ? 1 : angle == 180 ? -1 : 0, s = angle == 90 ? 1 : angle == 270 ? -1 : 0;
-    put(o, "desk", x, y, angle);
-    put(o, "pedestal", x + c * 400, y + s * 400, angle);
+    place_model(o, "desk", x, y, angle);
+    place_model(o, "pedestal", x + c * 400, y + s * 400, angle);
     put_raised(o, "screen", x - s * 150, y + c * 150, 740, angle);
     put_raised(o, "keyboard", x + s * 120, y - c * 120, 740, angle);
-    put(o, "chair", x + s * 720, y - c * 720, angle + pick(o, -25, 25));
+    place_model(o, "chair", x + s * 720, y - c * 720, angle + pick(o, -25, 25));
 }
 
 // Along the corridor's wall and the far corners, where nothing else stands.
 static void fill_up(Office *o, int w, int d, int goal) {
     static const char *const ALONG[4] = {"cabinet", "shelf", "cabinet", "locker"};
     for (int x = 550; x + 500 < w && o->furniture < goal; x += 980)
-        if (beside_door(&o->room, x, 470)) put(o, ALONG[pick(o, 0, 3)], x, 260, 180);
-    if (o->furniture < goal && !o->room.right_door) put(o, "shelf", w - 200, 1750, 270);
-    if (o->furniture < goal) put(o, "plant", w - 400, d - 420, pick(o, 0, 59));
-    if (o->furniture < goal) put(o, "bin", 250, d - 250, 0);
+        if (beside_door(&o->room, x, 470)) place_model(o, ALONG[pick(o, 0, 3)], x, 260, 180);
+    if (o->furniture < goal && !o->room.right_door) place_model(o, "shelf", w - 200, 1750, 270);
+    if (o->furniture < goal) place_model(o, "plant", w - 400, d - 420, pick(o, 0, 59));
+    if (o->furniture < goal) place_model(o, "bin", 250, d - 250, 0);
 }
 
 static void work_room(Office *o, int w, int d, int goal) {
@@ -334,10 +334,10 @@ static void work_room(Office *o, int w, int d, int goal) {
 
 static void meeting_room(Office *o, int w, int d, int goal) {
     int x = w / 2, y = d / 2 + 250;
-    put(o, "table", x, y, 0);
+    place_model(o, "table", x, y, 0);
     for (int i = 0; i < 3; i++) {
-        put(o, "chair", x - 750 + 750 * i, y - 800, pick(o, -12, 12));
-        put(o, "chair", x - 750 + 750 * i, y + 800, 180 + pick(o, -12, 12));
+        place_model(o, "chair", x - 750 + 750 * i, y - 800, pick(o, -12, 12));
+        place_model(o, "chair", x - 750 + 750 * i, y + 800, 180 + pick(o, -12, 12));
     }
     put_raised(o, "board", w / 2, d - 10, 900, 0);
     fill_up(o, w, d, goal);
@@ -345,19 +345,20 @@ static void meeting_room(Office *o, int w, int d, int goal) {
 
 static void archive_room(Office *o, int w, int d, int goal) {
     for (int x = 700; x + 600 < w && o->furniture < goal; x += 950) {
-        put(o, "shelf", x, d - 170, 0);
-        if (o->furniture < goal) put(o, "shelf", x, d - 1500, 0);
+        place_model(o, "shelf", x, d - 170, 0);
+        if (o->furniture < goal) place_model(o, "shelf", x, d - 1500, 0);
     }
-    put(o, "copier", w - 500, 1900, 270);
+    place_model(o, "copier", w - 500, 1900, 270);
     fill_up(o, w, d, goal);
 }
 
 static void lounge(Office *o, int w, int d, int goal) {
-    put(o, "sofa", w / 2, d - 450, 0);
-    put(o, "sofa", w - 500, d - 2000, 270);
-    put(o, "table", w / 2 - 400, d - 2000, 90);
-    put(o, "plant", 450, d - 450, 10);
-    for (int i = 0; i < 3; i++) put(o, "chair", w / 2 - 1250, d - 2700 + 700 * i, 270 + pick(o, -15, 15));
+    place_model(o, "sofa", w / 2, d - 450, 0);
+    place_model(o, "sofa", w - 500, d - 2000, 270);
+    place_model(o, "table", w / 2 - 400, d - 2000, 90);
+    place_model(o, "plant", 450, d - 450, 10);
+    for (int i = 0; i < 3; i++)
+        place_model(o, "chair", w / 2 - 1250, d - 2700 + 700 * i, 270 + pick(o, -15, 15));
     fill_up(o, w, d, goal);
 }
 
@@ -452,8 +453,8 @@ static void corridor_things(Office *o, int wing, int y0) {
     o->room = r;
     write_room("corridor", wing, &r, "lino", "white");
     for (int x = 2000; x < LENGTH; x += 4000) lamp(x, y0 + CORRIDOR / 2, 600, 150);
-    put(o, "plant", 350, 400, 0);
-    put(o, "plant", LENGTH - 350, CORRIDOR - 400, 30);
+    place_model(o, "plant", 350, 400, 0);
+    place_model(o, "plant", LENGTH - 350, CORRIDOR - 400, 30);
     if (wing == 0 || wing == WINGS - 1) {
         bool west = wing == 0;
         printf("door entrance-%d %.3f,%.3f angle 90 width 1.6 height 2.2 hinge both swing %d glazed material "

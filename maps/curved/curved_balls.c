@@ -37,7 +37,7 @@ typedef struct March {
     CurvedMesh *out;
 } March;
 
-static void settle(const March *m, Vec3 *p) {
+static void settle_on_surface(const March *m, Vec3 *p) {
     curved_field_settle(m->field.balls, m->field.count, m->field.threshold, m->step, p);
 }
 
@@ -59,7 +59,7 @@ static void find_layer(const March *m, int k, Vertex *layer) {
 }
 
 // Where the edge from `in` to `out` leaves the surface: halved down, since the field need not be monotonous, then settled.
-static Vec3 crossing(const March *m, const Vertex *in, const Vertex *out) {
+static Vec3 threshold_on_edge(const March *m, const Vertex *in, const Vertex *out) {
     enum { HALVINGS = 8 };
     if (out->over == 0) return out->p;
     // The same point whichever tetrahedron asks: both ends are the grid's.
@@ -71,7 +71,7 @@ static Vec3 crossing(const March *m, const Vertex *in, const Vertex *out) {
         *(within ? &low : &high) = middle;
     }
     Vec3 p = vec3_lerp(in->p, out->p, (low + high) / 2);
-    settle(m, &p);
+    settle_on_surface(m, &p);
     return p;
 }
 
@@ -81,7 +81,7 @@ static void add_triangle(March *m, Vec3 a, Vec3 b, Vec3 c) {
                       vec3_lerp(b, c, 0.5), vec3_lerp(c, a, 0.5)};
     for (int i = 0; i < 4; i++) {
         Vec3 on = inside[i];
-        settle(m, &on);
+        settle_on_surface(m, &on);
         m->worst = fmax(m->worst, vec3_length(vec3_sub(on, inside[i])));
     }
     curved_mesh_add(m->out, m->arena, (Vec3[]){a, b, c}, 3, false);
@@ -110,12 +110,12 @@ static void march_tetrahedron(March *m, const Vertex *v[4], bool odd) {
     if (within == 0 || within == 4) return;
     Vec3 c[4];
     if (within == 1) {
-        for (int i = 0; i < 3; i++) c[i] = crossing(m, v[0], v[i + 1]);
+        for (int i = 0; i < 3; i++) c[i] = threshold_on_edge(m, v[0], v[i + 1]);
     } else if (within == 3) {
-        for (int i = 0; i < 3; i++) c[i] = crossing(m, v[i], v[3]);
+        for (int i = 0; i < 3; i++) c[i] = threshold_on_edge(m, v[i], v[3]);
     } else {
         static const unsigned char EDGE[4][2] = {{0, 2}, {0, 3}, {1, 3}, {1, 2}};
-        for (int i = 0; i < 4; i++) c[i] = crossing(m, v[EDGE[i][0]], v[EDGE[i][1]]);
+        for (int i = 0; i < 4; i++) c[i] = threshold_on_edge(m, v[EDGE[i][0]], v[EDGE[i][1]]);
         add_triangle(m, c[0], c[odd ? 3 : 2], c[odd ? 2 : 3]);
     }
     add_triangle(m, c[0], c[odd ? 2 : 1], c[odd ? 1 : 2]);

@@ -19,17 +19,18 @@ static Homogeneous of_control(const CurvedControl *c) {
     return (Homogeneous){vec3_scale(c->point, c->weight), c->weight};
 }
 
-static CurvedControl middle_of(CurvedControl a, CurvedControl b) {
+static CurvedControl middle_of_controls(CurvedControl a, CurvedControl b) {
     double w = a.weight + b.weight;
     Vec3 sum = vec3_add(vec3_scale(a.point, a.weight), vec3_scale(b.point, b.weight));
     return (CurvedControl){vec3_scale(sum, 1 / w), w / 2};
 }
 
 // Replaces a curve, its controls `step` apart, by its lower or upper half (de Casteljau).
-static void halve(CurvedControl *c, int step, bool upper) {
+static void halve_patch(CurvedControl *c, int step, bool upper) {
     CurvedControl p[4] = {c[0], c[step], c[2 * step], c[3 * step]};
-    CurvedControl a = middle_of(p[0], p[1]), b = middle_of(p[1], p[2]), d = middle_of(p[2], p[3]),
-                  ab = middle_of(a, b), bd = middle_of(b, d), all = middle_of(ab, bd);
+    CurvedControl a = middle_of_controls(p[0], p[1]), b = middle_of_controls(p[1], p[2]),
+                  d = middle_of_controls(p[2], p[3]), ab = middle_of_controls(a, b),
+                  bd = middle_of_controls(b, d), all = middle_of_controls(ab, bd);
     c[0] = upper ? all : p[0];
     c[step] = upper ? bd : a;
     c[2 * step] = upper ? d : ab;
@@ -93,9 +94,9 @@ static double curve_bend(const CurvedControl control[4]) {
 static void part_of(const CurvedControl *control, int u, int v, int i, int j, CurvedControl *out) {
     memcpy(out, control, PATCH_CONTROLS * sizeof *out);
     for (int level = u - 1; level >= 0; level--)
-        for (int k = 0; k < 4; k++) halve(out + 4 * k, 1, i >> level & 1);
+        for (int k = 0; k < 4; k++) halve_patch(out + 4 * k, 1, i >> level & 1);
     for (int level = v - 1; level >= 0; level--)
-        for (int k = 0; k < 4; k++) halve(out + k, 4, j >> level & 1);
+        for (int k = 0; k < 4; k++) halve_patch(out + k, 4, j >> level & 1);
 }
 
 PatchBends curved_patch_bends(const CurvedControl control[PATCH_CONTROLS]) {
@@ -138,7 +139,7 @@ double curved_curve_off(const CurvedControl control[4], int steps) {
     for (int part = 0; part < 1 << level; part++) {
         CurvedControl piece[4];
         memcpy(piece, control, sizeof piece);
-        for (int k = level - 1; k >= 0; k--) halve(piece, 1, part >> k & 1);
+        for (int k = level - 1; k >= 0; k--) halve_patch(piece, 1, part >> k & 1);
         most = fmax(most, curve_bend(piece));
     }
     return most * step * step / 8;

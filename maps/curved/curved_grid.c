@@ -126,7 +126,7 @@ static void add_triangle(Grid *g, Knot a, Knot b, Knot c, bool flip) {
     curved_mesh_add(g->out, g->arena, (Vec3[]){a.p, b.p, c.p}, 3, flip);
 }
 
-static double along(const Knot *k, int border) { return border % 2 ? k->at.y : k->at.x; }
+static double knot_along_border(const Knot *k, int border) { return border % 2 ? k->at.y : k->at.x; }
 
 // Triangles between a border and the row of knots beside it, from its one end to the other.
 static void add_strip(Grid *g, int e, const int low[2], const int high[2]) {
@@ -142,8 +142,9 @@ static void add_strip(Grid *g, int e, const int low[2], const int high[2]) {
     const Knot *outer = g->border[e];
     bool flip = e >= 2;
     for (int a = 0, b = 0; a < m || b < n;) {
-        bool out = b == n || (a < m && along(&outer[a], e) + along(&outer[a + 1], e) <=
-                                           along(&inner[b], e) + along(&inner[b + 1], e));
+        bool out =
+            b == n || (a < m && knot_along_border(&outer[a], e) + knot_along_border(&outer[a + 1], e) <=
+                                    knot_along_border(&inner[b], e) + knot_along_border(&inner[b + 1], e));
         add_triangle(g, outer[a], out ? outer[a + 1] : inner[b + 1], inner[b], flip);
         if (out) {
             a++;

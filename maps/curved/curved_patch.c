@@ -9,7 +9,7 @@ typedef struct Homogeneous {
 // Below this share of the others a derivative counts as zero: far above the rounding of its sum.
 static const double GONE = 1e-9;
 
-static void add(Homogeneous *sum, double b, const CurvedControl *c) {
+static void add_weighted_control(Homogeneous *sum, double b, const CurvedControl *c) {
     double w = b * c->weight;
     sum->x = vec3_add(sum->x, vec3_scale(c->point, w));
     sum->w += w;
@@ -35,7 +35,7 @@ static Homogeneous sum_of(const CurvedControl control[PATCH_CONTROLS], const dou
                           const double bv[4]) {
     Homogeneous sum = {{0, 0, 0}, 0};
     for (int j = 0; j < 4; j++)
-        for (int i = 0; i < 4; i++) add(&sum, bu[i] * bv[j], &control[4 * j + i]);
+        for (int i = 0; i < 4; i++) add_weighted_control(&sum, bu[i] * bv[j], &control[4 * j + i]);
     return sum;
 }
 
@@ -96,7 +96,7 @@ Vec3 curved_curve_point(const CurvedControl control[4], double t) {
     double b[4];
     bernstein(turned ? 1 - t : t, b);
     Homogeneous sum = {{0, 0, 0}, 0};
-    for (int i = 0; i < 4; i++) add(&sum, b[i], &control[turned ? 3 - i : i]);
+    for (int i = 0; i < 4; i++) add_weighted_control(&sum, b[i], &control[turned ? 3 - i : i]);
     return vec3_scale(sum.x, 1 / sum.w);
 }
 

@@ -50,7 +50,7 @@ static Vec3 in_building(const CurvedFrame *f, double x, double y, double z) {
     return vec3_add(f->origin, vec3_add(across, vec3_scale(f->axis[2], z)));
 }
 
-static double longest(const CurvedFrame *f, int axes) {
+static double longest_axis(const CurvedFrame *f, int axes) {
     double most = 0;
     for (int i = 0; i < axes; i++) most = fmax(most, vec3_length(f->axis[i]));
     return most;
@@ -70,7 +70,7 @@ static Vec2 *circle(int sides, Arena *arena) {
     return around;
 }
 
-static int sides_of(double angle) {
+static int sides_at_angle(double angle) {
     double sides = ceil(2 * M_PI / angle);
     return sides < LEAST_SIDES ? LEAST_SIDES : sides > CURVED_MOST_SIDES ? CURVED_MOST_SIDES : (int)sides;
 }
@@ -80,8 +80,8 @@ static int sides_of(double angle) {
 static void sphere_mesh(const CurvedShape *shape, double tolerance, Arena *arena, CurvedMesh *out) {
     const CurvedFrame *f = &shape->frame;
     bool flip = left_handed(f);
-    double radius = longest(f, 3), share = fmin(tolerance / radius, 0.5);
-    int sides = sides_of(2 * asin(sqrt(share))), rows = (sides + 1) / 2;
+    double radius = longest_axis(f, 3), share = fmin(tolerance / radius, 0.5);
+    int sides = sides_at_angle(2 * asin(sqrt(share))), rows = (sides + 1) / 2;
     out->tolerance = radius * (1 - cos(M_PI / sides) * cos(M_PI / (2 * rows)));
     const Vec2 *around = circle(sides, arena);
     for (int j = 0; j < rows; j++) {
@@ -123,8 +123,8 @@ static void add_disc(CurvedMesh *out, Arena *arena, const Vec3 *rim, int count, 
 static void cone_mesh(const CurvedShape *shape, double tolerance, Arena *arena, CurvedMesh *out) {
     const CurvedFrame *f = &shape->frame;
     bool flip = left_handed(f);
-    double radius = longest(f, 2), top = shape->kind == CURVED_CONE ? shape->top : 1;
-    int sides = sides_of(2 * acos(1 - fmin(tolerance / radius, 1)));
+    double radius = longest_axis(f, 2), top = shape->kind == CURVED_CONE ? shape->top : 1;
+    int sides = sides_at_angle(2 * acos(1 - fmin(tolerance / radius, 1)));
     out->tolerance = radius * (1 - cos(M_PI / sides));
     const Vec2 *around = circle(sides, arena);
     Vec3 *low = ARENA_ARRAY(arena, Vec3, sides), *high = ARENA_ARRAY(arena, Vec3, sides);

@@ -128,7 +128,7 @@ static void sort_corners(CurvedTrimmed *t) {
     qsort(t->by_v, (size_t)n, sizeof(Vec2), v_then_u);
 }
 
-static int place_of(const Vec2 *sorted, int count, Vec2 p, int (*compare)(const void *, const void *)) {
+static int find_corner(const Vec2 *sorted, int count, Vec2 p, int (*compare)(const void *, const void *)) {
     int low = 0, high = count;
     while (low < high) {
         int middle = (low + high) / 2;
@@ -149,8 +149,8 @@ static void add_side(const CurvedTrimmed *t, Vec2 a, Vec2 b, Vec2 **ring, int *c
     int (*compare)(const void *, const void *) = level ? v_then_u : u_then_v;
     const Vec2 *sorted = level ? t->by_v : t->by_u;
     bool up = compare(&a, &b) < 0;
-    int i = place_of(sorted, t->corner_count, a, compare),
-        end = place_of(sorted, t->corner_count, b, compare);
+    int i = find_corner(sorted, t->corner_count, a, compare),
+        end = find_corner(sorted, t->corner_count, b, compare);
     for (; i != end; i += up ? 1 : -1) {
         Vec2 p = sorted[i], last = (*ring)[*count - 1];
         if (!vec2_equal(p, last) && !vec2_equal(p, b)) *ARENA_PUSH(t->arena, *ring, *count, *capacity) = p;
@@ -164,7 +164,7 @@ static Vec3 point_at(const CurvedTrimmed *t, Vec2 at) {
     return curved_curve_point(t->border[e], e % 2 ? at.y : at.x);
 }
 
-static void add_polygon(CurvedTrimmed *t, const TrimPiece *piece) {
+static void add_trimmed_polygon(CurvedTrimmed *t, const TrimPiece *piece) {
     Vec2 *ring = NULL;
     int count = 0, capacity = 0;
     for (int k = 0; k < piece->count; k++)
@@ -202,5 +202,5 @@ void curved_trimmed_mesh(const CurvedControl *control, const CurvedTrim *trims, 
         return;
     }
     sort_corners(t);
-    for (int i = 0; i < t->piece_count; i++) add_polygon(t, &t->pieces[i]);
+    for (int i = 0; i < t->piece_count; i++) add_trimmed_polygon(t, &t->pieces[i]);
 }

@@ -34,7 +34,7 @@ static bool is_there(const CurvedTrimmed *t, Vec2 p) {
 
 static bool is_full(const CurvedTrimmed *t) { return t->piece_count >= MOST_PIECES; }
 
-static void add_piece(CurvedTrimmed *t, Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+static void add_trim_piece(CurvedTrimmed *t, Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     const Vec2 given[4] = {a, b, c, d};
     TrimPiece piece = {.count = 0};
     for (int i = 0; i < 4; i++)
@@ -100,7 +100,7 @@ static void add_slab(CurvedTrimmed *t, double low, double high, const Edge *edge
         if (!known) there = is_there(t, vec2((e->middle + f->middle) / 2, (low + high) / 2));
         known = true;
         if (there)
-            add_piece(t, vec2(e->low, low), vec2(f->low, low), vec2(f->high, high), vec2(e->high, high));
+            add_trim_piece(t, vec2(e->low, low), vec2(f->low, low), vec2(f->high, high), vec2(e->high, high));
     }
 }
 

@@ -11,7 +11,7 @@ static const double FIELD_OF_VIEW = 70 * M_PI / 180;
 // Numbers of things: players 1 to 4, and where they come back in a deathmatch.
 enum { PLAYER_1 = 1, PLAYER_4 = 4, DEATHMATCH = 11 };
 
-static bool recognise(Bytes content) {
+static bool recognise_wad(Bytes content) {
     return content.size >= 4 &&
            (memcmp(content.data, "IWAD", 4) == 0 || memcmp(content.data, "PWAD", 4) == 0);
 }
@@ -105,7 +105,8 @@ static void add_storey(const WadBuilder *w) {
 }
 
 // The area that the lines enclose, and what of it did not become regions.
-static void measure(const WadMap *map, const WadPieces *pieces, const WadMover *movers, Building *b) {
+static void measure_lost_area(const WadMap *map, const WadPieces *pieces, const WadMover *movers,
+                              Building *b) {
     double drawn = 0, used = 0;
     for (int i = 0; i < map->line_count; i++) {
         WadVertex p = map->vertices[map->lines[i].v[0]], q = map->vertices[map->lines[i].v[1]];
@@ -165,8 +166,8 @@ static void note_solid(const WadMap *map, const WadMover *movers, Arena *arena, 
                       map->path, map->name, solid);
 }
 
-static bool build(const WadMap *map, WadPieces *pieces, Arena *scratch, Arena *arena, Building *b,
-                  Error *error) {
+static bool build_from_map(const WadMap *map, WadPieces *pieces, Arena *scratch, Arena *arena, Building *b,
+                           Error *error) {
     WadLineIndex index = wad_index_lines(map, pieces, scratch);
     wad_find_sectors(map, &index, pieces, arena, b);
     wad_merge(&index, pieces, scratch);
@@ -186,7 +187,7 @@ static bool build(const WadMap *map, WadPieces *pieces, Arena *scratch, Arena *a
     set_start(&builder);
     add_viewpoints(&builder);
     add_storey(&builder);
-    measure(map, pieces, builder.movers, b);
+    measure_lost_area(map, pieces, builder.movers, b);
     note_lines(map, arena, b);
     note_solid(map, builder.movers, arena, b);
     return true;
@@ -202,7 +203,7 @@ static bool read(const char *path, Bytes content, Arena *arena, Building *out, E
                 wad_cut_plan(&map, &scratch, &pieces, error);
     if (good) {
         out->map = map.name = arena_string(arena, map.name);
-        good = build(&map, &pieces, &scratch, arena, out, error);
+        good = build_from_map(&map, &pieces, &scratch, arena, out, error);
     }
     arena_free(&scratch);
     return good;
@@ -212,7 +213,7 @@ const MapsReader MAPS_READER_WAD = {
     .name = "wad",
     .suffixes = ".wad",
     .summary = "Doom WADs: the maps of the classic binary format, with their doors and lifts",
-    .recognise = recognise,
+    .recognise = recognise_wad,
     .read = read,
     .has_maps = true,
 };

@@ -41,7 +41,7 @@ static WadAxis axis_through(WadVertex p, WadVertex q) {
     return (WadAxis){a, b, -(a * p.x + b * p.y)};
 }
 
-static WadPoint crossing(const WadAxis *p, const WadAxis *q) {
+static WadPoint crossing_of_axes(const WadAxis *p, const WadAxis *q) {
     long long x = p->b * q->c - q->b * p->c, y = p->c * q->a - q->c * p->a, w = p->a * q->b - q->a * p->b;
     CORE_ASSERT(w != 0);
     long long divisor = common_divisor(w, common_divisor(x, y));
@@ -166,8 +166,8 @@ static void cut_edges(Cutter *c, int count, int axis, int side) {
         int last = side * wad_side_of(&axes[axis], c->its_edges[(i + count - 1) % count].from);
         if (here > 0 || (here == 0 && next > 0)) push_edge(c, e.from, e.axis, e.side);
         if (here == 0 && next < 0 && last > 0) push_edge(c, e.from, axis, side);
-        if (here > 0 && next < 0) push_edge(c, crossing(&axes[e.axis], &axes[axis]), axis, side);
-        if (here < 0 && next > 0) push_edge(c, crossing(&axes[e.axis], &axes[axis]), e.axis, e.side);
+        if (here > 0 && next < 0) push_edge(c, crossing_of_axes(&axes[e.axis], &axes[axis]), axis, side);
+        if (here < 0 && next > 0) push_edge(c, crossing_of_axes(&axes[e.axis], &axes[axis]), e.axis, e.side);
     }
 }
 
@@ -180,7 +180,7 @@ static void cut_parts(Cutter *c, int count, int axis, int side) {
         for (int k = 0; k < 2; k++) at[k] = side * wad_side_of(&axes[axis], part.end[k]);
         if (at[0] <= 0 && at[1] <= 0) continue;
         for (int k = 0; k < 2; k++) {
-            if (at[k] < 0) part.end[k] = crossing(&axes[part.axis], &axes[axis]);
+            if (at[k] < 0) part.end[k] = crossing_of_axes(&axes[part.axis], &axes[axis]);
         }
         *ARENA_PUSH(&c->scratch, c->parts, c->part_count, c->part_capacity) = part;
     }
@@ -232,7 +232,7 @@ static void cut_last(Cutter *c) {
 }
 
 // All lines, in the box around them.
-static void begin(Cutter *c, const WadVertex box[2]) {
+static void begin_with_square(Cutter *c, const WadVertex box[2]) {
     int first_axis = c->out->axis_count - 4;
     Task all = {0};
     for (int i = 0; i < c->map->line_count; i++) {
@@ -269,7 +269,7 @@ bool wad_cut_plan(const WadMap *map, Arena *arena, WadPieces *out, Error *error)
     box[1] = (WadVertex){box[1].x + MARGIN, box[1].y + MARGIN};
     list_axes(map, box, arena, out);
     Cutter cutter = {.map = map, .arena = arena, .out = out};
-    begin(&cutter, box);
+    begin_with_square(&cutter, box);
     while (cutter.task_count > 0 && out->piece_count + cutter.task_count <= MOST_PIECES) cut_last(&cutter);
     bool done = cutter.task_count == 0;
     arena_free(&cutter.scratch);

@@ -5,7 +5,7 @@
 #include "maps/doom/wad.h"
 
 // Does the boundary turn left from edge `from` to edge `to` (+1), right (-1), or go straight on (0)?
-static int turn(const WadPieces *p, const WadEdge *from, const WadEdge *to) {
+static int turn_at_corner(const WadPieces *p, const WadEdge *from, const WadEdge *to) {
     const WadAxis *a = &p->axes[from->axis], *b = &p->axes[to->axis];
     long long cross = from->side * to->side * (a->a * b->b - a->b * b->a);
     return (cross > 0) - (cross < 0);
@@ -27,7 +27,7 @@ static bool may_join(const WadPieces *p, const WadContact *c) {
         const WadEdge *start = edge_of(p, c->piece[k], c->edge[k]);
         const WadEdge *end = edge_of(p, c->piece[1 - k], c->edge[1 - k] + 1);
         if (!same_point(start->from, end->from)) return false;
-        if (turn(p, edge_of(p, c->piece[k], c->edge[k] - 1), end) < 0) return false;
+        if (turn_at_corner(p, edge_of(p, c->piece[k], c->edge[k] - 1), end) < 0) return false;
     }
     return true;
 }
@@ -51,14 +51,14 @@ static void copy_piece(const WadPieces *from, int piece, Arena *arena, WadPieces
 }
 
 // All edges of both but the common one; where one goes straight on into the next, the corner between is left out.
-static void join(const WadPieces *from, const WadContact *c, Arena *arena, WadPieces *to) {
+static void join_pieces(const WadPieces *from, const WadContact *c, Arena *arena, WadPieces *to) {
     int first = to->edge_count;
     for (int k = 0; k < 2; k++) {
         int count = from->pieces[c->piece[k]].edge_count;
         const WadEdge *before = edge_of(from, c->piece[1 - k], c->edge[1 - k] - 1);
         for (int i = 1; i < count; i++) {
             const WadEdge *e = edge_of(from, c->piece[k], c->edge[k] + i);
-            if (i == 1 && turn(from, before, e) == 0) continue;
+            if (i == 1 && turn_at_corner(from, before, e) == 0) continue;
             *ARENA_PUSH(arena, to->edges, to->edge_count, to->edge_capacity) = *e;
         }
     }
@@ -77,7 +77,7 @@ static bool join_pairs(const WadLineIndex *index, const WadPieces *from, Arena *
     for (int i = 0; i < contacts.count; i++) {
         const WadContact *c = &contacts.contacts[i];
         if (joined[c->piece[0]] || joined[c->piece[1]] || !may_join(from, c)) continue;
-        join(from, c, arena, to);
+        join_pieces(from, c, arena, to);
         joined[c->piece[0]] = joined[c->piece[1]] = any = true;
     }
     for (int i = 0; i < from->piece_count; i++) {

@@ -81,8 +81,8 @@ static bool is_open(const WadLineIndex *index, int axis, double low, double high
 }
 
 // The contacts of one axis: its edges on the positive side are first, both sides in order along it.
-static void meet(const EdgeSpan *spans, int count, const WadLineIndex *index, Arena *arena,
-                 WadContacts *out) {
+static void find_contacts_of_axis(const EdgeSpan *spans, int count, const WadLineIndex *index, Arena *arena,
+                                  WadContacts *out) {
     int positive = 0;
     while (positive < count && spans[positive].side > 0) positive++;
     int other = positive;
@@ -108,7 +108,7 @@ WadContacts wad_find_contacts(const WadPieces *pieces, const WadLineIndex *index
     qsort(spans, (size_t)count, sizeof *spans, by_axis_side_place);
     for (int first = 0, end = 0; first < count; first = end) {
         while (end < count && spans[end].axis == spans[first].axis) end++;
-        meet(spans + first, end - first, index, arena, &out);
+        find_contacts_of_axis(spans + first, end - first, index, arena, &out);
     }
     arena_free(&scratch);
     return out;

@@ -21,7 +21,7 @@ typedef struct Painter {
     int count;
 } Painter;
 
-static void put(Span *out, int *count, Span s) {
+static void put_span(Span *out, int *count, Span s) {
     if (s.z0 >= s.z1) return;
     if (*count > 0 && out[*count - 1].kind == s.kind && out[*count - 1].id == s.id) {
         out[*count - 1].z1 = s.z1;
@@ -58,11 +58,11 @@ static void paint(Painter *p, Span s) {
     Span below = p->spans[first], above = p->spans[last], made[5];
     below.z1 = fmin(below.z1, s.z0);
     above.z0 = fmax(above.z0, s.z1);
-    if (first > 0) put(made, &count, p->spans[--first]);
-    put(made, &count, below);
-    put(made, &count, s);
-    put(made, &count, above);
-    if (last + 1 < p->count) put(made, &count, p->spans[++last]);
+    if (first > 0) put_span(made, &count, p->spans[--first]);
+    put_span(made, &count, below);
+    put_span(made, &count, s);
+    put_span(made, &count, above);
+    if (last + 1 < p->count) put_span(made, &count, p->spans[++last]);
     int rest = p->count - last - 1;
     if (first + count != last + 1)
         memmove(p->spans + first + count, p->spans + last + 1, (size_t)rest * sizeof *p->spans);
@@ -211,8 +211,8 @@ void columns_build(Enclosure *e) {
     double ground = nearbyint(e->sketch->ground * ENCLOSE_MM);
     for (int f = 0; f < plan->face_count; f++) {
         p.count = 0;
-        put(p.spans, &p.count, span(SPAN_SOLID, 0, -1, e->bottom, ground));
-        put(p.spans, &p.count, span(SPAN_OUTDOORS, e->sketch->ground_material, -1, ground, e->top));
+        put_span(p.spans, &p.count, span(SPAN_SOLID, 0, -1, e->bottom, ground));
+        put_span(p.spans, &p.count, span(SPAN_OUTDOORS, e->sketch->ground_material, -1, ground, e->top));
         paint_roofs_and_terraces(e, f, &p);
         paint_rooms(e, f, &p);
         paint_cutouts(e, f, &p);
@@ -276,7 +276,7 @@ void columns_drop_unseen_outdoors(Enclosure *e) {
         for (int i = old.first_span; i < old.first_span + old.span_count; i++) {
             const Span s = e->spans[i];
             const Span next = s.kind == SPAN_OUTDOORS ? span(SPAN_SOLID, 0, -1, s.z0, s.z1) : s;
-            put(e->spans + e->columns[f].first_span, &e->columns[f].span_count, next);
+            put_span(e->spans + e->columns[f].first_span, &e->columns[f].span_count, next);
         }
         kept += e->columns[f].span_count;
     }

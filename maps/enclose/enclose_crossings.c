@@ -114,7 +114,7 @@ static int ends_on(const PlanSegment *s, const PlanSegment *t) {
 
 // Takes an outline if it meets those taken before at few enough places, and if these are few enough: each makes a piece of the plan at
 // least.
-static bool take(Crossings *c, int outline) {
+static bool take_outline(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,
               spots = (long long)(c->e->share * ENCLOSE_MOST_SPOTS / 2 /
@@ -195,19 +195,19 @@ void crossings_limit(Enclosure *e) {
     Crossings c = crossings_of(e);
     index_segments(&c);
     for (int i = 0; i < s->room_count; i++) {
-        if (!e->room_used[i] || take(&c, i)) continue;
+        if (!e->room_used[i] || take_outline(&c, i)) continue;
         e->room_used[i] = false;
         enclose_lose_room(e, i);
         leave_out(&c, &e->rooms[i], s->rooms[i].storey, "room", s->rooms[i].place);
     }
     for (int i = 0; i < s->cutout_count; i++) {
-        if (!e->cutout_used[i] || take(&c, s->room_count + i)) continue;
+        if (!e->cutout_used[i] || take_outline(&c, s->room_count + i)) continue;
         e->cutout_used[i] = false;
         leave_out(&c, &e->cutouts[i], s->cutouts[i].storey, "cut-out", s->cutouts[i].place);
     }
     int count = 0, first = -1;
     for (int i = 0; i < s->wall_count; i++) {
-        if (!e->wall_bounds[i] || take(&c, s->room_count + s->cutout_count + i)) continue;
+        if (!e->wall_bounds[i] || take_outline(&c, s->room_count + s->cutout_count + i)) continue;
         e->wall_bounds[i] = false;
         enclose_add_low_wall(e, i);
         if (count++ == 0) first = i;
@@ -235,7 +235,7 @@ void crossings_limit_holes(Enclosure *e) {
     c.any = true;
     for (int i = 0; i < s->opening_count; i++) {
         Hole *h = &e->holes[i];
-        if (!h->used || take(&c, first + i)) continue;
+        if (!h->used || take_outline(&c, first + i)) continue;
         h->used = false;
         leave_out(&c, &h->box, s->openings[i].storey, opening_kind_name(s->openings[i].kind),
                   s->openings[i].place);

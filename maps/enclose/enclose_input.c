@@ -304,7 +304,7 @@ static void find_origin(Enclosure *e) {
     e->origin = isfinite(low.x) ? vec2(floor(low.x), floor(low.y)) : vec2(0, 0);
 }
 
-static void grow(Enclosure *e, Vec2 p) {
+static void grow_outline(Enclosure *e, Vec2 p) {
     e->world_min = vec2(fmin(e->world_min.x, p.x), fmin(e->world_min.y, p.y));
     e->world_max = vec2(fmax(e->world_max.x, p.x), fmax(e->world_max.y, p.y));
 }
@@ -315,25 +315,25 @@ static bool find_world(Enclosure *e) {
     e->world_max = vec2(-INFINITY, -INFINITY);
     double low = height_mm(s->ground), high = low, out = MAPS_OUTDOORS * ENCLOSE_MM;
     for (int i = 0; i < s->wall_count; i++) {
-        for (int k = 0; k < e->walls[i].ring[1]; k++) grow(e, e->walls[i].points[k]);
+        for (int k = 0; k < e->walls[i].ring[1]; k++) grow_outline(e, e->walls[i].points[k]);
         high = fmax(high, height_mm(s->walls[i].z1));
     }
     for (int i = 0; i < s->room_count; i++) {
-        for (int k = 0; k < e->rooms[i].ring[1]; k++) grow(e, e->rooms[i].points[k]);
+        for (int k = 0; k < e->rooms[i].ring[1]; k++) grow_outline(e, e->rooms[i].points[k]);
         if (!isnan(s->rooms[i].z0)) low = fmin(low, height_mm(s->rooms[i].z0));
         if (!isnan(s->rooms[i].z1)) high = fmax(high, height_mm(s->rooms[i].z1));
     }
     for (int i = 0; i < s->cutout_count; i++) {
-        for (int k = 0; k < e->cutouts[i].ring[1]; k++) grow(e, e->cutouts[i].points[k]);
+        for (int k = 0; k < e->cutouts[i].ring[1]; k++) grow_outline(e, e->cutouts[i].points[k]);
     }
-    for (int i = 0; i < s->opening_count; i++) grow(e, enclose_local(e, s->openings[i].centre));
+    for (int i = 0; i < s->opening_count; i++) grow_outline(e, enclose_local(e, s->openings[i].centre));
     for (int i = 0; i < e->b->vertex_count; i++) {
         Vec3 v = e->b->vertices[i];
         if (!good(v.x) || !good(v.y) || !good(v.z)) {
             return error_set(e->error, "furniture reaches to (%g, %g, %g) m (finite and within %g m)", v.x,
                              v.y, v.z, MAPS_LIMIT);
         }
-        grow(e, enclose_local(e, vec2(v.x, v.y)));
+        grow_outline(e, enclose_local(e, vec2(v.x, v.y)));
         high = fmax(high, height_mm(v.z));
     }
     for (int i = 0; i < e->b->storey_count; i++) {

@@ -20,7 +20,7 @@ static bool belongs(const Spot *spot, Ground ground, int id) {
 
 // Breadth-first from face to face over one ground, until `goal` (a face, or -1: the edge of the world).
 // Returns the face reached there, or -1.
-static int search(const Plan *p, const Spot *spots, Way *way, int start, int goal, Ground ground, int id) {
+static int find_way(const Plan *p, const Spot *spots, Way *way, int start, int goal, Ground ground, int id) {
     int head = 0, tail = 0;
     way->search++;
     way->reached[start] = way->search;
@@ -41,7 +41,7 @@ static int search(const Plan *p, const Spot *spots, Way *way, int start, int goa
     return -1;
 }
 
-static Vec2 middle_of(const Plan *p, int h) {
+static Vec2 middle_of_edge(const Plan *p, int h) {
     return vec2_scale(vec2_add(p->vertices[half_from(p, h)], p->vertices[half_to(p, h)]), 0.5);
 }
 
@@ -51,7 +51,7 @@ static void push_way(Enclosure *e, const Way *way, int face) {
     int count = 0;
     for (int f = face; way->from[f] >= 0; f = half_left(p, way->from[f])) way->queue[count++] = way->from[f];
     while (count-- > 0) {
-        Vec3 m = enclose_place(e, middle_of(p, way->queue[count]), -1);
+        Vec3 m = enclose_place(e, middle_of_edge(p, way->queue[count]), -1);
         enclose_push_point(e, vec2(m.x, m.y), 0);
     }
 }
@@ -106,7 +106,7 @@ static Gap widest_gap(const Plan *p, const Slit *slits, int count, int *parent, 
         if (set_find(parent, half_from(p, h)) != root || half_length(p, h) <= longest) continue;
         longest = half_length(p, h);
         best.half = h;
-        best.middle = middle_of(p, h);
+        best.middle = middle_of_edge(p, h);
     }
     return best;
 }
@@ -132,9 +132,9 @@ static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Ga
                   gap.length / ENCLOSE_MM, hole.x, hole.y);
     int first = e->b->point_count;
     enclose_push_point(e, vec2(inner.x, inner.y), 0);
-    if (search(p, spots, way, start, in, GROUND_ROOM, id) == in) push_way(e, way, in);
+    if (find_way(p, spots, way, start, in, GROUND_ROOM, id) == in) push_way(e, way, in);
     enclose_push_point(e, vec2(hole.x, hole.y), 0);
-    int end = search(p, spots, way, out, -1, GROUND_AIR, 0);
+    int end = find_way(p, spots, way, out, -1, GROUND_AIR, 0);
     if (end >= 0) {
         push_way(e, way, end);
         Vec3 air = enclose_place(e, p->faces[end].inner, storey);

@@ -78,7 +78,7 @@ void leaves_assign(Enclosure *e) {
 // ---- polygons
 
 // A box in the leaf's own frame: u along its axis, v up, w across.
-static void add_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, int material) {
+static void add_leaf_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, int material) {
     static const int SIDES[6][4] = {{0, 1, 5, 4}, {3, 2, 6, 7}, {0, 4, 6, 2},
                                     {1, 3, 7, 5}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
@@ -99,10 +99,10 @@ static void add_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, in
 static void add_glazed(Enclosure *e, const Leaf *leaf, double width, double height, int material) {
     int pane = building_add_material(
         e->arena, e->b, (Material){.name = "pane", .reflectance = maps_colour(0xBCD8DE), .alpha = 0.3f});
-    add_box(e, leaf, vec2(0, STILE), vec2(0, height), leaf->thickness, material);
-    add_box(e, leaf, vec2(width - STILE, width), vec2(0, height), leaf->thickness, material);
-    add_box(e, leaf, vec2(STILE, width - STILE), vec2(0, KICK), leaf->thickness, material);
-    add_box(e, leaf, vec2(STILE, width - STILE), vec2(height - RAIL, height), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(0, STILE), vec2(0, height), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(width - STILE, width), vec2(0, height), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(STILE, width - STILE), vec2(0, KICK), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(STILE, width - STILE), vec2(height - RAIL, height), leaf->thickness, material);
     Vec2 along = vec2_scale(vec2_sub(leaf->axis[1], leaf->axis[0]), 1 / width);
     Vec2 from = vec2_add(leaf->axis[0], vec2_scale(along, STILE)),
          to = vec2_sub(leaf->axis[1], vec2_scale(along, STILE));
@@ -127,7 +127,7 @@ void leaves_draw(Enclosure *e, int hole) {
         if (framed && width >= LEAST_GLAZED && height >= LEAST_GLAZED) {
             add_glazed(e, leaf, width, height, o->material);
         } else {
-            add_box(e, leaf, vec2(0, width), vec2(0, height), leaf->thickness, o->material);
+            add_leaf_box(e, leaf, vec2(0, width), vec2(0, height), leaf->thickness, o->material);
         }
         building_set_proxy(b, atan2(along.y, along.x));
     }

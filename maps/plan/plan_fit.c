@@ -11,13 +11,13 @@ typedef struct Walls {
     BoxHits near;  // what was found last
 } Walls;
 
-static Box box_of(const Vec2 *points, int count, int storey) {
+static Box box_on_storey(const Vec2 *points, int count, int storey) {
     Box box = box_empty();
     for (int i = 0; i < count; i++) box = box_add(box, vec3(points[i].x, points[i].y, storey));
     return box;
 }
 
-static Box widen(Box box, double by) {
+static Box widen_in_plan(Box box, double by) {
     Vec3 aside = vec3(by, by, 0);
     return (Box){vec3_sub(box.min, aside), vec3_add(box.max, aside)};
 }
@@ -28,15 +28,16 @@ static Walls index_walls(Plan *plan) {
         *stretches = ARENA_ARRAY(plan->arena, Box, plan->stretch_count);
     for (int i = 0; i < s->room_count; i++) {
         const SketchRoom *r = &s->rooms[i];
-        Box box = box_of(s->points + r->first_point, r->point_count, r->storey);
+        Box box = box_on_storey(s->points + r->first_point, r->point_count, r->storey);
         // A face is as far as its beginning is, and may lie askew: along its length a wall strays from the opening by the
         // sine of that, sqrt(2) PARALLEL.
         double askew = 1.5 * PARALLEL * vec3_length(vec3_sub(box.max, box.min));
-        rooms[i] = r->wall > 0 ? widen(box, r->wall + 2 * FIT + askew) : box_empty();
+        rooms[i] = r->wall > 0 ? widen_in_plan(box, r->wall + 2 * FIT + askew) : box_empty();
     }
     for (int i = 0; i < plan->stretch_count; i++) {
         const Stretch *w = &plan->stretches[i];
-        stretches[i] = widen(box_of((Vec2[2]){w->a, w->b}, 2, w->storey), w->thickness / 2 + 2 * FIT);
+        stretches[i] =
+            widen_in_plan(box_on_storey((Vec2[2]){w->a, w->b}, 2, w->storey), w->thickness / 2 + 2 * FIT);
     }
     return (Walls){box_tree_build(rooms, s->room_count, plan->arena),
                    box_tree_build(stretches, plan->stretch_count, plan->arena),
@@ -45,7 +46,7 @@ static Walls index_walls(Plan *plan) {
 
 // Puts those around an opening's centre into walls->near, in the order of the file. Returns how many.
 static int find_around(const Plan *plan, const BoxTree *tree, const SketchOpening *o, Walls *walls) {
-    Box centre = box_of(&o->centre, 1, o->storey);
+    Box centre = box_on_storey(&o->centre, 1, o->storey);
     return box_tree_find(tree, centre, plan->arena, &walls->near);
 }
 

@@ -9,7 +9,7 @@ static const char BOX_FACES[] = "top bottom left right front back";
 static const char PRISM_FACES[] = "top bottom";
 
 // The faces of a box but those in `without`, each counter-clockwise from outside.
-static void add_box(Arena *arena, PlanModels *m, Vec3 a, Vec3 b, unsigned without, int material) {
+static void add_model_box(Arena *arena, PlanModels *m, Vec3 a, Vec3 b, unsigned without, int material) {
     static const unsigned char CORNERS[6][4] = {{4, 5, 7, 6}, {0, 2, 3, 1}, {0, 4, 6, 2},
                                                 {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}};
     for (int side = 0; side < 6; side++) {
@@ -38,7 +38,7 @@ bool plan_read_box(PlanLine *line, PlanModels *models) {
             "the box goes from (%g, %g, %g) to (%g, %g, %g) (allowed: lower corner first, so that no "
             "coordinate shrinks)",
             a.x, a.y, a.z, b.x, b.y, b.z);
-    add_box(line->arena, models, a, b, without, material);
+    add_model_box(line->arena, models, a, b, without, material);
     return true;
 }
 
@@ -166,7 +166,7 @@ void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int 
     for (int i = 0; i < steps; i++) {
         // Each step is a box down to the floor; what the one behind covers is left out.
         Vec3 a = vec3(-x, y0 + i * going, 0), b = vec3(x, y0 + (i + 1) * going, (i + 1) * rise);
-        add_box(arena, models, a, b, BOTTOM | FRONT | (i + 1 < steps ? BACK : 0), material);
+        add_model_box(arena, models, a, b, BOTTOM | FRONT | (i + 1 < steps ? BACK : 0), material);
         double z = i * rise;
         building_add_polygon(arena, &models->shapes,
                              (Vec3[]){{a.x, a.y, z}, {b.x, a.y, z}, {b.x, a.y, b.z}, {a.x, a.y, b.z}}, 4,

@@ -198,7 +198,7 @@ bool plan_end(PlanLine *line) {
 }
 
 // Names joined by ", ", cut short where there are too many to read.
-static const char *join(Arena *arena, const char *list, const char *word) {
+static const char *join_names(Arena *arena, const char *list, const char *word) {
     if (strlen(list) >= LIST_LENGTH) return list;
     if (strlen(list) + strlen(word) >= LIST_LENGTH) return arena_format(arena, "%s, ... ", list);
     return arena_format(arena, "%s%s%s", list, *list ? ", " : "", word);
@@ -227,7 +227,7 @@ bool plan_material(PlanLine *line, int *out) {
     if (index < 0) {
         const char *list = "";
         for (int i = 0; i < line->materials->count; i++)
-            list = join(line->arena, list, line->materials->name[i]);
+            list = join_names(line->arena, list, line->materials->name[i]);
         return plan_fail(line, "no material %s (allowed so far: %s)", found(line), list);
     }
     *out = index;
@@ -335,7 +335,7 @@ bool plan_options(PlanLine *line, PlanOption *options, int count) {
         PlanOption *option = find_option(line, options, count);
         if (!option) {
             const char *list = "";
-            for (int i = 0; i < count; i++) list = join(line->arena, list, options[i].word);
+            for (int i = 0; i < count; i++) list = join_names(line->arena, list, options[i].word);
             return plan_fail(line, "unknown word %s (allowed: %s)", found(line), list);
         }
         if (option->given) return plan_fail(line, "%s stands twice (allowed: once)", option->word);

@@ -55,7 +55,7 @@ static bool open_binary(Gltf *g, Bytes content, Bytes *json) {
     return true;
 }
 
-static bool parse(Gltf *g, Bytes json, size_t offset) {
+static bool parse_document(Gltf *g, Bytes json, size_t offset) {
     if (json.size > GLTF_MAX_JSON) {
         return error_set(g->error,
                          "%s: has %zu bytes of JSON (allowed: %zu; a .glb keeps its numbers outside)",
@@ -112,7 +112,7 @@ static bool check_extensions(Gltf *g) {
     return !g->failed;
 }
 
-static bool prepare(Gltf *g) {
+static bool count_lists(Gltf *g) {
     int buffers = gltf_list_count(g, "buffers"), meshes = gltf_list_count(g, "meshes"),
         materials = gltf_list_count(g, "materials"), images = gltf_list_count(g, "images");
     if (g->failed) return false;
@@ -148,8 +148,8 @@ static void note_losses(Gltf *g) {
 static bool read_document(Gltf *g, Bytes content) {
     Bytes json = content;
     if (is_binary(content) && !open_binary(g, content, &json)) return false;
-    if (!parse(g, json, (size_t)(json.data - content.data))) return false;
-    if (!check_version(g) || !check_extensions(g) || !prepare(g) || !gltf_place_nodes(g)) return false;
+    if (!parse_document(g, json, (size_t)(json.data - content.data))) return false;
+    if (!check_version(g) || !check_extensions(g) || !count_lists(g) || !gltf_place_nodes(g)) return false;
     note_losses(g);
     g->b->hash = g->folder.hash;
     return soup_finish(g->path, &g->capped, "lengths in glTF are metres: scale the model before export",
@@ -173,7 +173,7 @@ static bool read_gltf(const char *path, Bytes content, Arena *arena, Building *o
 }
 
 // A .glb file, or JSON that speaks of an asset , as every document does.
-static bool recognise(Bytes content) {
+static bool recognise_gltf(Bytes content) {
     if (is_binary(content)) return true;
     size_t at = 0;
     while (at < content.size && strchr(" \t\r\n\xEF\xBB\xBF", content.data[at]) && content.data[at]) at++;
@@ -185,6 +185,6 @@ const MapsReader MAPS_READER_GLTF = {
     .name = "gltf",
     .suffixes = ".glb .gltf",
     .summary = "glTF 2.0 models of buildings: polygons alone",
-    .recognise = recognise,
+    .recognise = recognise_gltf,
     .read = read_gltf,
 };

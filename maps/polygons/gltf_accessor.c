@@ -25,7 +25,7 @@ typedef struct Source {
     bool normalised;
 } Source;
 
-static size_t size_of(ComponentType type) {
+static size_t component_size(ComponentType type) {
     return type == TYPE_I8 || type == TYPE_U8 ? 1 : type == TYPE_I16 || type == TYPE_U16 ? 2 : 4;
 }
 
@@ -42,7 +42,7 @@ static bool read_type(Gltf *g, const GltfItem *item, ComponentType *out) {
 // Signed types are scaled so that 0 stays 0; their lowest value counts as -1.
 static double number_at(const Source *source, size_t element, int component) {
     const unsigned char *at =
-        source->data + element * source->stride + (size_t)component * size_of(source->type);
+        source->data + element * source->stride + (size_t)component * component_size(source->type);
     int8_t i8;
     int16_t i16;
     uint16_t u16;
@@ -101,8 +101,8 @@ static bool decode_sparse(Gltf *g, const GltfItem *item, const Source *of, int c
     if (!read_type(g, &indices, &index.type)) return false;
     if (index.type == TYPE_F32 || index.type == TYPE_I8 || index.type == TYPE_I16)
         return gltf_fail(g, &indices, "componentType", "is %d (allowed 5121, 5123, 5125)", (int)index.type);
-    if (!locate(g, &indices, count, size_of(index.type), false, &index) ||
-        !locate(g, &values, count, size_of(of->type) * (size_t)components, false, &value))
+    if (!locate(g, &indices, count, component_size(index.type), false, &index) ||
+        !locate(g, &values, count, component_size(of->type) * (size_t)components, false, &value))
         return false;
     for (int i = 0; i < count; i++) {
         double at = number_at(&index, (size_t)i, 0);
@@ -160,7 +160,7 @@ bool gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, 
     bool stored = json_object_get(item.json, "bufferView") != NULL;
     if (!stored && !json_object_get(item.json, "sparse"))
         return gltf_fail(g, &item, NULL, "has neither a bufferView nor sparse values");
-    if (stored && !locate(g, &item, count, size_of(source.type) * (size_t)components, true, &source))
+    if (stored && !locate(g, &item, count, component_size(source.type) * (size_t)components, true, &source))
         return false;
     g->values += count * components;
     *out = (GltfValues){ARENA_ARRAY(arena, double, (size_t)count *(size_t)components), count};

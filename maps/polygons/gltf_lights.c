@@ -12,7 +12,7 @@ static const double FIELD = 70 * M_PI / 180;  // radians, of a camera without pe
 static const double ASPECT = 16.0 / 9;        // of a camera that does not say
 static const double NARROWEST = 1e-3, WIDEST = 3.1;  // radians, of a view across
 
-static Vec3 place_of(const double m[12]) { return vec3(m[3], m[7], m[11]); }
+static Vec3 origin_of(const double m[12]) { return vec3(m[3], m[7], m[11]); }
 
 static bool near_enough(Gltf *g, const GltfItem *node, Vec3 p) {
     if (fabs(p.x) <= MAPS_LIMIT && fabs(p.y) <= MAPS_LIMIT && fabs(p.z) <= MAPS_LIMIT) return true;
@@ -52,10 +52,10 @@ void gltf_add_light(Gltf *g, const GltfItem *node, const double m[12]) {
     gltf_numbers(g, &light, "color", 3, 0, 1, colour);
     double watts = spread_of(g, &light) * candela / GLTF_LUMENS_PER_WATT;
     const char *name = gltf_text(g, node, "name", gltf_text(g, &light, "name", ""));
-    if (g->failed || watts <= 0 || !near_enough(g, node, place_of(m))) return;
+    if (g->failed || watts <= 0 || !near_enough(g, node, origin_of(m))) return;
     *ARENA_PUSH(g->arena, g->b->lights, g->b->light_count, g->b->light_capacity) =
         (Light){.name = arena_string(g->arena, name),
-                .position = place_of(m),
+                .position = origin_of(m),
                 .radius = RADIUS,
                 .flux = {(float)(watts * colour[0]), (float)(watts * colour[1]), (float)(watts * colour[2])},
                 .object = -1};
@@ -78,11 +78,11 @@ void gltf_add_camera(Gltf *g, const GltfItem *node, const double m[12]) {
     double field = field_of(g, &camera);
     const char *name = gltf_text(g, node, "name", gltf_text(g, &camera, "name", ""));
     Vec3 ahead = vec3_normalize(vec3(-m[2], -m[6], -m[10]));
-    if (g->failed || !near_enough(g, node, place_of(m))) return;
+    if (g->failed || !near_enough(g, node, origin_of(m))) return;
     bool sound = isfinite(ahead.x) && isfinite(ahead.y) && isfinite(ahead.z);
     *ARENA_PUSH(g->arena, g->b->viewpoints, g->b->viewpoint_count, g->b->viewpoint_capacity) =
         (Viewpoint){.name = arena_string(g->arena, name),
-                    .eye = place_of(m),
+                    .eye = origin_of(m),
                     .yaw = sound ? atan2(ahead.y, ahead.x) : 0,
                     .pitch = sound ? asin(fmin(fmax(ahead.z, -1), 1)) : 0,
                     .fov = field};

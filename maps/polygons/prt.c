@@ -111,7 +111,7 @@ static bool read_portal(Scan *t, Arena *arena, Building *b, GivenPortal *out, Er
     return true;
 }
 
-static bool recognise(Bytes content) {
+static bool recognise_prt(Bytes content) {
     return content.size >= 4 && memcmp(content.data, "PRT", 3) == 0 && isdigit(content.data[3]);
 }
 
@@ -169,6 +169,6 @@ const MapsReader MAPS_READER_PRT = {
     .name = "prt",
     .suffixes = ".prt",
     .summary = "PRT1 portal files: convex cells and portals, no walls",
-    .recognise = recognise,
+    .recognise = recognise_prt,
     .read = read,
 };

@@ -184,7 +184,7 @@ static bool read_quads(const char *path, Bytes content, Arena *arena, Building *
     return soup_finish(path, &q.capped, "lengths in a .quads file are metres", arena, out, error);
 }
 
-static bool recognise(Bytes content) {
+static bool recognise_quads(Bytes content) {
     Scan s = scan_begin("", content);
     if (!scan_next_line(&s, COMMENT)) return false;
     Quote quote;
@@ -196,6 +196,6 @@ const MapsReader MAPS_READER_QUADS = {
     .name = "quads",
     .suffixes = ".quads",
     .summary = "quadrilaterals with reflectance and exitance, for tests of radiosity",
-    .recognise = recognise,
+    .recognise = recognise_quads,
     .read = read_quads,
 };

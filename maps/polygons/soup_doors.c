@@ -104,7 +104,7 @@ static int join_parts(Part *parts, int count) {
     return count;
 }
 
-static Box box_of(const Building *b, const Polygon *polygon) {
+static Box box_of_polygon(const Building *b, const Polygon *polygon) {
     Box box = box_empty();
     for (int i = 0; i < polygon->vertex_count; i++)
         box = box_add(box, b->vertices[polygon->first_vertex + i]);
@@ -205,7 +205,8 @@ static int list_parts(const Building *b, const Object *object, Part *out) {
     for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
         bool named =
             called_door(b->materials[b->polygons[p].material].name) && !has_word(object->name, FIXED_WORDS);
-        if (all || named) out[count++] = (Part){p, 0, 0, box_grow(box_of(b, &b->polygons[p]), TOGETHER / 2)};
+        if (all || named)
+            out[count++] = (Part){p, 0, 0, box_grow(box_of_polygon(b, &b->polygons[p]), TOGETHER / 2)};
     }
     return join_parts(out, count);
 }

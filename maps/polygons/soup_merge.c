@@ -119,7 +119,7 @@ static bool joinable(const SoupMesh *mesh, const Side *sides, const int *place, 
 }
 
 // `head` [face_count] is the lowest side of each face that is left.
-static void join(Side *sides, int *head, int side) {
+static void join_faces(Side *sides, int *head, int side) {
     int twin = sides[side].twin, face = sides[side].face, other = sides[twin].face;
     int a = sides[side].previous, b = sides[twin].next, c = sides[twin].previous, d = sides[side].next;
     sides[a].next = b, sides[b].previous = a;
@@ -170,7 +170,7 @@ void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out) {
         const Side *side = &sides[i];
         if (side->twin < 0 || side->gone || side->face == sides[side->twin].face) continue;
         if (mesh->faces[side->face].material != mesh->faces[sides[side->twin].face].material) continue;
-        if (joinable(mesh, sides, place, i, FLAT * largest)) join(sides, head, i);
+        if (joinable(mesh, sides, place, i, FLAT * largest)) join_faces(sides, head, i);
     }
     list_faces(mesh, sides, head, arena, out);
     arena_free(&scratch);

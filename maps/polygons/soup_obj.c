@@ -244,7 +244,7 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
 }
 
 // The first statement is one of OBJ.
-static bool recognise(Bytes content) {
+static bool recognise_obj(Bytes content) {
     static const char *const WORDS[] = {"mtllib", "o", "g", "v", "vt", "vn", "s", "usemtl"};
     Scan s = scan_begin("", content);
     if (!scan_next_line(&s, '#')) return false;
@@ -260,6 +260,6 @@ const MapsReader MAPS_READER_OBJ = {
     .name = "obj",
     .suffixes = ".obj",
     .summary = "Wavefront OBJ models of buildings: polygons alone",
-    .recognise = recognise,
+    .recognise = recognise_obj,
     .read = read_obj,
 };

@@ -44,7 +44,7 @@ static Box box_of_polygon(const Building *b, int polygon, Box box) {
     return box;
 }
 
-static double longest(Box box) {
+static double longest_side(Box box) {
     Vec3 size = vec3_sub(box.max, box.min);
     return fmax(size.x, fmax(size.y, size.z));
 }
@@ -85,7 +85,7 @@ static void add_clump(Splitter *s, int first, int count, Box box) {
 static void add_clumps(Splitter *s, int first, int count) {
     Box box = box_empty();
     for (int i = first; i < first + count; i++) box = box_of_polygon(s->b, s->order[i], box);
-    if (longest(box) <= s->shell) {
+    if (longest_side(box) <= s->shell) {
         add_clump(s, first, count, box);
         return;
     }
@@ -129,17 +129,17 @@ static void add_part(Splitter *s, const Object *of, const Clump *clumps, int cou
     for (int i = 0; i < used; i++) s->polygons[s->polygon_count++] = s->b->polygons[part[i]];
 }
 
-static int along(const Clump *a, const Clump *b, int axis) {
+static int compare_clumps_along(const Clump *a, const Clump *b, int axis) {
     double p = vec3_component(a->middle, axis), q = vec3_component(b->middle, axis);
     return p != q ? (p > q) - (p < q) : (a->first > b->first) - (a->first < b->first);
 }
 
-static int along_x(const void *p, const void *q) { return along(p, q, 0); }
-static int along_y(const void *p, const void *q) { return along(p, q, 1); }
-static int along_z(const void *p, const void *q) { return along(p, q, 2); }
+static int along_x(const void *p, const void *q) { return compare_clumps_along(p, q, 0); }
+static int along_y(const void *p, const void *q) { return compare_clumps_along(p, q, 1); }
+static int along_z(const void *p, const void *q) { return compare_clumps_along(p, q, 2); }
 
 // Halves the set across the longest side of the box of its middles until it is small enough.
-static void gather(Splitter *s, const Object *of, Clump *clumps, int count) {
+static void gather_clumps(Splitter *s, const Object *of, Clump *clumps, int count) {
     static int (*const ALONG[])(const void *, const void *) = {along_x, along_y, along_z};
     Box box = box_empty();
     int polygons = 0;
@@ -154,8 +154,8 @@ static void gather(Splitter *s, const Object *of, Clump *clumps, int count) {
     Vec3 size = vec3_sub(box.max, box.min);
     int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     qsort(clumps, (size_t)count, sizeof *clumps, ALONG[axis]);
-    gather(s, of, clumps, count / 2);
-    gather(s, of, clumps + count / 2, count - count / 2);
+    gather_clumps(s, of, clumps, count / 2);
+    gather_clumps(s, of, clumps + count / 2, count - count / 2);
 }
 
 static bool is_large(const Object *object) {
@@ -165,7 +165,7 @@ static bool is_large(const Object *object) {
 static void split_object(Splitter *s, const Object *object) {
     if (is_large(object)) {
         list_clumps(s, object);
-        gather(s, object, s->clumps, s->clump_count);
+        gather_clumps(s, object, s->clumps, s->clump_count);
         return;
     }
     Object *kept = ARENA_PUSH(s->arena, s->objects, s->object_count, s->object_capacity);
@@ -180,7 +180,7 @@ void soup_split(Arena *arena, Building *b) {
     for (int i = 0; i < b->object_count; i++) any |= is_large(&b->objects[i]);
     if (!any) return;
     Arena scratch = {0};
-    Splitter s = {.arena = arena, .scratch = &scratch, .b = b, .shell = SHELL * longest(b->world)};
+    Splitter s = {.arena = arena, .scratch = &scratch, .b = b, .shell = SHELL * longest_side(b->world)};
     s.place = soup_weld(b->vertices, b->vertex_count, &scratch);
     s.leader = ARENA_ARRAY(&scratch, int, b->vertex_count);
     s.order = ARENA_ARRAY(&scratch, int, b->polygon_count);

@@ -364,7 +364,7 @@ static bool starts_as_zip(Bytes content) {
 }
 
 // A ZIP may hold anything; so Home.xml is looked for only once the reader is chosen, and missed with a reason.
-static bool recognise(Bytes content) {
+static bool recognise_sh3d(Bytes content) {
     static const size_t HEAD = 4096;  // bytes in which the home element begins
     if (starts_as_zip(content)) return true;
     size_t size = content.size < HEAD ? content.size : HEAD;
@@ -424,7 +424,8 @@ static bool read_zip(const char *path, Bytes content, Arena *arena, Building *b,
 static bool read(const char *path, Bytes content, Arena *arena, Building *b, Error *error) {
     Sketch sketch = {0};
     const char *suffix = strrchr(path, '.');
-    bool zip = starts_as_zip(content) || (suffix && strcasecmp(suffix, ".sh3d") == 0 && !recognise(content));
+    bool zip =
+        starts_as_zip(content) || (suffix && strcasecmp(suffix, ".sh3d") == 0 && !recognise_sh3d(content));
     bool good = zip ? read_zip(path, content, arena, b, &sketch, error)
                     : sh3d_sketch(content, NULL, path, arena, b, &sketch, error);
     return good && enclose(&sketch, arena, b, error);
@@ -434,6 +435,6 @@ const MapsReader MAPS_READER_SH3D = {
     .name = "sh3d",
     .suffixes = ".sh3d .xml",
     .summary = "Sweet Home 3D homes, or their Home.xml alone",
-    .recognise = recognise,
+    .recognise = recognise_sh3d,
     .read = read,
 };

@@ -107,7 +107,7 @@ typedef struct Corner {
     int vertex;
 } Corner;
 
-static int by_place(const void *p, const void *q) {
+static int vertices_by_place(const void *p, const void *q) {
     const Vec3 *a = &((const Corner *)p)->at, *b = &((const Corner *)q)->at;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     if (a->y != b->y) return a->y < b->y ? -1 : 1;
@@ -123,7 +123,7 @@ static int *find_pieces(const Finder *f) {
         parent[i] = i;
         corners[i] = (Corner){f->placed[i], i};
     }
-    qsort(corners, (size_t)m->vertex_count, sizeof *corners, by_place);
+    qsort(corners, (size_t)m->vertex_count, sizeof *corners, vertices_by_place);
     for (int i = 1; i < m->vertex_count; i++) {
         if (vec3_equal(corners[i].at, corners[i - 1].at))
             parent[root_of(parent, corners[i].vertex)] = root_of(parent, corners[i - 1].vertex);

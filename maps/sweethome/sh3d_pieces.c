@@ -193,8 +193,8 @@ static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
 }
 
 // Where the piece shows its backs they are faces of their own.
-static void add_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
-                     int material) {
+static void add_model_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
+                           int material) {
     int sides = p->both_sides ? 2 : 1;
     for (int side = 0; side < sides; side++) {
         bool turned = p->mirrored != side;
@@ -218,11 +218,11 @@ static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *pl
         if (*known < 0) continue;
         const int *corner = m->corners + f->first_corner;
         if (f->corner_count <= MAX_FAN) {
-            add_face(s, p, placed, corner, f->corner_count, *known);
+            add_model_face(s, p, placed, corner, f->corner_count, *known);
             continue;
         }
         for (int k = 1; k + 1 < f->corner_count; k++)
-            add_face(s, p, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, *known);
+            add_model_face(s, p, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, *known);
     }
 }
 
@@ -315,7 +315,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
 
 // ---- pieces
 
-static void add_piece(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
+static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
     const ObjModel *m = find_model(s, p->node);
     ObjModel stand_in;
     bool box = !m || !room_for(s, p, m);
@@ -399,7 +399,7 @@ static void read_furniture(Sh3d *s, const XmlNode *node, bool of_stair) {
     bool lamp = xml_is(node, "light");
     int object = s->b->object_count;
     ObjectKind kind = lamp ? OBJECT_LAMP : of_stair || is_stair(node) ? OBJECT_STAIR : OBJECT_FURNITURE;
-    add_piece(s, &p, kind, kind == OBJECT_STAIR && !of_stair);
+    add_furniture(s, &p, kind, kind == OBJECT_STAIR && !of_stair);
     if (kind == OBJECT_STAIR) add_cutout(s, &p);
     if (lamp) add_lights(s, &p, s->b->object_count > object ? object : -1);
 }

@@ -57,7 +57,7 @@ static Vec2 point(Path *p, bool relative) {
     return relative ? vec2_add(p->here, vec2(x, y)) : vec2(x, y);
 }
 
-static void add(Path *p, Vec2 to) {
+static void append_to_path(Path *p, Vec2 to) {
     p->here = to;
     if (p->count > 0 && vec2_length(vec2_sub(p->out[p->count - 1], to)) < 1e-9) return;
     if (p->count == p->max) {
@@ -83,7 +83,8 @@ static void cubic(Path *p, Vec2 b, Vec2 c, Vec2 d) {
     for (int i = 1; i <= CURVE_STEPS; i++) {
         double t = (double)i / CURVE_STEPS, u = 1 - t;
         double wa = u * u * u, wb = 3 * u * u * t, wc = 3 * u * t * t, wd = t * t * t;
-        add(p, vec2(wa * a.x + wb * b.x + wc * c.x + wd * d.x, wa * a.y + wb * b.y + wc * c.y + wd * d.y));
+        append_to_path(
+            p, vec2(wa * a.x + wb * b.x + wc * c.x + wd * d.x, wa * a.y + wb * b.y + wc * c.y + wd * d.y));
     }
 }
 
@@ -91,7 +92,7 @@ static void arc(Path *p, double rx, double ry, double turn, bool large, bool swe
     Vec2 from = p->here;
     rx = fabs(rx), ry = fabs(ry);
     if (rx < 1e-9 || ry < 1e-9) {
-        add(p, to);
+        append_to_path(p, to);
         return;
     }
     // In the frame of the ellipse scaled to a circle of radius 1.
@@ -113,20 +114,20 @@ static void arc(Path *p, double rx, double ry, double turn, bool large, bool swe
     for (int i = 1; i < steps; i++) {
         double a = a0 + span * i / steps;
         Vec2 e = vec2((centre.x + cos(a)) * rx, (centre.y + sin(a)) * ry);
-        add(p, vec2_add(mid, vec2(c * e.x - s * e.y, s * e.x + c * e.y)));
+        append_to_path(p, vec2_add(mid, vec2(c * e.x - s * e.y, s * e.x + c * e.y)));
     }
-    add(p, to);
+    append_to_path(p, to);
 }
 
 static void command(Path *p, char letter, bool relative) {
     if (letter == 'L') {
-        add(p, point(p, relative));
+        append_to_path(p, point(p, relative));
     } else if (letter == 'H') {
         double x = number(p);
-        add(p, vec2(relative ? p->here.x + x : x, p->here.y));
+        append_to_path(p, vec2(relative ? p->here.x + x : x, p->here.y));
     } else if (letter == 'V') {
         double y = number(p);
-        add(p, vec2(p->here.x, relative ? p->here.y + y : y));
+        append_to_path(p, vec2(p->here.x, relative ? p->here.y + y : y));
     } else if (letter == 'C') {
         Vec2 b = point(p, relative), c = point(p, relative);
         cubic(p, b, c, point(p, relative));
@@ -160,7 +161,7 @@ int sh3d_shape(const char *path, Vec2 *out, int max) {
                 Vec2 to = point(&p, relative);
                 close_figure(&p);
                 p.start = to;
-                add(&p, to);
+                append_to_path(&p, to);
                 letter = 'L';
                 continue;
             }
@@ -168,7 +169,7 @@ int sh3d_shape(const char *path, Vec2 *out, int max) {
             return 0;
         }
         // After a closed figure the next one starts where that one did.
-        if (p.count == 0) add(&p, p.start);
+        if (p.count == 0) append_to_path(&p, p.start);
         command(&p, letter, relative);
     }
     close_figure(&p);

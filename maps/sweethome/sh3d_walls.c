@@ -215,7 +215,7 @@ static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
 }
 
 // Where the lines p q and r t meet; false when they are parallel.
-static bool meet(Vec2 p, Vec2 q, Vec2 r, Vec2 t, Vec2 *at) {
+static bool lines_meet(Vec2 p, Vec2 q, Vec2 r, Vec2 t, Vec2 *at) {
     Vec2 u = vec2_sub(q, p), v = vec2_sub(t, r);
     double cross = vec2_cross(u, v);
     if (fabs(cross) <= PARALLEL * vec2_length(u) * vec2_length(v)) return false;
@@ -256,7 +256,7 @@ static Vec2 mitred(const Sh3d *s, int i, int end, bool left) {
     bool first = i < w->joined[end];
     SideEnd a = first ? mine : theirs, b = first ? theirs : mine;
     double limit = MITRE_LIMIT * fmax(w->thickness, other->thickness);
-    if (!meet(a.corner, a.inward, b.corner, b.inward, &at)) return mine.corner;
+    if (!lines_meet(a.corner, a.inward, b.corner, b.inward, &at)) return mine.corner;
     return vec2_length(vec2_sub(at, mine.corner)) < limit ? at : mine.corner;
 }
 
@@ -452,7 +452,7 @@ static int roof_outline(const Sh3d *s, const SketchRoom *room, const unsigned ch
     return count;
 }
 
-static double turn(Vec2 a, Vec2 b, Vec2 c) { return vec2_cross(vec2_sub(b, a), vec2_sub(c, a)); }
+static double twice_area(Vec2 a, Vec2 b, Vec2 c) { return vec2_cross(vec2_sub(b, a), vec2_sub(c, a)); }
 
 // Whether the line between corners i and j stays inside the outline (it may run along it).
 static bool sees(const Vec2 *p, int count, int i, int j) {
@@ -460,13 +460,13 @@ static bool sees(const Vec2 *p, int count, int i, int j) {
     for (int k = 0; k < count; k++) {
         int l = (k + 1) % count;
         if (k == i || k == j || l == i || l == j) continue;
-        if (turn(p[i], p[j], p[k]) * turn(p[i], p[j], p[l]) < 0 &&
-            turn(p[k], p[l], p[i]) * turn(p[k], p[l], p[j]) < 0)
+        if (twice_area(p[i], p[j], p[k]) * twice_area(p[i], p[j], p[l]) < 0 &&
+            twice_area(p[k], p[l], p[i]) * twice_area(p[k], p[l], p[j]) < 0)
             return false;
     }
     Vec2 before = p[(i + count - 1) % count], at = p[i], after = p[i + 1];
-    bool left_of_next = turn(at, after, p[j]) >= 0, left_of_last = turn(before, at, p[j]) >= 0;
-    return turn(before, at, after) >= 0 ? left_of_next && left_of_last : left_of_next || left_of_last;
+    bool left_of_next = twice_area(at, after, p[j]) >= 0, left_of_last = twice_area(before, at, p[j]) >= 0;
+    return twice_area(before, at, after) >= 0 ? left_of_next && left_of_last : left_of_next || left_of_last;
 }
 
 typedef struct Roof {
@@ -486,7 +486,7 @@ static void fill_roof(Roof *r) {
             r->most[i][j] = span == 1 ? 0 : -1;
             if (span == 1 || !sees(r->p, r->count, i, j)) continue;
             for (int k = i + 1; k < j; k++) {
-                double area = turn(r->p[i], r->p[k], r->p[j]) / 2;
+                double area = twice_area(r->p[i], r->p[k], r->p[j]) / 2;
                 if (area < 0 || r->most[i][k] < 0 || r->most[k][j] < 0) continue;
                 double mean = (r->z[i] + r->z[k] + r->z[j]) / 3 - r->floor;
                 double volume = r->most[i][k] + r->most[k][j] + area * mean;

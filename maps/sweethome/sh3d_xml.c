@@ -30,7 +30,7 @@ static void XMLCALL doctype(void *context, const XML_Char *name, const XML_Char 
     refuse(context, "a document type, which no Sweet Home 3D file has", 0);
 }
 
-static void XMLCALL start(void *context, const XML_Char *name, const XML_Char **attributes) {
+static void XMLCALL start_element(void *context, const XML_Char *name, const XML_Char **attributes) {
     Parser *p = context;
     if (p->failed) return;
     if (++p->count > XML_MAX_ELEMENTS) {
@@ -73,7 +73,7 @@ bool xml_parse(Bytes content, const char *where, Arena *arena, const XmlNode **r
     Parser p = {XML_ParserCreate_MM(NULL, &memory, NULL), arena, where, NULL, NULL, 0, 0, error, false};
     CORE_ASSERT(p.expat);
     XML_SetUserData(p.expat, &p);
-    XML_SetElementHandler(p.expat, start, end);
+    XML_SetElementHandler(p.expat, start_element, end);
     XML_SetStartDoctypeDeclHandler(p.expat, doctype);
     enum XML_Status status = XML_Parse(p.expat, (const char *)content.data, (int)content.size, 1);
     if (status != XML_STATUS_OK && !p.failed) {

@@ -15,140 +15,13 @@
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
 
-static const double CM = 0.01;                  // metres
 static const double DEFAULT_WALL_HEIGHT = 250;  // cm, what the program starts a home with
 static const double DEFAULT_SLAB = 12;          // cm, likewise
 // Walls and ceilings without a colour are white paint, floors a light wood grey: sRGB.
 static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, GROUND_COLOUR = 0xA8A8A8;
-static const double QUARTER_SLACK = 1e-5;     // radians: 1.7e-7 instead of 0 is common in files
 static const double DEFAULT_FOV = 1.0995574;  // radians, 63 degrees: the program's own
 
-// ---- attributes
-
-bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) {
-    if (s->failed) return false;
-    char what[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(what, sizeof what, format, args);
-    va_end(args);
-    s->failed = true;
-    return error_set(s->error, "%s:%d: %s %s", s->where, node->line, node->name, what);
-}
-
-double sh3d_number(Sh3d *s, const XmlNode *node, const char *name, double missing, double low, double high) {
-    const char *text = xml_get(node, name);
-    if (!text) {
-        if (isnan(missing)) sh3d_fail(s, node, "has no attribute %s (a number is needed)", name);
-        return isnan(missing) ? 0 : missing;
-    }
-    char *stop;
-    double value = strtod(text, &stop);
-    while (isspace((unsigned char)*stop)) stop++;
-    if (stop == text || *stop || !(value >= low && value <= high)) {
-        sh3d_fail(s, node, "has %s='%.40s' (a number from %g to %g is allowed)", name, text, low, high);
-        return 0;
-    }
-    return value;
-}
-
-double sh3d_length(Sh3d *s, const XmlNode *node, const char *name, double missing) {
-    return CM * sh3d_number(s, node, name, missing, 0, SH3D_MAX_LENGTH);
-}
-
-double sh3d_coordinate(Sh3d *s, const XmlNode *node, const char *name, double missing) {
-    return CM * sh3d_number(s, node, name, missing, -SH3D_MAX_COORDINATE, SH3D_MAX_COORDINATE);
-}
-
-double sh3d_angle(Sh3d *s, const XmlNode *node, const char *name) {
-    double angle = -sh3d_number(s, node, name, 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
-    double quarters = angle / (M_PI / 2);
-    if (fabs(angle - nearbyint(quarters) * (M_PI / 2)) >= QUARTER_SLACK) return angle;
-    return nearbyint(quarters) * (M_PI / 2) + 0.0;  // no negative zero
-}
-
-bool sh3d_flag(const XmlNode *node, const char *name, bool missing) {
-    const char *text = xml_get(node, name);
-    return text ? strcmp(text, "true") == 0 : missing;
-}
-
-const char *sh3d_text(const XmlNode *node, const char *name) {
-    const char *text = xml_get(node, name);
-    return text ? text : "";
-}
-
-const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what) {
-    const char *id = sh3d_text(node, "id"), *name = sh3d_text(node, "name");
-    const char *label = *id && strlen(id) < 24 ? id : name;  // long ids are random and say less than the line
-    return arena_format(s->arena, "%s %s%s(line %d)", what, label, *label ? " " : "", node->line);
-}
-
-void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place) {
-    static const int SHOWN = 5;  // names in the note
-    if (tally->count++ == 0) tally->place = place;
-    size_t used = strlen(tally->names);
-    if (tally->shown == SHOWN || strstr(tally->names, name)) return;
-    tally->shown++;
-    snprintf(tally->names + used, sizeof tally->names - used, "%s%.60s", used ? ", " : "", name);
-}
-
-bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb) {
-    const char *text = xml_get(node, name);
-    if (!text) return false;
-    char *stop;
-    unsigned long value = strtoul(text, &stop, 16);
-    if (strlen(text) > 8 || stop == text || *stop || !isxdigit((unsigned char)*text)) {
-        sh3d_fail(s, node, "has %s='%.40s' (up to eight hexadecimal digits AARRGGBB are allowed)", name,
-                  text);
-        return false;
-    }
-    *rgb = (unsigned)(value & 0xFFFFFF);
-    return true;
-}
-
-bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
-    const char *name = xml_get(node, "image");
-    for (int i = 0; name && i < s->texture_count; i++) {
-        if (strcmp(s->textures[i].name, name) != 0) continue;
-        *mean = s->textures[i].mean;
-        return s->textures[i].usable;
-    }
-    Sh3dTexture texture = {.name = name};
-    Bytes image;
-    Error ignored;
-    if (name && s->archive && archive_has(s->archive, name) &&
-        archive_read(s->archive, name, ARCHIVE_MAX_ENTRY, s->arena, &image, &ignored))
-        texture.usable = texture_mean(image, &s->pixels, &texture.mean);
-    if (!texture.usable) sh3d_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
-    if (name) *ARENA_PUSH(s->arena, s->textures, s->texture_count, s->texture_capacity) = texture;
-    *mean = texture.mean;
-    return texture.usable;
-}
-
-static int add_colour(Sh3d *s, const char *name, Rgb colour) {
-    return building_add_material(s->arena, s->b, (Material){.name = name, .reflectance = colour, .alpha = 1});
-}
-
-int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing) {
-    Rgb mean;
-    for (const XmlNode *child = node->first; child; child = child->next)
-        if (xml_is(child, "texture") && strcmp(sh3d_text(child, "attribute"), texture) == 0 &&
-            sh3d_texture(s, child, &mean))
-            return add_colour(s, sh3d_text(child, "name"), mean);
-    unsigned rgb;
-    return sh3d_colour(s, node, colour, &rgb) ? add_colour(s, "paint", maps_colour(rgb)) : missing;
-}
-
 // ---- levels
-
-const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node) {
-    const char *id = xml_get(node, "level");
-    if (!id) return &s->levels[0];
-    for (int i = 0; i < s->level_count; i++)
-        if (s->levels[i].id && strcmp(s->levels[i].id, id) == 0) return &s->levels[i];
-    sh3d_fail(s, node, "refers to level '%.40s', which the file does not have", id);
-    return &s->levels[0];
-}
 
 static int by_elevation(const void *a, const void *b) {
     const Sh3dLevel *p = a, *q = b;
@@ -161,7 +34,7 @@ static void read_level(Sh3d *s, const XmlNode *node) {
     Sh3dLevel level = {.node = node, .id = xml_get(node, "id")};
     if (!level.id) sh3d_fail(s, node, "has no attribute id (a name is needed)");
     level.floor = maps_snap(sh3d_coordinate(s, node, "elevation", NAN));
-    level.height = maps_snap(sh3d_length(s, node, "height", s->wall_height / CM));
+    level.height = maps_snap(sh3d_length(s, node, "height", s->wall_height / SH3D_CM));
     level.slab = maps_snap(sh3d_length(s, node, "floorThickness", DEFAULT_SLAB));
     level.index = (int)sh3d_number(s, node, "elevationIndex", 0, -1e6, 1e6);
     if (!s->failed && level.height <= 0)
@@ -179,7 +52,7 @@ static void read_levels(Sh3d *s) {
     if (s->failed) return;
     if (s->level_count == 0)
         *ARENA_PUSH(s->arena, s->levels, s->level_count, s->level_capacity) =
-            (Sh3dLevel){.height = s->wall_height, .slab = CM * DEFAULT_SLAB};
+            (Sh3dLevel){.height = s->wall_height, .slab = SH3D_CM * DEFAULT_SLAB};
     else
         qsort(s->levels, (size_t)s->level_count, sizeof *s->levels, by_elevation);
     Building *b = s->b;
@@ -202,16 +75,6 @@ static void read_levels(Sh3d *s) {
 }
 
 // ---- rooms
-
-int sh3d_add_point(Sh3d *s, Vec2 point, int material) {
-    Sketch *k = s->sketch;
-    k->points = arena_grow(s->arena, k->points, k->point_count, &k->point_capacity, sizeof *k->points);
-    k->edge_material =
-        arena_grow(s->arena, k->edge_material, k->point_count, &k->edge_capacity, sizeof *k->edge_material);
-    k->points[k->point_count] = point;
-    k->edge_material[k->point_count] = material;
-    return k->point_count++;
-}
 
 static void read_room(Sh3d *s, const XmlNode *node) {
     SketchRoom room = {.storey = sh3d_level(s, node)->storey,
@@ -292,13 +155,13 @@ static void read_cameras(Sh3d *s) {
 // ---- the home
 
 static void set_defaults(Sh3d *s) {
-    s->wall_material = add_colour(s, "wall", maps_colour(WALL_COLOUR));
-    s->ceiling_material = add_colour(s, "ceiling", maps_colour(WALL_COLOUR));
-    s->floor_material = add_colour(s, "floor", maps_colour(FLOOR_COLOUR));
+    s->wall_material = sh3d_add_colour(s, "wall", maps_colour(WALL_COLOUR));
+    s->ceiling_material = sh3d_add_colour(s, "ceiling", maps_colour(WALL_COLOUR));
+    s->floor_material = sh3d_add_colour(s, "floor", maps_colour(FLOOR_COLOUR));
     s->sketch->outer_material = s->wall_material;
-    s->sketch->slab_material = add_colour(s, "slab", maps_colour(WALL_COLOUR));
+    s->sketch->slab_material = sh3d_add_colour(s, "slab", maps_colour(WALL_COLOUR));
     s->sketch->ground = 0;  // the program's ground lies at elevation 0
-    s->sketch->ground_material = add_colour(s, "ground", maps_colour(GROUND_COLOUR));
+    s->sketch->ground_material = sh3d_add_colour(s, "ground", maps_colour(GROUND_COLOUR));
     for (const XmlNode *node = s->home->first; node; node = node->next)
         if (xml_is(node, "environment"))
             s->sketch->ground_material =

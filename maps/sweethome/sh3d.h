@@ -15,6 +15,7 @@
 // Bytes of Home.xml: real ones have below 1 MB.
 #define SH3D_MAX_XML ((size_t)64 << 20)
 // Bounds on what a file may say, in its own centimetres and radians.
+#define SH3D_CM 0.01             // metres
 #define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
 #define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
 #define SH3D_MAX_ANGLE 1e6       // cameras really turn many times round
@@ -28,33 +29,6 @@ typedef struct Sh3dLevel {
     int index;                   // among levels of the same elevation
     int storey;
 } Sh3dLevel;
-
-typedef struct Sh3dWall {
-    const XmlNode *node;
-    const char *id, *place;
-    Vec2 start, end;  // of the axis
-    double arc;       // angle swept from start to end, counter-clockwise; 0: straight
-    double thickness;
-    double floor, top[2];  // absolute heights: foot, top at start and end
-    int storey;
-    int joined[2];  // the walls it joins at start and end, -1: none
-    int left_material, right_material, top_material;
-    Vec2 *left, *right;  // [side_count] from start to end; mitred at last
-    int side_count;
-    bool bounding;  // reaches the ceiling, or stands under a sloped one
-} Sh3dWall;
-
-typedef struct Sh3dModel {
-    const char *name;  // of the entry
-    ObjModel obj;
-    bool usable;
-} Sh3dModel;
-
-typedef struct Sh3dTexture {
-    const char *name;
-    Rgb mean;
-    bool usable;
-} Sh3dTexture;
 
 // Things that are counted over the home and noted once, with the first of their names.
 typedef struct Sh3dTally {
@@ -74,10 +48,10 @@ typedef struct Sh3d {
     const XmlNode *home;
     double wall_height;  // of walls that state none, metres
     Sh3dLevel *levels;
-    Sh3dWall *walls;
-    Sh3dModel *models;
-    Sh3dTexture *textures;
-    double pixels;  // that may still be decoded
+    struct Sh3dWall *walls;        // private to sh3d_walls.c
+    struct Sh3dModel *models;      // private to sh3d_pieces.c
+    struct Sh3dTexture *textures;  // private to sh3d_attributes.c
+    double pixels;                 // of images that may still be decoded
     int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
         texture_capacity;
     int wall_material, floor_material, ceiling_material;  // of those that name no colour
@@ -86,13 +60,7 @@ typedef struct Sh3d {
     Viewpoint observer;
 } Sh3d;
 
-// ---- sh3d.c
-
-// Reads a home into a plan (storeys into the building, the rest of the plan into `sketch`) and appends furniture,
-// lights, viewpoints and tours to `b`. `archive` may be NULL. Opening i of the building will be opening i of the
-// sketch: maps_enclose keeps them one to one, and objects of doors refer to them by that.
-bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
-                 Error *error);
+// ---- sh3d_attributes.c
 
 // Attributes. `missing` is the value when absent; NAN makes it required. A bad value sets s->failed.
 double sh3d_number(Sh3d *s, const XmlNode *node, const char *name, double missing, double low, double high);
@@ -110,8 +78,18 @@ int sh3d_add_point(Sh3d *s, Vec2 point, int material);
 
 // The material of an attribute `colour` or of the child texture whose attribute is `texture`; else `missing`.
 int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing);
+int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour);                       // an opaque material
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb);  // false: absent
 bool sh3d_texture(Sh3d *s, const XmlNode *texture, Rgb *mean);
+bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in its name or catalogue id
+
+// ---- sh3d.c
+
+// Reads a home into a plan (storeys into the building, the rest of the plan into `sketch`) and appends furniture,
+// lights, viewpoints and tours to `b`. `archive` may be NULL. Opening i of the building will be opening i of the
+// sketch: maps_enclose keeps them one to one, and objects of doors refer to them by that.
+bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
+                 Error *error);
 
 // ---- sh3d_walls.c
 
@@ -122,13 +100,11 @@ void sh3d_add_sloped_ceilings(Sh3d *s);  // after rooms and walls
 // ---- sh3d_pieces.c: furniture, stairs, lights and the models of doors
 
 void sh3d_read_pieces(Sh3d *s);
-// Places the model of a door or window: its frame, and its leaves where it is a door.
-void sh3d_add_opening_model(Sh3d *s, const XmlNode *node, int opening, const char *name);
-bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in its name or catalogue id
 
 // ---- sh3d_openings.c
 
-void sh3d_read_opening(Sh3d *s, const XmlNode *node);
+// Appends a door or window to the sketch; false where it cannot be used.
+bool sh3d_read_opening(Sh3d *s, const XmlNode *node);
 
 // ---- sh3d_shape.c
 

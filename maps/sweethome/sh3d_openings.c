@@ -4,7 +4,6 @@
 // away from whoever stands in front), and a sash's angles are counter-clockwise as seen on the plan, so a sash from
 // 0 to -pi/2 hangs on its left end and opens towards the front. Mirroring the model swaps left and right.
 #include <string.h>
-#include <strings.h>
 
 #include "maps/sweethome/sh3d.h"
 
@@ -24,13 +23,6 @@ static const char *const PASSAGE_WORDS[] = {"frame",     "opening",   "passage",
                                             "embrasure", "ouverture", "rahmen",    "öffnung", "durchgang",
                                             "telaio",    "apertura",  "passaggio", "vano",    "marco",
                                             "hueco",     "abertura",  NULL};
-
-bool sh3d_has_word(const XmlNode *node, const char *const *words) {
-    const char *name = sh3d_text(node, "name"), *id = sh3d_text(node, "catalogId");
-    for (int i = 0; words[i]; i++)
-        if (strcasestr(name, words[i]) || strcasestr(id, words[i])) return true;
-    return false;
-}
 
 // The cut-out in the unit square, x along the width and y up; nothing for a rectangle.
 static void add_cutout(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mirrored) {
@@ -97,7 +89,7 @@ static int leaf_material(Sh3d *s, const XmlNode *node, bool glazed) {
                                             .alpha = glazed ? 0.3f : 1});
 }
 
-void sh3d_read_opening(Sh3d *s, const XmlNode *node) {
+bool sh3d_read_opening(Sh3d *s, const XmlNode *node) {
     const Sh3dLevel *level = sh3d_level(s, node);
     bool mirrored = sh3d_flag(node, "modelMirrored", false);
     double x = sh3d_coordinate(s, node, "x", NAN), y = -sh3d_coordinate(s, node, "y", NAN);
@@ -123,14 +115,14 @@ void sh3d_read_opening(Sh3d *s, const XmlNode *node) {
     o.sill = o.head - height * tall;
     o.place = sh3d_place(s, node, "door or window");
     classify(s, node, &o, mirrored);
-    if (s->failed) return;
+    if (s->failed) return false;
     if (o.width < MAPS_GRID || o.head - o.sill < MAPS_GRID) {
         building_note(s->arena, s->b, NOTE_DROPPED, vec3(x, y, o.sill),
                       "%s: %s is smaller than 1 mm: left out", s->where, o.place);
-        return;
+        return false;
     }
     o.material = leaf_material(s, node, o.glazed);
     add_cutout(s, node, &o, mirrored);
     *ARENA_PUSH(s->arena, s->sketch->openings, s->sketch->opening_count, s->sketch->opening_capacity) = o;
-    sh3d_add_opening_model(s, node, s->sketch->opening_count - 1, o.name);
+    return true;
 }

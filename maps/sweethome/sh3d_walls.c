@@ -24,6 +24,21 @@ static const double ROOF_OVERLAP = 0.1;  // metres that they share at least
 
 // ---- reading
 
+typedef struct Sh3dWall {
+    const XmlNode *node;
+    const char *id, *place;
+    Vec2 start, end;  // of the axis
+    double arc;       // angle swept from start to end, counter-clockwise; 0: straight
+    double thickness;
+    double floor, top[2];  // absolute heights: foot, top at start and end
+    int storey;
+    int joined[2];  // the walls it joins at start and end, -1: none
+    int left_material, right_material, top_material;
+    Vec2 *left, *right;  // [side_count] from start to end; mitred at last
+    int side_count;
+    bool bounding;  // reaches the ceiling, or stands under a sloped one
+} Sh3dWall;
+
 static const char *wall_at(const XmlNode *node, int end) {
     return xml_get(node, end ? "wallAtEnd" : "wallAtStart");
 }

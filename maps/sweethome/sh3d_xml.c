@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "engine/core/memory.h"
+
 typedef struct Parser {
     XML_Parser expat;
     Arena *arena;
@@ -46,10 +47,9 @@ static void XMLCALL start_element(void *context, const XML_Char *name, const XML
     node->line = (int)XML_GetCurrentLineNumber(p->expat);
     node->parent = p->open;
     while (attributes[2 * node->attribute_count]) node->attribute_count++;
-    node->attributes = ARENA_ARRAY(p->arena, XmlAttribute, node->attribute_count);
-    for (int i = 0; i < node->attribute_count; i++)
-        node->attributes[i] = (XmlAttribute){arena_string(p->arena, attributes[2 * i]),
-                                             arena_string(p->arena, attributes[2 * i + 1])};
+    node->attributes = ARENA_ARRAY(p->arena, const char *, 2 * node->attribute_count);
+    for (int i = 0; i < 2 * node->attribute_count; i++)
+        node->attributes[i] = arena_string(p->arena, attributes[i]);
     if (!p->open)
         p->root = node;
     else if (p->open->last)
@@ -89,7 +89,7 @@ bool xml_parse(Bytes content, const char *where, Arena *arena, const XmlNode **r
 
 const char *xml_get(const XmlNode *node, const char *name) {
     for (int i = 0; i < node->attribute_count; i++)
-        if (strcmp(node->attributes[i].name, name) == 0) return node->attributes[i].value;
+        if (strcmp(node->attributes[2 * i], name) == 0) return node->attributes[2 * i + 1];
     return NULL;
 }
 

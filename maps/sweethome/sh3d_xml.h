@@ -8,14 +8,10 @@
 #define XML_MAX_ELEMENTS (2 << 20)
 #define XML_MAX_DEPTH 64
 
-typedef struct XmlAttribute {
-    const char *name, *value;
-} XmlAttribute;
-
 typedef struct XmlNode XmlNode;
 struct XmlNode {
     const char *name;
-    XmlAttribute *attributes;
+    const char **attributes;  // [2 * attribute_count] of each its name and its value
     int attribute_count;
     int line;
     XmlNode *parent, *first, *last, *next;  // first and last child; next sibling

@@ -1,18 +1,88 @@
-// building_check.c - every fault of a building, named with its place.
+// building_check.c - every fault of a building, named with its place; those of regions are found in building_check_regions.c.
 #include "maps/building_check.h"
-
-#include <stdarg.h>
 
 #include "engine/core/polygon.h"
 #include "engine/core/predicates.h"
+#include "maps/curved/curved_patch.h"
 
-void check_fault(Check *c, const char *format, ...) {
-    if (c->count++ >= c->max) return;
-    va_list args;
-    va_start(args, format);
-    c->faults[c->count - 1] = arena_format_list(c->arena, format, args);
-    va_end(args);
+// ---- the form: each form of a building lacks some parts, and only one has given portals
+
+// How far a given portal's corners may lie off its plane, metres: compilers print few decimals of their own units.
+static const double GIVEN_BEND = 0.004;
+
+static void check_absent(Check *c, const char *form, const char *what, int count) {
+    if (count != 0) check_fault(c, "a building of %s has %d %s (allowed 0)", form, count, what);
 }
+
+static void check_given_portal(Check *c, int i) {
+    const Building *b = c->b;
+    const GivenPortal *p = &b->given_portals[i];
+    for (int side = 0; side < 2; side++) {
+        if (!index_good(p->cell[side], b->given_cell_count))
+            check_fault(c, "given portal %d: cell %d (allowed 0 to %d)", i, p->cell[side],
+                        b->given_cell_count - 1);
+    }
+    if (p->cell[0] == p->cell[1])
+        check_fault(c, "given portal %d: leads from cell %d to itself", i, p->cell[0]);
+    if (p->vertex_count < 3 || !run_good(p->first_vertex, p->vertex_count, b->vertex_count)) {
+        check_fault(c, "given portal %d: vertices %d to %d of %d (at least 3, all there)", i, p->first_vertex,
+                    p->first_vertex + p->vertex_count - 1, b->vertex_count);
+        return;
+    }
+    const Vec3 *v = &b->vertices[p->first_vertex];
+    for (int k = 0; k < p->vertex_count; k++) {
+        if (good3(v[k])) continue;
+        check_fault(c, "given portal %d: vertex %d at (%g, %g, %g) (finite, within %g m)", i, k, v[k].x,
+                    v[k].y, v[k].z, MAPS_LIMIT);
+        return;
+    }
+    double off = polygon_bend(v, p->vertex_count, plane_of_polygon(v, p->vertex_count));
+    if (polygon_area(v, p->vertex_count) < MAPS_SMALLEST_AREA) {
+        check_fault(c, "given portal %d at (%.3f, %.3f, %.3f): no area", i, v[0].x, v[0].y, v[0].z);
+    } else if (off > GIVEN_BEND) {
+        check_fault(c, "given portal %d at (%.3f, %.3f, %.3f): bends by %.4f m (limit %g)", i, v[0].x, v[0].y,
+                    v[0].z, off, GIVEN_BEND);
+    }
+}
+
+static void check_no_plan(Check *c, const char *form) {
+    const Building *b = c->b;
+    check_absent(c, form, "regions", b->region_count);
+    check_absent(c, form, "storeys", b->storey_count);
+    check_absent(c, form, "inlays", b->inlay_count);
+}
+
+static void check_no_cells(Check *c, const char *form) {
+    check_absent(c, form, "given cells", c->b->given_cell_count);
+    check_absent(c, form, "given portals", c->b->given_portal_count);
+}
+
+static void check_form(Check *c) {
+    const Building *b = c->b;
+    switch (b->form) {
+    case FORM_REGIONS:
+        check_no_cells(c, "regions");
+        return;
+    case FORM_SOUP:
+        check_no_plan(c, "polygons alone");
+        check_no_cells(c, "polygons alone");
+        return;
+    case FORM_CELLS:
+        check_no_plan(c, "given cells");
+        check_absent(c, "given cells", "openings", b->opening_count);
+        check_absent(c, "given cells", "leaves", b->leaf_count);
+        check_absent(c, "given cells", "objects", b->object_count);
+        check_absent(c, "given cells", "polygons", b->polygon_count);
+        if (b->given_cell_count < 1) check_fault(c, "a building of given cells has none");
+        for (int i = 0; i < b->given_portal_count; i++) check_given_portal(c, i);
+        return;
+    case BUILDING_FORMS:
+        break;
+    }
+    check_fault(c, "form %d (allowed 0 to %d)", (int)b->form, BUILDING_FORMS - 1);
+}
+
+// ---- materials, storeys, polygons, objects, openings
 
 static void check_rgb(Check *c, const char *what, int i, Rgb v, float most) {
     float channel[3] = {v.r, v.g, v.b};
@@ -242,6 +312,112 @@ static void check_world(Check *c) {
     if (!sound) check_fault(c, "the world's box is not finite");
     if (!good3(b->start) || !good(b->start_yaw)) {
         check_fault(c, "the start (%g, %g, %g) is not finite", b->start.x, b->start.y, b->start.z);
+    }
+}
+
+// ---- curved shapes, and materials where rays are traced
+
+// Cosine between axes of a frame that counts as square: rounding of a turn, many times over.
+static const double SQUARE = 1e-9;
+static const double MOST_INDEX = 4;  // of refraction
+
+static void check_optics(Check *c) {
+    for (int i = 0; i < c->b->material_count; i++) {
+        const Material *m = &c->b->materials[i];
+        float most = fmaxf(m->reflectance.r, fmaxf(m->reflectance.g, m->reflectance.b));
+        if (!(m->mirror >= 0 && m->mirror + most <= 1.00001f))
+            check_fault(c, "material %d (%s): mirror %g beside a reflectance of %g (together 0 to 1)", i,
+                        text_of(m->name), (double)m->mirror, (double)most);
+        if (m->index != 0 && !(m->index >= 1 && (double)m->index <= MOST_INDEX))
+            check_fault(c, "material %d (%s): index of refraction %g (0, or 1 to %g)", i, text_of(m->name),
+                        (double)m->index, MOST_INDEX);
+    }
+}
+
+static void check_frame(Check *c, int i) {
+    const CurvedFrame *f = &c->b->shapes[i].frame;
+    bool sound = good3(f->origin);
+    for (int k = 0; k < 3 && sound; k++) {
+        Vec3 a = f->axis[k], b = f->axis[(k + 1) % 3];
+        double lengths = vec3_length(a) * vec3_length(b);
+        sound = good3(a) && lengths > 0 && fabs(vec3_dot(a, b)) <= SQUARE * lengths;
+    }
+    if (!sound) check_fault(c, "curved shape %d: its axes are not perpendicular, or one has no length", i);
+}
+
+static void check_patch(Check *c, int i) {
+    const Building *b = c->b;
+    const CurvedShape *s = &b->shapes[i];
+    if (!run_good(s->first_control, PATCH_CONTROLS, b->control_count) ||
+        !run_good(s->first_trim, s->trim_count, b->trim_count)) {
+        check_fault(c, "curved shape %d: controls from %d of %d, trims from %d of %d", i, s->first_control,
+                    b->control_count, s->first_trim, b->trim_count);
+        return;
+    }
+    for (int k = 0; k < PATCH_CONTROLS; k++) {
+        const CurvedControl *control = &b->controls[s->first_control + k];
+        if (!good3(control->point) || !(control->weight > 0) || !good(control->weight))
+            check_fault(c, "curved shape %d: control %d at (%g, %g, %g), weight %g (finite, above 0)", i, k,
+                        control->point.x, control->point.y, control->point.z, control->weight);
+    }
+    for (int k = 0; k < s->trim_count; k++) {
+        const CurvedTrim *t = &b->trims[s->first_trim + k];
+        for (int p = 0; p < 4; p++) {
+            Vec2 at = t->point[p];
+            bool inside = at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1;
+            if (!inside || !(t->weight[p] > 0) || !good(t->weight[p]))
+                check_fault(c,
+                            "curved shape %d: point %d of trim %d is (%g, %g), weight %g (0 to 1, above 0)",
+                            i, p, k, at.x, at.y, t->weight[p]);
+        }
+    }
+}
+
+static void check_balls(Check *c, int i) {
+    const Building *b = c->b;
+    const CurvedShape *s = &b->shapes[i];
+    if (s->ball_count < 1 || !run_good(s->first_ball, s->ball_count, b->ball_count) || !(s->threshold > 0)) {
+        check_fault(c, "curved shape %d: balls %d to %d of %d (at least 1), threshold %g (above 0)", i,
+                    s->first_ball, s->first_ball + s->ball_count - 1, b->ball_count, s->threshold);
+        return;
+    }
+    for (int k = 0; k < s->ball_count; k++) {
+        const CurvedBall *ball = &b->balls[s->first_ball + k];
+        if (!good3(ball->centre) || !(ball->radius > 0) || !good(ball->radius) || !good(ball->weight))
+            check_fault(c, "curved shape %d: ball %d has radius %g, weight %g (finite, a radius above 0)", i,
+                        k, ball->radius, ball->weight);
+    }
+}
+
+static void check_curved(Check *c) {
+    const Building *b = c->b;
+    for (int i = 0; i < b->shape_count; i++) {
+        const CurvedShape *s = &b->shapes[i];
+        if (s->kind < 0 || s->kind >= CURVED_KINDS) {
+            check_fault(c, "curved shape %d: kind %d (allowed 0 to %d)", i, (int)s->kind, CURVED_KINDS - 1);
+            continue;
+        }
+        bool held = index_good(s->object, b->object_count) &&
+                    run_good(s->first_polygon, s->polygon_count, b->polygon_count);
+        if (held) {
+            const Object *o = &b->objects[s->object];
+            held = s->first_polygon >= o->first_polygon &&
+                   s->first_polygon + s->polygon_count <= o->first_polygon + o->polygon_count;
+        }
+        if (!held || !index_good(s->material, b->material_count))
+            check_fault(c, "curved shape %d: polygons %d to %d, not all of object %d; material %d of %d", i,
+                        s->first_polygon, s->first_polygon + s->polygon_count - 1, s->object, s->material,
+                        b->material_count);
+        if (!(s->tolerance > 0 && good(s->tolerance)) || !(s->top >= 0 && s->top <= 1))
+            check_fault(c, "curved shape %d: tolerance %g m (above 0), top %g (0 to 1)", i, s->tolerance,
+                        s->top);
+        if (s->kind == CURVED_PATCH) {
+            check_patch(c, i);
+        } else if (s->kind == CURVED_METABALLS) {
+            check_balls(c, i);
+        } else {
+            check_frame(c, i);
+        }
     }
 }
 

@@ -1,6 +1,8 @@
-// building_check.h - what the files of the check share.
+// building_check.h - the faults found so far, and what both files of the check ask of numbers and indices.
 #ifndef MAPS_BUILDING_CHECK_H
 #define MAPS_BUILDING_CHECK_H
+
+#include <stdarg.h>
 
 #include "engine/core/box_tree.h"
 #include "maps/building/building.h"
@@ -11,10 +13,17 @@ typedef struct Check {
     const char **faults;
     int max, count;
     Vec2 *mm;                 // [point_count] plan points in millimetres, whole ones on the grid
-    BoxHits mine, near, row;  // edges found last, in building_check_regions.c
+    BoxHits mine, near, row;  // edges found last; building_check_regions.c
 } Check;
 
-void check_fault(Check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Adds a fault; the sentence is formatted as by printf.
+__attribute__((format(printf, 2, 3))) static inline void check_fault(Check *c, const char *format, ...) {
+    if (c->count++ >= c->max) return;
+    va_list args;
+    va_start(args, format);
+    c->faults[c->count - 1] = arena_format_list(c->arena, format, args);
+    va_end(args);
+}
 
 static inline bool good(double x) { return isfinite(x) && fabs(x) <= MAPS_LIMIT; }
 static inline bool good3(Vec3 p) { return good(p.x) && good(p.y) && good(p.z); }
@@ -26,10 +35,5 @@ static inline const char *text_of(const char *name) { return name && *name ? nam
 
 // building_check_regions.c
 void check_regions(Check *c);
-// building_check_curved.c: mirrors and indices of refraction; curved shapes
-void check_optics(Check *c);
-void check_curved(Check *c);
-// building_check_forms.c: what a building of this form may hold, and given portals.
-void check_form(Check *c);
 
 #endif

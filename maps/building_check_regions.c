@@ -1,5 +1,5 @@
 // building_check_regions.c - the faults of regions: rings, outlines, and pairs that overlap or touch without sharing
-// vertices. It computes in whole millimetres held in doubles, in which every orientation is exact; what lies off the grid keeps its fraction.
+// vertices. It computes in whole millimetres held in doubles, in which every orientation is exact; points off the grid keep their fraction.
 #include <limits.h>
 #include <stdlib.h>
 

@@ -1,35 +1,13 @@
 // plan.c - reads .plan, the line-based text format of maps/README.md, into a sketch and a building.
 //
-// Each statement is one row of STATEMENTS and one function, here or in plan_statements.c, plan_views.c or plan_walls.c; its optional
-// words are a table inside it.
+// Each statement is one row of STATEMENTS and one function, here, in plan_statements.c or in plan_model.c; its optional words are a table
+// inside it.
 #include "maps/building/reader.h"
 #include "maps/plan/plan_file.h"
 
 static const char MARK[] = "\xEF\xBB\xBF";  // of UTF-8, with which some editors begin a file
 static const char PLAIN[] = "plain";        // the material of what names none
 static const unsigned PLAIN_COLOUR = 0xC8C8C8;
-
-// ---- what all share
-
-const char *plan_place_text(Plan *plan, const char *what, const char *name) {
-    return arena_format(plan->arena, "%s:%d: %s %s", plan->line.path, plan->line.number, what, name);
-}
-
-double plan_storey_floor(const Plan *plan) { return plan->b->storeys[plan->storey].floor; }
-
-void plan_push_point(Plan *plan, Vec2 point, int material) {
-    Sketch *s = &plan->sketch;
-    int edges = s->point_count;
-    *ARENA_PUSH(plan->arena, s->edge_material, edges, s->edge_capacity) = material;
-    *ARENA_PUSH(plan->arena, s->points, s->point_count, s->point_capacity) = point;
-}
-
-double plan_signed_area(const Vec2 *points, int count) {
-    double sum = 0;
-    for (int i = 1; i + 1 < count; i++)
-        sum += vec2_cross(vec2_sub(points[i], points[0]), vec2_sub(points[i + 1], points[0]));
-    return sum / 2;
-}
 
 // ---- statements
 
@@ -86,7 +64,7 @@ static bool read_end(Plan *plan) {
 
 typedef struct Statement {
     const char *word;
-    Block block;  // it stands in
+    int block;  // the block in which it stands
     bool needs_storey;
     bool (*read)(Plan *plan);
 } Statement;

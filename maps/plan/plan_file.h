@@ -1,30 +1,11 @@
-// plan_file.h - a .plan file while it is read: what its statements share.
+// plan_file.h - a .plan file while it is read: the part that its statements share.
 #ifndef MAPS_PLAN_FILE_H
 #define MAPS_PLAN_FILE_H
 
 #include "maps/building/sketch.h"
 #include "maps/plan/plan_model.h"
 
-// Limits of the format, metres.
-#define PLAN_MAX_HEIGHT 1000.0   // of storeys, walls, openings
-#define PLAN_MAX_THICKNESS 10.0  // of walls and slabs
-#define PLAN_MAX_OPENING 100.0   // width
-#define PLAN_MIN_SIZE 0.01       // of all that must have a size
-
-typedef enum Block { BLOCK_NONE, BLOCK_MODEL, BLOCK_TOUR } Block;
-
-// A stretch of explicit wall, to fit openings into.
-typedef struct Stretch {
-    int storey;
-    Vec2 a, b;
-    double thickness;
-} Stretch;
-
-// What the file said of an opening beside the sketch: `line` for messages; `fit` when no depth was given.
-typedef struct Pending {
-    int line;
-    bool fit;
-} Pending;
+enum { BLOCK_NONE, BLOCK_MODEL, BLOCK_TOUR };
 
 typedef struct Plan {
     PlanLine line;
@@ -33,11 +14,11 @@ typedef struct Plan {
     Sketch sketch;
     PlanNames materials, storeys;
     PlanModels models;
-    Stretch *stretches;
-    Pending *pending;  // [sketch.opening_count]
-    int stretch_count, stretch_capacity, pending_count, pending_capacity;
-    int storey;  // under which statements stand now
-    Block block;
+    struct Stretch *stretches;  // of explicit walls; private to plan_statements.c
+    int *opening_line;          // [sketch.opening_count] the lines of the openings, for messages
+    int stretch_count, stretch_capacity, opening_line_count, opening_line_capacity;
+    int storey;      // under which statements stand now
+    int block;       // the block in which lines stand now
     int block_line;  // where it began
     bool begun, ground;
     Vec3 start;
@@ -49,13 +30,6 @@ typedef struct Plan {
     const char *first_ramp_place;
 } Plan;
 
-// `house.plan:12: door pantry`
-const char *plan_place_text(Plan *plan, const char *what, const char *name);
-double plan_storey_floor(const Plan *plan);
-void plan_push_point(Plan *plan, Vec2 point, int material);  // into the sketch
-
-double plan_signed_area(const Vec2 *points, int count);  // counter-clockwise positive
-
 // ---- plan_statements.c
 bool plan_read_storey(Plan *plan);
 bool plan_read_material(Plan *plan);
@@ -64,27 +38,25 @@ bool plan_read_facade(Plan *plan);
 bool plan_read_slabs(Plan *plan);
 bool plan_read_stairwell(Plan *plan);
 bool plan_read_stair(Plan *plan);
-void plan_note_ramps(Plan *plan);  // of all stairs, at the end
+// Notes the stairs that stand as slopes, once all are read.
+void plan_note_ramps(Plan *plan);
 bool plan_read_light(Plan *plan);
 bool plan_read_inlay(Plan *plan);
 bool plan_read_place(Plan *plan);
 
-// ---- plan_views.c
 bool plan_read_view(Plan *plan);
 bool plan_read_tour(Plan *plan);
 bool plan_read_tour_eye(Plan *plan);
 bool plan_read_start(Plan *plan);
-// Once all is read: what the file says goes before what maps_enclose chose.
+// Once the free space is known: the start that the file names replaces the one that maps_enclose chose.
 bool plan_set_start(Plan *plan);
 
-// ---- plan_walls.c
 bool plan_read_room(Plan *plan);
 bool plan_read_wall(Plan *plan);
 bool plan_read_door(Plan *plan);
 bool plan_read_passage(Plan *plan);
 bool plan_read_window(Plan *plan);
 
-// ---- plan_fit.c
 // Once all rooms and walls are known: openings without a depth take that of the wall they stand in.
 bool plan_fit_openings(Plan *plan);
 

@@ -1,5 +1,11 @@
-// plan_model.c - boxes, prisms, cylinders and single polygons in a model's own frame, and models in a building.
+// plan_model.c - the models of .plan files: boxes, prisms, polygons and curved shapes in a model's own frame, and models in a building.
 #include "maps/plan/plan_model.h"
+
+#include <float.h>
+
+#include "maps/curved/curved_field.h"
+#include "maps/curved/curved_patch.h"
+#include "maps/curved/curved_tessellate.h"
 
 enum { MAX_SIDES = 64, MAX_STEPS = 200 };
 static const double MAX_FLUX = 1e6;  // W
@@ -7,6 +13,23 @@ static const double MAX_FLUX = 1e6;  // W
 enum { TOP = 1, BOTTOM = 2, LEFT = 4, RIGHT = 8, FRONT = 16, BACK = 32 };
 static const char BOX_FACES[] = "top bottom left right front back";
 static const char PRISM_FACES[] = "top bottom";
+
+// A shape that asks for more polygons is refused.
+enum { MAX_SHAPE_POLYGONS = 100000 };
+// Radii, metres, of balls and metaballs too; those of a cone's top may be 0.
+static const double LEAST_RADIUS = 0.001, MOST_RADIUS = 100;
+// What a bound on a tolerance may miss it by.
+static const double ROUNDING = 1e-9;
+enum { MAX_TRIMS = 200, MAX_BALLS = 100 };
+static const double LEAST_WEIGHT = 0.001, MOST_WEIGHT = 1000;  // of controls
+static const double LEAST_THRESHOLD = 0.001, MOST_THRESHOLD = 100;
+
+// The word by which a line says how far polygons may lie off what they stand for, metres.
+#define TOLERANCE_WORD(variable)                                                                             \
+    { .word = "tolerance", .kind = PLAN_LENGTH, .out = &(variable), .min = 1e-5, .max = 1 }
+#define TOLERANCE 0.002  // where none is given, metres: a silhouette of a vase looks round from across a room
+
+// ---- boxes, prisms, polygons
 
 // The faces of a box but those in `without`, each counter-clockwise from outside.
 static void add_model_box(Arena *arena, PlanModels *m, Vec3 a, Vec3 b, unsigned without, int material) {
@@ -78,43 +101,13 @@ static bool read_heights(PlanLine *line, double z[2]) {
 bool plan_read_prism(PlanLine *line, PlanModels *models) {
     int material;
     double z[2];
-    PlanShape ring;
+    PlanList ring;
     unsigned without = 0;
     PlanOption options[] = {{.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES}};
     if (!plan_material(line, &material) || !read_heights(line, z) ||
         !plan_points(line, "corners", 3, &ring) || !plan_options(line, options, 1))
         return false;
     add_prism(line->arena, models, ring.points, ring.count, z[0], z[1], without, material);
-    return true;
-}
-
-bool plan_read_cylinder(PlanLine *line, PlanModels *models) {
-    int material, sides = 8;
-    Vec2 centre;
-    double z[2], radius = 0, tolerance = PLAN_TOLERANCE;
-    unsigned without = 0;
-    bool round = false;
-    PlanOption options[] = {
-        {.word = "radius", .kind = PLAN_LENGTH, .out = &radius, .min = 0.001, .max = 100, .required = true},
-        {.word = "sides", .kind = PLAN_WHOLE, .out = &sides, .min = 3, .max = MAX_SIDES},
-        {.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES},
-        {.word = "round", .kind = PLAN_FLAG, .out = &round},
-        PLAN_TOLERANCE_WORD(tolerance)};
-    if (!plan_material(line, &material) || !read_heights(line, z) ||
-        !plan_point(line, "the centre", &centre) || !plan_options(line, options, 5))
-        return false;
-    if (round ? options[1].given : options[4].given)
-        return plan_fail(line, "a cylinder with %s (allowed: sides, or round and a tolerance)",
-                         round ? "sides that is round" : "a tolerance that is not round");
-    if (round)
-        return plan_add_round(line, models, centre, z, radius, tolerance,
-                              (bool[]){!(without & BOTTOM), !(without & TOP)}, material);
-    Vec2 ring[MAX_SIDES];
-    for (int i = 0; i < sides; i++) {
-        double angle = 2 * M_PI * (i + 0.5) / sides;
-        ring[i] = vec2_add(centre, vec2_scale(vec2(cos(angle), sin(angle)), radius));
-    }
-    add_prism(line->arena, models, ring, sides, z[0], z[1], without, material);
     return true;
 }
 
@@ -140,6 +133,424 @@ bool plan_read_poly(PlanLine *line, PlanModels *models) {
     building_add_polygon(line->arena, &models->shapes, vertices, count, material);
     return true;
 }
+
+// ---- curved shapes
+
+// Appends the polygons of the last shape. Fails where they are too many.
+static bool tessellate(PlanLine *line, PlanModels *models) {
+    Building *shapes = &models->shapes;
+    CurvedShape *shape = &shapes->shapes[shapes->shape_count - 1];
+    Arena scratch = {0};
+    CurvedMesh mesh;
+    curved_tessellate(shapes, shape, shape->tolerance, &scratch, &mesh);
+    shape->first_polygon = shapes->polygon_count;
+    int most = building_polygons_allowed(shapes->file_size);
+    bool fine = mesh.tolerance <= shape->tolerance + ROUNDING,
+         single = mesh.polygon_count <= MAX_SHAPE_POLYGONS,
+         few = single && mesh.polygon_count <= most - shapes->polygon_count;
+    for (int i = 0; fine && few && i < mesh.polygon_count; i++)
+        building_add_polygon(line->arena, shapes, mesh.vertices + mesh.first[i],
+                             mesh.first[i + 1] - mesh.first[i], shape->material);
+    shape->polygon_count = shapes->polygon_count - shape->first_polygon;
+    double kept = mesh.tolerance;
+    int count = mesh.polygon_count;
+    arena_free(&scratch);
+    if (!isfinite(kept))
+        return plan_fail(line,
+                         "the trims cut the patch into too many pieces (allowed: loops that hardly cross)");
+    if (!fine)
+        return plan_fail(line,
+                         "a tolerance of %g metres takes too many polygons (allowed here: from about %.2g)",
+                         shape->tolerance, kept);
+    if (!single) return plan_fail(line, "the shape has %d polygons (limit %d)", count, MAX_SHAPE_POLYGONS);
+    if (!few)
+        return plan_fail(
+            line,
+            "the shapes come to more than %d polygons (the limit for a file of %.0f bytes; larger "
+            "tolerances make fewer)",
+            most, shapes->file_size);
+    if (shape->polygon_count == 0)
+        return plan_fail(line, "nothing of the shape can be seen (allowed: one with an area)");
+    return true;
+}
+
+// Appends a shape to the last model; the parts that it consists of, and its polygons, come after.
+static CurvedShape *add_shape(PlanLine *line, PlanModels *models, CurvedKind kind, int material,
+                              double tolerance) {
+    Building *shapes = &models->shapes;
+    CurvedShape *shape = ARENA_PUSH(line->arena, shapes->shapes, shapes->shape_count, shapes->shape_capacity);
+    *shape = (CurvedShape){
+        .kind = kind, .object = shapes->object_count - 1, .material = material, .tolerance = tolerance};
+    return shape;
+}
+
+static bool add_ball(PlanLine *line, PlanModels *models, Vec3 centre, Vec3 radii, double angle, int material,
+                     double tolerance) {
+    double c = cos(angle), s = sin(angle);
+    CurvedShape *shape = add_shape(line, models, CURVED_SPHERE, material, tolerance);
+    shape->frame = (CurvedFrame){
+        centre, {vec3(c * radii.x, s * radii.x, 0), vec3(-s * radii.y, c * radii.y, 0), vec3(0, 0, radii.z)}};
+    return tessellate(line, models);
+}
+
+bool plan_read_sphere(PlanLine *line, PlanModels *models) {
+    int material;
+    Vec3 centre;
+    double radius = 0, tolerance = TOLERANCE;
+    PlanOption options[] = {{.word = "radius",
+                             .kind = PLAN_LENGTH,
+                             .out = &radius,
+                             .min = LEAST_RADIUS,
+                             .max = MOST_RADIUS,
+                             .required = true},
+                            TOLERANCE_WORD(tolerance)};
+    return plan_material(line, &material) && plan_place(line, "the centre", true, &centre) &&
+           plan_options(line, options, 2) &&
+           add_ball(line, models, centre, vec3(radius, radius, radius), 0, material, tolerance);
+}
+
+bool plan_read_ellipsoid(PlanLine *line, PlanModels *models) {
+    int material;
+    Vec3 centre, radii = {0};
+    double angle = 0, tolerance = TOLERANCE;
+    PlanOption options[] = {{.word = "radii",
+                             .kind = PLAN_TRIPLE,
+                             .out = &radii,
+                             .min = LEAST_RADIUS,
+                             .max = MOST_RADIUS,
+                             .required = true},
+                            {.word = "angle", .kind = PLAN_ANGLE, .out = &angle, .min = -360, .max = 360},
+                            TOLERANCE_WORD(tolerance)};
+    return plan_material(line, &material) && plan_place(line, "the centre", true, &centre) &&
+           plan_options(line, options, 3) &&
+           add_ball(line, models, centre, radii, angle, material, tolerance);
+}
+
+// Two directions across `axis`, right-handed with it.
+static void across(Vec3 axis, double length, Vec3 out[2]) {
+    Vec3 n = vec3_normalize(axis), helper = fabs(n.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
+    out[1] = vec3_scale(vec3_normalize(vec3_cross(n, helper)), length);
+    out[0] = vec3_scale(vec3_cross(vec3_normalize(out[1]), n), length);
+}
+
+bool plan_read_cone(PlanLine *line, PlanModels *models) {
+    int material;
+    Vec3 foot, head;
+    double radius = 0, top = 0, tolerance = TOLERANCE;
+    unsigned without = 0;
+    PlanOption options[] = {{.word = "radius",
+                             .kind = PLAN_LENGTH,
+                             .out = &radius,
+                             .min = LEAST_RADIUS,
+                             .max = MOST_RADIUS,
+                             .required = true},
+                            {.word = "top", .kind = PLAN_LENGTH, .out = &top, .min = 0, .max = MOST_RADIUS},
+                            {.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES},
+                            TOLERANCE_WORD(tolerance)};
+    if (!plan_material(line, &material) || !plan_place(line, "the middle of the foot", true, &foot) ||
+        !plan_place(line, "the middle of the top", true, &head) || !plan_options(line, options, 4))
+        return false;
+    if (vec3_length(vec3_sub(head, foot)) < LEAST_RADIUS)
+        return plan_fail(line, "the cone is %.4g metres high (allowed: at least %g)",
+                         vec3_length(vec3_sub(head, foot)), LEAST_RADIUS);
+    // The wider end is at z = 0 of the shape's own frame.
+    bool upside = top > radius;
+    double wide = upside ? top : radius, narrow = upside ? radius : top;
+    CurvedShape *shape =
+        add_shape(line, models, narrow == wide ? CURVED_CYLINDER : CURVED_CONE, material, tolerance);
+    shape->top = narrow / wide;
+    shape->disc[upside] = !(without & BOTTOM);
+    shape->disc[!upside] = !(without & TOP) && top > 0;
+    shape->frame.origin = upside ? head : foot;
+    shape->frame.axis[2] = upside ? vec3_sub(foot, head) : vec3_sub(head, foot);
+    across(shape->frame.axis[2], wide, shape->frame.axis);
+    return tessellate(line, models);
+}
+
+// Appends an upright cylinder about `centre` and its polygons.
+static bool add_round(PlanLine *line, PlanModels *models, Vec2 centre, const double z[2], double radius,
+                      double tolerance, const bool disc[2], int material) {
+    if (z[0] == z[1]) return plan_fail(line, "the cylinder has no height (allowed: the upper one above)");
+    CurvedShape *shape = add_shape(line, models, CURVED_CYLINDER, material, tolerance);
+    shape->frame = (CurvedFrame){vec3(centre.x, centre.y, z[0]),
+                                 {vec3(radius, 0, 0), vec3(0, radius, 0), vec3(0, 0, z[1] - z[0])}};
+    shape->disc[0] = disc[0];
+    shape->disc[1] = disc[1];
+    return tessellate(line, models);
+}
+
+bool plan_read_cylinder(PlanLine *line, PlanModels *models) {
+    int material, sides = 8;
+    Vec2 centre;
+    double z[2], radius = 0, tolerance = TOLERANCE;
+    unsigned without = 0;
+    bool round = false;
+    PlanOption options[] = {
+        {.word = "radius", .kind = PLAN_LENGTH, .out = &radius, .min = 0.001, .max = 100, .required = true},
+        {.word = "sides", .kind = PLAN_WHOLE, .out = &sides, .min = 3, .max = MAX_SIDES},
+        {.word = "without", .kind = PLAN_SET, .out = &without, .words = PRISM_FACES},
+        {.word = "round", .kind = PLAN_FLAG, .out = &round},
+        TOLERANCE_WORD(tolerance)};
+    if (!plan_material(line, &material) || !read_heights(line, z) ||
+        !plan_point(line, "the centre", &centre) || !plan_options(line, options, 5))
+        return false;
+    if (round ? options[1].given : options[4].given)
+        return plan_fail(line, "a cylinder with %s (allowed: sides, or round and a tolerance)",
+                         round ? "sides that is round" : "a tolerance that is not round");
+    if (round)
+        return add_round(line, models, centre, z, radius, tolerance,
+                         (bool[]){!(without & BOTTOM), !(without & TOP)}, material);
+    Vec2 ring[MAX_SIDES];
+    for (int i = 0; i < sides; i++) {
+        double angle = 2 * M_PI * (i + 0.5) / sides;
+        ring[i] = vec2_add(centre, vec2_scale(vec2(cos(angle), sin(angle)), radius));
+    }
+    add_prism(line->arena, models, ring, sides, z[0], z[1], without, material);
+    return true;
+}
+
+// ---- patches
+
+static bool lies_on_a_line(const CurvedControl *control) {
+    const double thin = 1e-4;  // metres
+    Vec3 a = control[0].point, far = a;
+    for (int i = 1; i < PATCH_CONTROLS; i++) {
+        Vec3 p = control[i].point;
+        if (vec3_length(vec3_sub(p, a)) > vec3_length(vec3_sub(far, a))) far = p;
+    }
+    Vec3 along = vec3_normalize(vec3_sub(far, a));
+    double off = 0;
+    for (int i = 0; i < PATCH_CONTROLS; i++)
+        off = fmax(off, vec3_length(vec3_cross(vec3_sub(control[i].point, a), along)));
+    return off < thin;
+}
+
+// Normals that turn by more than a right angle from one sample to the next: no surface that is drawn does.
+static bool check_patch(PlanLine *line, const PlanModels *models, const char *what) {
+    enum { SAMPLES = 32 };
+    const Building *shapes = &models->shapes;
+    const CurvedControl *control = shapes->controls + shapes->shapes[shapes->shape_count - 1].first_control;
+    if (lies_on_a_line(control))
+        return plan_fail(line, "%s lies on a line or in a point (allowed: with an area)", what);
+    Vec3 row[SAMPLES + 1];
+    for (int j = 0; j <= SAMPLES; j++) {
+        Vec3 last = {0, 0, 0};
+        for (int i = 0; i <= SAMPLES; i++) {
+            double u = (double)i / SAMPLES, v = (double)j / SAMPLES;
+            Vec3 n = curved_patch_at(control, u, v).normal;
+            if (vec3_length(n) == 0 || (i > 0 && vec3_dot(n, last) <= 0) ||
+                (j > 0 && vec3_dot(n, row[i]) <= 0))
+                return plan_fail(line, "%s folds over itself near u %.3g, v %.3g (allowed: a smooth surface)",
+                                 what, u, v);
+            last = row[i] = n;
+        }
+    }
+    return true;
+}
+
+// ---- lathe
+
+// The quarter of a unit circle from one axis to the next, exactly: the rational quadratic one raised by a degree (L. Piegl &
+// W. Tiller, A menagerie of rational B-spline circles, 1989).
+static CurvedControl quarter(int i, int quarter, double radius, double z, Vec3 centre) {
+    const double half = sqrt(0.5), far = 2 * half / (1 + 2 * half), weight = (1 + 2 * half) / 3;
+    const double x[4] = {1, 1, far, 0}, y[4] = {0, far, 1, 1}, w[4] = {1, weight, weight, 1};
+    static const int COSINE[4] = {1, 0, -1, 0}, SINE[4] = {0, 1, 0, -1};
+    double c = COSINE[quarter], s = SINE[quarter];
+    Vec3 at = vec3(radius * (c * x[i] - s * y[i]), radius * (s * x[i] + c * y[i]), z);
+    return (CurvedControl){vec3_add(centre, at), w[i]};
+}
+
+// A segment of the profile, turned a quarter.
+static void add_quarter(PlanLine *line, PlanModels *models, const Vec2 profile[4], int which, Vec3 centre,
+                        int material, double tolerance) {
+    Building *shapes = &models->shapes;
+    CurvedShape *shape = add_shape(line, models, CURVED_PATCH, material, tolerance);
+    shape->first_control = shapes->control_count;
+    for (int k = 0; k < PATCH_CONTROLS; k++) {
+        Vec2 at = profile[k / 4];
+        *ARENA_PUSH(line->arena, shapes->controls, shapes->control_count, shapes->control_capacity) =
+            quarter(k % 4, which, at.x, at.y, centre);
+    }
+}
+
+bool plan_read_lathe(PlanLine *line, PlanModels *models) {
+    int material;
+    Vec3 centre;
+    double tolerance = TOLERANCE;
+    PlanList profile = {0};
+    PlanOption options[] = {{.word = "profile", .kind = PLAN_SHAPE, .out = &profile, .required = true},
+                            TOLERANCE_WORD(tolerance)};
+    if (!plan_material(line, &material) || !plan_place(line, "the middle", false, &centre) ||
+        !plan_options(line, options, 2))
+        return false;
+    if (profile.count < 4 || profile.count % 3 != 1)
+        return plan_fail(line,
+                         "the profile has %d points r,z (allowed: 4, 7, 10, ...: cubic curves end to end)",
+                         profile.count);
+    for (int i = 0; i < profile.count; i++) {
+        if (profile.points[i].x >= 0) continue;
+        return plan_fail(line, "point %d of the profile has radius %g (allowed: at least 0)", i + 1,
+                         profile.points[i].x);
+    }
+    for (int k = 0; k + 3 < profile.count; k += 3) {
+        const char *what = arena_format(line->arena, "part %d of the profile", k / 3 + 1);
+        for (int q = 0; q < 4; q++) {
+            add_quarter(line, models, profile.points + k, q, centre, material, tolerance);
+            if (q == 0 && !check_patch(line, models, what)) return false;
+            if (!tessellate(line, models)) return false;
+        }
+    }
+    return true;
+}
+
+// ---- patches with their trims, and metaballs: shapes of several lines, which are checked and become polygons when the next one begins
+
+static bool read_controls(PlanLine *line, Building *shapes) {
+    int count = 0;
+    while (plan_is_point(line, 2)) {
+        CurvedControl control = {.weight = 1};
+        if (!plan_place(line, "a control point", true, &control.point)) return false;
+        *ARENA_PUSH(line->arena, shapes->controls, shapes->control_count, shapes->control_capacity) = control;
+        count++;
+    }
+    return count == PATCH_CONTROLS ||
+           plan_fail(line, "the patch has %d control points (allowed: %d, four rows of four, as x,y,z)",
+                     count, PATCH_CONTROLS);
+}
+
+bool plan_read_patch(PlanLine *line, PlanModels *models) {
+    Building *shapes = &models->shapes;
+    int material, first = shapes->control_count;
+    double tolerance = TOLERANCE;
+    PlanList weights = {0};
+    PlanOption options[] = {
+        {.word = "weights", .kind = PLAN_LIST, .out = &weights, .min = LEAST_WEIGHT, .max = MOST_WEIGHT},
+        TOLERANCE_WORD(tolerance)};
+    if (!plan_material(line, &material) || !read_controls(line, shapes) || !plan_options(line, options, 2))
+        return false;
+    if (weights.count != 0 && weights.count != PATCH_CONTROLS)
+        return plan_fail(line, "the patch has %d weights (allowed: %d, or none)", weights.count,
+                         PATCH_CONTROLS);
+    for (int i = 0; i < weights.count; i++) shapes->controls[first + i].weight = weights.numbers[i];
+    CurvedShape *shape = add_shape(line, models, CURVED_PATCH, material, tolerance);
+    shape->first_control = first;
+    shape->first_trim = shapes->trim_count;
+    models->open_line = line->number;
+    return check_patch(line, models, "the patch");
+}
+
+// The curves of a loop, each beginning where the one before it ends.
+static void add_trims(PlanLine *line, Building *shapes, const PlanList *loop, const PlanList *weights) {
+    for (int k = 0; k + 3 < loop->count; k += 3) {
+        CurvedTrim trim;
+        for (int i = 0; i < 4; i++) {
+            trim.point[i] = loop->points[k + i];
+            trim.weight[i] = weights->count ? weights->numbers[k + i] : 1;
+        }
+        *ARENA_PUSH(line->arena, shapes->trims, shapes->trim_count, shapes->trim_capacity) = trim;
+    }
+}
+
+bool plan_read_trim(PlanLine *line, PlanModels *models) {
+    Building *shapes = &models->shapes;
+    CurvedShape *shape = models->open_line ? &shapes->shapes[shapes->shape_count - 1] : NULL;
+    PlanList loop;
+    PlanList weights = {0};
+    PlanOption options[] = {
+        {.word = "weights", .kind = PLAN_LIST, .out = &weights, .min = LEAST_WEIGHT, .max = MOST_WEIGHT}};
+    if (!shape || shape->kind != CURVED_PATCH)
+        return plan_fail(line, "a trim of nothing (allowed: behind a patch)");
+    if (!plan_points(line, "points u,v of the trim", 4, &loop) || !plan_options(line, options, 1))
+        return false;
+    if (loop.count % 3 != 1)
+        return plan_fail(line, "the trim has %d points (allowed: 4, 7, 10, ...: cubic curves end to end)",
+                         loop.count);
+    if (weights.count != 0 && weights.count != loop.count)
+        return plan_fail(line, "the trim has %d weights (allowed: %d, one a point, or none)", weights.count,
+                         loop.count);
+    for (int i = 0; i < loop.count; i++) {
+        Vec2 p = loop.points[i];
+        if (!(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1))
+            return plan_fail(line, "point %d of the trim is %g,%g (allowed: 0 to 1 each)", i + 1, p.x, p.y);
+    }
+    Vec2 a = loop.points[0], b = loop.points[loop.count - 1];
+    if (!vec2_equal(a, b))
+        return plan_fail(line, "the trim begins at %g,%g and ends at %g,%g (allowed: where it began)", a.x,
+                         a.y, b.x, b.y);
+    add_trims(line, shapes, &loop, &weights);
+    shape->trim_count = shapes->trim_count - shape->first_trim;
+    return shape->trim_count <= MAX_TRIMS ||
+           plan_fail(line, "the patch has %d curves of trims (limit %d)", shape->trim_count, MAX_TRIMS);
+}
+
+bool plan_read_metaballs(PlanLine *line, PlanModels *models) {
+    int material;
+    double threshold = 0, tolerance = TOLERANCE;
+    PlanOption options[] = {{.word = "threshold",
+                             .kind = PLAN_PURE,
+                             .out = &threshold,
+                             .min = LEAST_THRESHOLD,
+                             .max = MOST_THRESHOLD,
+                             .required = true},
+                            TOLERANCE_WORD(tolerance)};
+    if (!plan_material(line, &material) || !plan_options(line, options, 2)) return false;
+    CurvedShape *shape = add_shape(line, models, CURVED_METABALLS, material, tolerance);
+    shape->threshold = threshold;
+    shape->first_ball = models->shapes.ball_count;
+    models->open_line = line->number;
+    return true;
+}
+
+bool plan_read_ball(PlanLine *line, PlanModels *models) {
+    Building *shapes = &models->shapes;
+    CurvedShape *shape = models->open_line ? &shapes->shapes[shapes->shape_count - 1] : NULL;
+    CurvedBall ball = {.weight = 1};
+    PlanOption options[] = {
+        {.word = "radius",
+         .kind = PLAN_LENGTH,
+         .out = &ball.radius,
+         .min = LEAST_RADIUS,
+         .max = MOST_RADIUS,
+         .required = true},
+        {.word = "weight", .kind = PLAN_PURE, .out = &ball.weight, .min = -MOST_WEIGHT, .max = MOST_WEIGHT}};
+    if (!shape || shape->kind != CURVED_METABALLS)
+        return plan_fail(line, "a ball of nothing (allowed: behind metaballs)");
+    if (!plan_place(line, "the ball's centre", true, &ball.centre) || !plan_options(line, options, 2))
+        return false;
+    if (fabs(ball.weight) < LEAST_WEIGHT)
+        return plan_fail(line, "the ball's weight is %g (allowed: at least %g, or at most %g)", ball.weight,
+                         LEAST_WEIGHT, -LEAST_WEIGHT);
+    if (shape->ball_count == MAX_BALLS) return plan_fail(line, "more than %d balls (limit)", MAX_BALLS);
+    *ARENA_PUSH(line->arena, shapes->balls, shapes->ball_count, shapes->ball_capacity) = ball;
+    shape->ball_count++;
+    return true;
+}
+
+static bool check_balls(PlanLine *line, const Building *shapes, const CurvedShape *shape) {
+    if (shape->ball_count == 0)
+        return plan_fail(line, "the metaballs have no ball (allowed: at least one line 'ball')");
+    double peak = curved_field_peak(shapes->balls + shape->first_ball, shape->ball_count);
+    return peak > shape->threshold ||
+           plan_fail(line,
+                     "the field of the metaballs reaches %.4g, their threshold is %g (allowed: below that)",
+                     peak, shape->threshold);
+}
+
+bool plan_close_shape(PlanLine *line, PlanModels *models) {
+    if (!models->open_line) return true;
+    const Building *shapes = &models->shapes;
+    const CurvedShape *shape = &shapes->shapes[shapes->shape_count - 1];
+    int here = line->number;
+    line->number = models->open_line;
+    models->open_line = 0;
+    if (shape->kind == CURVED_METABALLS && !check_balls(line, shapes, shape)) return false;
+    if (!tessellate(line, models)) return false;
+    line->number = here;
+    return true;
+}
+
+// ---- lights and stairs
 
 bool plan_light(PlanLine *line, const char *name, Light *out) {
     double flux[3] = {0}, radius = 0.05;
@@ -183,13 +594,20 @@ void plan_add_ramp(Arena *arena, PlanModels *models, Vec3 size, int material) {
     building_add_polygon(arena, b, (Vec3[]){{x, -y, 0}, {x, y, 0}, {x, y, z}}, 3, material);
 }
 
-Vec3 plan_turn_point(const PlanTurn *t, Vec3 p) {
+// ---- models in a building
+
+// Where a stand puts a point of a model, and a direction.
+typedef struct PlanTurn {
+    PlanStand stand;
+    double cosine, sine;
+} PlanTurn;
+static Vec3 turn_point(const PlanTurn *t, Vec3 p) {
     double x = t->stand.mirror ? -p.x : p.x;
     Vec3 at = t->stand.at;
     return vec3(at.x + t->cosine * x - t->sine * p.y, at.y + t->sine * x + t->cosine * p.y, at.z + p.z);
 }
 
-Vec3 plan_turn_vector(const PlanTurn *t, Vec3 v) {
+static Vec3 turn_vector(const PlanTurn *t, Vec3 v) {
     double x = t->stand.mirror ? -v.x : v.x;
     return vec3(t->cosine * x - t->sine * v.y, t->sine * x + t->cosine * v.y, v.z);
 }
@@ -206,12 +624,63 @@ static void turn_by(double angle, double *cosine, double *sine) {
     *sine = COSINE[(q + 3) % 4];
 }
 
+static void stand_patch(Arena *arena, const Building *from, const PlanTurn *turn, CurvedShape *shape,
+                        Building *b) {
+    const CurvedControl *control = from->controls + shape->first_control;
+    int first_trim = shape->first_trim;
+    bool mirror = turn->stand.mirror;
+    shape->first_control = b->control_count;
+    for (int i = 0; i < PATCH_CONTROLS; i++) {
+        // Mirrored, u runs the other way, so that the normal stays outside.
+        CurvedControl c = control[mirror ? i / 4 * 4 + 3 - i % 4 : i];
+        c.point = turn_point(turn, c.point);
+        *ARENA_PUSH(arena, b->controls, b->control_count, b->control_capacity) = c;
+    }
+    shape->first_trim = b->trim_count;
+    for (int i = 0; i < shape->trim_count; i++) {
+        CurvedTrim t = from->trims[first_trim + i];
+        for (int k = 0; mirror && k < 4; k++) t.point[k].x = 1 - t.point[k].x;
+        *ARENA_PUSH(arena, b->trims, b->trim_count, b->trim_capacity) = t;
+    }
+}
+
+static void stand_balls(Arena *arena, const Building *from, const PlanTurn *turn, CurvedShape *shape,
+                        Building *b) {
+    const CurvedBall *balls = from->balls + shape->first_ball;
+    shape->first_ball = b->ball_count;
+    for (int i = 0; i < shape->ball_count; i++) {
+        CurvedBall ball = balls[i];
+        ball.centre = turn_point(turn, ball.centre);
+        *ARENA_PUSH(arena, b->balls, b->ball_count, b->ball_capacity) = ball;
+    }
+}
+
+// The curved shapes of a model; `placed` [polygons of the model + 1]: where in the building its polygons begin.
+static void stand_shapes(Arena *arena, const PlanModels *models, int model, const PlanTurn *turn,
+                         const int *placed, Building *b) {
+    const Building *from = &models->shapes;
+    int first = from->objects[model].first_polygon;
+    for (int i = 0; i < from->shape_count; i++) {
+        CurvedShape shape = from->shapes[i];
+        if (shape.object != model) continue;
+        int at = shape.first_polygon - first;
+        shape.object = b->object_count - 1;
+        shape.first_polygon = placed[at];
+        shape.polygon_count = placed[at + shape.polygon_count] - placed[at];
+        shape.frame.origin = turn_point(turn, shape.frame.origin);
+        for (int k = 0; k < 3; k++) shape.frame.axis[k] = turn_vector(turn, shape.frame.axis[k]);
+        if (shape.kind == CURVED_PATCH) stand_patch(arena, from, turn, &shape, b);
+        if (shape.kind == CURVED_METABALLS) stand_balls(arena, from, turn, &shape, b);
+        *ARENA_PUSH(arena, b->shapes, b->shape_count, b->shape_capacity) = shape;
+    }
+}
+
 static bool stand_polygon(PlanLine *line, Arena *arena, const Building *shapes, const Polygon *p,
                           const PlanTurn *turn, Building *b) {
     Vec3 *corner = ARENA_ARRAY(arena, Vec3, p->vertex_count);
     for (int k = 0; k < p->vertex_count; k++) {
         int from = turn->stand.mirror ? p->vertex_count - 1 - k : k;
-        Vec3 v = plan_turn_point(turn, shapes->vertices[p->first_vertex + from]);
+        Vec3 v = turn_point(turn, shapes->vertices[p->first_vertex + from]);
         if (fabs(v.x) > MAPS_LIMIT || fabs(v.y) > MAPS_LIMIT || fabs(v.z) > MAPS_LIMIT)
             return plan_fail(line, "a corner comes to (%g, %g, %g) (allowed: at most %g m)", v.x, v.y, v.z,
                              MAPS_LIMIT);
@@ -240,12 +709,12 @@ bool plan_stand_model(PlanLine *line, Arena *arena, const PlanModels *models, in
         if (!stand_polygon(line, arena, shapes, p, &turn, b)) return false;
     }
     placed[shape->polygon_count] = b->polygon_count;
-    plan_stand_shapes(arena, models, model, &turn, placed, b);
+    stand_shapes(arena, models, model, &turn, placed, b);
     building_set_proxy(b, stand.angle);
     for (int i = 0; i < shapes->light_count; i++) {
         Light light = shapes->lights[i];
         if (light.object != model) continue;
-        light.position = plan_turn_point(&turn, light.position);
+        light.position = turn_point(&turn, light.position);
         light.name = name;
         light.object = object;
         *ARENA_PUSH(arena, b->lights, b->light_count, b->light_capacity) = light;

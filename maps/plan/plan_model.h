@@ -27,7 +27,7 @@ bool plan_read_cylinder(PlanLine *line, PlanModels *models);
 bool plan_read_poly(PlanLine *line, PlanModels *models);
 bool plan_read_model_light(PlanLine *line, PlanModels *models);
 
-// ---- plan_curved.c: the same of shapes that are exact; plan_patch.c: of patches and metaballs
+// The same of shapes that are exact.
 bool plan_read_sphere(PlanLine *line, PlanModels *models);
 bool plan_read_ellipsoid(PlanLine *line, PlanModels *models);
 bool plan_read_cone(PlanLine *line, PlanModels *models);
@@ -38,34 +38,12 @@ bool plan_read_metaballs(PlanLine *line, PlanModels *models);
 bool plan_read_ball(PlanLine *line, PlanModels *models);
 // Before a line that adds nothing to the open shape: it is checked and becomes polygons.
 bool plan_close_shape(PlanLine *line, PlanModels *models);
-// The polygons of the last shape. Fails where they are too many.
-bool plan_tessellate(PlanLine *line, PlanModels *models);
-// Appends an upright cylinder about `centre` and its polygons.
-bool plan_add_round(PlanLine *line, PlanModels *models, Vec2 centre, const double z[2], double radius,
-                    double tolerance, const bool disc[2], int material);
-// The word by which a line says how far polygons may lie off what they stand for, metres.
-#define PLAN_TOLERANCE_WORD(variable)                                                                        \
-    { .word = "tolerance", .kind = PLAN_LENGTH, .out = &(variable), .min = 1e-5, .max = 1 }
-#define PLAN_TOLERANCE                                                                                       \
-    0.002  // where none is given, metres: a silhouette of a vase looks round from across a room
-
 bool plan_light(PlanLine *line, const char *name, Light *out);  // x,y,z and options
 
 // Appends a straight flight of solid steps to the last model: centred in plan, rising along +y.
 void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int material);
 // Likewise one slope of the same size, four polygons.
 void plan_add_ramp(Arena *arena, PlanModels *models, Vec3 size, int material);
-
-// Where a stand puts a point of a model, and a direction.
-typedef struct PlanTurn {
-    PlanStand stand;
-    double cosine, sine;
-} PlanTurn;
-Vec3 plan_turn_point(const PlanTurn *turn, Vec3 p);
-Vec3 plan_turn_vector(const PlanTurn *turn, Vec3 v);
-// The curved shapes of a model; `placed` [polygons of the model + 1]: where in the building its polygons begin.
-void plan_stand_shapes(Arena *arena, const PlanModels *models, int model, const PlanTurn *turn,
-                       const int *placed, Building *b);
 
 // Appends an object with the model's polygons, and its lights. Fails where the building grows too large.
 bool plan_stand_model(PlanLine *line, Arena *arena, const PlanModels *models, int model, const char *name,

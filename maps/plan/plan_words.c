@@ -177,8 +177,8 @@ bool plan_place(PlanLine *line, const char *what, bool z_needed, Vec3 *out) {
     return true;
 }
 
-bool plan_points(PlanLine *line, const char *what, int least, PlanShape *out) {
-    *out = (PlanShape){0};
+bool plan_points(PlanLine *line, const char *what, int least, PlanList *out) {
+    *out = (PlanList){0};
     int capacity = 0;
     while (plan_is_point(line, 2)) {
         Vec2 point;

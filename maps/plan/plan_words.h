@@ -24,28 +24,9 @@ typedef struct PlanLine {
     Error *error;
 } PlanLine;
 
-typedef enum PlanOptionKind {
-    PLAN_LENGTH,    // double, metres
-    PLAN_PURE,      // double, no unit
-    PLAN_ANGLE,     // double, degrees in the file, radians in `out`
-    PLAN_WHOLE,     // int
-    PLAN_SPECTRUM,  // double[3]; one number stands for all three
-    PLAN_MATERIAL,  // int
-    PLAN_NAME,      // const char *
-    PLAN_FLAG,      // bool
-    PLAN_CHOICE,    // int: which of `words`
-    PLAN_SET,       // unsigned: a bit for each of `words` named
-    PLAN_SHAPE,     // PlanShape: points x,y
-    PLAN_TRIPLE,    // Vec3: x,y,z
-    PLAN_LIST       // PlanList: numbers to the next word
-} PlanOptionKind;
-
-typedef struct PlanShape {
-    Vec2 *points;
-    int count;
-} PlanShape;
-
+// The points of a PLAN_SHAPE, or the numbers of a PLAN_LIST.
 typedef struct PlanList {
+    Vec2 *points;
     double *numbers;
     int count;
 } PlanList;
@@ -53,7 +34,21 @@ typedef struct PlanList {
 // `word value`, in any order, after what comes first in a statement.
 typedef struct PlanOption {
     const char *word;
-    PlanOptionKind kind;
+    enum {
+        PLAN_LENGTH,    // double, metres
+        PLAN_PURE,      // double, no unit
+        PLAN_ANGLE,     // double, degrees in the file, radians in `out`
+        PLAN_WHOLE,     // int
+        PLAN_SPECTRUM,  // double[3]; one number stands for all three
+        PLAN_MATERIAL,  // int
+        PLAN_NAME,      // const char *
+        PLAN_FLAG,      // bool
+        PLAN_CHOICE,    // int: which of `words`
+        PLAN_SET,       // unsigned: a bit for each of `words` named
+        PLAN_SHAPE,     // PlanList: points x,y
+        PLAN_TRIPLE,    // Vec3: x,y,z
+        PLAN_LIST       // PlanList: numbers to the next word
+    } kind;
     void *out;
     double min, max;    // of every number
     const char *words;  // of choices and sets, separated by blanks
@@ -74,7 +69,7 @@ bool plan_material(PlanLine *line, int *out);
 bool plan_spectrum(PlanLine *line, const char *what, double min, double max, double out[3]);
 bool plan_point(PlanLine *line, const char *what, Vec2 *out);
 bool plan_place(PlanLine *line, const char *what, bool z_needed, Vec3 *out);  // z 0 when left out
-bool plan_points(PlanLine *line, const char *what, int least, PlanShape *out);
+bool plan_points(PlanLine *line, const char *what, int least, PlanList *out);
 bool plan_options(PlanLine *line, PlanOption *options, int count);  // to the end of the line
 bool plan_end(PlanLine *line);
 bool plan_is(const PlanLine *line, const char *word);   // the next word

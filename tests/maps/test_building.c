@@ -723,7 +723,7 @@ Test(building, names) {
     for (int i = 0; i < OPENING_KINDS; i++) cr_expect_gt(strlen(opening_kind_name((OpeningKind)i)), 0);
 }
 
-// Proves that a portal between given cells may bend by 4 mm, and not by 5 (building_check_forms.c, GIVEN_BEND): a corner is moved out of the
+// Proves that a portal between given cells may bend by 4 mm, and not by 5 (building_check.c): a corner is moved out of the
 // plane of a rectangle, of which the plane between then lies off by a quarter.
 Test(building, check_knows_bent_portals) {
     static const struct {

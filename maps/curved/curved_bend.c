@@ -9,6 +9,25 @@
 #include <string.h>
 
 #include "maps/curved/curved_patch.h"
+#include "maps/curved/curved_tessellate.h"
+
+// Steps along a patch or a border.
+static const int STEPS[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+enum { STEP_COUNT = sizeof STEPS / sizeof *STEPS };
+_Static_assert(CURVED_MOST_STEPS == 64, "the last of STEPS");
+
+// Of the tolerance, for borders: a strip adds what its triangles miss.
+static const double BORDER_SHARE = 0.5;
+
+// A patch lies off a triangle with legs du and dv in its parameters by at most (du^2 uu + 2 du dv uv + dv^2 vv) / 8.
+typedef struct PatchBend {
+    double uu, uv, vv;  // metres
+} PatchBend;
+// [i][j]: the most of its parts, the patch halved i times along u and j times along v.
+enum { BEND_LEVELS = 3 };
+typedef struct PatchBends {
+    PatchBend level[BEND_LEVELS][BEND_LEVELS];
+} PatchBends;
 
 typedef struct Homogeneous {
     Vec3 x;  // times the weight
@@ -99,7 +118,7 @@ static void part_of(const CurvedControl *control, int u, int v, int i, int j, Cu
         for (int k = 0; k < 4; k++) halve_patch(out + k, 4, j >> level & 1);
 }
 
-PatchBends curved_patch_bends(const CurvedControl control[PATCH_CONTROLS]) {
+static PatchBends patch_bends(const CurvedControl control[PATCH_CONTROLS]) {
     PatchBends bends;
     for (int u = 0; u < BEND_LEVELS; u++) {
         for (int v = 0; v < BEND_LEVELS; v++) {
@@ -127,13 +146,15 @@ static int level_of(int steps) {
     return level;
 }
 
-double curved_patch_off(const PatchBends *bends, int u, int v) {
+// The most that so many equal steps along u and v leave between the patch and flat pieces, metres.
+static double patch_off(const PatchBends *bends, int u, int v) {
     const PatchBend *b = &bends->level[level_of(u)][level_of(v)];
     double du = 1.0 / u, dv = 1.0 / v;
     return (du * du * b->uu + 2 * du * dv * b->uv + dv * dv * b->vv) / 8;
 }
 
-double curved_curve_off(const CurvedControl control[4], int steps) {
+// The same between a curve and its chords.
+static double curve_off(const CurvedControl control[4], int steps) {
     int level = level_of(steps);
     double most = 0, step = (double)(1 << level) / steps;
     for (int part = 0; part < 1 << level; part++) {
@@ -143,4 +164,32 @@ double curved_curve_off(const CurvedControl control[4], int steps) {
         most = fmax(most, curve_bend(piece));
     }
     return most * step * step / 8;
+}
+
+double curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v) {
+    PatchBends bends = patch_bends(control);
+    const int last = STEP_COUNT - 1;
+    int i = 0, j = 0;
+    for (;;) {
+        double off = patch_off(&bends, STEPS[i], STEPS[j]);
+        *u = STEPS[i];
+        *v = STEPS[j];
+        if (off <= tolerance || (i == last && j == last)) return off;
+        // The way that gains more.
+        double along = i < last ? patch_off(&bends, STEPS[i + 1], STEPS[j]) : INFINITY,
+               across = j < last ? patch_off(&bends, STEPS[i], STEPS[j + 1]) : INFINITY;
+        *(along < across || (along == across && i <= j) ? &i : &j) += 1;
+    }
+}
+
+int curved_border_steps(const CurvedControl border[4], double tolerance) {
+    int i = 0;
+    while (i + 1 < STEP_COUNT && curve_off(border, STEPS[i]) > BORDER_SHARE * tolerance) i++;
+    return STEPS[i];
+}
+
+int curved_finer_steps(int steps) {
+    int i = 0;
+    while (i + 1 < STEP_COUNT && STEPS[i] <= steps) i++;
+    return STEPS[i];
 }

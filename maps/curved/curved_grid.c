@@ -4,14 +4,6 @@
 #include "maps/curved/curved_patch.h"
 #include "maps/curved/curved_tessellate.h"
 
-// Steps along a patch or a border.
-static const int STEPS[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-enum { STEP_COUNT = sizeof STEPS / sizeof *STEPS };
-_Static_assert(CURVED_MOST_STEPS == 64, "the last of STEPS");
-
-// Of the tolerance, for borders: a strip adds what its triangles miss.
-static const double BORDER_SHARE = 0.5;
-
 typedef struct Knot {
     Vec2 at;  // parameters
     Vec3 p;
@@ -29,34 +21,6 @@ typedef struct Grid {
     Arena *arena;
     CurvedMesh *out;
 } Grid;
-
-double curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v) {
-    PatchBends bends = curved_patch_bends(control);
-    const int last = STEP_COUNT - 1;
-    int i = 0, j = 0;
-    for (;;) {
-        double off = curved_patch_off(&bends, STEPS[i], STEPS[j]);
-        *u = STEPS[i];
-        *v = STEPS[j];
-        if (off <= tolerance || (i == last && j == last)) return off;
-        // The way that gains more.
-        double along = i < last ? curved_patch_off(&bends, STEPS[i + 1], STEPS[j]) : INFINITY,
-               across = j < last ? curved_patch_off(&bends, STEPS[i], STEPS[j + 1]) : INFINITY;
-        *(along < across || (along == across && i <= j) ? &i : &j) += 1;
-    }
-}
-
-int curved_border_steps(const CurvedControl border[4], double tolerance) {
-    int i = 0;
-    while (i + 1 < STEP_COUNT && curved_curve_off(border, STEPS[i]) > BORDER_SHARE * tolerance) i++;
-    return STEPS[i];
-}
-
-static int finer(int steps) {
-    int i = 0;
-    while (i + 1 < STEP_COUNT && STEPS[i] <= steps) i++;
-    return STEPS[i];
-}
 
 static Vec2 border_at(int border, double t) {
     return border == 0 ? vec2(t, 0) : border == 1 ? vec2(1, t) : border == 2 ? vec2(t, 1) : vec2(0, t);
@@ -178,8 +142,8 @@ void curved_patch_mesh(const CurvedControl *control, double tolerance, Arena *ar
         find_knots(g);
         add_all(g);
         if (g->worst <= tolerance || (g->nu == CURVED_MOST_STEPS && g->nv == CURVED_MOST_STEPS)) break;
-        g->nu = finer(g->nu);
-        g->nv = finer(g->nv);
+        g->nu = curved_finer_steps(g->nu);
+        g->nv = curved_finer_steps(g->nv);
     }
     out->tolerance = fmax(off, g->worst);
 }

@@ -33,21 +33,4 @@ Vec3 curved_curve_point(const CurvedControl control[4], double t);
 
 Vec2 curved_trim_point(const CurvedTrim *trim, double t);
 
-// ---- curved_bend.c
-
-// A patch lies off a triangle with legs du and dv in its parameters by at most (du^2 uu + 2 du dv uv + dv^2 vv) / 8.
-typedef struct PatchBend {
-    double uu, uv, vv;  // metres
-} PatchBend;
-// [i][j]: the most of its parts, the patch halved i times along u and j times along v.
-enum { BEND_LEVELS = 3 };
-typedef struct PatchBends {
-    PatchBend level[BEND_LEVELS][BEND_LEVELS];
-} PatchBends;
-PatchBends curved_patch_bends(const CurvedControl control[PATCH_CONTROLS]);
-
-// The most that so many equal steps along u and v leave between the patch and flat pieces, metres; between a curve and chords.
-double curved_patch_off(const PatchBends *bends, int u, int v);
-double curved_curve_off(const CurvedControl control[4], int steps);
-
 #endif

@@ -4,46 +4,7 @@
 // one direction.
 #include "maps/curved/curved_tessellate.h"
 
-#include "engine/core/polygon.h"
-
-enum {
-    LEAST_SIDES = 6,   // around: with fewer nobody would know the shape
-    MOST_CORNERS = 32  // of a disc's polygons: what methods of hidden surfaces take in one piece
-};
-
-// A quad bent by less is one polygon, metres: what rounding leaves of a flat one in a building.
-static const double FLAT = 1e-9;
-
-void curved_mesh_add(CurvedMesh *mesh, Arena *arena, const Vec3 *vertices, int count, bool flip) {
-    Vec3 kept[MOST_CORNERS];
-    int n = 0, used = mesh->first ? mesh->first[mesh->polygon_count] : 0;
-    CORE_ASSERT(count <= MOST_CORNERS);
-    for (int i = 0; i < count; i++) {
-        Vec3 v = vertices[flip ? count - 1 - i : i];
-        if (n == 0 || !vec3_equal(kept[n - 1], v)) kept[n++] = v;
-    }
-    while (n > 1 && vec3_equal(kept[n - 1], kept[0])) n--;
-    if (n < 3) return;
-    int ends = mesh->polygon_count + 1;
-    if (!mesh->first) {
-        int none = 0;
-        *ARENA_PUSH(arena, mesh->first, none, mesh->first_capacity) = 0;
-    }
-    for (int i = 0; i < n; i++) *ARENA_PUSH(arena, mesh->vertices, used, mesh->vertex_capacity) = kept[i];
-    *ARENA_PUSH(arena, mesh->first, ends, mesh->first_capacity) = used;
-    mesh->polygon_count++;
-}
-
-void curved_mesh_add_quad(CurvedMesh *mesh, Arena *arena, const Vec3 q[4]) {
-    Plane plane = plane_of_polygon(q, 4);
-    if (polygon_bend(q, 4, plane) <= FLAT && polygon_is_convex(q, 4, plane.n)) {
-        curved_mesh_add(mesh, arena, q, 4, false);
-        return;
-    }
-    int k = vec3_length(vec3_sub(q[2], q[0])) <= vec3_length(vec3_sub(q[3], q[1])) ? 0 : 1;
-    curved_mesh_add(mesh, arena, (Vec3[]){q[k], q[k + 1], q[k + 2]}, 3, false);
-    curved_mesh_add(mesh, arena, (Vec3[]){q[k], q[k + 2], q[(k + 3) % 4]}, 3, false);
-}
+enum { LEAST_SIDES = 6 };  // around: with fewer nobody would know the shape
 
 static Vec3 in_building(const CurvedFrame *f, double x, double y, double z) {
     Vec3 across = vec3_add(vec3_scale(f->axis[0], x), vec3_scale(f->axis[1], y));
@@ -104,13 +65,13 @@ static void sphere_mesh(const CurvedShape *shape, double tolerance, Arena *arena
 
 // A convex ring of any number of corners: runs of them are cut off by chords until few are left.
 static void add_disc(CurvedMesh *out, Arena *arena, const Vec3 *rim, int count, bool flip) {
-    Vec3 *ring = ARENA_ARRAY(arena, Vec3, count + 1), piece[MOST_CORNERS];
+    Vec3 *ring = ARENA_ARRAY(arena, Vec3, count + 1), piece[CURVED_MOST_CORNERS];
     memcpy(ring, rim, sizeof(Vec3) * (size_t)count);
-    while (count > MOST_CORNERS) {
+    while (count > CURVED_MOST_CORNERS) {
         int left = 0;
         ring[count] = ring[0];
-        for (int at = 0; at < count; at += MOST_CORNERS - 1) {
-            int n = count - at < MOST_CORNERS - 1 ? count - at + 1 : MOST_CORNERS;
+        for (int at = 0; at < count; at += CURVED_MOST_CORNERS - 1) {
+            int n = count - at < CURVED_MOST_CORNERS - 1 ? count - at + 1 : CURVED_MOST_CORNERS;
             memcpy(piece, ring + at, sizeof(Vec3) * (size_t)n);
             if (n > 2) curved_mesh_add(out, arena, piece, n, flip);
             ring[left++] = piece[0];

@@ -18,6 +18,8 @@ typedef struct CurvedMesh {
 
 // The most sides around a sphere, cylinder or cone, steps along a patch, and steps of the grid of metaballs.
 enum { CURVED_MOST_SIDES = 256, CURVED_MOST_STEPS = 64, CURVED_MOST_CELLS = 96 };
+// The most corners of a polygon: methods of hidden surfaces take no more in one piece.
+enum { CURVED_MOST_CORNERS = 32 };
 
 // The controls, trims and balls are those of `b`. `tolerance` above 0, metres. Patches that share a border (the same four
 // controls, whichever way round) get the same points along it at the same tolerance.
@@ -37,5 +39,6 @@ void curved_balls_mesh(const CurvedBall *balls, int count, double threshold, dou
 // often have the same. Returns how far off the steps leave the patch, metres.
 double curved_patch_steps(const CurvedControl *control, double tolerance, int *u, int *v);
 int curved_border_steps(const CurvedControl border[4], double tolerance);
+int curved_finer_steps(int steps);  // the next of these numbers
 
 #endif

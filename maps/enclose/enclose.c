@@ -67,7 +67,9 @@ static void find_world_box(Building *b) {
 }
 
 static bool enclose(Enclosure *e) {
-    if (!enclose_prepare(e) || !enclose_implicit_walls(e)) return false;
+    if (!enclose_prepare(e)) return false;
+    crossings_limit(e);
+    if (!enclose_find_world(e) || !enclose_implicit_walls(e)) return false;
     holes_fit(e);
     if (!find_indoors(e) || !memory_within(e->error)) return false;
     indoor_report(e);

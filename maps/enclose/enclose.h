@@ -98,10 +98,6 @@ typedef struct Span {
     int region;  // in Building.regions, -1
 } Span;
 
-typedef struct Column {
-    int first_span, span_count;
-} Column;
-
 // One attempt at the plan, with or without plugs in small gaps.
 typedef struct Pass {
     Plan plan;
@@ -154,7 +150,8 @@ typedef struct Enclosure {
     Pass pass;
     int *hole_first, *hole_faces;  // the faces of opening i: hole_faces[hole_first[i]] ..
     Span *spans;
-    Column *columns;  // [face_count]
+    int *
+        first_span;  // [face_count + 1] the column over face f: spans[first_span[f]] .. spans[first_span[f + 1] - 1], upwards
     int span_count, span_capacity;
 } Enclosure;
 
@@ -184,7 +181,9 @@ static inline double half_length(const Plan *p, int h) {
 }
 
 // ---- enclose_input.c
-bool enclose_prepare(Enclosure *e);         // shapes, heights, the world, low walls; false with the error set
+bool enclose_prepare(Enclosure *e);  // shapes, heights, low walls; false with the error set
+bool enclose_find_world(
+    Enclosure *e);  // once crossings are limited: the trees of walls and rooms, and the world
 bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
 bool enclose_plugs(Enclosure *e, bool *any);
 Vec2 enclose_local(const Enclosure *e, Vec2 p);   // metres to local millimetres

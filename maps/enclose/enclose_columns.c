@@ -207,7 +207,7 @@ void columns_build(Enclosure *e) {
     // Each layer adds at most two spans; a storey has at most eight.
     int most = 20 * e->b->storey_count + 16;
     Painter p = {ARENA_ARRAY(e->scratch, Span, most), 0};
-    e->columns = ARENA_ARRAY(e->scratch, Column, plan->face_count);
+    e->first_span = ARENA_ARRAY(e->scratch, int, plan->face_count + 1);
     double ground = nearbyint(e->sketch->ground * ENCLOSE_MM);
     for (int f = 0; f < plan->face_count; f++) {
         p.count = 0;
@@ -218,7 +218,6 @@ void columns_build(Enclosure *e) {
         paint_cutouts(e, f, &p);
         paint_walls(e, f, &p);
         close_thin(e, &p);
-        e->columns[f] = (Column){e->span_count, p.count};
         for (int i = 0; i < p.count; i++) {
             // What stands on a roof or a wall top is not the ground.
             if (p.spans[i].kind == SPAN_OUTDOORS && i > 0 && p.spans[i].z0 != ground &&
@@ -227,6 +226,7 @@ void columns_build(Enclosure *e) {
             }
             *ARENA_PUSH(e->scratch, e->spans, e->span_count, e->span_capacity) = p.spans[i];
         }
+        e->first_span[f + 1] = e->span_count;
     }
 }
 
@@ -234,11 +234,10 @@ static bool is_free(const Span *s) { return s->kind != SPAN_SOLID; }
 
 // Do the spans of two neighbouring columns let anything indoors see the outdoors?
 static bool columns_open(const Enclosure *e, int face, int other) {
-    const Column *a = &e->columns[face], *b = &e->columns[other];
-    for (int i = a->first_span; i < a->first_span + a->span_count; i++) {
+    for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
         const Span *s = &e->spans[i];
         if (!is_free(s) || s->kind == SPAN_OUTDOORS) continue;
-        for (int k = b->first_span; k < b->first_span + b->span_count; k++) {
+        for (int k = e->first_span[other]; k < e->first_span[other + 1]; k++) {
             const Span *t = &e->spans[k];
             if (t->kind == SPAN_OUTDOORS && s->z0 < t->z1 && t->z0 < s->z1) return true;
         }
@@ -250,8 +249,8 @@ static bool outdoors_is_seen(const Enclosure *e) {
     const Plan *plan = &e->pass.plan;
     bool indoors = false;
     for (int f = 0; f < plan->face_count; f++) {
-        const Span *s = e->spans + e->columns[f].first_span;
-        for (int i = 0; i < e->columns[f].span_count; i++) {
+        const Span *s = e->spans + e->first_span[f];
+        for (int i = 0; i < e->first_span[f + 1] - e->first_span[f]; i++) {
             bool terrace = s[i].kind == SPAN_OUTDOORS && s[i].id >= e->b->material_count;
             indoors = indoors || (is_free(&s[i]) && s[i].kind != SPAN_OUTDOORS);
             if (terrace) return true;  // drawn to be seen
@@ -269,16 +268,17 @@ static bool outdoors_is_seen(const Enclosure *e) {
 // Where nothing opens to it, the outdoors hides nothing and shows nothing: it is left out.
 void columns_drop_unseen_outdoors(Enclosure *e) {
     if (outdoors_is_seen(e)) return;
-    int kept = 0;
+    int kept = 0, first = 0;
     for (int f = 0; f < e->pass.plan.face_count; f++) {
-        const Column old = e->columns[f];
-        e->columns[f] = (Column){kept, 0};
-        for (int i = old.first_span; i < old.first_span + old.span_count; i++) {
+        int end = e->first_span[f + 1], count = 0;
+        for (int i = first; i < end; i++) {
             const Span s = e->spans[i];
             const Span next = s.kind == SPAN_OUTDOORS ? span(SPAN_SOLID, 0, -1, s.z0, s.z1) : s;
-            put_span(e->spans + e->columns[f].first_span, &e->columns[f].span_count, next);
+            put_span(e->spans + kept, &count, next);
         }
-        kept += e->columns[f].span_count;
+        kept += count;
+        first = end;
+        e->first_span[f + 1] = kept;
     }
     e->span_count = kept;
 }

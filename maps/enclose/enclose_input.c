@@ -408,7 +408,10 @@ bool enclose_prepare(Enclosure *e) {
     find_heights(e);
     sort_walls(e);
     sort_rooms(e);
-    crossings_limit(e);
+    return true;
+}
+
+bool enclose_find_world(Enclosure *e) {
     index_input(e);
     return find_world(e);
 }

@@ -100,8 +100,7 @@ static double contact(const Enclosure *e, int h, const Span *s, const Span *o) {
 }
 
 static int span_of_hole(const Enclosure *e, int face, int hole) {
-    for (int i = e->columns[face].first_span; i < e->columns[face].first_span + e->columns[face].span_count;
-         i++) {
+    for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
         if (e->spans[i].kind == SPAN_OPENING && e->spans[i].id / 2 == hole) return i;
     }
     return -1;
@@ -139,7 +138,7 @@ static int spread(const Enclosure *e, Flood *flood, int span, int face, int hole
     for (int k = 0; k < p->faces[face].half_count; k++) {
         int h = p->halves[p->faces[face].first_half + k], g = half_right(p, h);
         if (g < 0 || (hole >= 0 && !on_side(e, hole, side, h))) continue;
-        for (int i = e->columns[g].first_span; i < e->columns[g].first_span + e->columns[g].span_count; i++) {
+        for (int i = e->first_span[g]; i < e->first_span[g + 1]; i++) {
             const Span *o = &e->spans[i];
             double area = contact(e, h, &e->spans[span], o);
             if (area <= 0) continue;
@@ -156,7 +155,7 @@ static int face_of_span(const Enclosure *e, int span) {
     int low = 0, high = e->pass.plan.face_count - 1;
     while (low < high) {
         int middle = (low + high + 1) / 2;
-        if (e->columns[middle].first_span <= span)
+        if (e->first_span[middle] <= span)
             low = middle;
         else
             high = middle - 1;

@@ -162,18 +162,17 @@ typedef struct Tracer {
 
 static bool columns_equal(const Enclosure *e, int f, int g) {
     if (f < 0 || g < 0) return false;
-    Column a = e->columns[f], b = e->columns[g];
-    if (a.span_count != b.span_count) return false;
-    for (int i = 0; i < a.span_count; i++) {
-        if (!span_equal(&e->spans[a.first_span + i], &e->spans[b.first_span + i])) return false;
+    int a = e->first_span[f], b = e->first_span[g], count = e->first_span[f + 1] - a;
+    if (count != e->first_span[g + 1] - b) return false;
+    for (int i = 0; i < count; i++) {
+        if (!span_equal(&e->spans[a + i], &e->spans[b + i])) return false;
     }
     return true;
 }
 
 static int matching_span(const Enclosure *e, int span, int face) {
     if (face < 0) return -1;
-    Column c = e->columns[face];
-    for (int i = c.first_span; i < c.first_span + c.span_count; i++) {
+    for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
         if (span_equal(&e->spans[span], &e->spans[i])) return i;
     }
     return -1;
@@ -187,8 +186,7 @@ static void join_spans(Tracer *t) {
         int f = p->edges[i].face[0], g = p->edges[i].face[1];
         t->kept[i] = !columns_equal(e, f, g);
         if (f < 0 || g < 0) continue;
-        Column c = e->columns[f];
-        for (int k = c.first_span; k < c.first_span + c.span_count; k++) {
+        for (int k = e->first_span[f]; k < e->first_span[f + 1]; k++) {
             int other = matching_span(e, k, g);
             if (other < 0) continue;
             set_unite(t->parent, k, other);
@@ -440,7 +438,7 @@ static void group_spans(Tracer *t) {
     t->list = ARENA_ARRAY(e->scratch, int, n + 1);
     t->span_face = ARENA_ARRAY(e->scratch, int, n + 1);
     for (int f = 0; f < e->pass.plan.face_count; f++) {
-        for (int k = 0; k < e->columns[f].span_count; k++) t->span_face[e->columns[f].first_span + k] = f;
+        for (int k = e->first_span[f]; k < e->first_span[f + 1]; k++) t->span_face[k] = f;
     }
     for (int i = 0; i < n; i++) t->first[set_find(t->parent, i) + 1]++;
     for (int i = 0; i < n; i++) t->first[i + 1] += t->first[i];

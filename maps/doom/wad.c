@@ -1,8 +1,8 @@
 // wad.c - Doom WADs: a map's sectors as rooms, cut into convex prisms; its doors and lifts as doors that move.
 //
-// Each step is a file of its own: the lumps (wad_map.c), the plan cut into convex pieces (wad_bsp.c), their sectors
-// (wad_sectors.c), fewer of them (wad_merge.c), what moves (wad_movers.c), regions (wad_regions.c), doors
-// (wad_openings.c). Here: their order, notes, and where one stands.
+// The steps are: the lumps (wad_map.c), the plan cut into convex pieces (wad_bsp.c), their sectors and fewer of them
+// (wad_sectors.c), the sectors that move (wad_movers.c), regions (wad_regions.c), doors (wad_openings.c). Here: their order,
+// notes, and where one stands.
 #include "maps/doom/wad.h"
 
 // Eyes over the floor, and under the ceiling where it is low, metres.
@@ -168,12 +168,11 @@ static void note_solid(const WadMap *map, const WadMover *movers, Arena *arena, 
 
 static bool build_from_map(const WadMap *map, WadPieces *pieces, Arena *scratch, Arena *arena, Building *b,
                            Error *error) {
-    WadLineIndex index = wad_index_lines(map, pieces, scratch);
-    wad_find_sectors(map, &index, pieces, arena, b);
-    wad_merge(&index, pieces, scratch);
+    wad_index_lines(map, pieces, scratch);
+    wad_find_sectors(map, pieces, arena, b);
+    wad_merge(pieces, scratch);
     WadBuilder builder = {.map = map,
                           .pieces = pieces,
-                          .index = &index,
                           .movers = wad_find_movers(map, scratch),
                           .arena = arena,
                           .scratch = scratch,

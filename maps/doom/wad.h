@@ -81,6 +81,9 @@ typedef struct WadPieces {
     WadEdge *edges;
     WadPiece *pieces;
     int *line_axis;  // [line_count] -1 of a line that bounds nothing
+    // The lines along axis i are spans[first_span[i]] .. spans[first_span[i + 1] - 1]; their fields are private to wad_sectors.c.
+    struct WadSpan *spans;
+    int *first_span;  // [axis_count + 1]
     int axis_count, edge_count, piece_count;
     int edge_capacity, piece_capacity;
 } WadPieces;
@@ -95,23 +98,7 @@ double wad_y(WadPoint p);
 // Where a point of an axis lies along it: increasing in the axis's direction, map units.
 double wad_along(const WadAxis *axis, WadPoint p);
 
-// ---- wad_sectors.c, wad_merge.c: which sector each piece belongs to; fewer and larger pieces.
-
-// A line's stretch of its axis.
-typedef struct WadSpan {
-    double low, high;  // along the axis
-    int line;
-    bool against;  // the line runs against the axis
-} WadSpan;
-
-// The lines of axis i are spans[first[i]] .. spans[first[i + 1] - 1].
-typedef struct WadLineIndex {
-    WadSpan *spans;
-    int *first;  // [axis_count + 1]
-} WadLineIndex;
-WadLineIndex wad_index_lines(const WadMap *map, const WadPieces *pieces, Arena *arena);
-// Which of a line's sides, 0 its front, 1 its back, faces this side of its axis.
-int wad_facing(const WadSpan *span, int side);
+// ---- wad_sectors.c: which sector each piece belongs to; fewer and larger pieces.
 
 // A stretch along an axis on which a piece on its positive side meets one on its other side.
 typedef struct WadContact {
@@ -122,18 +109,18 @@ typedef struct WadContact {
     bool open;         // no line runs there
 } WadContact;
 
-typedef struct WadContacts {
-    WadContact *contacts;
-    int count, capacity;
-} WadContacts;
-WadContacts wad_find_contacts(const WadPieces *pieces, const WadLineIndex *index, Arena *arena);
+// Fills the spans of the pieces. Everything below asks for them.
+void wad_index_lines(const WadMap *map, WadPieces *pieces, Arena *arena);
+// The line on an edge of a piece at a place along it, and its side that faces the piece: 0 its front, 1 its back; -1 where there is none.
+int wad_line_at(const WadMap *map, const WadPieces *pieces, const WadEdge *edge, double along, int *facing);
+// Lists all contacts of the pieces in `arena`; returns how many there are.
+int wad_find_contacts(const WadPieces *pieces, Arena *arena, WadContact **out);
 
 // Gives every piece its sector by the lines around it, or by its neighbours where no line is between. A sector that is
 // not closed is noted on the building.
-void wad_find_sectors(const WadMap *map, const WadLineIndex *index, WadPieces *pieces, Arena *arena,
-                      Building *b);
+void wad_find_sectors(const WadMap *map, WadPieces *pieces, Arena *arena, Building *b);
 // Joins neighbours of one sector whose union is convex.
-void wad_merge(const WadLineIndex *index, WadPieces *pieces, Arena *arena);
+void wad_merge(WadPieces *pieces, Arena *arena);
 
 // ---- wad_movers.c: the sectors that move.
 
@@ -155,25 +142,11 @@ typedef struct WadMover {
 // One for each sector.
 WadMover *wad_find_movers(const WadMap *map, Arena *arena);
 
-// ---- wad_vertices.c: the pieces' corners in metres, the same doubles in all pieces.
-
-typedef struct WadVertices WadVertices;
-WadVertices *wad_list_vertices(const WadPieces *pieces, Arena *arena);
-
-typedef struct WadPlace {
-    Vec2 at;       // metres
-    double along;  // its edge's axis, map units
-} WadPlace;
-// What lies on edge `k` of a piece with a sector, in the edge's direction, both ends included; returns how many.
-int wad_edge_vertices(const WadPieces *pieces, const WadVertices *vertices, const WadPiece *piece, int k,
-                      Arena *arena, WadPlace **out);
-
 // ---- wad_regions.c, wad_openings.c: regions, doors and materials of the building.
 
 typedef struct WadBuilder {
     const WadMap *map;
     const WadPieces *pieces;
-    const WadLineIndex *index;
     const WadMover *movers;
     Arena *arena;    // of the building
     Arena *scratch;  // of what is forgotten when it is read

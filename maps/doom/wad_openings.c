@@ -21,7 +21,8 @@ typedef struct Part {
 
 typedef struct Doors {
     WadBuilder *w;
-    WadContacts contacts;
+    WadContact *contacts;
+    int contact_count;
     int *part_of;  // [piece_count] -1: it does not move
     int *next;     // [piece_count] of the same part, -1 ends
     int *last;     // [part_count] its last piece so far
@@ -46,8 +47,8 @@ static void find_parts(Doors *d, Arena *scratch) {
         parent[i] = i;
         d->part_of[i] = d->next[i] = -1;
     }
-    for (int i = 0; i < d->contacts.count; i++) {
-        const WadContact *c = &d->contacts.contacts[i];
+    for (int i = 0; i < d->contact_count; i++) {
+        const WadContact *c = &d->contacts[i];
         if (p->pieces[c->piece[0]].sector != p->pieces[c->piece[1]].sector) continue;
         parent[find_root(parent, c->piece[1])] = find_root(parent, c->piece[0]);
     }
@@ -99,8 +100,8 @@ static void measure_parts(Doors *d) {
     const WadPieces *p = d->w->pieces;
     for (int i = 0; i < d->part_count; i++)
         d->parts[i].along = direction(&p->axes[p->edges[p->pieces[d->parts[i].first_piece].first_edge].axis]);
-    for (int i = 0; i < d->contacts.count; i++) {
-        const WadContact *c = &d->contacts.contacts[i];
+    for (int i = 0; i < d->contact_count; i++) {
+        const WadContact *c = &d->contacts[i];
         Vec2 along = direction(&p->axes[c->axis]);
         for (int k = 0; k < 2; k++) {
             Part *part = leads_out(d, c, k);
@@ -127,8 +128,8 @@ static void measure_parts(Doors *d) {
 // The widest way out on either side of the line through a part's middle.
 static void find_beyond(Doors *d) {
     const WadPieces *p = d->w->pieces;
-    for (int i = 0; i < d->contacts.count; i++) {
-        const WadContact *c = &d->contacts.contacts[i];
+    for (int i = 0; i < d->contact_count; i++) {
+        const WadContact *c = &d->contacts[i];
         Vec2 along = direction(&p->axes[c->axis]);
         for (int k = 0; k < 2; k++) {
             Part *part = leads_out(d, c, k);
@@ -270,12 +271,12 @@ void wad_add_openings(WadBuilder *w) {
     Arena scratch = {0};
     int pieces = w->pieces->piece_count;
     Doors d = {.w = w,
-               .contacts = wad_find_contacts(w->pieces, w->index, &scratch),
                .part_of = ARENA_ARRAY(&scratch, int, pieces + 1),
                .next = ARENA_ARRAY(&scratch, int, pieces + 1),
                .last = ARENA_ARRAY(&scratch, int, pieces + 1),
                .parts = ARENA_ARRAY(&scratch, Part, pieces + 1),
                .places = ARENA_ARRAY(&scratch, int, w->map->sector_count + 1)};
+    d.contact_count = wad_find_contacts(w->pieces, &scratch, &d.contacts);
     find_parts(&d, &scratch);
     measure_parts(&d);
     find_beyond(&d);

@@ -3,6 +3,7 @@
 // What is read: the default scene (or the first) with its nodes, meshes of triangles, materials by their colours, lamps
 // and cameras. What is not: animation, skins and morph targets (meshes are as at rest), points and lines, normals.
 #include "maps/polygons/gltf.h"
+
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
 
@@ -14,6 +15,533 @@ static const uint32_t MAGIC = 0x46546C67, CHUNK_JSON = 0x4E4F534A, CHUNK_BIN = 0
 static const char *const EXTENSIONS[] = {"KHR_lights_punctual",   "KHR_mesh_quantization", "KHR_materials_",
                                          "KHR_texture_transform", "KHR_texture_basisu",    "EXT_texture_webp",
                                          "KHR_xmp_json_ld"};
+
+// Faces of a mesh's primitives, triangles joined, in the mesh's own space; decoded once however often it is placed.
+typedef struct GltfMesh {
+    SoupMesh *primitives;
+    int primitive_count;
+    bool decoded;
+} GltfMesh;
+
+// The mean colour of an image, decoded once.
+typedef struct GltfImage {
+    bool asked, usable;
+    Rgb mean;
+} GltfImage;
+
+// ---- materials
+//
+// glTF materials as diffuse reflectances, transparency and exitance.
+//
+// The base colour is taken as a diffuse reflectance, metals too; textures count by their mean. Whatever may be seen
+// through gets an alpha below 1, so that it hides nothing: blended materials by their factor, masked ones and blended
+// ones with a texture by half, since where the texture has holes is not kept, transmitting ones by what they let pass.
+// An emission of L cd/m^2 (the factors times KHR_materials_emissive_strength) is an exitance of pi L / 683 W/m^2.
+
+static const float TEXTURED_ALPHA = 0.5f;
+static const double MAX_STRENGTH = 1e9;  // cd/m^2 and more: the sun's disc has 1.6e9
+
+// Names of the extensions that describe a surface otherwise.
+static const char GLOSSY[] = "KHR_materials_pbrSpecularGlossiness",
+                  STRENGTH[] = "KHR_materials_emissive_strength",
+                  TRANSMISSION[] = "KHR_materials_transmission";
+
+static bool read_image(Gltf *g, int index, Bytes *out) {
+    GltfItem item = gltf_item(g, "images", index);
+    const char *uri = gltf_text(g, &item, "uri", NULL);
+    int view = gltf_index(g, &item, "bufferView", "bufferViews"), stride;
+    if (g->failed) return false;
+    if (view >= 0) return gltf_read_view(g, view, out, &stride);
+    if (!uri) return gltf_fail(g, &item, NULL, "has neither uri nor bufferView");
+    return gltf_read_uri(g, &item, uri, false, out);
+}
+
+// The mean of the texture that `key` of `item` names. A picture that is missing or cannot be decoded is tallied, and so
+// is one of a kind that an extension names instead of a `source`.
+static bool read_texture(Gltf *g, const GltfItem *item, const char *key, Rgb *out) {
+    GltfItem info = gltf_member(g, item, key);
+    int texture = gltf_index(g, &info, "index", "textures");
+    if (g->failed || texture < 0) return false;
+    GltfItem of = gltf_item(g, "textures", texture);
+    int image = gltf_index(g, &of, "source", "images");
+    if (g->failed) return false;
+    if (image >= 0) {
+        GltfImage *known = &g->images[image];
+        Bytes bytes = {0};
+        if (!known->asked) {
+            bool read = read_image(g, image, &bytes);
+            if (g->failed) return false;
+            known->usable = read && texture_mean(bytes, &g->pixels, &known->mean);
+        }
+        known->asked = true;
+        *out = known->mean;
+        if (known->usable) return true;
+    }
+    g->tally.pictures++;
+    return false;
+}
+
+static float alpha_of(Gltf *g, const GltfItem *item, double factor, bool textured) {
+    const char *mode = gltf_text(g, item, "alphaMode", "OPAQUE");
+    GltfItem extension = gltf_extension(g, item, TRANSMISSION);
+    double passes = gltf_number(g, &extension, "transmissionFactor", 0, 1, 0);
+    double cutoff = gltf_number(g, item, "alphaCutoff", 0, GLTF_MAX_NUMBER, 0.5), alpha = 1;
+    if (strcmp(mode, "MASK") == 0)
+        alpha = factor < cutoff ? 0 : 1;
+    else if (strcmp(mode, "BLEND") == 0)
+        alpha = factor;
+    else if (strcmp(mode, "OPAQUE") != 0)
+        gltf_fail(g, item, "alphaMode", "is %.20s (allowed: OPAQUE, MASK, BLEND)", mode);
+    if (textured && strcmp(mode, "OPAQUE") != 0) alpha = fmin(alpha, (double)TEXTURED_ALPHA);
+    return (float)fmin(alpha, 1 - passes);
+}
+
+static Rgb emission_of(Gltf *g, const GltfItem *item) {
+    double factor[3] = {0};
+    Rgb mean = {1, 1, 1};
+    GltfItem extension = gltf_extension(g, item, STRENGTH);
+    double strength = gltf_number(g, &extension, "emissiveStrength", 0, MAX_STRENGTH, 1);
+    gltf_numbers(g, item, "emissiveFactor", 3, 0, 1, factor);
+    Rgb read;
+    if (factor[0] + factor[1] + factor[2] > 0 && read_texture(g, item, "emissiveTexture", &read)) mean = read;
+    double scale = M_PI / GLTF_LUMENS_PER_WATT * strength;
+    return (Rgb){(float)(scale * factor[0]) * mean.r, (float)(scale * factor[1]) * mean.g,
+                 (float)(scale * factor[2]) * mean.b};
+}
+
+static int make_material(Gltf *g, const GltfItem *item) {
+    GltfItem base = gltf_member(g, item, "pbrMetallicRoughness"), glossy = gltf_extension(g, item, GLOSSY);
+    double factor[4] = {1, 1, 1, 1};
+    gltf_numbers(g, glossy.json ? &glossy : &base, glossy.json ? "diffuseFactor" : "baseColorFactor", 4, 0, 1,
+                 factor);
+    Rgb mean = {1, 1, 1}, read;
+    const char *texture = glossy.json ? "diffuseTexture" : "baseColorTexture";
+    const GltfItem *surface = glossy.json ? &glossy : &base;
+    bool textured = surface->json && json_object_get(surface->json, texture);
+    if (textured && read_texture(g, surface, texture, &read)) mean = read;
+    const char *name = gltf_text(g, item, "name", "");
+    Rgb colour = {(float)factor[0] * mean.r, (float)factor[1] * mean.g, (float)factor[2] * mean.b};
+    Material material = {
+        .name = name,
+        .reflectance = soup_cap(colour, arena_string(g->scratch, *name ? name : item->place), &g->capped),
+        .emission = emission_of(g, item),
+        .alpha = alpha_of(g, item, factor[3], textured)};
+    if (g->failed) return -1;
+    return building_add_material(g->arena, g->b, material);
+}
+
+static int material_of(Gltf *g, int index) {
+    if (g->failed) return -1;
+    int *known = &g->materials[index < 0 ? gltf_list_count(g, "materials") : index];
+    if (*known >= 0) return *known;
+    // A primitive without a material is white, says glTF.
+    GltfItem none = {.place = "the default material"};
+    if (index >= 0) none = gltf_item(g, "materials", index);
+    *known = make_material(g, &none);
+    return *known;
+}
+
+// ---- the triangles of a mesh's primitives (glTF 2.0, 3.7.2), joined to polygons
+
+enum { MODE_TRIANGLES = 4, MODE_STRIP, MODE_FAN };
+
+// Corner k of triangle i among the vertices in the order of the indices.
+static int corner_of(int mode, int i, int k) {
+    if (mode == MODE_TRIANGLES) return 3 * i + k;
+    if (mode == MODE_FAN) return k == 2 ? 0 : i + 1 + k;
+    // Every other triangle of a strip turns round.
+    return k == 0 ? i : i + (k == 1 ? 1 + i % 2 : 2 - i % 2);
+}
+
+// The indices of a primitive's corners, NULL where they are the vertices in their order.
+static bool decode_indices(Gltf *g, const GltfItem *item, int vertices, Arena *arena, double **out,
+                           int *count) {
+    int accessor = gltf_index(g, item, "indices", "accessors");
+    if (g->failed) return false;
+    *out = NULL;
+    *count = vertices;
+    if (accessor < 0) return true;
+    *count = gltf_decode(g, accessor, 1, true, 3 * SOUP_MAX_POLYGONS, arena, out);
+    if (*count == 0) return false;
+    for (int i = 0; i < *count; i++) {
+        if ((*out)[i] < vertices) continue;
+        return gltf_fail(g, item, "indices", "index %d is %.0f (allowed 0 to %d)", i, (*out)[i],
+                         vertices - 1);
+    }
+    return true;
+}
+
+static bool count_triangles(Gltf *g, const GltfItem *item, int mode, int corners, int *out) {
+    if (mode == MODE_TRIANGLES && corners % 3 != 0)
+        return gltf_fail(g, item, NULL, "has %d corners (allowed of triangles: a multiple of 3)", corners);
+    *out = mode == MODE_TRIANGLES ? corners / 3 : corners - 2;
+    if (*out >= 1 && *out <= SOUP_MAX_POLYGONS) return true;
+    return gltf_fail(g, item, NULL, "has %d corners (allowed: 3 to %d)", corners, SOUP_MAX_POLYGONS);
+}
+
+static void list_triangles(int mode, const double *indices, int material, SoupMesh *mesh, Arena *arena) {
+    mesh->faces = ARENA_ARRAY(arena, SoupFace, mesh->face_count);
+    mesh->corners = ARENA_ARRAY(arena, int, 3 * mesh->face_count);
+    for (int i = 0; i < mesh->face_count; i++) {
+        mesh->faces[i] = (SoupFace){mesh->corner_count, 3, material};
+        for (int k = 0; k < 3; k++) {
+            int corner = corner_of(mode, i, k);
+            mesh->corners[mesh->corner_count++] = indices ? (int)indices[corner] : corner;
+        }
+    }
+}
+
+// Positions outlive the merging, which the rest does not.
+static bool decode_primitive(Gltf *g, const GltfItem *item, Arena *work, SoupMesh *out) {
+    GltfItem attributes = gltf_member(g, item, "attributes");
+    int mode = gltf_int(g, item, "mode", 0, MODE_FAN, MODE_TRIANGLES);
+    int position = gltf_index(g, &attributes, "POSITION", "accessors");
+    int material = material_of(g, gltf_index(g, item, "material", "materials"));
+    if (g->failed) return false;
+    if (position < 0) return gltf_fail(g, item, "attributes.POSITION", "is missing");
+    if (mode < MODE_TRIANGLES) {
+        g->tally.lines++;
+        return true;
+    }
+    double *places, *indices;
+    int corners;
+    SoupMesh mesh = {0};
+    mesh.vertex_count = gltf_decode(g, position, 3, false, SOUP_MAX_VERTICES, work, &places);
+    if (mesh.vertex_count == 0 || !decode_indices(g, item, mesh.vertex_count, work, &indices, &corners) ||
+        !count_triangles(g, item, mode, corners, &mesh.face_count))
+        return false;
+    mesh.vertices = ARENA_ARRAY(g->scratch, Vec3, mesh.vertex_count);
+    for (int i = 0; i < mesh.vertex_count; i++) {
+        const double *v = places + 3 * (size_t)i;
+        mesh.vertices[i] = vec3(v[0], v[1], v[2]);
+    }
+    list_triangles(mode, indices, material, &mesh, work);
+    soup_merge(&mesh, g->scratch, out);
+    return true;
+}
+
+static bool decode_mesh(Gltf *g, int index) {
+    GltfMesh *mesh = &g->meshes[index];
+    if (mesh->decoded) return true;
+    GltfItem item = gltf_item(g, "meshes", index);
+    int count = gltf_count(g, &item, "primitives");
+    if (g->failed) return false;
+    if (count == 0) return gltf_fail(g, &item, "primitives", "is missing or empty");
+    mesh->primitives = ARENA_ARRAY(g->scratch, SoupMesh, count);
+    for (int i = 0; i < count; i++) {
+        GltfItem primitive = gltf_element(g, &item, "primitives", i);
+        Arena work = {0};
+        SoupMesh *kept = &mesh->primitives[mesh->primitive_count];
+        bool good = decode_primitive(g, &primitive, &work, kept);
+        mesh->primitive_count += kept->face_count > 0;
+        if (gltf_count(g, &primitive, "targets") > 0) g->tally.skins++;
+        arena_free(&work);
+        if (!good) return false;
+    }
+    mesh->decoded = true;
+    return true;
+}
+
+// ---- lights and cameras
+//
+// Lights (KHR_lights_punctual) and cameras of a glTF document.
+//
+// Candela become watts by the luminous efficacy exporters use, 683 lm/W: a point light of I cd shines with 4 pi I
+// lumens, a spot with those in its outer cone, spread over all directions, since lights of a building are balls. Lights
+// without a place (directional, in lux) are no lights of a building: they are left out and tallied.
+
+static const char LIGHTS[] = "KHR_lights_punctual";
+static const double RADIUS = 0.05;            // metres, of a luminous ball where the file knows points only
+static const double MAX_CANDELA = 1e12;       // lighthouses have 1e7
+static const double FIELD = 70 * M_PI / 180;  // radians, of a camera without perspective
+static const double ASPECT = 16.0 / 9;        // of a camera that does not say
+static const double NARROWEST = 1e-3, WIDEST = 3.1;  // radians, of a view across
+
+static Vec3 origin_of(const double m[12]) { return vec3(m[3], m[7], m[11]); }
+
+static bool near_enough(Gltf *g, const GltfItem *node, Vec3 p) {
+    if (fabs(p.x) <= MAPS_LIMIT && fabs(p.y) <= MAPS_LIMIT && fabs(p.z) <= MAPS_LIMIT) return true;
+    return gltf_fail(g, node, NULL, "lies at (%g, %g, %g) m (allowed: within %g m)", p.x, p.y, p.z,
+                     MAPS_LIMIT);
+}
+
+// The lumens of a light over its candelas, or 0 for one without a place.
+static double spread_of(Gltf *g, const GltfItem *light) {
+    const char *type = gltf_text(g, light, "type", "missing");
+    if (g->failed) return 0;
+    if (strcmp(type, "point") == 0) return 4 * M_PI;
+    if (strcmp(type, "spot") == 0) {
+        GltfItem spot = gltf_member(g, light, "spot");
+        double outer = gltf_number(g, &spot, "outerConeAngle", 0, M_PI / 2 + 1e-6, M_PI / 4);
+        return 2 * M_PI * (1 - cos(outer));
+    }
+    if (strcmp(type, "directional") == 0)
+        g->tally.suns++;
+    else
+        gltf_fail(g, light, "type", "is %.20s (allowed: point, spot, directional)", type);
+    return 0;
+}
+
+static void add_light(Gltf *g, const GltfItem *node, const double m[12]) {
+    GltfItem mine = gltf_extension(g, node, LIGHTS), root = gltf_root(g),
+             all = gltf_extension(g, &root, LIGHTS);
+    if (g->failed || !mine.json) return;
+    int count = gltf_count(g, &all, "lights"), index = gltf_int(g, &mine, "light", 0, count - 1, -1);
+    if (g->failed) return;
+    if (index < 0) {
+        gltf_fail(g, &mine, "light", "is missing");
+        return;
+    }
+    GltfItem light = gltf_element(g, &all, "lights", index);
+    double colour[3] = {1, 1, 1}, candela = gltf_number(g, &light, "intensity", 0, MAX_CANDELA, 1);
+    gltf_numbers(g, &light, "color", 3, 0, 1, colour);
+    double watts = spread_of(g, &light) * candela / GLTF_LUMENS_PER_WATT;
+    const char *name = gltf_text(g, node, "name", gltf_text(g, &light, "name", ""));
+    if (g->failed || watts <= 0 || !near_enough(g, node, origin_of(m))) return;
+    *ARENA_PUSH(g->arena, g->b->lights, g->b->light_count, g->b->light_capacity) =
+        (Light){.name = arena_string(g->arena, name),
+                .position = origin_of(m),
+                .radius = RADIUS,
+                .flux = {(float)(watts * colour[0]), (float)(watts * colour[1]), (float)(watts * colour[2])},
+                .object = -1};
+}
+
+// Across, in radians.
+static double field_of(Gltf *g, const GltfItem *camera) {
+    GltfItem perspective = gltf_member(g, camera, "perspective");
+    if (!perspective.json) return FIELD;
+    double up = gltf_number(g, &perspective, "yfov", 1e-6, M_PI - 1e-6, FIELD / ASPECT),
+           aspect = gltf_number(g, &perspective, "aspectRatio", 1e-6, 1e6, ASPECT);
+    return fmin(fmax(2 * atan(tan(up / 2) * aspect), NARROWEST), WIDEST);
+}
+
+// A camera looks along its own -z; the eye of a building does not roll.
+static void add_camera(Gltf *g, const GltfItem *node, const double m[12]) {
+    int index = gltf_index(g, node, "camera", "cameras");
+    if (g->failed || index < 0) return;
+    GltfItem camera = gltf_item(g, "cameras", index);
+    double field = field_of(g, &camera);
+    const char *name = gltf_text(g, node, "name", gltf_text(g, &camera, "name", ""));
+    Vec3 ahead = vec3_normalize(vec3(-m[2], -m[6], -m[10]));
+    if (g->failed || !near_enough(g, node, origin_of(m))) return;
+    bool sound = isfinite(ahead.x) && isfinite(ahead.y) && isfinite(ahead.z);
+    *ARENA_PUSH(g->arena, g->b->viewpoints, g->b->viewpoint_count, g->b->viewpoint_capacity) =
+        (Viewpoint){.name = arena_string(g->arena, name),
+                    .eye = origin_of(m),
+                    .yaw = sound ? atan2(ahead.y, ahead.x) : 0,
+                    .pitch = sound ? asin(fmin(fmax(ahead.z, -1), 1)) : 0,
+                    .fov = field};
+}
+
+// ---- nodes
+//
+// The nodes of a scene (glTF 2.0, 3.5): a forest in which each node's way to its parent is a matrix or
+// a translation, rotation and scale; its meshes, lights and cameras put in their places, y up turned to z up.
+
+static const char INSTANCES[] = "EXT_mesh_gpu_instancing";
+
+// Affine, row by row: x' = m[0] x + m[1] y + m[2] z + m[3], and so on.
+typedef struct Way {
+    double m[12];
+} Way;
+
+// (x, y, z) with y up becomes (x, -z, y).
+static const Way UPRIGHT = {{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}};
+
+static Way joined(const Way *a, const Way *b) {
+    Way out;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 4; c++) {
+            double sum = c == 3 ? a->m[4 * r + 3] : 0;
+            for (int k = 0; k < 3; k++) sum += a->m[4 * r + k] * b->m[4 * k + c];
+            out.m[4 * r + c] = sum;
+        }
+    return out;
+}
+
+static Vec3 moved(const Way *w, Vec3 v) {
+    const double *m = w->m;
+    return vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3], m[4] * v.x + m[5] * v.y + m[6] * v.z + m[7],
+                m[8] * v.x + m[9] * v.y + m[10] * v.z + m[11]);
+}
+
+static bool mirrors(const Way *w) {
+    const double *m = w->m;
+    return vec3_dot(vec3_cross(vec3(m[0], m[4], m[8]), vec3(m[1], m[5], m[9])), vec3(m[2], m[6], m[10])) < 0;
+}
+
+static bool read_matrix(Gltf *g, const GltfItem *node, Way *out) {
+    double c[16];
+    if (!gltf_numbers(g, node, "matrix", 16, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, c)) return false;
+    for (int i = 0; i < 12; i++) out->m[i] = c[4 * (i % 4) + i / 4];
+    if (c[3] == 0 && c[7] == 0 && c[11] == 0 && c[15] == 1) return true;
+    return gltf_fail(g, node, "matrix", "ends its columns with %g, %g, %g, %g (allowed: 0, 0, 0, 1)", c[3],
+                     c[7], c[11], c[15]);
+}
+
+static bool read_turn(Gltf *g, const GltfItem *node, double r[9]) {
+    double q[4] = {0, 0, 0, 1};
+    if (!gltf_numbers(g, node, "rotation", 4, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, q) && g->failed)
+        return false;
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 1e-6)) return gltf_fail(g, node, "rotation", "has length %g (allowed: 1)", length);
+    double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
+    double turn[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                      2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                      2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+    memcpy(r, turn, sizeof turn);
+    return true;
+}
+
+static bool read_way(Gltf *g, const GltfItem *node, Way *out) {
+    if (json_object_get(node->json, "matrix")) return read_matrix(g, node, out);
+    double t[3] = {0, 0, 0}, s[3] = {1, 1, 1}, r[9];
+    gltf_numbers(g, node, "translation", 3, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, t);
+    gltf_numbers(g, node, "scale", 3, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, s);
+    if (g->failed || !read_turn(g, node, r)) return false;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) out->m[4 * i + k] = r[3 * i + k] * s[k];
+        out->m[4 * i + 3] = t[i];
+    }
+    return true;
+}
+
+static bool place_face(Gltf *g, const GltfItem *node, const Way *way, const SoupMesh *mesh,
+                       const SoupFace *face) {
+    Vec3 ring[SOUP_MAX_CORNERS];
+    bool mirrored = mirrors(way);
+    for (int i = 0; i < face->corner_count; i++) {
+        Vec3 v = moved(way, mesh->vertices[mesh->corners[face->first_corner + i]]);
+        if (!(fabs(v.x) <= MAPS_LIMIT && fabs(v.y) <= MAPS_LIMIT && fabs(v.z) <= MAPS_LIMIT)) {
+            return gltf_fail(g, node, NULL,
+                             "a corner of its mesh lies at (%g, %g, %g) m (allowed: within %g m)", v.x, v.y,
+                             v.z, MAPS_LIMIT);
+        }
+        ring[mirrored ? face->corner_count - 1 - i : i] = v;
+    }
+    size_t bytes = g->size + g->folder.bytes;
+    int allowed = building_polygons_allowed((double)bytes);
+    if (g->faces++ == allowed)
+        return gltf_fail(g, node, NULL,
+                         "its mesh makes more than %d polygons in all (the limit for %zu bytes)", allowed,
+                         bytes);
+    if (building_add_polygon(g->arena, g->b, ring, face->corner_count, face->material) == 0) g->tally.flat++;
+    return true;
+}
+
+static bool place_mesh(Gltf *g, const GltfItem *node, const Way *way) {
+    int index = gltf_index(g, node, "mesh", "meshes");
+    if (g->failed) return false;
+    if (index < 0) return true;
+    if (!decode_mesh(g, index)) return false;
+    GltfItem item = gltf_item(g, "meshes", index), instances = gltf_extension(g, node, INSTANCES);
+    if (instances.json)
+        return gltf_fail(g, &instances, NULL, "is not read (allowed: a node for each instance)");
+    if (json_object_get(node->json, "skin")) g->tally.skins++;
+    const char *name = gltf_text(g, node, "name", gltf_text(g, &item, "name", ""));
+    if (g->failed) return false;
+    building_add_object(g->arena, g->b, OBJECT_FURNITURE, name);
+    const GltfMesh *mesh = &g->meshes[index];
+    for (int i = 0; i < mesh->primitive_count; i++) {
+        const SoupMesh *primitive = &mesh->primitives[i];
+        for (int f = 0; f < primitive->face_count; f++) {
+            if (!place_face(g, node, way, primitive, &primitive->faces[f])) return false;
+        }
+    }
+    if (g->b->objects[g->b->object_count - 1].polygon_count == 0) g->b->object_count--;
+    return true;
+}
+
+// Each node has one parent at most; walking up from any of them ends.
+static bool find_parents(Gltf *g, int count, int *parent) {
+    for (int i = 0; i < count; i++) parent[i] = -1;
+    for (int i = 0; i < count; i++) {
+        GltfItem node = gltf_item(g, "nodes", i);
+        int children = gltf_count(g, &node, "children");
+        for (int k = 0; k < children; k++) {
+            int child = gltf_index_at(g, &node, "children", k, "nodes");
+            if (g->failed) return false;
+            if (parent[child] >= 0)
+                return gltf_fail(g, &node, "children",
+                                 "node %d is a child of node %d too (allowed: one parent)", child,
+                                 parent[child]);
+            parent[child] = i;
+        }
+    }
+    int *seen = ARENA_ARRAY(g->scratch, int, count);
+    for (int i = 0; i < count; i++) {
+        int at = i;
+        for (; at >= 0 && seen[at] == 0; at = parent[at]) seen[at] = i + 1;
+        if (at < 0 || seen[at] != i + 1) continue;
+        GltfItem node = gltf_item(g, "nodes", at);
+        return gltf_fail(g, &node, NULL, "is its own ancestor (allowed: no cycles)");
+    }
+    return !g->failed;
+}
+
+// The nodes without parent that the scene names, or all of them where there is no scene.
+static bool find_roots(Gltf *g, int count, const int *parent, int *roots, int *root_count) {
+    GltfItem root = gltf_root(g);
+    *root_count = 0;
+    int scenes = gltf_list_count(g, "scenes"), scene = gltf_index(g, &root, "scene", "scenes");
+    if (g->failed) return false;
+    if (scenes == 0) {
+        for (int i = 0; i < count; i++)
+            if (parent[i] < 0) roots[(*root_count)++] = i;
+        return true;
+    }
+    GltfItem item = gltf_item(g, "scenes", scene < 0 ? 0 : scene);
+    bool *named = ARENA_ARRAY(g->scratch, bool, count);
+    int nodes = gltf_count(g, &item, "nodes");
+    for (int i = 0; i < nodes; i++) {
+        int node = gltf_index_at(g, &item, "nodes", i, "nodes");
+        if (g->failed) return false;
+        if (parent[node] >= 0 || named[node])
+            return gltf_fail(g, &item, "nodes", "node %d is %s (allowed: nodes without parent, once)", node,
+                             named[node] ? "named twice" : "a child");
+        named[node] = true;
+        roots[(*root_count)++] = node;
+    }
+    return true;
+}
+
+typedef struct Waiting {
+    int node;
+    Way above;
+} Waiting;
+
+static bool place_tree(Gltf *g, int root, Waiting *stack) {
+    int waiting = 1;
+    stack[0] = (Waiting){root, UPRIGHT};
+    while (waiting > 0) {
+        Waiting at = stack[--waiting];
+        GltfItem node = gltf_item(g, "nodes", at.node);
+        Way own;
+        if (g->failed || !read_way(g, &node, &own)) return false;
+        Way way = joined(&at.above, &own);
+        if (!place_mesh(g, &node, &way)) return false;
+        add_light(g, &node, way.m);
+        add_camera(g, &node, way.m);
+        // Backwards, so that the first child comes first from the stack.
+        for (int k = gltf_count(g, &node, "children") - 1; k >= 0; k--)
+            stack[waiting++] = (Waiting){gltf_index_at(g, &node, "children", k, "nodes"), way};
+        if (g->failed) return false;
+    }
+    return true;
+}
+
+static bool place_nodes(Gltf *g) {
+    int count = gltf_list_count(g, "nodes"), root_count;
+    if (g->failed) return false;
+    int *parent = ARENA_ARRAY(g->scratch, int, count), *roots = ARENA_ARRAY(g->scratch, int, count);
+    if (!find_parents(g, count, parent) || !find_roots(g, count, parent, roots, &root_count)) return false;
+    // A node waits once at most, having one parent.
+    Waiting *stack = ARENA_ARRAY(g->scratch, Waiting, count + 1);
+    for (int i = 0; i < root_count; i++) {
+        if (!place_tree(g, roots[i], stack)) return false;
+    }
+    return true;
+}
 
 // ---- the container
 
@@ -149,7 +677,7 @@ static bool read_document(Gltf *g, Bytes content) {
     Bytes json = content;
     if (is_binary(content) && !open_binary(g, content, &json)) return false;
     if (!parse_document(g, json, (size_t)(json.data - content.data))) return false;
-    if (!check_version(g) || !check_extensions(g) || !count_lists(g) || !gltf_place_nodes(g)) return false;
+    if (!check_version(g) || !check_extensions(g) || !count_lists(g) || !place_nodes(g)) return false;
     note_losses(g);
     g->b->hash = g->folder.hash;
     return soup_finish(g->path, &g->capped, "lengths in glTF are metres: scale the model before export",

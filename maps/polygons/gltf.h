@@ -21,23 +21,6 @@
 // Of green light at its best: by this factor exporters turn watts into candela.
 #define GLTF_LUMENS_PER_WATT 683.0
 
-// Faces of a mesh's primitives, triangles joined, in the mesh's own space; decoded once however often it is placed.
-typedef struct GltfMesh {
-    SoupMesh *primitives;
-    int primitive_count;
-    bool decoded;
-} GltfMesh;
-
-// The mean colour of an image, decoded once.
-typedef struct GltfImage {
-    bool asked, usable;
-    Rgb mean;
-} GltfImage;
-
-typedef struct GltfTally {
-    int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
-} GltfTally;
-
 typedef struct Gltf {
     const char *path;
     json_t *root;
@@ -48,18 +31,20 @@ typedef struct Gltf {
     Building *b;
     Error *error;
     bool failed;
-    Bytes *buffers;     // [buffers] without data: not yet read
-    GltfMesh *meshes;   // [meshes]
-    int *materials;     // [materials + 1] of the building, -1: not yet made; the last is the default
-    GltfImage *images;  // [images]
+    Bytes *buffers;            // [buffers] without data: not yet read
+    struct GltfMesh *meshes;   // [meshes] private to gltf.c
+    int *materials;            // [materials + 1] of the building, -1: not yet made; the last is the default
+    struct GltfImage *images;  // [images] private to gltf.c
     SoupCapped capped;
-    GltfTally tally;
-    int values, faces;  // decoded; placed
-    double pixels;      // of images that may still be decoded
-    size_t size;        // bytes of the document, without the files beside it
+    struct {
+        int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
+    } tally;                                     // left out or changed
+    int values, faces;                           // decoded; placed
+    double pixels;                               // of images that may still be decoded
+    size_t size;                                 // bytes of the document, without the files beside it
 } Gltf;
 
-// ---- gltf_json.c: a part of the document
+// ---- gltf_document.c: a part of the document
 
 enum { GLTF_PLACE = 96 };
 typedef struct GltfItem {
@@ -93,29 +78,16 @@ int gltf_index_at(Gltf *g, const GltfItem *item, const char *key, int i, const c
 bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, double low, double high,
                   double *out);
 
-// ---- gltf_buffer.c: bytes
+// ---- bytes
 
 // What a URI stands for: base64 within it, or a file beside, which is no failure to miss unless it is needed.
 bool gltf_read_uri(Gltf *g, const GltfItem *item, const char *uri, bool needed, Bytes *out);
 bool gltf_read_view(Gltf *g, int view, Bytes *out, int *stride);
 
-// ---- gltf_accessor.c: numbers
+// ---- numbers
 
-typedef struct GltfValues {
-    double *values;  // [count * components]
-    int count;
-} GltfValues;
 // Decodes an accessor of `components` numbers an element, at most `most` elements. `integer`: indices, so u8, u16 or u32.
-bool gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, Arena *arena,
-                 GltfValues *out);
-
-// ---- the rest
-
-int gltf_material(Gltf *g, int index);      // of the building; index -1 is the default
-bool gltf_decode_mesh(Gltf *g, int index);  // into g->meshes
-bool gltf_place_nodes(Gltf *g);             // all of the scene
-// What a node carries besides its mesh; m is its way to the building, row by row.
-void gltf_add_light(Gltf *g, const GltfItem *node, const double m[12]);
-void gltf_add_camera(Gltf *g, const GltfItem *node, const double m[12]);
+// Returns how many elements there are, their numbers in `out`; 0 where it fails.
+int gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, Arena *arena, double **out);
 
 #endif

@@ -62,7 +62,7 @@ static int obstacle(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
     return EAR;
 }
 
-// Of a triangle as long as a country and as wide as a hair, doubles find no plane that holds its corners.
+// Doubles find no plane through the corners of a triangle that is as long as a country and as wide as a hair.
 static bool has_plane(const Vec3 triangle[3]) {
     return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
 }

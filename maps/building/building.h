@@ -30,15 +30,15 @@ typedef struct Rgb {
     float r, g, b;
 } Rgb;
 
-// What a polygon is made of.
+// The colour and optics of polygons.
 typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
     Rgb emission;     // radiant exitance, W/m^2
     float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
     float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
-    float
-        index;  // of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: what is there does not refract
+    // The index of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: the material does not refract.
+    float index;
 } Material;
 
 // A level of a building.
@@ -96,13 +96,13 @@ typedef struct Opening {
     double sill, head;           // absolute heights, metres
     int first_leaf, leaf_count;  // in Building.leaves; of doors only
     double open;                 // how far it is open as drawn, 0 closed .. 1 wide open
-    int region
-        [2];  // the regions beyond its two ends (rooms or outdoors), -1 where it leads nowhere; of a soup -1
+    // The regions beyond its two ends (rooms or outdoors); -1 where it leads nowhere, and in a soup.
+    int region[2];
     const char *reason;  // NULL, or why a side leads nowhere
     int material;        // of the leaf
 } Opening;
 
-// What moves of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
+// The moving part of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
 // axis through `pivot` and then shifted by t * slide, and up by t * rise. `axis` and `thickness` are its plan box when
 // closed: `axis` runs through the middle of the box from the hinged end to the free one. Where it is no box in plan, its
 // corners are given, a convex polygon within the box.
@@ -180,7 +180,7 @@ typedef struct Tour {
 
 typedef enum NoteKind { NOTE_LEAK, NOTE_DROPPED, NOTE_CHANGED, NOTE_KINDS } NoteKind;
 
-// What was not enclosed (with the way to the hole), left out, or changed on reading.
+// A remark on reading: a room that is not enclosed (with the way to the hole), or things left out or changed.
 typedef struct Note {
     NoteKind kind;
     const char *text;  // one sentence with its place
@@ -207,9 +207,8 @@ typedef struct Building {
     const char *source;  // the path it was read from
     const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
     uint64_t hash;    // of the file's content, and of `map`
-    double file_size;  // bytes; 0: not read from a file. What may be spent on a building grows with it
-    const char *
-        *beside;  // [beside_count] paths of the files that the one read refers to, of those that are there
+    double file_size;     // bytes; 0: not read from a file. What may be spent on a building grows with it
+    const char **beside;  // [beside_count] paths of the files to which the one read refers, where they exist
     Material *materials;
     Storey *storeys;
     Region *regions;
@@ -277,7 +276,8 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
 
 // How many polygons a file of so many bytes may make by placing models, tessellating curved shapes and instancing meshes: a short
-// line can ask for thousands. 300,000 of a small file, the most that there may be from 16 MB on; as many as fit where the user grants memory (--memory).
+// line can ask for thousands. A small file may make 300,000, one of 16 MB the most that there may be; where the user grants memory
+// (--memory), as many as fit.
 enum { BUILDING_MOST_POLYGONS = 4000000 };
 int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.

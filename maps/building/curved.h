@@ -22,7 +22,7 @@ typedef struct CurvedFrame {
     Vec3 origin, axis[3];
 } CurvedFrame;
 
-// Of a patch, in the building: the point itself, not multiplied by its weight, which is above 0.
+// A control of a patch, in the building: the point itself, not multiplied by its weight, which is above 0.
 typedef struct CurvedControl {
     Vec3 point;
     double weight;

@@ -42,7 +42,7 @@ static bool is_in_plan(const Building *b, const Region *region, Vec3 p) {
     return inside;
 }
 
-// Of the space a point is in; infinite where that is not known.
+// The height of the ceiling over a point; infinite where no region holds it.
 static double ceiling_above(const Building *b, Vec3 p) {
     for (int i = 0; i < b->region_count; i++) {
         const Region *r = &b->regions[i];

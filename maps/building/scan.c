@@ -33,14 +33,14 @@ bool scan_next_line(Scan *scan, char comment) {
     }
 }
 
-const char *scan_quote(const Scan *scan, Quote *quote) {
-    int length = 0, most = (int)sizeof quote->text - 1;
+const char *scan_quote(const Scan *scan, char quote[SCAN_QUOTE]) {
+    int length = 0, most = SCAN_QUOTE - 1;
     const char *c = scan->at;
     while (c < scan->end && blank(*c)) c++;
     for (; c < scan->end && length < most && *c != '\n' && !blank(*c); c++)
-        quote->text[length++] = isprint((unsigned char)*c) ? *c : '?';
-    quote->text[length] = 0;
-    return length > 0 ? quote->text : "the end of the line";
+        quote[length++] = isprint((unsigned char)*c) ? *c : '?';
+    quote[length] = 0;
+    return length > 0 ? quote : "the end of the line";
 }
 
 bool scan_number(Scan *scan, double low, double high, double *out) {

@@ -18,12 +18,8 @@ bool scan_next_line(Scan *scan, char comment);
 // Whether nothing but blanks and a comment is left of the line.
 bool scan_line_ends(Scan *scan, char comment);
 
-// Room for what messages quote.
-typedef struct Quote {
-    char text[32];
-} Quote;
-// What stands here up to the next blank, fit for a message: unprintable bytes become `?`.
-const char *scan_quote(const Scan *scan, Quote *quote);
+enum { SCAN_QUOTE = 32 };  // bytes of a quotation in a message
+const char *scan_quote(const Scan *scan, char quote[SCAN_QUOTE]);
 
 // A word that is a plain decimal from low to high and nothing else. Words end at blanks, parentheses and line ends. On
 // failure the scan stays before the word.

@@ -11,8 +11,8 @@
 // A wall's outline in plan, any simple polygon; between absolute heights z0 and z1.
 typedef struct SketchWall {
     int storey;
-    int first_point,
-        point_count;    // in Sketch.points; edge i has side material edge_material[first_point + i]
+    // In Sketch.points; edge i has side material edge_material[first_point + i].
+    int first_point, point_count;
     double z0, z1;      // z1: its highest point
     double angle;       // direction of its axis, radians
     const char *place;  // for messages: `wall wall-12 at (3.20, 1.50)`
@@ -41,10 +41,10 @@ typedef struct SketchOpening {
     double sill, head;  // absolute
     bool glazed;
     int hinge;  // of a door: 0: at -width/2, 1: at +width/2, 2: a leaf at each
-    double
-        swing;  // radians from closed to open, counter-clockwise from above; of two leaves that at -width/2
-    double
-        slide;  // metres along the width axis that it slides instead of turning; two leaves slide apart by it
+    // Radians from closed to open, counter-clockwise from above; of two leaves the swing of the one at -width/2.
+    double swing;
+    // Metres that it slides along the width axis instead of turning; two leaves slide apart by it.
+    double slide;
     double open;  // as drawn, see Opening
     int material;
     // The leaves of its model (see Leaf); without any they are made from the words above.
@@ -72,8 +72,8 @@ typedef struct Sketch {
     int wall_count, room_count, opening_count, cutout_count, point_count;
     int wall_capacity, room_capacity, opening_capacity, cutout_capacity, point_capacity, edge_capacity;
     double ground;  // height of the ground outdoors
-    int ground_material, outer_material,
-        slab_material;  // of the ground, of walls that name none, of slab edges
+    // The materials of the ground, of walls that name none, and of the edges of slabs.
+    int ground_material, outer_material, slab_material;
 } Sketch;
 
 // Finds the free space (regions) and the openings between, and appends them to `b`, whose storeys, materials and

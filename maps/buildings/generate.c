@@ -506,7 +506,7 @@ static void office(uint64_t seed) {
         o.random = ahead;
         connector(wing, top, y + next, to_east);
     }
-    // Of every seed: the first corridor's walls stand below 5.15 m and above 6.15 m.
+    // The walls of the first corridor stand below 5.15 m and above 6.15 m with every seed.
     printf(
         "\nview corridor 1,5.5,1.6 yaw 0 pitch -3\nview room 2,2,1.6 yaw 60 pitch -8\nstart 3,5.5 yaw 0\n");
 }

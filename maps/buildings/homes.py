@@ -377,10 +377,11 @@ def stair(width, depth, height, steps, railing=True):
     for k in range(steps):
         y, z = -depth / 2 + depth * k / steps, height * (k + 1) / steps
         obj.box((-width / 2, y, z - .05), (width / 2, y + depth / steps + (.02 if k + 1 < steps else 0), z), "oak")
-        obj.box((-width / 2 + .03, y + depth / steps - .02, max(0, z - .05 - height / steps)), (width / 2 - .03, y + depth / steps, z - .05), "white")
+        obj.box((-width / 2 + .03, y + depth / steps - .02, max(0, z - .05 - height / steps)),
+                (width / 2 - .03, y + depth / steps, z - .05), "white")
         if railing:
-            lathe(obj, (width / 2 - .05, y + depth / steps / 2, z), [(0, 0), (.02, 0), (.02, .1), (.01, .2), (.024, .35), (.01, .5), (.018, .7),
-                                                                    (.018, .78), (.015, .8), (0, .82)], "white", 8)
+            lathe(obj, (width / 2 - .05, y + depth / steps / 2, z), [(0, 0), (.02, 0), (.02, .1), (.01, .2), (.024, .35), (.01, .5),
+                                                                     (.018, .7), (.018, .78), (.015, .8), (0, .82)], "white", 8)
     for x in (-width / 2, width / 2 - .03):
         corners = [(-depth / 2, 0), (-depth / 2 + .25, 0), (depth / 2, height - .3), (depth / 2, height - .06), (-depth / 2, .12)]
         for at, turn in ((x, -1), (x + .03, 1)):
@@ -390,7 +391,8 @@ def stair(width, depth, height, steps, railing=True):
         a, b = (-depth / 2 + .05, height / steps + .82), (depth / 2 - .05, height + .80)
         for s, t in ((-.03, -1), (.03, 1)):
             obj.face([(x + s, *p) for p in ([a, b, (b[0], b[1] + .05), (a[0], a[1] + .05)][::t])], "oak")
-        obj.face([(x - .03, a[0], a[1] + .05), (x + .03, a[0], a[1] + .05), (x + .03, b[0], b[1] + .05), (x - .03, b[0], b[1] + .05)], "oak")
+        obj.face([(x - .03, a[0], a[1] + .05), (x + .03, a[0], a[1] + .05), (x + .03, b[0], b[1] + .05), (x - .03, b[0], b[1] + .05)],
+                 "oak")
     return obj
 
 
@@ -416,7 +418,8 @@ def door_model(width, height, depth, leaf, leaves=1, slides=False, glazed=False,
         tall = top - .005 if not arch else top - .01
         if glazed:
             for low, high in (((a, y - .02, .005), (a + .08, y + .02, tall)), ((b - .08, y - .02, .005), (b, y + .02, tall)),
-                              ((a + .08, y - .02, .005), (b - .08, y + .02, .13)), ((a + .08, y - .02, tall - .09), (b - .08, y + .02, tall))):
+                              ((a + .08, y - .02, .005), (b - .08, y + .02, .13)),
+                              ((a + .08, y - .02, tall - .09), (b - .08, y + .02, tall))):
                 obj.box(low, high, leaf, (), group + "_door")
             obj.box((a + .08, y - .004, .13), (b - .08, y + .004, tall - .09), "glass", ("left", "right", "top", "bottom"),
                     "sweethome3d_window_pane_on_%s_%d" % ("rail" if slides else "hinge", k + 1))
@@ -448,13 +451,17 @@ def window_model(width, height, depth, parts=2, sill=True):
 
 def round_window(size, depth):
     obj, h, n = Obj(), depth / 2, 24
-    ring = lambda r: [(round(r * math.cos(2 * math.pi * k / n), 4), round(size / 2 + r * math.sin(2 * math.pi * k / n), 4)) for k in range(n)]
+    ring = lambda r: [(round(r * math.cos(2 * math.pi * k / n), 4), round(size / 2 + r * math.sin(2 * math.pi * k / n), 4))
+                      for k in range(n)]
     outer, inner = ring(size / 2), ring(size / 2 - .05)
     for k in range(n):
         j = (k + 1) % n
-        obj.face([(outer[k][0], -h, outer[k][1]), (outer[j][0], -h, outer[j][1]), (inner[j][0], -h, inner[j][1]), (inner[k][0], -h, inner[k][1])][::-1], "white")
-        obj.face([(outer[k][0], h, outer[k][1]), (outer[j][0], h, outer[j][1]), (inner[j][0], h, inner[j][1]), (inner[k][0], h, inner[k][1])], "white")
-        obj.face([(inner[k][0], -h, inner[k][1]), (inner[j][0], -h, inner[j][1]), (inner[j][0], h, inner[j][1]), (inner[k][0], h, inner[k][1])], "white")
+        obj.face([(outer[k][0], -h, outer[k][1]), (outer[j][0], -h, outer[j][1]), (inner[j][0], -h, inner[j][1]),
+                  (inner[k][0], -h, inner[k][1])][::-1], "white")
+        obj.face([(outer[k][0], h, outer[k][1]), (outer[j][0], h, outer[j][1]), (inner[j][0], h, inner[j][1]),
+                  (inner[k][0], h, inner[k][1])], "white")
+        obj.face([(inner[k][0], -h, inner[k][1]), (inner[j][0], -h, inner[j][1]), (inner[j][0], h, inner[j][1]),
+                  (inner[k][0], h, inner[k][1])], "white")
     obj.face([(x, 0, z) for x, z in inner[::-1]], "glass", "sweethome3d_window_pane_1")
     return obj
 
@@ -493,7 +500,8 @@ class Home:
         self.add("wall", {"id": own, "level": level, "wallAtStart": names[1], "wallAtEnd": names[2], "xStart": 100 * a[0],
                           "yStart": -100 * a[1], "xEnd": 100 * b[0], "yEnd": -100 * b[1], "height": number_or_none(height),
                           "heightAtEnd": number_or_none(end), "thickness": 100 * thick, "arcExtent": arc,
-                          "pattern": "hatchUp", "leftSideColor": left and colour(left), "rightSideColor": right and colour(right)}, children)
+                          "pattern": "hatchUp", "leftSideColor": left and colour(left), "rightSideColor": right and colour(right)},
+                          children)
         return own
 
     def walls(self, level, points, thick, height=None, closed=True, left=None, right=None, tops=None, arcs=None, **more):
@@ -543,12 +551,16 @@ class Home:
     def opening(self, level, name, obj, at, angle=0, sashes=(), size=None, **more):
         self.piece(level, name, obj, at, angle, size, "doorOrWindow",
                    [tag("sash", {"xAxis": x, "yAxis": y, "width": w, "startAngle": math.radians(a), "endAngle": math.radians(b)})
-                    for x, y, w, a, b in sashes], **{"wallThickness": 1.0, "wallDistance": 0.0, "cutOutShape": RECTANGLE, "movable": "false", **more})
+                    for x, y, w, a, b in sashes], **{"wallThickness": 1.0, "wallDistance": 0.0, "cutOutShape": RECTANGLE,
+                                                     "movable": "false", **more})
 
-    def door(self, level, name, at, width, height, depth, angle=0, leaf="oak", leaves=1, slides=False, glazed=False, arch=False, right=False, swing=-90, **more):
-        key = "door-%d-%d-%d-%s-%d%s%s%s" % (round(100 * width), round(100 * height), round(100 * depth), leaf, leaves, "-rail" if slides else "",
+    def door(self, level, name, at, width, height, depth, angle=0, leaf="oak", leaves=1, slides=False, glazed=False, arch=False,
+             right=False, swing=-90, **more):
+        key = "door-%d-%d-%d-%s-%d%s%s%s" % (round(100 * width), round(100 * height), round(100 * depth), leaf, leaves,
+                                             "-rail" if slides else "",
                                              "-glass" if glazed else "", "-arch" if arch else "")
-        sashes = [] if slides else [(0., .5, 1. / leaves, 0, swing)] if leaves == 1 else [(0., .5, .5, 0, swing), (1., .5, .5, 180, 180 - swing)]
+        pair = [(0., .5, .5, 0, swing), (1., .5, .5, 180, 180 - swing)]
+        sashes = [] if slides else [(0., .5, 1. / leaves, 0, swing)] if leaves == 1 else pair
         if arch:
             more["cutOutShape"] = "M0,1 v-0.84 a0.5,0.16 0 0,1 1,0 v0.84 z"
         # Its frame stands out of the wall by 5 mm on either side.
@@ -590,11 +602,13 @@ class Home:
         self.environment += [self.camera("cameraPath", at, yaw) for at, yaw in points]
 
     def xml(self, ground):
-        body = tag("environment", {"groundColor": ground, "skyColor": "FFCCE4FC", "lightColor": "FFD0D0D0", "ceillingLightColor": "FFD0D0D0"},
+        body = tag("environment", {"groundColor": ground, "skyColor": "FFCCE4FC", "lightColor": "FFD0D0D0",
+                                   "ceillingLightColor": "FFD0D0D0"},
                    self.environment)
-        body += tag("compass", {"x": -100., "y": 50., "diameter": 100., "northDirection": 0.4, "longitude": 0.12, "latitude": 0.84, "timeZone": "Europe/Berlin"})
-        body += self.cameras + tag("camera", {"attribute": "topCamera", "lens": "PINHOLE", "x": 500., "y": 900., "z": 1800., "yaw": 37.6991118,
-                                              "pitch": 1.1, "fieldOfView": 1.0995574, "time": "1750000000000"}) + self.lines
+        body += tag("compass", {"x": -100., "y": 50., "diameter": 100., "northDirection": 0.4, "longitude": 0.12, "latitude": 0.84,
+                                "timeZone": "Europe/Berlin"})
+        body += self.cameras + tag("camera", {"attribute": "topCamera", "lens": "PINHOLE", "x": 500., "y": 900., "z": 1800.,
+                                              "yaw": 37.6991118, "pitch": 1.1, "fieldOfView": 1.0995574, "time": "1750000000000"}) + self.lines
         attributes = " ".join("%s='%s'" % (k, number(v) if isinstance(v, float) else v) for k, v in self.head.items())
         return "<?xml version='1.0'?>\n<home %s>\n%s</home>\n" % (attributes, "".join("  %s\n" % line for line in body))
 
@@ -667,7 +681,8 @@ def flat():
     put("Bookcase", (2.3, 4.62), (1.4, .32, 2.2), 0, "white")
     h.group(None, "Table and chairs", (6.4, 2.4))
     put("Table", (6.4, 2.4), (1.8, .95, .75), 90, "walnut")
-    for k, (x, y, angle) in enumerate(((5.75, 1.9, 90), (5.75, 2.9, 88), (7.05, 1.9, 270), (7.05, 2.9, 274), (6.4, 1.2, 180), (6.4, 3.65, 0))):
+    for k, (x, y, angle) in enumerate(((5.75, 1.9, 90), (5.75, 2.9, 88), (7.05, 1.9, 270), (7.05, 2.9, 274), (6.4, 1.2, 180),
+                                       (6.4, 3.65, 0))):
         put("Chair", (x, y), (.44, .46, .92), angle, "walnut")
     h.end()
     put("Sideboard", (5.2, 4.5), (.8, .42, .9), 0, "walnut")
@@ -708,7 +723,8 @@ def flat():
     put("Old armchair", (10.3, 7.5), (.9, .9, .9), 45, "moss", visible="false")
     put("Balcony table", (2.0, -1.1), (.6, .6, .72), 0, "white")
     put("Flower box", (2.9, -1.64, .7), (.9, .2, .2), 0, "clay")
-    for x, y, name in ((2.3, 2.4, "Living"), (6.4, 2.4, "Dining"), (9.9, 2.4, "Bed"), (7.5, 5.65, "Corridor"), (2.0, 7.6, "Kitchen"), (4.6, 7.4, "Bath"), (7.5, 7.8, "Child")):
+    for x, y, name in ((2.3, 2.4, "Living"), (6.4, 2.4, "Dining"), (9.9, 2.4, "Bed"), (7.5, 5.65, "Corridor"), (2.0, 7.6, "Kitchen"),
+                       (4.6, 7.4, "Bath"), (7.5, 7.8, "Child")):
         h.light(None, name + " lamp", (.45, .45, .35), (x, y, 2.6), .7, (.5, .5, .2), color=colour("shade"))
     h.light(None, "Floor lamp", (.35, .35, 1.6), (.4, .9), .5, (.5, .5, .9), tint="FFFFD8A0", color=colour("brass"))
     h.light(None, "Reading lamp", (.15, .15, .4), (11.1, 2.1, .5), .3, (.5, .5, .8), color=colour("brass"))
@@ -758,7 +774,8 @@ def hillside_shell(h):
     def under(y):
         return KNEE + (RIDGE - KNEE) * (min(y, 8 - y) - .15) / 3.85
     ring = [(.15, .15), (9.85, .15), (9.85, 4.0), (9.85, 7.85), (.15, 7.85), (.15, 4.0)]
-    h.walls(ROOF, ring, .3, tops=[(KNEE, None), (KNEE, RIDGE), (RIDGE, KNEE), (KNEE, None), (KNEE, RIDGE), (RIDGE, KNEE)], left="cream", right="white")
+    h.walls(ROOF, ring, .3, tops=[(KNEE, None), (KNEE, RIDGE), (RIDGE, KNEE), (KNEE, None), (KNEE, RIDGE), (RIDGE, KNEE)], left="cream",
+            right="white")
     for x in (4.3, 6.2):
         h.wall(ROOF, (x, .3), (x, 4.0), .12, under(.3), under(4.0), left="white", right="cream")
         h.wall(ROOF, (x, 4.0), (x, 7.7), .12, under(4.0), under(7.7), left="white", right="cream")
@@ -771,7 +788,8 @@ def hillside_shell(h):
     h.room(GROUND, "Guests", [(.3, 4.66), (1.94, 4.66), (1.94, 7.7), (.3, 7.7)], None, floor_texture="tiles", size=.6)
     h.room(GROUND, "Hall", [(2.06, 4.66), (4.24, 4.66), (4.24, 7.7), (2.06, 7.7)], None, floor_texture="tiles", size=.8)
     h.room(GROUND, "Kitchen", [(4.36, .3), (7.0, .3), (7.0, 2.4), (7.0, 4.6), (4.36, 4.6)], None, floor_texture="tiles", size=.6)
-    h.room(GROUND, "Living room", [(7.0, .3), (9.7, .3), (9.7, 7.7), (4.36, 7.7), (4.36, 4.6), (7.0, 4.6)], None, floor_texture="planks", size=1.2)
+    h.room(GROUND, "Living room", [(7.0, .3), (9.7, .3), (9.7, 7.7), (4.36, 7.7), (4.36, 4.6), (7.0, 4.6)], None, floor_texture="planks",
+           size=1.2)
     h.room(GROUND, "Terrace", [(10.0, 1.5), (12.3, 1.5), (12.3, 6.7), (10.0, 6.7)], "stone", None, ceilingVisible="false")
     h.room(ROOF, "Bedroom", [(.3, .3), (4.24, .3), (4.24, 7.7), (.3, 7.7)], None, floor_texture="planks", size=1.2)
     h.room(ROOF, "Landing", [(4.36, .3), (6.14, .3), (6.14, 7.7), (4.36, 7.7)], None, floor_texture="planks", size=1.2)
@@ -806,7 +824,8 @@ def hillside_openings(h):
     h.window(ROOF, "Gable window", (.15, 4.0), 1.4, 1.3, .3, .8, 270, 2)
     h.window(ROOF, "Gable window", (9.85, 2.9), .9, 1.2, .3, .9, 90, 1)
     for y in (4.0 + 1.9,):
-        h.opening(ROOF, "Round window", round_window(.7, .3), (9.85, y, 1.0), 90, cutOutShape="M0,0.5 a0.5,0.5 0 1,0 1,0 a0.5,0.5 0 1,0 -1,0 z")
+        h.opening(ROOF, "Round window", round_window(.7, .3), (9.85, y, 1.0), 90,
+                  cutOutShape="M0,0.5 a0.5,0.5 0 1,0 1,0 a0.5,0.5 0 1,0 -1,0 z")
     # Dormer-less: the landing has its light from a low window in the knee wall.
     h.window(ROOF, "Knee window", (5.25, .15), .9, .6, .3, .4, 0, 1)
 
@@ -860,12 +879,14 @@ def hillside_pieces(h):
     h.piece(GROUND, "Garden table", round_table("white", .55), (11.2, 4.0), 0, entry="garden-table")
     for angle in (20, 140, 260):
         t = math.radians(angle)
-        h.piece(GROUND, "Garden chair", plain_chair("white"), (11.2 + .9 * math.cos(t), 4.0 + .9 * math.sin(t)), angle - 90, entry="garden-chair")
+        h.piece(GROUND, "Garden chair", plain_chair("white"), (11.2 + .9 * math.cos(t), 4.0 + .9 * math.sin(t)), angle - 90,
+                entry="garden-chair")
     # Under the roof
     h.piece(ROOF, "Double bed", bed("oak", "petrol", 1.7), (1.7, 2.4), 90)
     for y in (1.15, 3.65):
         h.piece(ROOF, "Nightstand", cupboard("oak", .45, .4, .5, 1, .05), (.55, y), 90)
-    h.piece(ROOF, "Wardrobe", cupboard("oak", 1.5, .6, 2.1, 3), (3.35, 4.0 - .4), 270, entry="wardrobe", size=(1.5, .6, 1.9), modelMirrored="true")
+    h.piece(ROOF, "Wardrobe", cupboard("oak", 1.5, .6, 2.1, 3), (3.35, 4.0 - .4), 270, entry="wardrobe", size=(1.5, .6, 1.9),
+            modelMirrored="true")
     h.piece(ROOF, "Chest", cupboard("walnut", 1.2, .45, .7, 2), (1.6, 7.0), 0)
     h.piece(ROOF, "Single bed", bed("beech", "sun", .95), (9.1, 1.6), 0)
     h.piece(ROOF, "Toy chest", (.8, .4, .45), (7.0, .75), 180, color=colour("sky"))
@@ -934,7 +955,8 @@ def villa_shell(h):
     h.wall(None, (1.0, -4.6), (8.0, -4.6), .3, height=.5, arc=-1.2, left="stone", right="stone")  # around the terrace
     h.room(None, "Living room", [(0, 0), (2.0, 0)] + [(4.5 + 2.35 * math.cos(t), -.15 + 2.35 * math.sin(t)) for t in
            (math.pi * (1 + k / 12) for k in range(13))] + [(7.0, 0), (9, 0), (9, 6.5), (0, 6.5)], None, floor_texture="parquet", size=1.0)
-    h.room(None, "Library", [(-2.75 + 2.6 * math.cos(t), 4.5 + 2.6 * math.sin(t)) for t in (.4 + (2 * math.pi - .8) * k / 28 for k in range(29))],
+    h.room(None, "Library",
+           [(-2.75 + 2.6 * math.cos(t), 4.5 + 2.6 * math.sin(t)) for t in (.4 + (2 * math.pi - .8) * k / 28 for k in range(29))],
            None, floor_texture="parquet", size=1.0)
     h.room(None, "Kitchen", [(0, 6.62), (4.44, 6.62), (4.44, 10), (0, 10)], None, floor_texture="tiles", size=.8)
     h.room(None, "Hall", [(4.56, 6.62), (9, 6.62), (9, 10), (4.56, 10)], None, floor_texture="tiles", size=1.2)
@@ -997,11 +1019,12 @@ def villa_pieces(h):
                 math.degrees(t) - 90, entry="library-shelf-%d" % (k % 2), kind="shelfUnit")
     h.piece(None, "Reading chair", sofa("rust", 1.1), (-3.7, 4.1), 70)
     h.piece(None, "Globe", round_table("brass", .85), (-3.9, 5.3), size=(.4, .4, .6), entry="dining-table")
-    for x, y, size, turn in ((.5, 3.0, 1.0, 0), (8.6, .9, 1.15, 40), (3.0, -1.3, .8, 80), (6.0, -1.4, .9, 120), (.5, 6.1, 1.1, 200), (8.6, 9.6, 1.2, 250),
-                             (9.5, .5, .8, 300), (13.9, 7.1, .9, 10)):
+    for x, y, size, turn in ((.5, 3.0, 1.0, 0), (8.6, .9, 1.15, 40), (3.0, -1.3, .8, 80), (6.0, -1.4, .9, 120), (.5, 6.1, 1.1, 200),
+                             (8.6, 9.6, 1.2, 250), (9.5, .5, .8, 300), (13.9, 7.1, .9, 10)):
         h.piece(None, "Palm", plant(1.7, 26, 12), (x, y), turn, size=(.95 * size, .95 * size, 1.7 * size), backFaceShown="true")
     for k in range(5):
-        h.piece(None, "Curtain", curtain(.5, 2.6, 4), (9.75 + (.1 * k if k < 3 else 3.2 + .1 * k), .12), 0, backFaceShown="true", color=colour("sky") if k % 2 else None)
+        h.piece(None, "Curtain", curtain(.5, 2.6, 4), (9.75 + (.1 * k if k < 3 else 3.2 + .1 * k), .12), 0, backFaceShown="true",
+                color=colour("sky") if k % 2 else None)
     h.piece(None, "Kitchen sink", worktop(2.4, True, False), (2.2, 9.68), 0)
     h.piece(None, "Kitchen hob", worktop(1.8, False, True), (.33, 8.3), 90)
     h.piece(None, "Kitchen island", worktop(1.8, False, False), (2.6, 8.0), 180, size=(1.8, .9, .92))
@@ -1024,7 +1047,8 @@ def villa_pieces(h):
         h.piece(None, "Deck chair", bed("beech", "sun", .95), (x, -3.7), angle, size=(.7, 1.8, .4))
     h.light(None, "Chandelier", chandelier(), (2.4, 4.6, 1.9), 1., (.5, .5, .55), diameter=.6)
     h.light(None, "Chandelier", chandelier(), (5.0, 1.4, 2.0), 1., (.5, .5, .55), diameter=.6)
-    for x, y, power in ((-2.75, 4.5, .8), (2.6, 8.0, .8), (1.2, 8.8, .5), (6.8, 8.3, .8), (11.6, 2.0, .8), (10.4, 5.4, .6), (13.1, 5.3, .6), (11.6, 8.3, .8),
+    for x, y, power in ((-2.75, 4.5, .8), (2.6, 8.0, .8), (1.2, 8.8, .5), (6.8, 8.3, .8), (11.6, 2.0, .8), (10.4, 5.4, .6),
+                        (13.1, 5.3, .6), (11.6, 8.3, .8),
                         (4.5, -1.0, .5), (8.0, 2.6, .4)):
         h.light(None, "Pendant", pendant(.5), (x, y, 2.0), power, (.5, .5, .1), diameter=.3)
     for x, y in ((7.9, 3.6), (3.1, 2.5), (-4.2, 3.4), (9.6, 8.7)):

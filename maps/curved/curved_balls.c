@@ -12,7 +12,7 @@
 enum { LEAST_CELLS = 6, BALL_CELLS = 3 };
 // A vertex of the grid nearer to the surface than this share of a step lies on it.
 static const double NEAR = 0.2;
-// Of the tolerance, that the next grid is made for.
+// The next grid is made for this share of the tolerance.
 static const double AIM = 0.7;
 
 typedef struct Field {

@@ -16,7 +16,7 @@ static const int STEPS[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
 enum { STEP_COUNT = sizeof STEPS / sizeof *STEPS };
 _Static_assert(CURVED_MOST_STEPS == 64, "the last of STEPS");
 
-// Of the tolerance, for borders: a strip adds what its triangles miss.
+// Borders keep this share of the tolerance, since the triangles of a strip lie off the patch too.
 static const double BORDER_SHARE = 0.5;
 
 // A patch lies off a triangle with legs du and dv in its parameters by at most (du^2 uu + 2 du dv uv + dv^2 vv) / 8.

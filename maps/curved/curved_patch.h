@@ -9,7 +9,7 @@
 // Parameters of points that neighbours share are multiples of this, so that 1 - t is exact.
 #define CURVED_GRID 0x1p-40
 static inline double curved_snap(double t) { return nearbyint(t / CURVED_GRID) * CURVED_GRID; }
-// Of n steps the i-th; counted from the other end, the same point.
+// The i-th of n steps; the same step counted from the other end is the same point.
 static inline double curved_step(int i, int n) {
     return 2 * i <= n ? curved_snap((double)i / n) : 1 - curved_snap((double)(n - i) / n);
 }
@@ -18,8 +18,8 @@ enum { PATCH_CONTROLS = 16 };
 
 typedef struct PatchPoint {
     Vec3 point, du, dv;
-    Vec3
-        normal;  // unit, along du x dv; its limit where a border is drawn together to a point; zero where there is none
+    // Unit, along du x dv; its limit where a border is drawn together to a point; zero where there is none.
+    Vec3 normal;
 } PatchPoint;
 
 // At parameters 0 .. 1. At a corner the point is its control, to the last bit.

@@ -10,9 +10,9 @@ typedef struct CurvedMesh {
     Vec3 *vertices;  // [first[polygon_count]] polygon i has first[i] .. first[i + 1] - 1
     int *first;      // [polygon_count + 1]
     int polygon_count;
-    double
-        tolerance;  // that is kept, metres: larger than asked for where CURVED_MOST_SIDES and the like do not reach it;
-                    // INFINITY, and no polygons, where trims cut a patch into too many pieces
+    // The tolerance that is kept, metres: larger than asked for where CURVED_MOST_SIDES and the like do not reach it;
+    // INFINITY, and no polygons, where trims cut a patch into too many pieces.
+    double tolerance;
     int vertex_capacity, first_capacity;
 } CurvedMesh;
 
@@ -28,8 +28,8 @@ void curved_tessellate(const Building *b, const CurvedShape *shape, double toler
 
 // ---- for the files of the tessellation alone
 void curved_mesh_add(CurvedMesh *mesh, Arena *arena, const Vec3 *vertices, int count, bool flip);
-void curved_mesh_add_quad(CurvedMesh *mesh, Arena *arena,
-                          const Vec3 quad[4]);  // two triangles where it is bent
+// Adds two triangles where the quad is bent.
+void curved_mesh_add_quad(CurvedMesh *mesh, Arena *arena, const Vec3 quad[4]);
 void curved_patch_mesh(const CurvedControl *control, double tolerance, Arena *arena, CurvedMesh *out);
 void curved_trimmed_mesh(const CurvedControl *control, const CurvedTrim *trims, int trim_count,
                          double tolerance, Arena *arena, CurvedMesh *out);

@@ -9,10 +9,10 @@
 #include "engine/core/error.h"
 #include "maps/doom/wad.h"
 
-// What cutting a line in two costs against an uneven share of the lines, in lines: deep trees cost nothing later, every
+// Cutting a line in two costs as much as so many lines more on one side than on the other: deep trees cost nothing later, every
 // cut may become a cell more.
 enum { SPLIT_COST = 40 };
-// Of an axis that is not along x or y: its cuts leave corners off the grid.
+// An axis that is not along x or y costs so much, since its cuts leave corners off the grid.
 enum { SLANT_COST = 2 };
 // Tries for the best axis: at least so many, and as many as keep a node's work below WORK.
 enum { FEWEST_TRIES = 8, WORK = 1 << 15 };
@@ -100,7 +100,7 @@ static void list_axes(const WadMap *map, const WadVertex box[2], Arena *arena, W
 
 // ---- the partition
 
-// What is left of a line, between two points of its axis.
+// The rest of a line after cuts, between two points of its axis.
 typedef struct Part {
     WadPoint end[2];
     int axis;
@@ -120,7 +120,7 @@ typedef struct Cutter {
     WadEdge *edges;
     Task *tasks;
     int part_count, edge_count, task_count, part_capacity, edge_capacity, task_capacity;
-    // Of the piece being cut:
+    // The piece being cut:
     Part *its_parts;
     WadEdge *its_edges;
     int its_part_capacity, its_edge_capacity;

@@ -9,7 +9,7 @@
 
 #include "maps/doom/wad.h"
 
-// What an open door's ceiling keeps below the lowest one around, map units.
+// The ceiling of an open door stays so far below the lowest one around, map units.
 enum { LINTEL = 4 };
 
 typedef struct Special {
@@ -53,7 +53,7 @@ static bool find_special(int number, Special *out) {
     return false;
 }
 
-// Of the sectors beyond a sector's lines, map units; closed ones have no ceiling to open up to.
+// The heights of the sectors beyond a sector's lines, map units; closed ones have no ceiling to open up to.
 typedef struct Around {
     int lowest_floor, lowest_ceiling;  // INT_MAX without
 } Around;
@@ -75,7 +75,7 @@ static Around *look_around(const WadMap *map, Arena *scratch) {
     return around;
 }
 
-// What is a lift to one line and a door to another is closed and opened.
+// A sector that is a lift to one line and a door to another is a door.
 static void want(WadMotion *wanted, WadMotion motion) {
     if (*wanted != WAD_DOOR) *wanted = motion;
 }

@@ -4,8 +4,8 @@
 #include "engine/core/polygon.h"
 #include "maps/doom/wad.h"
 
-// What moves keeps this clear of the walls beside it, and goes so much farther than it must, metres: its faces never lie
-// in the plane of a wall, a floor or a ceiling.
+// A leaf keeps this clear of the walls beside it, and moves so much farther than it must, metres: its faces never lie in the
+// plane of a wall, a floor or a ceiling.
 static const double CLEAR = 0.005;
 
 // The pieces of one sector that hang together.
@@ -76,7 +76,7 @@ static Vec2 direction(const WadAxis *axis) {
     return vec2_scale(v, 1 / vec2_length(v));
 }
 
-// What lies beyond side `k` of a contact is another room than the part on this side: the part, else NULL.
+// The part on side `k` of a contact, if another room lies beyond the contact; else NULL.
 static Part *leads_out(const Doors *d, const WadContact *c, int k) {
     int part = d->part_of[c->piece[k]];
     bool out = part >= 0 && d->part_of[c->piece[1 - k]] != part && has_region(d->w, c->piece[1 - k]);
@@ -200,7 +200,7 @@ static void add_leaf(Doors *d, int part_index, int piece, Arena *scratch) {
     Vec3 *given;
     Vec2 corner[LEAF_CORNERS], low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
     int all = leaf_corners(d->w->pieces, &d->w->pieces->pieces[piece], scratch, &given), count = 0;
-    // Of a rounder one only every so many corners.
+    // A leaf with more corners than allowed keeps only every so many of them.
     int every = (all + LEAF_CORNERS - 1) / LEAF_CORNERS;
     Leaf leaf = {.opening = part_index, .first_corner = b->point_count};
     for (int i = 0; i < all; i += every) {

@@ -10,7 +10,7 @@
 enum { MOST_CORNERS = 60 };
 // Light is dimmed in so many steps, so that there are no more than so many materials of one name.
 enum { LIGHT_STEPS = 8, BRIGHTEST = 256 };
-// What the dimmest and the brightest sector reflect of the colour's own.
+// The dimmest and the brightest sector reflect these shares of the colour's own reflectance.
 static const double DIMMEST = 0.35, FULL = 1.0;
 static const char SKY_FLAT[] = "F_SKY1";
 enum { SKY_COLOUR = 0xA8CCF0 };
@@ -60,7 +60,7 @@ static int material_of(WadBuilder *w, const char *texture, int sector) {
     return w->materials[slot] = b->material_count - 1;
 }
 
-// Of the wall above or below an opening to another sector, the higher one.
+// The texture of the wall above an opening to another sector, or of the one below it: of the higher of the two.
 static const char *step_texture(const WadMap *map, const WadSide *side, int sector, int beyond) {
     const WadSector *here = &map->sectors[sector], *there = &map->sectors[beyond];
     int upper = here->ceiling - there->ceiling, lower = there->floor - here->floor;

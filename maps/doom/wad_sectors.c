@@ -7,7 +7,7 @@
 
 #include "maps/doom/wad.h"
 
-// Of a piece whose sector is not known yet.
+// The sector of a piece while it is not known.
 enum { UNKNOWN = -2 };
 // Stretches shorter than this are rounding, map units; corners of whole numbers are not nearer to a line.
 static const double SHORT = 1e-6;

@@ -13,7 +13,7 @@
 
 // Closing small gaps must enclose at least this much more to be worth it, mm^2.
 static const double LEAST_GAIN = 2.5e5;
-// Of all spots: less is not tried.
+// A smaller share of all spots is not tried.
 static const double LEAST_SHARE = 1.0 / 4096;
 
 static void on_geos_error(const char *message, void *context) {

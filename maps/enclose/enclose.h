@@ -75,7 +75,7 @@ typedef struct Grown {
 enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4 };
 enum { SPOT_HOLES = 2 };  // openings above one another in one storey's wall
 
-// What one storey has at one face.
+// The wall, openings and room that one storey has at one face.
 typedef struct Spot {
     int wall;
     int hole[SPOT_HOLES];  // openings, -1: none
@@ -91,8 +91,8 @@ typedef enum SpanKind { SPAN_SOLID, SPAN_ROOM, SPAN_OUTDOORS, SPAN_OPENING, SPAN
 // A piece of the column over a face.
 typedef struct Span {
     SpanKind kind;
-    int id;  // ROOM: as Spot.indoor; OUTDOORS: floor material, or material_count + the room of a terrace;
-             // OPENING: 2 * hole + side; SHAFT: cut-out
+    // ROOM: as Spot.indoor; OUTDOORS: floor material, or material_count + the room of a terrace; OPENING: 2 * hole + side; SHAFT: cut-out.
+    int id;
     int storey;
     double z0, z1;
     int region;  // in Building.regions, -1
@@ -145,13 +145,13 @@ typedef struct Enclosure {
     BoxTree side_tree;                                    // of all sides of walls, wall by wall
     int *side_wall, *side_at;                             // [side count] its wall, and its number there
     BoxHits near, faces, sides;  // what was found last in these, in Plan.inner, in side_tree
-    double *floor, *ceiling, *base,
-        *cover;  // [storey_count] base: under its slab; cover: top of what lies above
+    // [storey_count] base: under its slab; cover: the top of the roof or slab above.
+    double *floor, *ceiling, *base, *cover;
     Pass pass;
     int *hole_first, *hole_faces;  // the faces of opening i: hole_faces[hole_first[i]] ..
     Span *spans;
-    int *
-        first_span;  // [face_count + 1] the column over face f: spans[first_span[f]] .. spans[first_span[f + 1] - 1], upwards
+    // [face_count + 1] The column over face f: spans[first_span[f]] .. spans[first_span[f + 1] - 1], upwards.
+    int *first_span;
     int span_count, span_capacity;
 } Enclosure;
 
@@ -182,8 +182,8 @@ static inline double half_length(const Plan *p, int h) {
 
 // ---- enclose_input.c
 bool enclose_prepare(Enclosure *e);  // shapes, heights, low walls; false with the error set
-bool enclose_find_world(
-    Enclosure *e);  // once crossings are limited: the trees of walls and rooms, and the world
+// Once crossings are limited: the trees of walls and rooms, and the world.
+bool enclose_find_world(Enclosure *e);
 bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
 bool enclose_plugs(Enclosure *e, bool *any);
 Vec2 enclose_local(const Enclosure *e, Vec2 p);   // metres to local millimetres

@@ -219,7 +219,7 @@ void columns_build(Enclosure *e) {
         paint_walls(e, f, &p);
         close_thin(e, &p);
         for (int i = 0; i < p.count; i++) {
-            // What stands on a roof or a wall top is not the ground.
+            // The free space on a roof or a wall top does not stand on the ground.
             if (p.spans[i].kind == SPAN_OUTDOORS && i > 0 && p.spans[i].z0 != ground &&
                 p.spans[i].id == e->sketch->ground_material) {
                 p.spans[i].id = e->sketch->outer_material;

@@ -75,7 +75,7 @@ static void label_walls(Enclosure *e, Pass *pass) {
     list_covers(e, pass, &covers);
 }
 
-// What lies in a room's grown outline and in no room that has a wall.
+// Marks the faces that lie in a room's grown outline and in no room that has a wall.
 static void label_implicit_walls(Enclosure *e, Pass *pass) {
     const Plan *p = &pass->plan;
     bool *inside = ARENA_ARRAY(e->scratch, bool, (size_t)e->b->storey_count *(size_t)p->face_count);
@@ -152,7 +152,7 @@ static void label_holes(Enclosure *e, Pass *pass) {
     }
 }
 
-// What a sliver takes after: the neighbour with the longest common edge, an open one before an opening
+// The neighbour that a sliver takes after: the one with the longest common edge, an open one before an opening
 // before a wall if it runs along a good part of the sliver, so that no sliver of wall stands between an
 // opening and a room.
 static int neighbour_of_sliver(const Plan *p, const Spot *spots, const bool *settled, int face) {

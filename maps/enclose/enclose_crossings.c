@@ -25,7 +25,7 @@ typedef struct PlanSegment {
     int same;    // the first that equals this one: walls of a tower stand over one another
 } PlanSegment;
 
-// What outlines are tried against.
+// The outlines taken so far, against which the next ones are tried.
 typedef struct Crossings {
     Enclosure *e;
     PlanSegment *segments;

@@ -170,7 +170,7 @@ static void join_covers(Covers *covers) {
     covers->count = kept;
 }
 
-// What implicit walls cover of the line u: grown outlines less rooms, of those in e->near.
+// Collects the stretches of the line u that implicit walls cover: grown outlines less rooms, of those in e->near.
 static void cover_by_implicit(const Enclosure *e, const Hole *h, double u, Covers *out) {
     Covers grown = {.count = 0}, rooms = {.count = 0};
     for (int i = 0; i < e->near.count; i++) {

@@ -225,7 +225,8 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
         top[i] = vec3(a.x, a.y, w->z1);
         bottom[n - 1 - i] = vec3(a.x, a.y, w->z0);
     }
-    // Of two chains along an arc, quad by quad: as one polygon its triangles would take the cube of its corners.
+    // A wall along an arc has two chains of corners, and its top goes quad by quad: triangles of one polygon would take the cube of its
+    // corners.
     for (int i = 0; n > MOST_CORNERS && n % 2 == 0 && i + 1 < n / 2; i++) {
         Vec3 quad[4] = {top[i], top[i + 1], top[n - 2 - i], top[n - 1 - i]};
         building_add_polygon(e->arena, b, quad, 4, s->outer_material);

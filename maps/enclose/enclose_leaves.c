@@ -122,7 +122,7 @@ void leaves_draw(Enclosure *e, int hole) {
         int object = building_add_object(e->arena, b, OBJECT_LEAF, o->name);
         b->objects[object].opening = leaf->opening;
         b->objects[object].leaf = i;
-        // What is seen through needs no frame: the leaf is one sheet of it.
+        // A leaf of a transparent material needs no frame: it is one sheet.
         bool framed = o->glazed && b->materials[o->material].alpha >= 1;
         if (framed && width >= LEAST_GLAZED && height >= LEAST_GLAZED) {
             add_glazed(e, leaf, width, height, o->material);

@@ -109,8 +109,8 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 
 // ---- linework
 
-// Of more storeys than these, lines that are the same are noded once: the square of their number would be looked at. Of fewer all
-// are, since the order of the faces follows from them.
+// Where there are more storeys than these, equal lines are noded once, since the square of their number would be looked at. Where
+// there are fewer, all are noded, since the order of the faces follows from them.
 enum { STOREYS_ONCE = 200 };
 
 // More lines than these are noded in an order without pattern, short ones before long ones. GEOS keeps the points where lines cross in

@@ -126,7 +126,7 @@ static int owner_material(const Enclosure *e, int room) {
     return material_good(e, material) ? material : e->sketch->outer_material;
 }
 
-// What is seen of the right side of half-edge h from the left on `storey`; -1: from outdoors, any storey.
+// The material of the right side of half-edge h, seen from the left on `storey`; -1: from outdoors, any storey.
 static int half_material(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     int outer = e->sketch->outer_material, right = half_right(p, h);

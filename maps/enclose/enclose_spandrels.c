@@ -17,7 +17,7 @@ static Vec3 frame_point(const Enclosure *e, const Frame *f, double u, double w, 
     return vec3(m.x, m.y, (h->sill + w) / ENCLOSE_MM);
 }
 
-// What the cut-out leaves of one half of its rectangle, as polygons on both faces of the wall.
+// Adds one half of the rectangle less the cut-out, as polygons on both faces of the wall.
 static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *cutout, double u0, double u1,
                               const double *v, int material) {
     Vec2 corners[4] = {{u0, 0}, {u1, 0}, {u1, f->height}, {u0, f->height}};

@@ -39,7 +39,7 @@ typedef struct Furniture {
     int count;
 } Furniture;
 
-// What stands so near to the rectangle that it can be nearer to a place in it than the rectangle's sides are.
+// Collects the furniture that can be nearer to a place in the rectangle than the rectangle's sides are.
 static Furniture furniture_near(const Building *b, Vec2 low, Vec2 high, double z0, double z1, Arena *arena) {
     Furniture out = {ARENA_ARRAY(arena, const Object *, b->object_count), 0};
     double reach = fmin(high.x - low.x, high.y - low.y);  // twice as far as any side
@@ -81,7 +81,7 @@ static Vec2 best_stand(const Building *b, const Region *r, Arena *arena) {
         low = vec2(fmin(low.x, p.x), fmin(low.y, p.y));
         high = vec2(fmax(high.x, p.x), fmax(high.y, p.y));
     }
-    // What a person's body meets.
+    // Furniture at the height of a person's body.
     Furniture furniture = furniture_near(b, low, high, r->z0 + 0.3, r->z0 + 1.8, arena);
     Vec2 best = low;
     double most = -INFINITY;

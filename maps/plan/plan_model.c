@@ -18,7 +18,7 @@ static const char PRISM_FACES[] = "top bottom";
 enum { MAX_SHAPE_POLYGONS = 100000 };
 // Radii, metres, of balls and metaballs too; those of a cone's top may be 0.
 static const double LEAST_RADIUS = 0.001, MOST_RADIUS = 100;
-// What a bound on a tolerance may miss it by.
+// A mesh may exceed its tolerance by so much, metres.
 static const double ROUNDING = 1e-9;
 enum { MAX_TRIMS = 200, MAX_BALLS = 100 };
 static const double LEAST_WEIGHT = 0.001, MOST_WEIGHT = 1000;  // of controls

@@ -417,7 +417,7 @@ bool plan_read_wall(Plan *plan) {
     return true;
 }
 
-// What doors, passages and windows have in common, behind their name, centre and options.
+// Adds a door, passage or window, whose name, centre and options have been read.
 static bool add_opening(Plan *plan, SketchOpening *opening, double sill, double height, double depth,
                         const PlanList *shape) {
     Sketch *s = &plan->sketch;

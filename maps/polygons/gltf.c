@@ -1,7 +1,7 @@
 // gltf.c - glTF 2.0 documents, .gltf and .glb (Khronos, glTF 2.0 Specification, 2021), as polygons alone.
 //
-// What is read: the default scene (or the first) with its nodes, meshes of triangles, materials by their colours, lamps
-// and cameras. What is not: animation, skins and morph targets (meshes are as at rest), points and lines, normals.
+// The reader takes the default scene (or the first) with its nodes, meshes of triangles, materials by their colours, lamps
+// and cameras. It leaves out animation, skins and morph targets (meshes are as at rest), points and lines, normals.
 #include "maps/polygons/gltf.h"
 
 #include "maps/building/reader.h"

@@ -18,7 +18,7 @@
 #define GLTF_VALUES_A_BYTE 16
 #define GLTF_MAX_NUMBER 1e15  // of a matrix, a translation, a factor
 
-// Of green light at its best: by this factor exporters turn watts into candela.
+// The luminous efficacy of green light: exporters turn watts into candela by this factor.
 #define GLTF_LUMENS_PER_WATT 683.0
 
 typedef struct Gltf {
@@ -80,7 +80,7 @@ bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, dou
 
 // ---- bytes
 
-// What a URI stands for: base64 within it, or a file beside, which is no failure to miss unless it is needed.
+// Reads the bytes of a URI: base64 within it, or a file beside. A file that is missing is a failure only where it is needed.
 bool gltf_read_uri(Gltf *g, const GltfItem *item, const char *uri, bool needed, Bytes *out);
 bool gltf_read_view(Gltf *g, int view, Bytes *out, int *stride);
 

@@ -229,10 +229,10 @@ static void read_face(Reader *r, int group, int material) {
     int count = m->corner_count - first;
     if (bad || count < 3) {
         m->corner_count = first;
-        Quote quote;
+        char quote[SCAN_QUOTE];
         if (bad)
             skip(r, "a corner of a face is `%s` (allowed: 1 to %d or -1 to -%d, of sound vertices)",
-                 scan_quote(&(Scan){.at = bad, .end = r->end}, &quote), m->vertex_count, m->vertex_count);
+                 scan_quote(&(Scan){.at = bad, .end = r->end}, quote), m->vertex_count, m->vertex_count);
         else
             skip(r, "a face has %d corners (allowed: 3 or more)", count);
         return;

@@ -16,36 +16,36 @@ enum { MAX_PORTALS = 1 << 20, MAX_CORNERS = 64 };
 static const double BEND = 0.1;
 
 static bool read_count(Scan *t, const char *what, int low, int high, int *out, Error *error) {
-    Quote quote;
+    char quote[SCAN_QUOTE];
     double value;
     Scan before = *t;
     if (!scan_number(t, low, high, &value) || value != floor(value)) {
         return error_set(error, "%s:%d: %s is `%s` (allowed %d to %d)", t->path, t->line, what,
-                         scan_quote(&before, &quote), low, high);
+                         scan_quote(&before, quote), low, high);
     }
     *out = (int)value;
     return true;
 }
 
 static bool read_sign(Scan *t, char sign, Error *error) {
-    Quote quote;
+    char quote[SCAN_QUOTE];
     scan_blanks(t);
     if (t->at < t->end && *t->at == sign) {
         t->at++;
         return true;
     }
     return error_set(error, "%s:%d: found `%s` (expected `%c`: corners are written (x y z))", t->path,
-                     t->line, scan_quote(t, &quote), sign);
+                     t->line, scan_quote(t, quote), sign);
 }
 
 static bool read_corner(Scan *t, Vec3 *out, Error *error) {
-    Quote quote;
+    char quote[SCAN_QUOTE];
     double c[3];
     if (!read_sign(t, '(', error)) return false;
     for (int i = 0; i < 3; i++) {
         if (!scan_number(t, -MAPS_LIMIT, MAPS_LIMIT, &c[i])) {
             return error_set(error, "%s:%d: a coordinate is `%s` (allowed -%g to %g)", t->path, t->line,
-                             scan_quote(t, &quote), MAPS_LIMIT, MAPS_LIMIT);
+                             scan_quote(t, quote), MAPS_LIMIT, MAPS_LIMIT);
         }
     }
     *out = vec3(c[0] / UNITS_PER_METRE, c[1] / UNITS_PER_METRE, c[2] / UNITS_PER_METRE);
@@ -95,10 +95,10 @@ static bool read_portal(Scan *t, Arena *arena, Building *b, GivenPortal *out, Er
     }
     scan_blanks(t);
     if (t->at < t->end && *t->at != '\n') {
-        Quote quote;
+        char quote[SCAN_QUOTE];
         return error_set(error,
                          "%s:%d: found `%s` after the portal's %d corners (expected the end of the line)",
-                         t->path, t->line, scan_quote(t, &quote), count);
+                         t->path, t->line, scan_quote(t, quote), count);
     }
     out->vertex_count = 0;
     if (polygon_area(corner, count) < MAPS_SMALLEST_AREA) return true;
@@ -116,9 +116,9 @@ static bool recognise_prt(Bytes content) {
 }
 
 static bool read_head(Scan *t, Building *b, Error *error) {
-    Quote quote;
+    char quote[SCAN_QUOTE];
     if (!scan_next_line(t, 0)) return error_set(error, "%s: is empty (expected PRT1)", t->path);
-    const char *mark = scan_quote(t, &quote);
+    const char *mark = scan_quote(t, quote);
     if (strcmp(mark, "PRT2") == 0) {
         return error_set(
             error,
@@ -154,9 +154,9 @@ static bool read(const char *path, Bytes content, Arena *arena, Building *out, E
         *ARENA_PUSH(arena, out->given_portals, out->given_portal_count, capacity) = portal;
     }
     if (scan_next_line(&t, 0)) {
-        Quote quote;
+        char quote[SCAN_QUOTE];
         return error_set(error, "%s:%d: found `%s` after the last portal (its head says %d portals)", path,
-                         t.line, scan_quote(&t, &quote), told);
+                         t.line, scan_quote(&t, quote), told);
     }
     int dropped = told - out->given_portal_count;
     if (dropped > 0)

@@ -38,17 +38,17 @@ static bool read_name(Quads *q, const char *what, const char **out) {
     Scan *s = &q->scan;
     *out = scan_line_ends(s, COMMENT) ? NULL : scan_word(s, MAX_NAME, q->arena);
     if (*out) return true;
-    Quote quote;
+    char quote[SCAN_QUOTE];
     return error_set(q->error, "%s:%d: %s is `%s` (allowed: a word of 1 to %d bytes)", s->path, s->line, what,
-                     scan_quote(s, &quote), MAX_NAME);
+                     scan_quote(s, quote), MAX_NAME);
 }
 
 static bool read_number(Quads *q, const char *what, double low, double high, double *out) {
     Scan *s = &q->scan;
     if (scan_number(s, low, high, out)) return true;
-    Quote quote;
+    char quote[SCAN_QUOTE];
     return error_set(q->error, "%s:%d: %s is `%s` (allowed %g to %g)", s->path, s->line, what,
-                     scan_quote(s, &quote), low, high);
+                     scan_quote(s, quote), low, high);
 }
 
 static bool read_vector(Quads *q, const char *what, double limit, Vec3 *out) {
@@ -131,18 +131,18 @@ static bool read_point(Quads *q) {
 
 static bool read_line(Quads *q) {
     Scan *s = &q->scan;
-    Quote quote;
+    char quote[SCAN_QUOTE];
     Scan before = *s;
     const char *word = scan_word(s, MAX_NAME, q->arena);
     bool quad = word && strcmp(word, "quad") == 0, point = word && strcmp(word, "point") == 0;
     if (!quad && !point) {
         return error_set(q->error, "%s:%d: begins with `%s` (allowed: quad, point)", s->path, s->line,
-                         scan_quote(&before, &quote));
+                         scan_quote(&before, quote));
     }
     if (!(quad ? read_quad(q) : read_point(q))) return false;
     if (scan_line_ends(s, COMMENT)) return true;
     return error_set(q->error, "%s:%d: found `%s` after the %s (expected the end of the line)", s->path,
-                     s->line, scan_quote(s, &quote), word);
+                     s->line, scan_quote(s, quote), word);
 }
 
 static int by_name(const void *pa, const void *pb) {
@@ -187,8 +187,8 @@ static bool read_quads(const char *path, Bytes content, Arena *arena, Building *
 static bool recognise_quads(Bytes content) {
     Scan s = scan_begin("", content);
     if (!scan_next_line(&s, COMMENT)) return false;
-    Quote quote;
-    const char *word = scan_quote(&s, &quote);
+    char quote[SCAN_QUOTE];
+    const char *word = scan_quote(&s, quote);
     return strcmp(word, "quad") == 0 || strcmp(word, "point") == 0;
 }
 

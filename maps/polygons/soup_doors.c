@@ -1,7 +1,7 @@
 // soup_doors.c - doors among polygons, told by name: models know no openings, but most name what turns.
 //
-// Of an object that is called a door all polygons count, of another those whose material is. What of them hangs together
-// is one leaf, if its box stands upright and has the size of a door; it is taken as drawn closed, and hinged at one end.
+// All polygons of an object that is called a door count, and those of other objects whose material is called so. Polygons that
+// hang together are one leaf, if their box stands upright and has the size of a door; it is taken as drawn closed, and hinged at one end.
 #include "maps/polygons/soup_doors.h"
 
 #include <ctype.h>
@@ -12,7 +12,7 @@
 static const char *const DOOR_WORDS[] = {"door",   "doors", "porte", "portes", "porta", "puerta", "puertas",
                                          "tür",    "tÜr",   "türen", "tÜren",  "tuer",  "tueren", "deur",
                                          "deuren", "dør",   "dØr",   "dörr",   "dÖrr",  NULL};
-// What bears one of those words and does not turn.
+// Things that bear one of those words and do not turn.
 static const char *const FIXED_WORDS[] = {"frame", "frames", "jamb",   "jambs", "casing", "lintel",
                                           "sill",  "mat",    "bell",   "step",  "zarge",  "rahmen",
                                           "cadre", "marco",  "kozijn", NULL};
@@ -21,7 +21,7 @@ static const char *const FIXED_WORDS[] = {"frame", "frames", "jamb",   "jambs", 
 static const double LEAST_WIDTH = 0.5, MOST_WIDTH = 6, LEAST_HEIGHT = 1.5, MOST_HEIGHT = 6;
 // A leaf with its handles is no thicker than this, metres, and than this share of its width.
 static const double MOST_THICKNESS = 0.4, MOST_SHARE = 0.5;
-// What moves is at least so thick, metres: a leaf may be drawn as a single sheet.
+// A leaf is at least so thick, metres: it may be drawn as a single sheet.
 static const double LEAST_THICKNESS = 0.01;
 // Parts this near each other hang together, metres.
 static const double TOGETHER = 0.02;
@@ -183,7 +183,7 @@ static int add_opening(Arena *arena, Building *b, const char *name, Leaf leaf, b
 
 // ---- objects
 
-// What is made anew: objects, and their polygons in the new order.
+// The new objects, and their polygons in the new order.
 typedef struct Remade {
     Object *objects;
     Polygon *polygons;

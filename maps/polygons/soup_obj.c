@@ -248,8 +248,8 @@ static bool recognise_obj(Bytes content) {
     static const char *const WORDS[] = {"mtllib", "o", "g", "v", "vt", "vn", "s", "usemtl"};
     Scan s = scan_begin("", content);
     if (!scan_next_line(&s, '#')) return false;
-    Quote quote;
-    const char *word = scan_quote(&s, &quote);
+    char quote[SCAN_QUOTE];
+    const char *word = scan_quote(&s, quote);
     for (size_t i = 0; i < sizeof WORDS / sizeof *WORDS; i++) {
         if (strcmp(word, WORDS[i]) == 0) return true;
     }

@@ -6,10 +6,10 @@
 
 #include "maps/polygons/soup_readers.h"
 
-// What is longer than this share of the building is a shell: walls that hang together around all rooms.
+// Polygons that hang together over more than this share of the building are a shell: the walls around all rooms.
 static const double SHELL = 0.25;
 
-// What stays together: a run of polygons.
+// A run of polygons that stay together.
 typedef struct Clump {
     int first, count;  // in Splitter.order
     Vec3 middle;       // of its box
@@ -81,7 +81,7 @@ static void add_clump(Splitter *s, int first, int count, Box box) {
     s->clumps[s->clump_count++] = (Clump){first, count, vec3_scale(vec3_add(box.min, box.max), 0.5)};
 }
 
-// What hangs together, from `first` in the order on; a shell polygon by polygon.
+// Adds `count` polygons that hang together, from `first` in the order on, as one clump; those of a shell one by one.
 static void add_clumps(Splitter *s, int first, int count) {
     Box box = box_empty();
     for (int i = first; i < first + count; i++) box = box_of_polygon(s->b, s->order[i], box);

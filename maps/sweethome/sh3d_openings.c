@@ -7,7 +7,7 @@
 
 #include "maps/sweethome/sh3d.h"
 
-// What a person passes: a step up at most, and headroom to stoop under; metres.
+// A person passes a step of this height at most, and stoops under this head; metres.
 static const double MAX_SILL = 0.3, MIN_HEAD = 1.5, MIN_WIDTH = 0.4;
 static const double DEFAULT_SWING = M_PI / 2;  // radians, of a door that draws none
 static const double MIN_SWING = 0.1;           // radians: a sash that turns less is drawn shut
@@ -56,7 +56,7 @@ static bool read_sashes(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mir
         int end = (x >= 0.5) != mirrored;
         double swing = fmax(fmin(mirrored ? from - to : to - from, M_PI), -M_PI);
         if (fabs(swing) < MIN_SWING) swing = DEFAULT_SWING * (end ? 1 : -1);
-        // Of a double leaf the swing at end 0 counts, the other turns the other way.
+        // The swing at end 0 counts for a double leaf; the other leaf turns the other way.
         if (count == 0 || (end == 0 && !hung[0])) o->swing = swing;
         if (count == 0) o->hinge = end;
         hung[end] = true;

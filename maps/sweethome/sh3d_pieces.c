@@ -305,7 +305,7 @@ static int storey_above(const Sh3d *s, const Piece *p) {
     return -1;
 }
 
-// What rises above the floor it leads to is railing: the flight itself ends at that floor.
+// The part of a stair above the floor that it leads to is railing: the flight itself ends at that floor.
 static ObjModel plain_stair(Sh3d *s, const Piece *p) {
     int above = storey_above(s, p);
     double rise = p->height;
@@ -362,8 +362,8 @@ static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight)
 
 // A leaf turned by more than this from the plane of its door is drawn open, radians.
 static const double DRAWN_OPEN = 0.3;
-// What a person passes of a doorway, in shares of its half width and of its height: a face in the middle of it is of
-// the leaf.
+// A person passes this part of a doorway, in shares of its half width and of its height: a face in the middle of it belongs
+// to the leaf.
 static const double WAY_HALF = 0.6, WAY_LOW = 0.2, WAY_HIGH = 0.7;
 // A part this deep (over the width) and this high (over the height) is a leaf standing open.
 static const double OPEN_DEPTH = 0.3, OPEN_HEIGHT = 0.6;
@@ -548,7 +548,7 @@ static void set_turn(const Finder *f, int leaf, Box box, Vec2 *pivot) {
     int end = known ? pivot->x > 0 : o->hinge == 2 ? middle.x > 0 : o->hinge;
     bool out = box.max.y - box.min.y > OPEN_DEPTH * f->p->width;
     if (!known) {
-        // Of a leaf that stands open the hinge is at the end near the wall.
+        // A leaf that stands open has its hinge at the end near the wall.
         double wall = fabs(box.min.y) < fabs(box.max.y) ? box.min.y : box.max.y;
         *pivot = vec2(end ? box.max.x : box.min.x, out ? wall : middle.y);
     }

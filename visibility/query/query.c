@@ -40,10 +40,12 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
     query_list_objects(q, arena);
     query_list_gates(q, arena);
-    q->traits = ARENA_ARRAY(arena, ObjectTraits, graph->object_count);
+    query_prepare_walk(q, arena);
+    q->traits = arena_alloc(arena, (size_t)graph->object_count, sizeof *q->traits);
     for (int i = 0; i < graph->object_count; i++) {
         const Object *object = &graph->objects[i];
-        q->traits[i] = (ObjectTraits){object->polygon_count, object->plug ? object->opening : -1};
+        q->traits[i].polygon_count = object->polygon_count;
+        q->traits[i].plug = object->plug ? object->opening : -1;
     }
     return q;
 }
@@ -53,51 +55,6 @@ bool vis_shown(const Object *object, const float *door_open) {
 }
 
 // ---- the walk
-
-// A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
-bool query_door_closed(const VisQuery *q, int index) {
-    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
-    Gate gate = query_gate(q, index);
-    const Portal *portal = &q->graph->portals[gate.portal];
-    if (q->door_open[portal->door] > 0) return false;
-    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
-}
-
-static void visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
-    CellView *view = query_cell_view(q, cell);
-    if (view->place < 0) {
-        view->place = q->result.cell_count;
-        q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
-    } else if (distance < q->cells[view->place].distance) {
-        q->cells[view->place].distance = distance;
-    }
-    query_draw_cell(q, cell, cone);
-}
-
-// Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
-// rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
-static void draw_half(VisQuery *q, int cell, Cone *cone) {
-    const Cell *cells = q->graph->cells;
-    int first = cell;
-    if (cells[cell].region < 0) {
-        query_draw_cell(q, cell, cone);
-        return;
-    }
-    while (first > 0 && cells[first - 1].region == cells[cell].region) first--;
-    for (int c = first; c < q->graph->cell_count && cells[c].region == cells[cell].region; c++)
-        query_draw_cell(q, c, cone);
-}
-
-bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
-    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
-    bool closed = query_door_closed(q, gate);
-    if (closed) {
-        draw_half(q, cell, beyond);
-    } else {
-        visit_cell(q, cell, distance, beyond);
-    }
-    return !closed;
-}
 
 // The cone beyond one of the gates in sight, and how far it is; false where nothing of it is in view.
 static bool pass_gate(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
@@ -174,7 +131,7 @@ static void collect_objects(VisQuery *q) {
 
 enum { SHORT_RUN = 16 };
 
-static bool before(const VisibleCell *a, const VisibleCell *b) {
+static bool is_nearer(const VisibleCell *a, const VisibleCell *b) {
     return a->distance < b->distance || (a->distance == b->distance && a->cell < b->cell);
 }
 
@@ -183,7 +140,7 @@ static void sort_run(VisibleCell *cells, int count) {
     for (int i = 1; i < count; i++) {
         VisibleCell cell = cells[i];
         int at = i;
-        for (; at > 0 && before(&cell, &cells[at - 1]); at--) cells[at] = cells[at - 1];
+        for (; at > 0 && is_nearer(&cell, &cells[at - 1]); at--) cells[at] = cells[at - 1];
         cells[at] = cell;
     }
 }
@@ -198,7 +155,7 @@ static void sort_cells(VisQuery *q) {
             int a = first, middle = first + run < count ? first + run : count, b = middle,
                 end = middle + run < count ? middle + run : count;
             for (int k = first; k < end; k++) {
-                bool left = a < middle && (b >= end || !before(&q->cells[b], &q->cells[a]));
+                bool left = a < middle && (b >= end || !is_nearer(&q->cells[b], &q->cells[a]));
                 q->spare[k] = q->cells[left ? a++ : b++];
             }
         }
@@ -225,10 +182,6 @@ static void prefetch_start(const VisQuery *q, int cell) {
     for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
 }
 
-static void prefetch(const void *from, size_t bytes) {
-    for (size_t at = 0; at < bytes; at += CACHE_LINE) __builtin_prefetch((const char *)from + at);
-}
-
 // What the last query saw: frames draw much between two queries, and from one to the next little changes in view.
 static void prefetch_last(const VisQuery *q) {
     enum { LISTS = 8 };  // ahead, where the lists of a cell are
@@ -238,9 +191,10 @@ static void prefetch_last(const VisQuery *q) {
         if (i < count) __builtin_prefetch(&q->of_cell[q->cells[i].cell]);
         if (i < LISTS) continue;
         const CellView *cell = &q->of_cell[q->cells[i - LISTS].cell];
-        size_t boxes = (size_t)(cell->object_count + FOUR - 1) / FOUR;
-        prefetch(&q->gates[cell->first_block], (size_t)cell->block_count * sizeof *q->gates);
-        prefetch(&q->boxes[cell->first_box], boxes * sizeof *q->boxes);
+        const char *gates = (const char *)&q->gates[cell->first_block];
+        size_t size = (size_t)cell->block_count * sizeof *q->gates;
+        for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(gates + line);
+        query_prefetch_boxes(q, q->cells[i - LISTS].cell);
     }
     for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);
 }
@@ -248,7 +202,7 @@ static void prefetch_last(const VisQuery *q) {
 static void walk(VisQuery *q, const int *around, int count) {
     int cell = around[0];
     query_first_cone(q, &q->cones[0]);
-    visit_cell(q, cell, 0, &q->cones[0]);
+    query_visit_cell(q, cell, 0, &q->cones[0]);
     bool trees = q->method != VIS_PORTALS;
     q->limit = trees ? visible_set(q, around, count) : q->every_cell;
     if (trees && count == 1 && !q->forest->bounded[cell]) {

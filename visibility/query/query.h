@@ -33,7 +33,8 @@ typedef struct Cone {
 
 // Portals as a cell has them, four at a time, in the order of CellGraph.contacts: what most tests need, in four lines of
 // the cache. Four doubles, not eight floats: a cell has four or five portals in the mean, so that more lanes would stay
-// empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a cell leaves over are nowhere: d is infinite.
+// empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a
+// cell leaves over are nowhere: d is infinite.
 typedef struct GateBlock {
     // Of the portal's plane, pointing into the cell.
     Four nx, ny, d;
@@ -98,37 +99,15 @@ typedef struct Sloped {
     Vec3 v[VIEW_CORNERS];
 } Sloped;
 
-// Of a block of gates, through which the view goes in the walk without trees: a lane, or a bit, each.
-typedef struct ViewBlock {
-    Slots slots;         // of upright rectangles; of others see Sloped
-    FourFloat distance;  // as ViewPart's: it only orders
-    // Of what is something in view, so far; which let all of the view pass; are seen edge-on; can show no more; are in
-    // the queue; were gone through PASSES times.
-    unsigned char part, all, edge, whole, queued, spent;
-    unsigned char passes[FOUR];  // how often they were gone through
-} ViewBlock;
-
 // Of a cell.
 typedef struct CellView {
     int first_block, block_count;  // in VisQuery.gates
-    int first_box,
-        object_count;  // in VisQuery.boxes, and in how many lanes of them; none of a cell that holds many
-    unsigned frame;    // the last query that saw it
-    int place;         // then in VisQuery.cells
-    unsigned undrawn;  // then of its objects those it has not yet shown, a bit each
+    // The first block in VisQuery.boxes, and the lanes in use; none of a cell that holds many objects.
+    int first_box, object_count;
+    unsigned frame;    // the last query that saw the cell
+    int place;         // in that query, the index in VisQuery.cells
+    unsigned undrawn;  // in that query, the objects that the cell has not yet shown, a bit each
 } CellView;
-
-// Four objects as a cell lists them: the middles of their boxes, from the middle of the building, and half their sizes,
-// rounded up.
-typedef struct BoxBlock {
-    FourFloat centre[3], half[3];
-    FourInt object;  // lanes left over repeat one
-} BoxBlock;
-
-typedef struct ObjectTraits {
-    int polygon_count;
-    int plug;  // the opening whose door it is the plug of, or -1
-} ObjectTraits;
 
 struct VisQuery {
     const CellGraph *graph;
@@ -136,15 +115,15 @@ struct VisQuery {
     Cone *cones;       // [depth of the deepest tree + 1] one for each level; the first is the eye's own
     GateBlock *gates;  // [block_count] a cell's own, then the next cell's
     int block_count;
-    int *portal_of;        // [4 * block_count]
-    int *gate_of;          // [2 * portal_count] from cell[0] and from cell[1]
-    ViewBlock *views;      // [block_count] as gates
-    unsigned *view_frame;  // [block_count] the last query that wrote them: apart, where it is soon asked
-    Sloped *sloped;        // [gates that are no upright rectangles]
-    uint64_t *queue;       // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
+    int *portal_of;           // [4 * block_count]
+    int *gate_of;             // [2 * portal_count] from cell[0] and from cell[1]
+    struct ViewBlock *views;  // [block_count] as gates; see query_walk.c
+    unsigned *view_frame;     // [block_count] the last query that wrote them: apart, where it is soon asked
+    Sloped *sloped;           // [gates that are no upright rectangles]
+    uint64_t *queue;          // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
     int queue_count;
     CellView *of_cell;        // [cell_count]
-    BoxBlock *boxes;          // of cells that hold few
+    struct BoxBlock *boxes;   // of cells that hold few; see query_cell.c
     Vec3 middle;              // of the building
     VisibleCell *cells;       // [cell_count]
     VisibleCell *spare;       // [cell_count] for sorting
@@ -152,9 +131,12 @@ struct VisQuery {
     uint64_t *drawn_words;    // bit per word of `drawn` that is not 0
     unsigned *object_tested;  // [object_count] the last cone it was tested against
     int *objects;             // [object_count] the result
-    ObjectTraits *traits;     // [object_count]
-    uint64_t *every_cell;     // a visible set of all
-    uint64_t *joined;         // [words] the visible set of the eye
+    struct {
+        int polygon_count;
+        int plug;          // the opening whose door the object plugs, or -1
+    } * traits;            // [object_count]
+    uint64_t *every_cell;  // a visible set of all
+    uint64_t *joined;      // [words] the visible set of the eye
     unsigned frame, cone_serial;
     // Of the query under way:
     const Eye *eye;
@@ -182,7 +164,11 @@ static inline void cone_add(Cone *cone, Vec3 n, double d) {
     if (cone->count < MAX_PLANES) cone->plane[cone->count++] = (Plane){n, d};
 }
 // The two upright planes of the plan wedge.
-void cone_add_wedge(Cone *cone, Vec3 eye);
+static inline void cone_add_wedge(Cone *cone, Vec3 eye) {
+    Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
+    cone_add(cone, from, vec3_dot(from, eye));
+    cone_add(cone, to, vec3_dot(to, eye));
+}
 // A plan direction of unit length, turned counter-clockwise (`side` +1) or clockwise (-1) by the slack of what it points
 // to, at `length` metres. As good as of unit length.
 static inline Vec2 cone_turned(Vec2 direction, int side, double length) {
@@ -215,10 +201,10 @@ typedef struct Sight {
 // Of these lanes; returns those that the eye is before.
 unsigned query_sight(const VisQuery *q, const Cone *cone, int block, unsigned lanes, Sight *out);
 
-// query_slot.c: what the cone shows of upright rectangles that the eye is `ahead` metres before. Returns the lanes of which
-// it shows anything.
+// What the cone shows of upright rectangles that the eye is `ahead` metres before. Returns the lanes of which it shows
+// anything.
 unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out);
-// Of the nearest point from the eye, metres.
+// The distance of the nearest point from the eye, metres.
 Four query_slots_distance(const Slots *slots, Four ahead);
 // In which lanes is all of `part` in `slots`? Both are of one block of gates.
 unsigned query_slots_hold(const Slots *slots, const Slots *part);
@@ -227,27 +213,24 @@ void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Sl
 // The cone beyond one of them: in plan only its wedge.
 void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 eye, bool plan, Cone *out);
 
-// query.c: does a closed door end the view?
-bool query_door_closed(const VisQuery *q, int gate);
-// Goes through a portal with the cone beyond it; false where a closed door ends the view.
-bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
-
 // query_eye.c: the cells that the eye is in, to a rasteriser's precision, its own first. Returns how many, or 0 where it is
 // at a wall, or there are too many.
 enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
 int query_eye_cells(const CellGraph *graph, int cell, const Eye *eye, int cells[MOST_AROUND]);
 
-// query_hull.c: the convex hull of two polygons in a portal's plane, counter-clockwise about n; returns its corners.
-int query_hull(const Vec3 *a, int a_count, const Vec3 *b, int b_count, Vec3 n, Vec3 *out);
-// Is all of `part` in the polygon? Both lie in the portal's plane.
-bool query_polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n);
-
-// query_walk.c: the walk without trees.
+// query_walk.c: the walk without trees. Its memory is taken before all queries, after the gates are listed.
+void query_prepare_walk(VisQuery *q, Arena *arena);
 void query_walk(VisQuery *q, int cell);
 
-// query_cell.c: marks what of a cell's objects the cone meets.
-void query_draw_cell(VisQuery *q, int cell, Cone *cone);
+// query_cell.c: does a closed door end the view? Not where the eye is in the leaf itself: then it sees both sides.
+bool query_door_closed(const VisQuery *q, int gate);
+// Lists the cell as seen from `distance` metres and marks those of its objects that the cone meets.
+void query_visit_cell(VisQuery *q, int cell, double distance, Cone *cone);
+// Goes through a portal with the cone beyond it; false where a closed door ends the view.
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
 void query_list_objects(VisQuery *q, Arena *arena);  // before all queries
+// Fetches the listed boxes of a cell into the cache.
+void query_prefetch_boxes(const VisQuery *q, int cell);
 static inline bool query_lists_objects(const VisQuery *q, int cell) {
     return q->of_cell[cell].object_count > 0;
 }

@@ -1,5 +1,5 @@
-// query_cell.c - what of a cell's objects a cone meets: those in the squares under its wedge (Oki 2.2) whose boxes reach
-// into it; of a cell that holds few, all are tried at once.
+// query_cell.c - a cone enters a cell, unless a closed door is in the way, and marks the cell's objects that it meets: those in
+// the squares under its wedge (Oki 2.2) whose boxes reach into it; of a cell that holds few objects, all are tried at once.
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "visibility/query/query.h"
@@ -17,6 +17,13 @@ bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
     }
     return false;
 }
+
+// Four objects as a cell lists them: the middles of their boxes, from the middle of the building, and half their sizes, rounded
+// up.
+typedef struct BoxBlock {
+    FourFloat centre[3], half[3];
+    FourInt object;  // lanes left over repeat one
+} BoxBlock;
 
 // The half of the plan to the left of the line from the eye along `direction`.
 static Plane left_of(Vec2 eye, Vec2 direction) {
@@ -123,7 +130,7 @@ static void draw_listed(VisQuery *q, CellView *view, const Cone *cone) {
     }
 }
 
-void query_draw_cell(VisQuery *q, int c, Cone *cone) {
+static void draw_cell(VisQuery *q, int c, Cone *cone) {
     const CellMesh *mesh = &q->graph->meshes[c];
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
@@ -156,6 +163,55 @@ void query_draw_cell(VisQuery *q, int c, Cone *cone) {
         for (int i = first; i <= last; i++) draw_square(q, row + i, cone);
     }
 }
+
+// ---- from cell to cell
+
+// A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
+bool query_door_closed(const VisQuery *q, int index) {
+    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
+    Gate gate = query_gate(q, index);
+    const Portal *portal = &q->graph->portals[gate.portal];
+    if (q->door_open[portal->door] > 0) return false;
+    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
+}
+
+void query_visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
+    CellView *view = query_cell_view(q, cell);
+    if (view->place < 0) {
+        view->place = q->result.cell_count;
+        q->cells[q->result.cell_count++] = (VisibleCell){cell, distance};
+    } else if (distance < q->cells[view->place].distance) {
+        q->cells[view->place].distance = distance;
+    }
+    draw_cell(q, cell, cone);
+}
+
+// Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
+// rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
+static void draw_half(VisQuery *q, int cell, Cone *cone) {
+    const Cell *cells = q->graph->cells;
+    int first = cell;
+    if (cells[cell].region < 0) {
+        draw_cell(q, cell, cone);
+        return;
+    }
+    while (first > 0 && cells[first - 1].region == cells[cell].region) first--;
+    for (int c = first; c < q->graph->cell_count && cells[c].region == cells[cell].region; c++)
+        draw_cell(q, c, cone);
+}
+
+bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
+    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
+    bool closed = query_door_closed(q, gate);
+    if (closed) {
+        draw_half(q, cell, beyond);
+    } else {
+        query_visit_cell(q, cell, distance, beyond);
+    }
+    return !closed;
+}
+
+// ---- before all queries
 
 static void list_box(Box box, Vec3 middle, int object, BoxBlock *out, int lane) {
     const double low[3] = {box.min.x - middle.x, box.min.y - middle.y, box.min.z - middle.z};
@@ -203,4 +259,10 @@ void query_list_objects(VisQuery *q, Arena *arena) {
     }
     // Boxes are fetched ahead by their address also where a cell has none, and be it that no cell has any.
     if (!q->boxes) q->boxes = ARENA_ARRAY(arena, BoxBlock, 1);
+}
+
+void query_prefetch_boxes(const VisQuery *q, int cell) {
+    const char *boxes = (const char *)&q->boxes[q->of_cell[cell].first_box];
+    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
+    for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(boxes + line);
 }

@@ -5,12 +5,6 @@
 #include "engine/core/polygon.h"
 #include "visibility/query/query.h"
 
-void cone_add_wedge(Cone *cone, Vec3 eye) {
-    Vec3 from = vec3(-cone->from.y, cone->from.x, 0), to = vec3(cone->to.y, -cone->to.x, 0);
-    cone_add(cone, from, vec3_dot(from, eye));
-    cone_add(cone, to, vec3_dot(to, eye));
-}
-
 // Widens the wedge by the slack that the three-dimensional planes have too; of unit length then.
 static void tilt_wedge(Cone *cone, double nearest) {
     cone->from = cone_turned(vec2_scale(cone->from, 1 / vec2_length(cone->from)), -1, nearest);

@@ -12,6 +12,77 @@
 // Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
 enum { PASSES = 3 };
 
+// The view through a block of gates, a lane or a bit for each gate.
+typedef struct ViewBlock {
+    Slots slots;         // of upright rectangles; of others see Sloped
+    FourFloat distance;  // as ViewPart's: it only orders
+    // The gates of which a part is in view so far; those which let all of the view pass; are seen edge-on; can show no more;
+    // are in the queue; were gone through PASSES times.
+    unsigned char part, all, edge, whole, queued, spent;
+    unsigned char passes[FOUR];  // how often they were gone through
+} ViewBlock;
+
+// ---- polygons in a portal's plane
+
+// A corner's place in the plane, of which one coordinate is left out, and where it came from.
+typedef struct Corner {
+    double x, y;
+    const Vec3 *p;
+} Corner;
+
+// So turned that what runs counter-clockwise about n does so here.
+static Corner flatten(const Vec3 *p, Vec3 n) {
+    double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
+    if (z >= x && z >= y) return n.z > 0 ? (Corner){p->x, p->y, p} : (Corner){p->y, p->x, p};
+    if (y >= x) return n.y > 0 ? (Corner){p->z, p->x, p} : (Corner){p->x, p->z, p};
+    return n.x > 0 ? (Corner){p->y, p->z, p} : (Corner){p->z, p->y, p};
+}
+
+static double corner_turn(const Corner *a, const Corner *b, const Corner *c) {
+    return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+}
+
+// The convex hull of two polygons in a portal's plane, counter-clockwise about n (A. M. Andrew 1979); returns its corners.
+static int hull_of_both(const Vec3 *a, int a_count, const Vec3 *b, int b_count, Vec3 n, Vec3 *out) {
+    Corner sorted[VIEW_CORNERS + MAX_CORNERS];
+    const Corner *chain[2 * (VIEW_CORNERS + MAX_CORNERS)];
+    int count = a_count + b_count, kept = 0;
+    for (int i = 0; i < count; i++) {
+        Corner next = flatten(i < a_count ? &a[i] : &b[i - a_count], n);
+        int at = i;
+        for (; at > 0; at--) {
+            const Corner *last = &sorted[at - 1];
+            if (last->x < next.x || (last->x == next.x && last->y <= next.y)) break;
+            sorted[at] = *last;
+        }
+        sorted[at] = next;
+    }
+    for (int back = 0; back < 2; back++) {
+        int least = kept;
+        for (int i = 0; i < count; i++) {
+            const Corner *next = &sorted[back ? count - 1 - i : i];
+            while (kept >= least + 2 && corner_turn(chain[kept - 2], chain[kept - 1], next) <= 0) kept--;
+            chain[kept++] = next;
+        }
+        kept--;  // it begins the way back
+    }
+    for (int i = 0; i < kept; i++) out[i] = *chain[i]->p;
+    return kept;
+}
+
+// Is all of `part` in the polygon? Both lie in the portal's plane.
+static bool polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n) {
+    for (int i = 0; i < view->count; i++) {
+        Vec3 a = view->v[i], edge = vec3_sub(view->v[i + 1 == view->count ? 0 : i + 1], a);
+        Vec3 inward = vec3_cross(n, edge);
+        double slack = POSITION_SLACK * vec3_length(edge);
+        for (int k = 0; k < part->count; k++) {
+            if (vec3_dot(inward, vec3_sub(part->polygon[k], a)) < -slack) return false;
+        }
+    }
+    return view->count > 0;
+}
+
 // ---- the cache: what a query meets has seldom been met before, and comes from afar
 
 // Of the cell beyond a gate in the queue.
@@ -22,12 +93,6 @@ static void prefetch_beyond(const VisQuery *q, int gate) {
     __builtin_prefetch(&q->of_cell[gates->cell[gate % FOUR]]);
     for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(first + line);
     for (size_t line = 0; line < sizeof(ViewBlock); line += CACHE_LINE) __builtin_prefetch(views + line, 1);
-}
-
-static void prefetch_boxes(const VisQuery *q, int cell) {
-    const char *boxes = (const char *)&q->boxes[q->of_cell[cell].first_box];
-    size_t size = (size_t)(q->of_cell[cell].object_count + FOUR - 1) / FOUR * sizeof(BoxBlock);
-    for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(boxes + line);
 }
 
 // ---- the queue: a heap of gates, under the bits of their distances, which are in order
@@ -106,16 +171,17 @@ static void take_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gat
 static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, const ViewPart *part) {
     const Sloped *known = &q->sloped[gate->sloped];
     Vec3 n = gate->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
-    if (query_polygon_holds(known, part, n)) return false;
+    if (polygon_holds(known, part, n)) return false;
     ViewPart both = {.distance = part->distance, .polygon = hull};
-    both.count = query_hull(known->v, known->count, part->polygon, part->count, n, hull);
+    both.count = hull_of_both(known->v, known->count, part->polygon, part->count, n, hull);
     if (both.count > VIEW_CORNERS) view->spent |= (unsigned char)(1u << lane);
     if (both.count >= 3 && both.count <= VIEW_CORNERS) take_polygon(q, view, lane, gate, &both);
     return true;
 }
 
 // Takes what is seen of a portal into its view; false where nothing of it is new.
-static bool widen(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, Passage passage, ViewPart *part) {
+static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, Passage passage,
+                       ViewPart *part) {
     unsigned char bit = (unsigned char)(1u << lane);
     if (passage != PASSAGE_PART) {
         if (passage == PASSAGE_ALL) view->all |= bit;
@@ -145,7 +211,7 @@ static void look_through(VisQuery *q, Cone *cone, int index, int but) {
     int lane = index % FOUR;
     if ((view->all | view->whole) >> lane & 1) return;
     float before = view->distance[lane];
-    if (widen(q, view, lane, &gate, passage, &part)) enqueue(q, view, index, before);
+    if (widen_view(q, view, lane, &gate, passage, &part)) enqueue(q, view, index, before);
 }
 
 // ---- of upright rectangles
@@ -240,6 +306,12 @@ static int next_cell(const VisQuery *q) {
     return q->gates[gate / FOUR].cell[gate % FOUR];
 }
 
+void query_prepare_walk(VisQuery *q, Arena *arena) {
+    q->views = ARENA_ARRAY(arena, ViewBlock, q->block_count);
+    q->view_frame = ARENA_ARRAY(arena, unsigned, q->block_count);
+    q->queue = ARENA_ARRAY(arena, uint64_t, FOUR * q->block_count + 1);
+}
+
 void query_walk(VisQuery *q, int cell) {
     q->queue_count = 0;
     look_around(q, &q->cones[0], cell, -1);
@@ -248,8 +320,8 @@ void query_walk(VisQuery *q, int cell) {
         const GateBlock *gates = &q->gates[nearest / FOUR];
         ViewBlock *view = &q->views[nearest / FOUR];
         unsigned bit = 1u << lane;
-        prefetch_boxes(q, gates->cell[lane]);
-        if (q->queue_count > 0) prefetch_boxes(q, next_cell(q));
+        query_prefetch_boxes(q, gates->cell[lane]);
+        if (q->queue_count > 0) query_prefetch_boxes(q, next_cell(q));
         view->queued &= (unsigned char)~bit;
         if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
         Cone beyond;

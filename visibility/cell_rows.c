@@ -50,7 +50,7 @@ void cell_rows_join(const CellRows *rows, int cell, uint64_t *row) {
 }
 
 // Takes `gone` from block k of a row.
-static void take(CellRows *rows, int cell, int k, const uint64_t *gone, Arena *arena) {
+static void take_from_row(CellRows *rows, int cell, int k, const uint64_t *gone, Arena *arena) {
     const uint64_t **at = slot(rows, cell, k);
     uint64_t words[CELL_BLOCK_WORDS];
     for (int i = 0; i < CELL_BLOCK_WORDS; i++) words[i] = (*at)[i] & ~gone[i];
@@ -68,7 +68,7 @@ bool cell_rows_keep(CellRows *rows, int cell, const uint64_t *row, Arena *arena)
         uint64_t gone[CELL_BLOCK_WORDS] = {0}, any = 0;
         for (int i = 0; i < words_in(rows, k); i++)
             any |= gone[i] = block[i] & ~row[k * CELL_BLOCK_WORDS + i];
-        if (any) take(rows, cell, k, gone, arena);
+        if (any) take_from_row(rows, cell, k, gone, arena);
         changed = changed || any;
     }
     return changed;
@@ -107,7 +107,7 @@ void cell_rows_make_symmetric(CellRows *rows, Arena *arena) {
             const uint64_t *block = cell_rows_block(rows, i, k);
             // What was taken from a row before its pair's turn was missing in the other one.
             if (block == EMPTY || full[k * rows->blocks + i / CELL_BLOCK] == CELL_BLOCK) continue;
-            if (one_sided(rows, i, k, gone)) take(rows, i, k, gone, arena);
+            if (one_sided(rows, i, k, gone)) take_from_row(rows, i, k, gone, arena);
         }
     }
     arena_free(&scratch);

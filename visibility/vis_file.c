@@ -62,14 +62,14 @@ static Sizes sizes_of(int cells, int nodes, size_t blocks) {
 }
 
 // Where a row's block is stored: its number among those that are its row's own.
-static int32_t place_of(const uint64_t *block, int32_t next) {
+static int32_t block_place(const uint64_t *block, int32_t next) {
     return cell_block_is_empty(block) ? EMPTY_BLOCK : cell_block_is_full(block) ? FULL_BLOCK : next;
 }
 
 static int32_t own_blocks(const CellRows *seen) {
     int32_t count = 0;
     for (size_t i = 0; i < place_count(seen->cell_count); i++)
-        count += place_of(seen->block[i], count) == count;
+        count += block_place(seen->block[i], count) == count;
     return count;
 }
 
@@ -78,7 +78,7 @@ static void put_blocks(const CellRows *seen, unsigned char *at) {
     unsigned char *blocks = at + places * sizeof(int32_t);
     int32_t next = 0;
     for (size_t i = 0; i < places; i++) {
-        int32_t place = place_of(seen->block[i], next);
+        int32_t place = block_place(seen->block[i], next);
         memcpy(at + i * sizeof place, &place, sizeof place);
         if (place == next) memcpy(blocks + BLOCK * (size_t)next++, seen->block[i], BLOCK);
     }

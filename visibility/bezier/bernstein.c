@@ -59,7 +59,7 @@ static double comes_down(const double *c, int degree, int stride) {
 }
 
 // Where the convex hull of (i / degree, c[i]) meets the band |y| <= slack: no root lies elsewhere. False: nowhere.
-static bool clip(const double *c, int degree, double slack, double *low, double *high) {
+static bool clip_hull(const double *c, int degree, double slack, double *low, double *high) {
     double least = c[0], most = c[0];
     for (int i = 1; i <= degree; i++) {
         least = c[i] < least ? c[i] : least;
@@ -163,10 +163,10 @@ static bool is_zero(const double *c, int degree, double slack) {
 }
 
 // Clips a piece until it is empty or a root or must be halved. True: halve it.
-static bool settle(Piece *p, int degree, double slack, Roots *roots, CurvedWork *work) {
+static bool clip_root_piece(Piece *p, int degree, double slack, Roots *roots, CurvedWork *work) {
     for (;;) {
         double low = 0, high = 1;
-        if (!clip(p->c, degree, slack, &low, &high)) return false;
+        if (!clip_hull(p->c, degree, slack, &low, &high)) return false;
         if (p->high - p->low <= NARROWEST || is_zero(p->c, degree, slack)) {
             add_root(roots, p->low, p->high);
             return false;
@@ -199,7 +199,7 @@ int bernstein_roots(const double *c, int degree, double slack, double *root, int
             break;
         }
         Piece p = waiting[--count];
-        if (!settle(&p, degree, slack, &roots, work)) continue;
+        if (!clip_root_piece(&p, degree, slack, &roots, work)) continue;
         work->splits++;
         waiting[count] = waiting[count + 1] = p;
         cut_piece(&waiting[count++], degree, 0.5, 1);

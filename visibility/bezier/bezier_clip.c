@@ -139,7 +139,7 @@ static void add_hit(const BezierBeam *beam, const PatchPiece *piece, const Bezie
     bezier_beam_hit(beam, piece, part->u + u * part->width_u, part->v + v * part->width_v);
 }
 
-static void widen(double *from, double *to) {
+static void widen_part(double *from, double *to) {
     double more = (LEAST_LEFT - (*to - *from)) / 2;
     if (!(more > 0)) return;
     *from = fmax(0, fmin(*from - more, 1 - LEAST_LEFT));
@@ -147,8 +147,8 @@ static void widen(double *from, double *to) {
 }
 
 // The roots of a part that are told without clipping it, given where its hulls leave them.
-static Search search(const BezierBeam *beam, const BezierPart *part, const double from[2], const double to[2],
-                     double *u, double *v) {
+static Search search_roots(const BezierBeam *beam, const BezierPart *part, const double from[2],
+                           const double to[2], double *u, double *v) {
     *u = (from[0] + to[0]) / 2;
     *v = (from[1] + to[1]) / 2;
     if (bezier_part_has_one_root_at_most(part)) return find_root(beam, part, u, v);
@@ -157,7 +157,7 @@ static Search search(const BezierBeam *beam, const BezierPart *part, const doubl
 }
 
 // Clips a part until it is empty, or its hits are known, or it must be halved. True: halve it.
-static bool settle(const BezierBeam *beam, const PatchPiece *piece, BezierPart *part) {
+static bool clip_patch_part(const BezierBeam *beam, const PatchPiece *piece, BezierPart *part) {
     for (;;) {
         double from[2], to[2], u, v;
         beam->work->clips += 2;
@@ -166,11 +166,11 @@ static bool settle(const BezierBeam *beam, const PatchPiece *piece, BezierPart *
             add_hit(beam, piece, part, 0.5, 0.5);
             return false;
         }
-        Search found = search(beam, part, from, to, &u, &v);
+        Search found = search_roots(beam, part, from, to, &u, &v);
         if (found == FOUND) add_hit(beam, piece, part, u, v);
         if (found != UNKNOWN) return false;
         if (to[0] - from[0] > SHRINKS && to[1] - from[1] > SHRINKS) return true;
-        for (int k = 0; k < 2; k++) widen(&from[k], &to[k]);
+        for (int k = 0; k < 2; k++) widen_part(&from[k], &to[k]);
         bezier_part_cut(part, from, to);
     }
 }
@@ -196,7 +196,7 @@ static void piece_hits(const BezierBeam *beam, const PatchPiece *piece) {
             return;
         }
         BezierPart part = waiting[--count];
-        if (!settle(beam, piece, &part)) continue;
+        if (!clip_patch_part(beam, piece, &part)) continue;
         beam->work->splits++;
         waiting[count] = part;
         bezier_part_halve(&waiting[count], &waiting[count + 1]);

@@ -31,7 +31,7 @@ static Curve curve_of(const CurvedTrim *trim) {
     return c;
 }
 
-static void cut(Curve *c, double low, double high) {
+static void cut_curve(Curve *c, double low, double high) {
     double width = c->high - c->low, from = c->low;
     bernstein_cut(c->x, CUBIC, low, high);
     bernstein_cut(c->y, CUBIC, low, high);
@@ -41,7 +41,7 @@ static void cut(Curve *c, double low, double high) {
 }
 
 // Clips off what lies outside the strip along `direction` that holds the other curve. False: nothing is left.
-static bool clip(Curve *c, const Curve *other, Vec2 direction) {
+static bool clip_curve(Curve *c, const Curve *other, Vec2 direction) {
     Vec2 n = {-direction.y, direction.x};
     double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -58,7 +58,7 @@ static bool clip(Curve *c, const Curve *other, Vec2 direction) {
         }
         if (!bernstein_clip_above(side ? below : above, CUBIC, &low, &high)) return false;
         if (!(high - low > NARROWEST)) high = fmin(low + NARROWEST, 1), low = high - NARROWEST;
-        cut(c, low, high);
+        cut_curve(c, low, high);
     }
     return true;
 }
@@ -74,12 +74,12 @@ static bool clip_both(Pair *pair) {
         if (!(c->high - c->low > NARROWEST)) continue;
         Vec2 along = chord(other);
         if (vec2_dot(along, along) == 0) along = vec2(1, 0);
-        if (!clip(c, other, along) || !clip(c, other, vec2(-along.y, along.x))) return false;
+        if (!clip_curve(c, other, along) || !clip_curve(c, other, vec2(-along.y, along.x))) return false;
     }
     return true;
 }
 
-static void add(const Pair *pair, BezierMeeting *out, int *count, int max) {
+static void add_meeting(const Pair *pair, BezierMeeting *out, int *count, int max) {
     BezierMeeting m = {(pair->curve[0].low + pair->curve[0].high) / 2,
                        (pair->curve[1].low + pair->curve[1].high) / 2};
     for (int i = 0; i < *count && i < max; i++)
@@ -105,7 +105,7 @@ int bezier_meetings(const CurvedTrim *a, const CurvedTrim *b, BezierMeeting *out
         if (!clip_both(pair)) continue;
         double now[2] = {width(&pair->curve[0]), width(&pair->curve[1])};
         if (now[0] <= 2 * NARROWEST && now[1] <= 2 * NARROWEST) {
-            add(pair, out, &found, max);
+            add_meeting(pair, out, &found, max);
             continue;
         }
         count++;
@@ -113,8 +113,8 @@ int bezier_meetings(const CurvedTrim *a, const CurvedTrim *b, BezierMeeting *out
         work->splits++;
         int longer = now[1] > now[0];
         waiting[count] = *pair;
-        cut(&pair->curve[longer], 0, 0.5);
-        cut(&waiting[count++].curve[longer], 0.5, 1);
+        cut_curve(&pair->curve[longer], 0, 0.5);
+        cut_curve(&waiting[count++].curve[longer], 0.5, 1);
     }
     return found;
 }

@@ -23,7 +23,7 @@ static bool misses(const Four row[4], double slack) {
     return four_least_of(four_least_row(row)) > slack || four_most_of(four_most_row(row)) < -slack;
 }
 
-static void halve(Half *first, Half *second) {
+static void halve_half(Half *first, Half *second) {
     *second = *first;
     bool along_v = first->width_v > first->width_u;
     for (int k = 0; k < 2; k++) {
@@ -55,7 +55,7 @@ static void halve_piece(const BezierBeam *beam, const PatchPiece *piece) {
             return;
         }
         beam->work->splits++;
-        halve(half, half + 1);
+        halve_half(half, half + 1);
         count += 2;
     }
 }

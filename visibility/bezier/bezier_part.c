@@ -82,7 +82,7 @@ static double comes_down(const double low[4]) {
 }
 
 // The lanes, as 0 .. 1, outside which no distance is within slack of 0. False: none is.
-static bool clip(const Four row[4], double slack, double *from, double *to) {
+static bool clip_lanes(const Four row[4], double slack, double *from, double *to) {
     Four low = four_least_row(row) - four_of(slack), high = -four_most_row(row) - four_of(slack);
     unsigned above = four_lanes(low > four_of(0)), below = four_lanes(high > four_of(0));
     if (above == 15 || below == 15) return false;
@@ -100,11 +100,11 @@ static bool clip(const Four row[4], double slack, double *from, double *to) {
 }
 
 bool bezier_part_clip(const BezierPart *part, double slack, double from[2], double to[2]) {
-    return clip(part->a, slack, &from[0], &to[0]) && clip(part->b, slack, &from[1], &to[1]);
+    return clip_lanes(part->a, slack, &from[0], &to[0]) && clip_lanes(part->b, slack, &from[1], &to[1]);
 }
 
 // Along one parameter, which runs over the lanes of one of the distances and the rows of the other.
-static void cut(Four lanes[4], Four rows[4], double *at, double *width, double from, double to) {
+static void cut_lanes(Four lanes[4], Four rows[4], double *at, double *width, double from, double to) {
     BezierCut piece = bezier_cut(from, to);
     bezier_cut_lanes(lanes, &piece);
     bezier_cut_rows(rows, &piece);
@@ -113,11 +113,11 @@ static void cut(Four lanes[4], Four rows[4], double *at, double *width, double f
 }
 
 static void cut_u(BezierPart *part, double from, double to) {
-    cut(part->a, part->b, &part->u, &part->width_u, from, to);
+    cut_lanes(part->a, part->b, &part->u, &part->width_u, from, to);
 }
 
 static void cut_v(BezierPart *part, double from, double to) {
-    cut(part->b, part->a, &part->v, &part->width_v, from, to);
+    cut_lanes(part->b, part->a, &part->v, &part->width_v, from, to);
 }
 
 void bezier_part_cut(BezierPart *part, const double from[2], const double to[2]) {

@@ -106,7 +106,7 @@ static double bend_of(const PatchNet *net, bool along_v) {
 
 static bool is_flat(const PatchNet *net) { return fmax(bend_of(net, false), bend_of(net, true)) <= FLAT; }
 
-static void halve(PatchPiece *first, PatchPiece *second, bool along_v) {
+static void halve_patch_piece(PatchPiece *first, PatchPiece *second, bool along_v) {
     *second = *first;
     cut_net(&first->net, along_v, 0, 0.5);
     cut_net(&second->net, along_v, 0.5, 1);
@@ -130,11 +130,11 @@ static int cut_in_parts(PatchPiece part[4]) {
             if (bend > most) most = bend, worst = i / 2, along_v = i % 2;
         }
         if (count == 4 || most <= FLAT) return count;
-        halve(&part[worst], &part[count], along_v);
+        halve_patch_piece(&part[worst], &part[count], along_v);
     }
 }
 
-static int add_piece(BezierPatch *patch, const PatchPiece *part, bool trimmed, Arena *arena) {
+static int add_patch_piece(BezierPatch *patch, const PatchPiece *part, bool trimmed, Arena *arena) {
     PatchPiece *piece = ARENA_PUSH(arena, patch->pieces, patch->piece_count, patch->piece_capacity);
     *piece = *part;
     piece->trimmed = trimmed;
@@ -142,7 +142,7 @@ static int add_piece(BezierPatch *patch, const PatchPiece *part, bool trimmed, A
 }
 
 // Returns the node's index. Parts that are cut off whole are left out.
-static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *arena) {
+static int add_patch_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *arena) {
     int index = patch->node_count;
     (void)ARENA_PUSH(arena, patch->nodes, patch->node_count, patch->node_capacity);
     PatchPiece part[4] = {whole};
@@ -159,8 +159,8 @@ static int add_node(BezierPatch *patch, PatchPiece whole, int depth, Arena *aren
         node.low[0][at] = box.min.x, node.low[1][at] = box.min.y, node.low[2][at] = box.min.z;
         node.high[0][at] = box.max.x, node.high[1][at] = box.max.y, node.high[2][at] = box.max.z;
         bool leaf = depth >= PATCH_DEPTH - 1 || is_flat(&p->net);
-        node.child[at] = leaf ? add_piece(patch, p, state == TRIM_SOME_KEPT, arena)
-                              : add_node(patch, *p, depth + 1, arena);
+        node.child[at] = leaf ? add_patch_piece(patch, p, state == TRIM_SOME_KEPT, arena)
+                              : add_patch_node(patch, *p, depth + 1, arena);
     }
     patch->nodes[index] = node;
     return index;
@@ -190,6 +190,6 @@ BezierPatch *bezier_patch_new(const Building *building, const CurvedShape *shape
     double rounding = BOX_ROUNDING * (patch->size + vec3_length(patch->centre));
     patch->box =
         box_grow((Box){vec3_add(patch->centre, tight.min), vec3_add(patch->centre, tight.max)}, rounding);
-    add_node(patch, all, whole ? PATCH_DEPTH : 0, arena);
+    add_patch_node(patch, all, whole ? PATCH_DEPTH : 0, arena);
     return patch;
 }

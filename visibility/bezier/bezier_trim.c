@@ -25,8 +25,8 @@ struct Trim {
     int count, capacity;
 };
 
-static void add_piece(Trim *trim, const Piece *curve, double low, double high, Vec2 start, Vec2 end,
-                      Arena *arena) {
+static void add_trim_piece(Trim *trim, const Piece *curve, double low, double high, Vec2 start, Vec2 end,
+                           Arena *arena) {
     Piece *p = ARENA_PUSH(arena, trim->pieces, trim->count, trim->capacity);
     *p = *curve;
     bernstein_cut(p->x, 3, low, high);
@@ -82,7 +82,7 @@ static void add_curve(Trim *trim, const CurvedTrim *from, Vec2 start, Vec2 end, 
             double high = from_s + (cut[i] - from_s) * k / (1 << PIECE_HALVINGS);
             bool ends = i == count && k == 1 << PIECE_HALVINGS;
             Vec2 next = ends ? end : point_at(&curve, high);
-            add_piece(trim, &curve, low, high, at, next, arena);
+            add_trim_piece(trim, &curve, low, high, at, next, arena);
             low = high;
             at = next;
         }

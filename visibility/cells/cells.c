@@ -58,7 +58,7 @@ static void add_cell(CellBuilder *builder, int region_index, const int *vertex, 
 }
 
 // A piece with very many vertices (a round room) becomes several, as a fan of chords from its first vertex.
-static void add_piece(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
+static void add_cell_piece(CellBuilder *builder, int region, const int *vertex, int count, int *capacity) {
     enum { MOST = BUILD_MAX_VERTICES / 2 };
     int part[MOST];
     int next = 1;
@@ -80,7 +80,7 @@ static void add_whole(CellBuilder *builder, int region, int *capacity) {
     Ring ring = b->rings[b->regions[region].first_ring];
     int *vertex = ARENA_ARRAY(builder->scratch, int, ring.point_count);
     for (int i = 0; i < ring.point_count; i++) vertex[i] = ring.first_point + i;
-    add_piece(builder, region, vertex, ring.point_count, capacity);
+    add_cell_piece(builder, region, vertex, ring.point_count, capacity);
 }
 
 static bool make_cells(CellBuilder *builder, Error *error) {
@@ -108,8 +108,8 @@ static bool make_cells(CellBuilder *builder, Error *error) {
                              region->name, reason.text);
         }
         for (int i = 0; i < pieces.count; i++) {
-            add_piece(builder, r, pieces.vertex + pieces.first[i], pieces.first[i + 1] - pieces.first[i],
-                      &capacity);
+            add_cell_piece(builder, r, pieces.vertex + pieces.first[i], pieces.first[i + 1] - pieces.first[i],
+                           &capacity);
         }
     }
     const char *source = b->source ? b->source : "building";

@@ -36,7 +36,9 @@ typedef struct Sweep {
     int triangle_count;
 } Sweep;
 
-static int turn(const Sweep *s, int a, int b, int c) { return orient2d(s->at[a], s->at[b], s->at[c]); }
+static int turn_of_points(const Sweep *s, int a, int b, int c) {
+    return orient2d(s->at[a], s->at[b], s->at[c]);
+}
 
 static int compare(Vec2 a, Vec2 b) {
     if (a.x != b.x) return a.x < b.x ? -1 : 1;
@@ -47,7 +49,7 @@ static int by_left(const void *p, const void *q, void *sweep) {
     const Sweep *s = sweep;
     const SweepEdge *a = p, *b = q;
     int order = compare(s->at[a->left], s->at[b->left]);
-    return order ? order : -turn(s, a->left, a->right, b->right);
+    return order ? order : -turn_of_points(s, a->left, a->right, b->right);
 }
 
 static int new_link(Sweep *s, int point) {
@@ -72,7 +74,7 @@ static void add_above(Sweep *s, Chain *chain, int point) {
     int top = chain->top;
     for (int below; (below = s->links[top].down) >= 0; top = below) {
         int a = s->links[below].point, b = s->links[top].point;
-        if (turn(s, a, b, point) >= 0) break;
+        if (turn_of_points(s, a, b, point) >= 0) break;
         add_triangle(s, a, point, b);
     }
     int link = new_link(s, point);
@@ -85,7 +87,7 @@ static void add_below(Sweep *s, Chain *chain, int point) {
     int bottom = chain->bottom;
     for (int above; (above = s->links[bottom].up) >= 0; bottom = above) {
         int a = s->links[bottom].point, b = s->links[above].point;
-        if (turn(s, a, b, point) >= 0) break;
+        if (turn_of_points(s, a, b, point) >= 0) break;
         add_triangle(s, a, point, b);
     }
     int link = new_link(s, point);
@@ -108,7 +110,7 @@ static Chain part(Sweep *s, Chain *chain, int point) {
 }
 
 // The point at the end of all edges between two stretches makes one chain of theirs.
-static void join(Sweep *s, Chain *below, const Chain *above) {
+static void join_chains(Sweep *s, Chain *below, const Chain *above) {
     int twin = above->bottom, next = s->links[twin].up;
     s->links[below->top].up = next;
     if (next >= 0) s->links[next].down = below->top;
@@ -122,7 +124,7 @@ static int edges_below(const Sweep *s, int point, bool through) {
     while (low < high) {
         int middle = (low + high) / 2;
         const SweepEdge *e = &s->edges[s->active[middle]];
-        int side = turn(s, e->left, e->right, point);
+        int side = turn_of_points(s, e->left, e->right, point);
         if (side > 0 || (through && side == 0))
             low = middle + 1;
         else
@@ -153,7 +155,7 @@ static bool pass(Sweep *s, int point, int first, int end) {
         above = over->chain;
     }
     if (starts == 0 && above_inside != below_inside) return false;
-    if (starts == 0 && below_inside) join(s, &under->chain, &above);
+    if (starts == 0 && below_inside) join_chains(s, &under->chain, &above);
     bool inside = below_inside;
     for (int i = first; i < end; i++) {
         SweepEdge *e = &s->edges[i];
@@ -168,7 +170,7 @@ static bool pass(Sweep *s, int point, int first, int end) {
     return true;
 }
 
-static int by_place(const void *p, const void *q, void *sweep) {
+static int by_sweep_order(const void *p, const void *q, void *sweep) {
     const Sweep *s = sweep;
     return compare(s->at[*(const int *)p], s->at[*(const int *)q]);
 }
@@ -187,10 +189,10 @@ int convex_sweep(const Vec2 *at, const int (*edges)[2], int count, Arena *arena,
         places[i] = a;
     }
     qsort_r(s.edges, (size_t)count, sizeof *s.edges, by_left, &s);
-    qsort_r(places, (size_t)count, sizeof *places, by_place, &s);
+    qsort_r(places, (size_t)count, sizeof *places, by_sweep_order, &s);
     bool good = true;
     for (int i = 0, first = 0, end; i < count && good; i++) {
-        if (i > 0 && by_place(&places[i - 1], &places[i], &s) == 0) continue;
+        if (i > 0 && by_sweep_order(&places[i - 1], &places[i], &s) == 0) continue;
         for (end = first; end < count && compare(at[s.edges[end].left], at[places[i]]) == 0;) end++;
         good = pass(&s, places[i], first, end);
         first = end;

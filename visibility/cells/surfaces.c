@@ -24,7 +24,7 @@ static Object *add_object(CellBuilder *builder, ObjectKind kind, const char *nam
     return object;
 }
 
-static void add_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
+static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int count, int material) {
     CellGraph *graph = builder->graph;
     Polygon *polygon =
         ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
@@ -46,8 +46,8 @@ static void copy_building(CellBuilder *builder) {
         object->first_polygon = first;
         object->polygon_count = 0;
         for (int p = from->first_polygon; p < from->first_polygon + from->polygon_count; p++) {
-            add_polygon(builder, b->vertices + b->polygons[p].first_vertex, b->polygons[p].vertex_count,
-                        b->polygons[p].material);
+            add_graph_polygon(builder, b->vertices + b->polygons[p].first_vertex, b->polygons[p].vertex_count,
+                              b->polygons[p].material);
         }
     }
 }
@@ -59,7 +59,7 @@ static void add_surface(CellBuilder *builder, int cell, const Vec3 *vertices, in
     }
     const Region *region = &builder->building->regions[builder->graph->cells[cell].region];
     add_object(builder, OBJECT_SURFACE, region->name);
-    add_polygon(builder, vertices, count, material);
+    add_graph_polygon(builder, vertices, count, material);
 }
 
 typedef struct Span {
@@ -152,7 +152,7 @@ static int square_at(double x, double low, double high) {
     return at < 0 ? 0 : at < SIDE ? (int)at : SIDE - 1;
 }
 
-static Box box_of(const Vec3 *v, int count) {
+static Box piece_box(const Vec3 *v, int count) {
     Box box = box_empty();
     for (int i = 0; i < count; i++) box = box_add(box, v[i]);
     return box;
@@ -166,7 +166,7 @@ static SquareRange squares_under(const Pieces *pieces, Box box) {
 }
 
 static void sort_piece(Pieces *pieces, int index) {
-    SquareRange r = squares_under(pieces, box_of(pieces->list[index].v, pieces->list[index].count));
+    SquareRange r = squares_under(pieces, piece_box(pieces->list[index].v, pieces->list[index].count));
     for (int j = r.j0; j <= r.j1; j++) {
         for (int i = r.i0; i <= r.i1; i++) {
             PieceList *square = &pieces->squares[j * SIDE + i];
@@ -175,7 +175,7 @@ static void sort_piece(Pieces *pieces, int index) {
     }
 }
 
-static void add_piece(Pieces *pieces, const Vec3 *vertices, int count) {
+static void add_surface_piece(Pieces *pieces, const Vec3 *vertices, int count) {
     Vec3 *v = ARENA_ARRAY(pieces->scratch, Vec3, count);
     memcpy(v, vertices, (size_t)count * sizeof *v);
     *ARENA_PUSH(pieces->scratch, pieces->list, pieces->count, pieces->capacity) = (Piece){v, count};
@@ -210,7 +210,7 @@ static bool subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_cou
         Plane outside = outside_edge(a, b), inside = {vec3_scale(outside.n, -1), -outside.d};
         int kept = keep ? polygon_clip(pieces->rest, count, outside, 0, pieces->part) : 0;
         if (kept >= 3 && polygon_area(pieces->part, kept) >= VIS_SLIVER)
-            add_piece(pieces, pieces->part, kept);
+            add_surface_piece(pieces, pieces->part, kept);
         count = polygon_clip(pieces->rest, count, inside, 0, pieces->part);
         memcpy(pieces->rest, pieces->part, (size_t)count * sizeof *pieces->rest);
     }
@@ -220,7 +220,7 @@ static bool subtract(Pieces *pieces, Piece piece, const Vec3 *hole, int hole_cou
 static void sort_pieces(Pieces *pieces) {
     pieces->box = box_empty();
     for (int i = 0; i < pieces->count; i++)
-        pieces->box = box_union(pieces->box, box_of(pieces->list[i].v, pieces->list[i].count));
+        pieces->box = box_union(pieces->box, piece_box(pieces->list[i].v, pieces->list[i].count));
     pieces->squares = ARENA_ARRAY(pieces->scratch, PieceList, SIDE * SIDE);
     for (int i = 0; i < pieces->count; i++) {
         *ARENA_PUSH(pieces->scratch, pieces->stamp, pieces->stamp_count, pieces->stamp_capacity) = -1;
@@ -229,7 +229,7 @@ static void sort_pieces(Pieces *pieces) {
 }
 
 static void subtract_from_some(Pieces *pieces, const Vec3 *hole, int hole_count) {
-    Box box = box_of(hole, hole_count);
+    Box box = piece_box(hole, hole_count);
     SquareRange r = squares_under(pieces, box);
     for (int j = r.j0; j <= r.j1; j++) {
         for (int i = r.i0; i <= r.i1; i++) {
@@ -243,7 +243,7 @@ static void subtract_from_some(Pieces *pieces, const Vec3 *hole, int hole_count)
                 square->items[kept++] = index;
                 if (pieces->stamp[index] == pieces->holes) continue;
                 pieces->stamp[index] = pieces->holes;
-                if (!box_overlap(box, box_of(piece.v, piece.count)) ||
+                if (!box_overlap(box, piece_box(piece.v, piece.count)) ||
                     !subtract(pieces, piece, hole, hole_count, false))
                     continue;
                 int first = pieces->count;
@@ -309,7 +309,7 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
     Arena scratch = {0};
     Pieces pieces = {.scratch = &scratch};
     int corners = cell_polygon(graph, cell, z, polygon);
-    add_piece(&pieces, polygon, corners);
+    add_surface_piece(&pieces, polygon, corners);
     for (int i = 0; i < cell->contact_count; i++) {
         const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
@@ -340,8 +340,8 @@ static void add_plugs(CellBuilder *builder) {
         Object *object = add_object(builder, OBJECT_LEAF, opening->name);
         object->opening = portal->door;
         object->plug = true;
-        add_polygon(builder, graph->portal_vertices + portal->first_vertex, portal->vertex_count,
-                    opening->material);
+        add_graph_polygon(builder, graph->portal_vertices + portal->first_vertex, portal->vertex_count,
+                          opening->material);
     }
 }
 

@@ -33,7 +33,7 @@ static void *bsp_begin(const Scene *scene, Arena *arena, Error *error) {
 }
 
 // The pixels a piece may cover: those of its own corners, unless it is the whole polygon or has too many.
-static bool bounds_of(const Bsp *b, const BspPiece *piece, const Shape *whole, Shape *out) {
+static bool bsp_piece_bounds(const Bsp *b, const BspPiece *piece, const Shape *whole, Shape *out) {
     Vec2 corners[FACET_CORNERS + 4];
     double inverse[FACET_CORNERS + 4];
     *out = *whole;
@@ -50,7 +50,7 @@ static void paint(Bsp *b, const BspPiece *piece, ItemBuffer *out, HiddenWork *wo
     const Picture *picture = &b->picture;
     const Shape *whole = &picture->shapes[b->shape_of[piece->facet]];
     Shape bounds;
-    if (!bounds_of(b, piece, whole, &bounds)) return;
+    if (!bsp_piece_bounds(b, piece, whole, &bounds)) return;
     for (int i = 0; i < piece->count; i++) {
         int edge = b->tree.edges[piece->first + i];
         if (edge >= 0) {

@@ -62,7 +62,7 @@ static double rounding_of(const Maker *m, int piece, const Cutter *by) {
 }
 
 // Which sides of the plane a piece reaches: 1 behind, 2 before, 3 both, 0 it lies in the plane.
-static int sides_of(const Maker *m, int piece, const Cutter *by) {
+static int bsp_piece_sides(const Maker *m, int piece, const Cutter *by) {
     const BspPiece *p = &m->loose[piece];
     double eps = rounding_of(m, piece, by);
     int sides = 0;
@@ -90,7 +90,7 @@ static int choose_piece(const Maker *m, const int *ids, int count) {
         Cutter by = cutter_of(m, candidate);
         long cuts = 0, balance = 0;
         for (int i = 0; i < sample; i++) {
-            int sides = sides_of(m, ids[(int)((long)i * count / sample)], &by);
+            int sides = bsp_piece_sides(m, ids[(int)((long)i * count / sample)], &by);
             cuts += sides == 3;
             balance += sides == 2 ? 1 : sides == 1 ? -1 : 0;
         }
@@ -164,7 +164,7 @@ static void build_node(Maker *m, const Job *job, Job out[2]) {
     for (int side = 0; side < 2; side++) out[side] = (Job){-1, 0, at, side, job->depth + 1};
     for (int i = 0; i < job->count; i++) {
         // The chosen one stays, whatever rounding says: so every node takes one.
-        int sides = ids[i] == chosen ? 0 : sides_of(m, ids[i], &by);
+        int sides = ids[i] == chosen ? 0 : bsp_piece_sides(m, ids[i], &by);
         if (sides == 0) keep_piece(m, ids[i]);
         tree->splits += sides == 3;
         for (int side = 0; side < 2; side++) {

@@ -40,7 +40,7 @@ static bool nearest_of(const Camera *camera, Box box, double *near) {
 }
 
 // Of its polygons, grown by what they may lie within it.
-static Box box_of(const Building *b, const CurvedShape *shape) {
+static Box drawn_shape_box(const Building *b, const CurvedShape *shape) {
     Box box = box_empty();
     for (int i = shape->first_polygon; i < shape->first_polygon + shape->polygon_count; i++) {
         const Polygon *p = &b->polygons[i];
@@ -102,7 +102,7 @@ void curved_scene_new(const Building *building, const Scene *given, int polygon_
         double near;
         if (shape >= 0 && state[shape] == UNSEEN) {
             const CurvedShape *s = &building->shapes[shape];
-            bool seen = nearest_of(camera, box_of(building, s), &near);
+            bool seen = nearest_of(camera, drawn_shape_box(building, s), &near);
             state[shape] = seen && subdivide(&m, building, s, camera, pixels, near) ? DONE : KEPT;
         }
         if (shape < 0 || state[shape] == KEPT)

@@ -133,7 +133,7 @@ typedef enum Side { BEHIND = 1, BEFORE = 2 } Side;
 
 // Where a's corners lie relative to b's plane. Next to the line of intersection they lie in it: so a piece that reaches both
 // sides can be cut there.
-static int sides_of(const DepthPieces *p, const DepthPiece *a, const DepthPiece *b) {
+static int depth_piece_sides(const DepthPieces *p, const DepthPiece *a, const DepthPiece *b) {
     Line difference = measured(a->depth - b->depth);
     int sides = 0;
     for (int i = 0; i < a->count; i++) {
@@ -148,9 +148,9 @@ static int sides_of(const DepthPieces *p, const DepthPiece *a, const DepthPiece 
 bool depth_pieces_hides(const DepthPieces *p, int piece, int other) {
     const DepthPiece *a = &p->piece[piece], *b = &p->piece[other];
     if (apart(a, b)) return false;
-    int sides = sides_of(p, a, b);
+    int sides = depth_piece_sides(p, a, b);
     if (sides == BEHIND) return false;
-    int others = sides_of(p, b, a);
+    int others = depth_piece_sides(p, b, a);
     // In one plane the first of the list is seen.
     if (sides == 0 || others == 0 ? a->order >= b->order : others == BEFORE) return false;
     return !beyond_edge(p, a, b) && !beyond_edge(p, b, a);

@@ -28,7 +28,7 @@ static bool count_memory(void *user, ssize_t bytes, bool after) {
     return true;
 }
 
-static void fill(EmbreeScene *e, float *at, unsigned *index) {
+static void fill_triangles(EmbreeScene *e, float *at, unsigned *index) {
     Arena scratch = {0};
     int *triangle = ARENA_ARRAY(&scratch, int, 3 * FACET_CORNERS), *owner = e->facet;
     for (int f = 0; f < e->facets.count; f++) {
@@ -66,7 +66,7 @@ static void *embree_begin(const Scene *scene, Arena *arena, Error *error) {
         rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof *at, corners);
     unsigned *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               3 * sizeof *index, triangles);
-    if (triangles > 0) fill(e, at, index);
+    if (triangles > 0) fill_triangles(e, at, index);
     rtcCommitGeometry(mesh);
     rtcAttachGeometry(e->scene, mesh);
     rtcReleaseGeometry(mesh);

@@ -30,7 +30,7 @@ static bool check(const Vec3 *v, int count, int polygon, double *reach, Error *e
 
 static double rounding_of(double reach) { return 4 * DBL_EPSILON * fmax(reach, 1e-3); }
 
-static void add(Maker *m, const Vec3 *v, int count, Vec3 n) {
+static void add_facet(Maker *m, const Vec3 *v, int count, Vec3 n) {
     Facets *out = m->out;
     Facet *facet = ARENA_PUSH(m->arena, out->facets, out->count, m->capacity);
     Vec3 offset = {0, 0, 0};
@@ -51,18 +51,18 @@ static void add_planar(Maker *m, const Vec3 *v, int count) {
     Vec3 n = plane_of_polygon(v, count).n;
     if (vec3_length(n) == 0) return;
     if (count <= FACET_CORNERS) {
-        add(m, v, count, n);
+        add_facet(m, v, count, n);
         return;
     }
     Vec3 run[FACET_CORNERS] = {v[0]};
     for (int at = 1; at + 1 < count; at += FACET_CORNERS - 2) {
         int taken = count - at < FACET_CORNERS - 1 ? count - at : FACET_CORNERS - 1;
         memcpy(run + 1, v + at, sizeof(Vec3) * (size_t)taken);
-        if (polygon_area(run, taken + 1) > 0) add(m, run, taken + 1, n);
+        if (polygon_area(run, taken + 1) > 0) add_facet(m, run, taken + 1, n);
     }
 }
 
-static void add_triangles(Maker *m, const Vec3 *v, int count) {
+static void add_triangle_facets(Maker *m, const Vec3 *v, int count) {
     Arena scratch = {0};
     int *triangle = ARENA_ARRAY(&scratch, int, 3 * (count - 2));
     polygon_triangulate(v, count, triangle);
@@ -84,7 +84,7 @@ static void add_ears(Maker *m, const Vec3 *v, int count, double flat) {
         int corners = b.polygons[i].vertex_count;
         bool bent = polygon_bend(piece, corners, plane_of_polygon(piece, corners)) > flat;
         if (bent) {
-            add_triangles(m, piece, corners);
+            add_triangle_facets(m, piece, corners);
         } else {
             add_planar(m, piece, corners);
         }
@@ -92,14 +92,14 @@ static void add_ears(Maker *m, const Vec3 *v, int count, double flat) {
     arena_free(&scratch);
 }
 
-static void add_polygon(Maker *m, const Vec3 *v, int count, double flat) {
+static void add_facets_of(Maker *m, const Vec3 *v, int count, double flat) {
     if (count < 3) return;
     Plane plane = plane_of_polygon(v, count);
     if (vec3_length(plane.n) == 0) return;
     if (count > 3 && !polygon_is_convex(v, count, plane.n)) {
         add_ears(m, v, count, flat);
     } else if (count > 3 && polygon_bend(v, count, plane) > flat) {
-        add_triangles(m, v, count);
+        add_triangle_facets(m, v, count);
     } else {
         add_planar(m, v, count);
     }
@@ -126,8 +126,8 @@ bool facets_new(const Scene *scene, Arena *arena, Facets *out, Error *error) {
     for (maker.order = 0; maker.order < scene->count; maker.order++) {
         maker.polygon = scene->list ? scene->list[maker.order] : maker.order;
         const Polygon *polygon = &scene->polygons[maker.polygon];
-        add_polygon(&maker, scene->vertices + polygon->first_vertex, polygon->vertex_count,
-                    fmax(FACET_FLAT, out->rounding));
+        add_facets_of(&maker, scene->vertices + polygon->first_vertex, polygon->vertex_count,
+                      fmax(FACET_FLAT, out->rounding));
     }
     return true;
 }

@@ -109,7 +109,7 @@ void gl_items_moved(GlItems *items, int first, int count) {
     }
 }
 
-static void measure(GlItems *items, const Scene *scene) {
+static void measure_gl_scene(GlItems *items, const Scene *scene) {
     for (int k = 0; k < items->count; k++) {
         items->polygon[k] = scene->list ? scene->list[k] : k;
         int n = scene->polygons[items->polygon[k]].vertex_count;
@@ -184,7 +184,7 @@ GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigne
     items->planes = ARENA_ARRAY(arena, PlaneTexels, count);
     items->run_count = ARENA_ARRAY(arena, GLsizei, count);
     items->run_offset = ARENA_ARRAY(arena, const void *, count);
-    measure(items, scene);
+    measure_gl_scene(items, scene);
     items->position =
         arena_alloc(arena, (size_t)items->first_vertex[items->count] + 1, sizeof *items->position);
     if (!make_program(items, error)) return NULL;
@@ -269,7 +269,7 @@ static bool is_edge_on(const GlItems *items, int k, double height, Vec3 eye) {
 }
 
 // The planes and the vertices as this eye sees them.
-static void look(GlItems *items, const Camera *camera) {
+static void place_gl_view(GlItems *items, const Camera *camera) {
     for (int k = 0; k < items->count; k++) {
         const Polygon *polygon = &items->polygons[items->polygon[k]];
         const Vec3 *v = items->vertices + polygon->first_vertex;
@@ -346,7 +346,7 @@ bool gl_items_look(GlItems *items, const Camera *camera, Error *error) {
         return false;
     }
     bind(items);
-    look(items, camera);
+    place_gl_view(items, camera);
     upload(items);
     set_uniforms(items, camera);
     static const int nothing[4] = {-1, -1, -1, -1};

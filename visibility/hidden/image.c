@@ -61,7 +61,7 @@ static int clip_side(const Image *image, int side, const Four *in, int count, Fo
     return kept;
 }
 
-static int clip(const Image *image, Four *places, int count) {
+static int clip_to_view(const Image *image, Four *places, int count) {
     Four other[FACET_CORNERS + 4];
     for (int side = 0; side < 4; side += 2) {
         count = clip_side(image, side, places, count, other);
@@ -73,7 +73,7 @@ static int clip(const Image *image, Four *places, int count) {
 int image_outline(const Image *image, const Vec3 *corners, int count, Vec2 *out, double *inverse) {
     Four places[FACET_CORNERS + 4];
     for (int i = 0; i < count; i++) places[i] = place(image, corners[i]);
-    count = clip(image, places, count);
+    count = clip_to_view(image, places, count);
     int kept = 0;
     for (int i = 0; i < count; i++) {
         if (!(places[i][2] > 0)) continue;  // rounding, of a corner next to the eye
@@ -99,7 +99,7 @@ static inline Four seen_at(Four p) {
     return __builtin_shufflevector(p * inverse, inverse, 0, 1, 4, 5);
 }
 
-static inline bool bounds_of(const Image *image, const Extent *e, Shape *out) {
+static inline bool extent_bounds(const Image *image, const Extent *e, Shape *out) {
     double right = image->width - 1, bottom = image->height - 1;
     double x0 = e->least[0] - IMAGE_MARGIN, x1 = e->most[0] + IMAGE_MARGIN;
     double y0 = e->least[1] - IMAGE_MARGIN, y1 = e->most[1] + IMAGE_MARGIN;
@@ -117,7 +117,7 @@ static const Extent NO_EXTENT = {{INFINITY, INFINITY, INFINITY, INFINITY},
 bool image_bounds(const Image *image, const Vec2 *corners, int count, Shape *out) {
     Extent e = NO_EXTENT;
     for (int i = 0; i < count; i++) e = extent_add(e, (Four){corners[i].x, corners[i].y, 1, 0});
-    return bounds_of(image, &e, out);
+    return extent_bounds(image, &e, out);
 }
 
 static bool extent_of_clipped(const Image *image, const Vec3 *corners, int count, Extent *e) {
@@ -147,7 +147,7 @@ bool image_shape(const Image *image, const Facets *facets, int facet, Line *line
     } else if (!extent_of_clipped(image, corners, count, &e)) {
         return false;
     }
-    if (!bounds_of(image, &e, out)) return false;
+    if (!extent_bounds(image, &e, out)) return false;
     out->facet = facet;
     out->line_count = count;
     out->nearest = e.most[2] * (1 + DEPTH_MARGIN);

@@ -7,7 +7,7 @@
 // hits. Above the rounding of a coordinate at 1e8 m (MAPS_LIMIT), far below any feature.
 #define TREE_PADDING 1e-6
 
-static void build(RayTree *tree, BoxItem *leaves, int node, int first, int count, int depth) {
+static void build_facet_node(RayTree *tree, BoxItem *leaves, int node, int first, int count, int depth) {
     Box box = box_of_items(leaves + first, count);
     if (count <= TREE_LEAF) {
         tree->nodes[node] = (TreeNode){box, first, count};
@@ -17,8 +17,8 @@ static void build(RayTree *tree, BoxItem *leaves, int node, int first, int count
     int child = tree->node_count;
     tree->node_count += 2;
     tree->nodes[node] = (TreeNode){box, child, 0};
-    build(tree, leaves, child, first, left, depth + 1);
-    build(tree, leaves, child + 1, first + left, count - left, depth + 1);
+    build_facet_node(tree, leaves, child, first, left, depth + 1);
+    build_facet_node(tree, leaves, child + 1, first + left, count - left, depth + 1);
 }
 
 RayTree ray_tree_new(const Facets *facets, Arena *arena) {
@@ -37,7 +37,7 @@ RayTree ray_tree_new(const Facets *facets, Arena *arena) {
         leaves[i] = (BoxItem){tree.box[i], facet->centre, i};
     }
     tree.node_count = 1;
-    build(&tree, leaves, 0, 0, count, 0);
+    build_facet_node(&tree, leaves, 0, 0, count, 0);
     for (int i = 0; i < count; i++) tree.facet[i] = leaves[i].item;
     arena_free(&scratch);
     return tree;

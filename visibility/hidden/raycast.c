@@ -56,7 +56,8 @@ static int open_edges(const Tile *tile, const Line *lines, int count, const Line
 }
 
 // Where depths are so close that the list decides: lane by lane.
-static FourMask settle(const RayCast *r, const Tile *tile, int facet, int k, Four new, FourMask close) {
+static FourMask settle_close_depths(const RayCast *r, const Tile *tile, int facet, int k, Four new,
+                                    FourMask close) {
     const Facet *facets = r->facets.facets;
     FourMask nearer = {0};
     for (int i = 0; i < FOUR; i++) {
@@ -72,14 +73,14 @@ static void meet_four(const RayCast *r, Tile *tile, int facet, int k, Four new, 
     Four old = tile->inverse[k];
     FourMask nearer = inside & (new > old *(1 + DEPTH_TIE));
     FourMask close = inside & ~nearer & (new >= old *(1 - DEPTH_TIE));
-    if (four_lanes(close)) nearer |= settle(r, tile, facet, k, new, close);
+    if (four_lanes(close)) nearer |= settle_close_depths(r, tile, facet, k, new, close);
     unsigned lanes = four_lanes(nearer);
     if (!lanes) return;
     tile->inverse[k] = four_choose(nearer, new, old);
     for (; lanes; lanes &= lanes - 1) tile->facet[FOUR * k + __builtin_ctz(lanes)] = facet;
 }
 
-static void meet(RayCast *r, Tile *tile, int facet) {
+static void meet_tile(RayCast *r, Tile *tile, int facet) {
     const Shape *shape = ray_shape(&r->shapes, facet, r->work);
     if (!shape || shape->nearest < tile->least || shape->x0 > tile->x1 || shape->x1 < tile->x0 ||
         shape->y0 > tile->y1 || shape->y1 < tile->y0)
@@ -144,7 +145,7 @@ static void cast_tile(RayCast *r, Tile *tile) {
         if (is_hidden(tile, stack[held].depth)) continue;
         const TreeNode *node = &r->tree.nodes[stack[held].node];
         r->work->nodes++;
-        for (int i = 0; i < node->count; i++) meet(r, tile, r->tree.facet[node->first + i]);
+        for (int i = 0; i < node->count; i++) meet_tile(r, tile, r->tree.facet[node->first + i]);
         if (node->count > 0) continue;
         double depth[2];
         for (int c = 0; c < 2; c++) depth[c] = box_depth(tile, eye, &r->tree.nodes[node->first + c].box);

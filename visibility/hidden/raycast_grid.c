@@ -91,7 +91,7 @@ static void enter_all(Grid *g, const Facets *facets) {
     }
 }
 
-static void build(Grid *g, const Facets *facets, Arena *arena) {
+static void build_grid(Grid *g, const Facets *facets, Arena *arena) {
     lay_out(g, facets);
     size_t cells = (size_t)g->count[0] * (size_t)g->count[1] * (size_t)g->count[2];
     g->first = ARENA_ARRAY(arena, int, cells + 2);
@@ -111,7 +111,7 @@ static void *grid_begin(const Scene *scene, Arena *arena, Error *error) {
     GridCast *c = ARENA_ARRAY(arena, GridCast, 1);
     size_t before = arena->used;
     if (!facets_new(scene, arena, &c->facets, error)) return NULL;
-    build(&c->grid, &c->facets, arena);
+    build_grid(&c->grid, &c->facets, arena);
     c->shapes = ray_shapes_new(&c->facets, arena);
     c->mail = ARENA_ARRAY(arena, int64_t, c->facets.count + 1);
     c->memory = arena->used - before;
@@ -146,7 +146,7 @@ typedef struct Walk {
 } Walk;
 
 // Where the ray enters the grid; false: nowhere.
-static bool start(const Grid *g, Vec3 eye, Vec3 ray, Walk *w) {
+static bool enter_grid(const Grid *g, Vec3 eye, Vec3 ray, Walk *w) {
     double in = 0, out = INFINITY;
     for (int axis = 0; axis < 3; axis++) {
         double low = vec3_component(g->low, axis) - vec3_component(eye, axis), d = vec3_component(ray, axis);
@@ -176,7 +176,7 @@ static int cast(GridCast *c, Vec3 ray, int x, int y) {
     Hit hit = {0, -1};
     Walk w;
     c->ray++;
-    if (!start(g, c->shapes.picture.image.eye, ray, &w)) return -1;
+    if (!enter_grid(g, c->shapes.picture.image.eye, ray, &w)) return -1;
     for (;;) {
         size_t cell = cell_at(g, w.at);
         c->work->nodes++;

@@ -112,7 +112,7 @@ static int nearest_at(const ScanLine *s, int x) {
     return best;
 }
 
-static void fill(ScanLine *s, int x0, int x1, int run) {
+static void fill_pixels(ScanLine *s, int x0, int x1, int run) {
     int facet = s->runs[run].facet;
     for (int x = x0; x <= x1; x++) s->item[x] = facet;
     s->work->pixels += x1 - x0 + 1;
@@ -127,8 +127,8 @@ static void fill_span(ScanLine *s, int x0, int first, int x1, int last) {
         x0 = middle;
         first = run;
     }
-    fill(s, x0, first == last ? x1 : x0, first);
-    if (first != last) fill(s, x1, x1, last);
+    fill_pixels(s, x0, first == last ? x1 : x0, first);
+    if (first != last) fill_pixels(s, x1, x1, last);
 }
 
 // Those that ended before x are no longer open; returns the last pixel before another one ends.

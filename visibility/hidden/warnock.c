@@ -67,7 +67,7 @@ static bool hides(const Warnock *w, int shape, int other, const Area *a) {
            nearer_at(w, shape, other, a->x0, a->y1) && nearer_at(w, shape, other, a->x1, a->y1);
 }
 
-static void fill(Warnock *w, const Area *a, int shape) {
+static void fill_area(Warnock *w, const Area *a, int shape) {
     int facet = w->picture.shapes[shape].facet;
     for (int y = a->y0; y <= a->y1; y++) {
         int32_t *item = w->out->item + (size_t)y * (size_t)w->out->width;
@@ -117,7 +117,7 @@ static void draw_sample(Warnock *w, const Area *a, int list, int count) {
     int best = w->entries[list].shape;
     for (int i = 1; i < count; i++)
         if (nearer_at(w, w->entries[list + i].shape, best, a->x0, a->y0)) best = w->entries[list + i].shape;
-    fill(w, a, best);
+    fill_area(w, a, best);
 }
 
 static void draw_area(Warnock *w, const Area *a, int first, int count) {
@@ -126,7 +126,7 @@ static void draw_area(Warnock *w, const Area *a, int first, int count) {
     if (left == 0) return;
     if (left == 1) {
         if (w->entries[list].surrounds) {
-            fill(w, a, w->entries[list].shape);
+            fill_area(w, a, w->entries[list].shape);
         } else {
             paint(w, a, w->entries[list].shape);
         }

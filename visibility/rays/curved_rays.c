@@ -78,7 +78,8 @@ Box curved_rays_box(const CurvedRays *rays, int shape) {
     return rays->shapes[shape].kind->box(rays->shapes[shape].self);
 }
 
-static int find(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits, int max, CurvedWork *work) {
+static int find_shape_hits(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits, int max,
+                           CurvedWork *work) {
     CurvedWork unwanted = {0};
     if (!work) work = &unwanted;
     work->rays++;
@@ -88,11 +89,11 @@ static int find(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits,
 }
 
 bool curved_rays_hit(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hit, CurvedWork *work) {
-    return find(rays, shape, ray, hit, 1, work) > 0;
+    return find_shape_hits(rays, shape, ray, hit, 1, work) > 0;
 }
 
 int curved_rays_all(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits, int max,
                     CurvedWork *work) {
     assert(max >= 2);
-    return find(rays, shape, ray, hits, max, work);
+    return find_shape_hits(rays, shape, ray, hits, max, work);
 }

@@ -8,7 +8,7 @@
 #include "engine/core/predicates.h"
 
 // The direction's longest component becomes z, by a turn of the axes.
-static int longest(Vec3 d) {
+static int longest_axis(Vec3 d) {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
     return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
@@ -19,7 +19,7 @@ static Vec3 turned(Vec3 p, int axis) {
 }
 
 static bool is_inside(const Vec3 *vertices, int count, const Ray *ray) {
-    int axis = longest(ray->direction);
+    int axis = longest_axis(ray->direction);
     Vec3 d = turned(ray->direction, axis);
     Vec2 shear = {d.x / d.z, d.y / d.z}, ray_at = {0}, before = {0};
     bool inside = false;

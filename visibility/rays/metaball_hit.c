@@ -50,7 +50,7 @@ void metaball_add_field(const double w[3], double weight, double field[7]) {
 
 // ---- made ready
 
-static Box bounds_of(const CurvedBall *balls, int count) {
+static Box balls_box(const CurvedBall *balls, int count) {
     Box box = box_empty();
     for (int i = 0; i < count; i++) {
         if (!(balls[i].weight > 0)) continue;  // alone it makes no surface
@@ -63,7 +63,7 @@ static Box bounds_of(const CurvedBall *balls, int count) {
 Metaballs *metaballs_new(const Building *building, const CurvedShape *shape, Arena *arena) {
     const CurvedBall *balls = building->balls + shape->first_ball;
     Metaballs *m = ARENA_ARRAY(arena, Metaballs, 1);
-    m->box = bounds_of(balls, shape->ball_count);
+    m->box = balls_box(balls, shape->ball_count);
     m->threshold = shape->threshold;
     if (box_is_empty(m->box)) {
         m->box = (Box){0};

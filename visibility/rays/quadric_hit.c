@@ -19,7 +19,7 @@ enum { DISC_BELOW, DISC_ABOVE, SIDE };
 
 static const Span NOWHERE = {INFINITY, -INFINITY, SIDE, SIDE};
 
-static Box bounds_of(const CurvedShape *shape) {
+static Box quadric_bounds(const CurvedShape *shape) {
     const CurvedFrame *f = &shape->frame;
     const Vec3 *a = f->axis;
     Box box = box_empty();
@@ -38,7 +38,7 @@ static Box bounds_of(const CurvedShape *shape) {
 }
 
 Quadric quadric_of(const CurvedShape *shape) {
-    Quadric q = {.kind = shape->kind, .disc = {shape->disc[0], shape->disc[1]}, .box = bounds_of(shape)};
+    Quadric q = {.kind = shape->kind, .disc = {shape->disc[0], shape->disc[1]}, .box = quadric_bounds(shape)};
     q.centre = shape->frame.origin;
     if (shape->kind != CURVED_SPHERE) q.centre = vec3_add(q.centre, vec3_scale(shape->frame.axis[2], 0.5));
     for (int i = 0; i < 3; i++) {
@@ -103,7 +103,8 @@ static Vec3 normal_of(const Quadric *q, Vec3 n) {
     return vec3_normalize(vec3_add(sum, vec3_scale(q->to_unit[2], n.z)));
 }
 
-static void add(const Quadric *q, Vec3 o, Vec3 d, double s, double start, int part, HitList *list) {
+static void add_quadric_hit(const Quadric *q, Vec3 o, Vec3 d, double s, double start, int part,
+                            HitList *list) {
     double t = start + s;
     if ((part != SIDE && !q->disc[part]) || !hit_list_wants(list, t)) return;
     Vec3 p = vec3_add(o, vec3_scale(d, s)), n = p;
@@ -126,6 +127,6 @@ void quadric_hits(const Quadric *q, const Ray *ray, HitList *list) {
         span = between_ends(span, o.z, d.z);
     }
     if (!(span.in <= span.out)) return;
-    add(q, o, d, span.in, start, span.in_part, list);
-    add(q, o, d, span.out, start, span.out_part, list);
+    add_quadric_hit(q, o, d, span.in, start, span.in_part, list);
+    add_quadric_hit(q, o, d, span.out, start, span.out_part, list);
 }

@@ -28,7 +28,7 @@ typedef struct Traversal {
     int height;
 } Traversal;
 
-static void begin(Traversal *t, const SurfaceRay *r) {
+static void begin_traversal(Traversal *t, const SurfaceRay *r) {
     const double o[3] = {r->origin.x, r->origin.y, r->origin.z};
     const double d[3] = {r->ray.direction.x, r->ray.direction.y, r->ray.direction.z};
     for (int a = 0; a < 3; a++) {
@@ -68,7 +68,7 @@ SurfaceHit surface_tree_first(const SurfaceTree *tree, const Ray *ray) {
     SurfaceHit best = surface_miss(ray);
     Traversal t;
     if (tree->surfaces->count == 0) return best;
-    begin(&t, &r);
+    begin_traversal(&t, &r);
     float far = above(best.at.t + RAY_SAME_PLACE);
     while (t.height > 0) {
         Visit visit = t.stack[--t.height];
@@ -88,7 +88,7 @@ bool surface_tree_blocked(const SurfaceTree *tree, const Ray *ray) {
     SurfaceRay r = surface_ray(tree->surfaces, ray);
     Traversal t;
     if (tree->surfaces->count == 0) return false;
-    begin(&t, &r);
+    begin_traversal(&t, &r);
     float far = above(ray->far);
     while (t.height > 0) {
         Visit visit = t.stack[--t.height];

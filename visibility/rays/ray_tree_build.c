@@ -70,7 +70,7 @@ static int new_node(Builder *b) {
     return tree->node_count - 1;
 }
 
-static void build(Builder *b, int index, Range all, int depth) {
+static void build_surface_node(Builder *b, int index, Range all, int depth) {
     Range range[LANES];
     int count = split_range(b, all, depth, range);
     if (depth + 1 > b->tree->depth) b->tree->depth = depth + 1;
@@ -82,7 +82,7 @@ static void build(Builder *b, int index, Range all, int depth) {
         put_bounds(node, i, box, b->outwards);
         node->child[i] = child;
         node->count[i] = leaf ? range[i].count : 0;
-        if (!leaf) build(b, child, range[i], depth + 1);
+        if (!leaf) build_surface_node(b, child, range[i], depth + 1);
     }
 }
 
@@ -102,7 +102,7 @@ SurfaceTree surface_tree_new(const RaySurfaces *surfaces, Arena *arena) {
         if (!box_is_empty(box)) b.items[count++] = (BoxItem){box, vec3_lerp(box.min, box.max, 0.5), i};
     }
     int root = new_node(&b);
-    if (count > 0) build(&b, root, range_of(&b, 0, count), 0);
+    if (count > 0) build_surface_node(&b, root, range_of(&b, 0, count), 0);
     for (int i = 0; i < count; i++) tree.items[i] = b.items[i].item;
     arena_free(&scratch);
     return tree;

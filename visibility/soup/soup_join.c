@@ -89,7 +89,7 @@ static bool merge(Soup *soup, int keep, int lose) {
     return false;
 }
 
-static Box box_of(const SoupCell *cell, double grow) {
+static Box soup_cell_box(const SoupCell *cell, double grow) {
     Box box = box_empty();
     for (int i = 0; i < cell->face_count; i++) {
         for (int k = 0; k < cell->faces[i].count; k++) box = box_add(box, cell->faces[i].v[k]);
@@ -100,13 +100,13 @@ static Box box_of(const SoupCell *cell, double grow) {
 void soup_join(Soup *soup) {
     double near = SOUP_WELD * soup->size;
     Box *boxes = ARENA_ARRAY(soup->scratch, Box, soup->cell_count);
-    for (int i = 0; i < soup->cell_count; i++) boxes[i] = box_of(soup->cells[i], near);
+    for (int i = 0; i < soup->cell_count; i++) boxes[i] = soup_cell_box(soup->cells[i], near);
     for (bool more = true; more;) {
         more = false;
         for (int i = 0; i < soup->cell_count; i++) {
             for (int k = i + 1; k < soup->cell_count && !soup->cells[i]->gone; k++) {
                 if (soup->cells[k]->gone || !box_overlap(boxes[i], boxes[k]) || !merge(soup, i, k)) continue;
-                boxes[i] = box_of(soup->cells[i], near);
+                boxes[i] = soup_cell_box(soup->cells[i], near);
                 more = true;
             }
         }

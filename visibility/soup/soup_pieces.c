@@ -99,7 +99,7 @@ typedef struct FlatPoint {
     Vec3 p;
 } FlatPoint;
 
-static int by_place(const void *p, const void *q) {
+static int by_flat_place(const void *p, const void *q) {
     const FlatPoint *a = p, *b = q;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     return (a->y > b->y) - (a->y < b->y);
@@ -125,7 +125,7 @@ int soup_hull(Arena *arena, const Vec3 *points, int count, Vec3 n, double weld, 
         Vec3 from = vec3_sub(points[i], points[0]);
         flat[i] = (FlatPoint){vec3_dot(from, u), vec3_dot(from, w), points[i]};
     }
-    qsort(flat, (size_t)count, sizeof *flat, by_place);
+    qsort(flat, (size_t)count, sizeof *flat, by_flat_place);
     int kept = 0;
     for (int way = 0; way < 2; way++) {
         int least = kept;
@@ -141,7 +141,7 @@ int soup_hull(Arena *arena, const Vec3 *points, int count, Vec3 n, double weld, 
 }
 
 // Joins two pieces where their hull holds no more than they do.
-static bool join(Arena *arena, SoupPiece *a, const SoupPiece *b, Vec3 n, double weld) {
+static bool join_soup_pieces(Arena *arena, SoupPiece *a, const SoupPiece *b, Vec3 n, double weld) {
     Vec3 all[SOUP_MOST_CORNERS], hull[SOUP_MOST_CORNERS + 1];
     if (a->count + b->count > SOUP_MOST_CORNERS / 2) return false;
     memcpy(all, a->v, (size_t)a->count * sizeof *all);
@@ -162,7 +162,7 @@ void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld, dou
         Box around = box_grow(pieces->piece[i].box, near);
         for (int k = 0; k < pieces->count; k++) {
             if (k == i || !box_overlap(around, pieces->piece[k].box)) continue;
-            if (!join(arena, &pieces->piece[i], &pieces->piece[k], n, weld)) continue;
+            if (!join_soup_pieces(arena, &pieces->piece[i], &pieces->piece[k], n, weld)) continue;
             pieces->piece[k] = pieces->piece[--pieces->count];
             if (i == pieces->count) i = k;
             around = box_grow(pieces->piece[i].box, near);

@@ -30,7 +30,7 @@ static Vec3 straighten(Vec3 n) {
     return n;
 }
 
-static void measure(Soup *soup) {
+static void measure_soup(Soup *soup) {
     const Building *b = soup->builder->building;
     Vec3 first = b->vertices[0], sum = {0, 0, 0};
     for (int i = 0; i < b->vertex_count; i++) sum = vec3_add(sum, vec3_sub(b->vertices[i], first));
@@ -242,7 +242,7 @@ static void find_doors(Soup *soup) {
 }
 
 void soup_find_planes(Soup *soup) {
-    measure(soup);
+    measure_soup(soup);
     list_sheets(soup);
     assign_planes(soup);
     find_axes(soup);

@@ -110,7 +110,7 @@ static void add_portal(Soup *soup, const SoupPiece *piece, int plane, int front,
 }
 
 // What of a piece the doors in its plane close, and the rest, as portals.
-static void add_piece(Soup *soup, SoupPiece piece, int plane, int front, int back) {
+static void add_portal_piece(Soup *soup, SoupPiece piece, int plane, int front, int back) {
     Vec3 n = soup->planes[plane].plane.n, part[SOUP_MOST_CORNERS];
     double snap = SOUP_SNAP * soup->size;
     SoupPieces rest = {0};
@@ -160,7 +160,8 @@ static void part_faces(Soup *soup, int plane, const PlaneFace *front, const Plan
         pieces = (SoupPieces){0};
         soup_pieces_add(soup->scratch, &pieces, common, count);
     }
-    for (int i = 0; i < pieces.count; i++) add_piece(soup, pieces.piece[i], plane, front->cell, back->cell);
+    for (int i = 0; i < pieces.count; i++)
+        add_portal_piece(soup, pieces.piece[i], plane, front->cell, back->cell);
 }
 
 // All faces by plane: run p is faces[first[p]] .. faces[first[p + 1] - 1].

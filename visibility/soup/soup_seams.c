@@ -37,7 +37,7 @@ typedef struct Seams {
 // Leaves of doors move: they share no seams.
 static bool moves(const CellGraph *graph, int object) { return graph->objects[object].leaf >= 0; }
 
-static int by_place(const void *p, const void *q) {
+static int by_corner_place(const void *p, const void *q) {
     const Vec3 *a = p, *b = q;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     if (a->y != b->y) return a->y < b->y ? -1 : 1;
@@ -56,7 +56,7 @@ static void list_corners(CornerTree *tree, const CellGraph *graph, Arena *scratc
                 tree->corners[count++] = graph->vertices[polygon->first_vertex + k];
         }
     }
-    if (count > 0) qsort(tree->corners, (size_t)count, sizeof *tree->corners, by_place);
+    if (count > 0) qsort(tree->corners, (size_t)count, sizeof *tree->corners, by_corner_place);
     for (int i = 0; i < count; i++) {
         if (i == 0 || !vec3_equal(tree->corners[i], tree->corners[tree->count - 1]))
             tree->corners[tree->count++] = tree->corners[i];
@@ -101,7 +101,7 @@ static void part_corners(CornerTree *tree, int lo, int hi) {
 static int along_edge(const void *p, const void *q) {
     const Hit *a = p, *b = q;
     if (a->t != b->t) return a->t < b->t ? -1 : 1;
-    return by_place(&a->p, &b->p);
+    return by_corner_place(&a->p, &b->p);
 }
 
 // Takes the corner where it lies inside the edge.

@@ -210,7 +210,7 @@ static int rank_planes(const Tree *tree, int count, int out[TRIED]) {
     return tried;
 }
 
-static Content measure(const Soup *soup, const Branch *branch) {
+static Content measure_branch(const Soup *soup, const Branch *branch) {
     Content c = {.along = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
     for (const FragmentRun *run = branch->first; run; run = run->next) {
         for (const Fragment *f = run->fragments; f < run->fragments + run->count; f++) {
@@ -240,7 +240,7 @@ static void choose(Tree *tree, Branch *branch) {
             tree->plane_area[f->plane] += f->area;
         }
     }
-    Content content = measure(tree->soup, branch);
+    Content content = measure_branch(tree->soup, branch);
     int ranked[TRIED], tried = rank_planes(tree, count, ranked);
     Choice best = {-1, 0, 0, -INFINITY};
     for (int i = 0; i < tried; i++) judge(tree, branch, ranked[i], &content, &best);

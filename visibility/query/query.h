@@ -120,7 +120,7 @@ struct VisQuery {
     struct ViewBlock *views;  // [block_count] as gates; see query_walk.c
     unsigned *view_frame;     // [block_count] the last query that wrote them: apart, where it is soon asked
     Sloped *sloped;           // [gates that are no upright rectangles]
-    uint64_t *queue;          // [4 * block_count + 1] gates to go through, a heap: see query_walk.c
+    uint64_t *queue;          // [4 * block_count] gates to go through, a heap: see query_walk.c
     int queue_count;
     CellView *of_cell;        // [cell_count]
     struct BoxBlock *boxes;   // of cells that hold few; see query_cell.c

@@ -7,6 +7,7 @@
 // see of it. So more may be found than is seen, and never less.
 #include <string.h>
 
+#include "engine/core/heap.h"
 #include "visibility/query/query.h"
 
 // Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
@@ -103,9 +104,13 @@ static uint64_t key_of(float distance, int gate) {
     return (uint64_t)bits << 32 | (uint32_t)gate;
 }
 
-static void raise_key(uint64_t *queue, int at, uint64_t key) {
-    for (; at > 0 && key < queue[(at - 1) / 2]; at = (at - 1) / 2) queue[at] = queue[(at - 1) / 2];
-    queue[at] = key;
+static bool is_nearer_key(const void *context, const void *a, const void *b) {
+    (void)context;
+    return *(const uint64_t *)a < *(const uint64_t *)b;
+}
+
+static inline Heap queue_of(const VisQuery *q) {
+    return (Heap){.items = q->queue, .size = sizeof *q->queue, .before = is_nearer_key};
 }
 
 // Into the queue, or nearer its head: it was `before` away.
@@ -119,21 +124,16 @@ static void enqueue(VisQuery *q, ViewBlock *view, int gate, float before) {
         q->queue_count++;
         prefetch_beyond(q, gate);
     }
-    raise_key(q->queue, at, key_of(view->distance[lane], gate));
+    uint64_t key = key_of(view->distance[lane], gate);
+    const Heap heap = queue_of(q);
+    heap_rise(&heap, at, &key);
 }
 
 static int take_nearest(VisQuery *q) {
-    uint64_t *queue = q->queue, nearest = queue[0], last = queue[--q->queue_count];
-    int at = 0;
-    queue[q->queue_count] = UINT64_MAX;  // the second child where there is none
-    // The hole sinks to the end, and the last comes up from there: it seldom has far to go.
-    for (int child = 1; child < q->queue_count; child = 2 * at + 1) {
-        child += queue[child + 1] < queue[child];
-        queue[at] = queue[child];
-        at = child;
-    }
-    if (q->queue_count > 0) raise_key(queue, at, last);
-    return (int)(uint32_t)nearest;
+    int nearest = (int)(uint32_t)q->queue[0];
+    const Heap heap = queue_of(q);
+    heap_drop_first(&heap, q->queue_count--);
+    return nearest;
 }
 
 // ---- what is in view
@@ -309,7 +309,7 @@ static int next_cell(const VisQuery *q) {
 void query_prepare_walk(VisQuery *q, Arena *arena) {
     q->views = ARENA_ARRAY(arena, ViewBlock, q->block_count);
     q->view_frame = ARENA_ARRAY(arena, unsigned, q->block_count);
-    q->queue = ARENA_ARRAY(arena, uint64_t, FOUR * q->block_count + 1);
+    q->queue = ARENA_ARRAY(arena, uint64_t, FOUR * q->block_count);
 }
 
 void query_walk(VisQuery *q, int cell) {

@@ -8,6 +8,8 @@
 
 #include <stdlib.h>
 
+#include "engine/core/sets.h"
+
 typedef struct Line {
     Vec3 point, along;  // a point of it, and unit direction
     int from, to;       // the vertices it goes through
@@ -24,17 +26,6 @@ typedef struct Finder {
     int *parent;  // [outline_count] of the union-find forest over edges, each named by where it starts
     bool *bent;   // [outline_count] of roots: its vertices do not lie on one line
 } Finder;
-
-static int root_of(int *parent, int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-static void join(int *parent, int a, int b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    parent[a > b ? a : b] = a < b ? a : b;
-}
 
 static int by_vertices(const void *a, const void *b) {
     const OutlineEdge *x = a, *y = b;
@@ -62,7 +53,7 @@ static void join_shared(Finder *f, Arena *scratch) {
     qsort(edges, (size_t)count, sizeof *edges, by_vertices);
     for (int i = 1; i < count; i++)
         if (edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high)
-            join(f->parent, edges[i].at, edges[i - 1].at);
+            set_unite(f->parent, edges[i].at, edges[i - 1].at);
 }
 
 // Edges that follow each other straight are one.
@@ -71,7 +62,7 @@ static void join_straight(Finder *f) {
         int j = f->next[i], k = f->next[j];
         Vec3 p = vertex(f, i), q = vertex(f, j), r = vertex(f, k);
         if (vec3_dot(vec3_sub(q, p), vec3_sub(r, q)) > 0 && off_line(p, r, q) < RAD_STRAIGHT)
-            join(f->parent, i, j);
+            set_unite(f->parent, i, j);
     }
 }
 
@@ -82,7 +73,7 @@ static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
     int *first = ARENA_ARRAY(scratch, int, count + 1), *last = ARENA_ARRAY(scratch, int, count + 1);
     for (int i = 0; i < count; i++) first[i] = last[i] = i;
     for (int i = 0; i < count; i++) {
-        int root = root_of(f->parent, i);
+        int root = set_find(f->parent, i);
         Vec3 from = vertex(f, root), along = vec3_sub(vertex(f, f->next[root]), from);
         for (int end = 0; end < 2; end++) {
             int at = end ? f->next[i] : i;
@@ -92,7 +83,7 @@ static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
         }
     }
     for (int i = 0; i < count; i++) {
-        if (root_of(f->parent, i) != i) continue;
+        if (set_find(f->parent, i) != i) continue;
         Vec3 from = vertex(f, first[i]);
         line[i] = (Line){from, vec3_normalize(vec3_sub(vertex(f, last[i]), from)), f->mesh->outline[first[i]],
                          f->mesh->outline[last[i]]};
@@ -104,16 +95,16 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
     int count = f->mesh->outline_count;
     bool any = false;
     for (int i = 0; i < count; i++) {
-        const Line *l = &line[root_of(f->parent, i)];
+        const Line *l = &line[set_find(f->parent, i)];
         for (int end = 0; end < 2; end++) {
             Vec3 p = vertex(f, end ? f->next[i] : i);
             if (vec3_length(vec3_cross(l->along, vec3_sub(p, l->point))) <= RAD_STRAIGHT) continue;
-            f->bent[root_of(f->parent, i)] = any = true;
+            f->bent[set_find(f->parent, i)] = any = true;
         }
     }
     if (!any) return;
     int *root = ARENA_ARRAY(scratch, int, count + 1);
-    for (int i = 0; i < count; i++) root[i] = root_of(f->parent, i);
+    for (int i = 0; i < count; i++) root[i] = set_find(f->parent, i);
     for (int i = 0; i < count; i++)
         if (f->bent[root[i]]) f->parent[i] = i;
     // What stays joined must not hang from what was parted: give each set a root of its own again.
@@ -124,7 +115,7 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
     for (int i = 0; i < count; i++) shared.parent[i] = i;
     join_shared(&shared, scratch);
     for (int i = 0; i < count; i++)
-        if (f->bent[root[i]]) f->parent[i] = root_of(shared.parent, i);
+        if (f->bent[root[i]]) f->parent[i] = set_find(shared.parent, i);
 }
 
 // A vertex as edges of the face name it.
@@ -141,7 +132,7 @@ static void add_edges(const Finder *f, const Line *lines, const int *number, Fac
         const Face *face = &mesh->faces[k];
         out->first_edge[k] = out->edge_count;
         for (int i = face->first_vertex; i < face->first_vertex + face->vertex_count; i++) {
-            int root = root_of(f->parent, i);
+            int root = set_find(f->parent, i);
             if (last_face[number[root]] == k + 1) continue;
             last_face[number[root]] = k + 1;
             const Line *line = &lines[root];
@@ -179,7 +170,7 @@ FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena) {
                      .face_count = mesh->face_count};
     int *number = ARENA_ARRAY(&scratch, int, count + 1);
     for (int i = 0; i < count; i++)
-        if (root_of(f.parent, i) == i) number[i] = out.line_count++;
+        if (set_find(f.parent, i) == i) number[i] = out.line_count++;
     add_edges(&f, line, number, &out, &scratch);
     arena_free(&scratch);
     return out;

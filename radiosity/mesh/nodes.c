@@ -3,6 +3,8 @@
 // T-vertices need no care of their own.
 #include "radiosity/mesh/nodes.h"
 
+#include "engine/core/sets.h"
+
 // Planes are one where their normals are this near, 1 - cosine: the rounding of models with six digits.
 static const double SAME_PLANE = 1e-6;
 // What rises from an edge with more than this sine stands on it: light cannot pass along the surface there.
@@ -81,22 +83,7 @@ static bool stood_upon(const Mesh *mesh, const Side *run, int count, const Side 
     return false;
 }
 
-// ---- sets of corners
-
-static int root_of(int *up, int i) {
-    while (up[i] != i) i = up[i] = up[up[i]];
-    return i;
-}
-
-// The lower one leads: the numbers of nodes follow those of corners.
-static void join(int *up, int a, int b) {
-    a = root_of(up, a);
-    b = root_of(up, b);
-    if (a < b)
-        up[b] = a;
-    else
-        up[a] = b;
-}
+// ---- sets of corners, led by the lowest: the numbers of nodes follow those of corners
 
 // Neighbours run along their edge in opposite ways.
 static void join_run(const Mesh *mesh, const Side *run, int count, int *up) {
@@ -106,15 +93,15 @@ static void join_run(const Mesh *mesh, const Side *run, int count, int *up) {
             if (a->other_vertex != b->other_vertex || a->rising == b->rising ||
                 !one_surface(mesh, a->element, b->element) || stood_upon(mesh, run, count, a, b))
                 continue;
-            join(up, a->from, b->to);
-            join(up, a->to, b->from);
+            set_unite(up, a->from, b->to);
+            set_unite(up, a->to, b->from);
         }
     }
 }
 
 static void number_nodes(const Mesh *mesh, int *up, Nodes *out) {
     for (int i = 0; i < mesh->corner_count; i++) {
-        int root = root_of(up, i);
+        int root = set_find(up, i);
         out->of_corner[i] = root == i ? out->count++ : out->of_corner[root];
     }
 }

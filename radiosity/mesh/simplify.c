@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-#include "radiosity/mesh/simplify_queue.h"
+#include "engine/core/heap.h"
 
 // How far a collapse may turn a triangle, as a cosine: a round leg may become square, but nothing folds.
 static const double LEAST_TURNED = 0.35;
@@ -29,6 +29,21 @@ typedef struct List {
     int count, capacity;
 } List;
 
+// A corner may move to the place of another.
+typedef struct Move {
+    double harm;  // metres
+    int from, to;
+    unsigned stamp;  // of `from`, when the harm was measured
+} Move;
+
+// The order has no equals but moves of other stamps: results do not depend on the order in which moves came.
+static bool is_better_move(const void *context, const void *p, const void *q) {
+    const Move *a = p, *b = q;
+    (void)context;
+    if (a->harm != b->harm) return a->harm < b->harm;
+    return a->from != b->from ? a->from < b->from : a->to < b->to;
+}
+
 typedef struct Work {
     SimplifySurface *s;
     double tolerance;
@@ -39,7 +54,8 @@ typedef struct Work {
     int plane_count, plane_capacity;
     unsigned *stamp;  // [point_count] candidates of other stamps are of the past
     int *mark, now;   // [point_count]
-    SimplifyQueue queue;
+    Move *moves;      // a heap: the move that does least harm is first
+    int move_count, move_capacity;
 } Work;
 
 static void push(Arena *arena, List *list, int item) {
@@ -162,10 +178,23 @@ static double harm_of(const Work *w, int u, Vec3 at) {
     return most;
 }
 
+static void push_move(Work *w, const Move *move) {
+    (void)ARENA_PUSH(&w->arena, w->moves, w->move_count, w->move_capacity);
+    const Heap heap = {.items = w->moves, .size = sizeof *w->moves, .before = is_better_move};
+    heap_rise(&heap, w->move_count - 1, move);
+}
+
+static Move pop_move(Work *w) {
+    const Heap heap = {.items = w->moves, .size = sizeof *w->moves, .before = is_better_move};
+    Move first = w->moves[0];
+    heap_drop_first(&heap, w->move_count--);
+    return first;
+}
+
 // The best that u can do, onto the heap.
 static void consider(Work *w, int u) {
     int around[MOST_NEIGHBOURS], count;
-    SimplifyMove ways[MOST_NEIGHBOURS];
+    Move ways[MOST_NEIGHBOURS];
     int way_count = 0;
     w->stamp[u]++;
     if (w->s->locked[u] || (count = neighbours_of(w, u, around)) > MOST_NEIGHBOURS) return;
@@ -174,14 +203,14 @@ static void consider(Work *w, int u) {
         double harm = harm_of(w, u, at);
         if (harm > w->tolerance) continue;
         harm += LENGTH_WEIGHT * vec3_length(vec3_sub(at, w->s->points[u]));
-        SimplifyMove c = {harm, u, around[i], w->stamp[u]};
+        Move c = {harm, u, around[i], w->stamp[u]};
         int k = way_count++;
-        for (; k > 0 && simplify_before(&c, &ways[k - 1]); k--) ways[k] = ways[k - 1];
+        for (; k > 0 && is_better_move(NULL, &c, &ways[k - 1]); k--) ways[k] = ways[k - 1];
         ways[k] = c;
     }
     for (int i = 0; i < way_count; i++) {
         if (!is_allowed(w, u, ways[i].to)) continue;
-        simplify_queue_push(&w->queue, &w->arena, ways[i]);
+        push_move(w, &ways[i]);
         return;
     }
 }
@@ -290,8 +319,8 @@ static void start(Work *w) {
 int simplify(SimplifySurface *surface, double tolerance) {
     Work w = {.s = surface, .tolerance = tolerance};
     start(&w);
-    while (w.queue.count > 0) {
-        SimplifyMove c = simplify_queue_pop(&w.queue);
+    while (w.move_count > 0) {
+        Move c = pop_move(&w);
         if (c.stamp != w.stamp[c.from]) continue;
         if (!is_allowed(&w, c.from, c.to)) {
             consider(&w, c.from);

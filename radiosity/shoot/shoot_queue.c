@@ -2,6 +2,8 @@
 // the strongest, or to make one weak, looks at one block and at the blocks' own maxima.
 #include "radiosity/shoot/shoot_queue.h"
 
+#include "engine/core/heap.h"
+
 void shoot_queue_start(ShootQueue *queue, int count, Arena *arena) {
     int block = 64;
     while (block < count / block) block *= 2;
@@ -41,27 +43,14 @@ static bool is_stronger(const ShootQueue *queue, int a, int b) {
     return queue->power[a] > queue->power[b] || (a < b && queue->power[a] == queue->power[b]);
 }
 
-// Lets what is at the root of a heap, whose weakest should be there, sink to its place.
-static void sink(const ShootQueue *queue, int *heap, int count) {
-    int patch = heap[0], at = 0;
-    for (int child = 1; child < count; child = 2 * at + 1) {
-        if (child + 1 < count && is_stronger(queue, heap[child], heap[child + 1])) child++;
-        if (!is_stronger(queue, patch, heap[child])) break;
-        heap[at] = heap[child];
-        at = child;
-    }
-    heap[at] = patch;
-}
-
-static void rise(const ShootQueue *queue, int *heap, int at) {
-    int patch = heap[at];
-    for (; at > 0 && is_stronger(queue, heap[(at - 1) / 2], patch); at = (at - 1) / 2)
-        heap[at] = heap[(at - 1) / 2];
-    heap[at] = patch;
+static bool is_weaker_patch(const void *queue, const void *a, const void *b) {
+    return is_stronger(queue, *(const int *)b, *(const int *)a);
 }
 
 // Most blocks are passed over at a glance: the weakest of those found, at the root of a heap, is the bar.
 int shoot_queue_next(const ShootQueue *queue, const bool *taken, double least, int wanted, int *patches) {
+    const Heap heap = {
+        .items = patches, .size = sizeof *patches, .before = is_weaker_patch, .context = queue};
     int found = 0;
     for (int b = 0; b < queue->block_count; b++) {
         double bar = found < wanted ? least : queue->power[patches[0]];
@@ -70,11 +59,9 @@ int shoot_queue_next(const ShootQueue *queue, const bool *taken, double least, i
         for (int i = first; i < end && i < queue->count; i++) {
             if (taken[i] || queue->power[i] < least || queue->power[i] <= 0) continue;
             if (found < wanted) {
-                patches[found] = i;
-                rise(queue, patches, found++);
+                heap_rise(&heap, found++, &i);
             } else if (is_stronger(queue, i, patches[0])) {
-                patches[0] = i;
-                sink(queue, patches, found);
+                heap_replace_first(&heap, found, &i);
             }
         }
     }

@@ -2,6 +2,7 @@
 // which goes up into the wall above or down into the ground. A door fills its place and hides what is beyond; over a lift
 // one looks at all times.
 #include "engine/core/polygon.h"
+#include "engine/core/sets.h"
 #include "maps/doom/wad.h"
 
 // A leaf keeps this clear of the walls beside it, and moves so much farther than it must, metres: its faces never lie in the
@@ -35,11 +36,6 @@ static bool has_region(const WadBuilder *w, int piece) {
     return w->first_region[piece] < w->first_region[piece + 1];
 }
 
-static int find_root(int *parent, int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 static void find_parts(Doors *d, Arena *scratch) {
     const WadPieces *p = d->w->pieces;
     int *parent = ARENA_ARRAY(scratch, int, p->piece_count + 1);
@@ -50,10 +46,10 @@ static void find_parts(Doors *d, Arena *scratch) {
     for (int i = 0; i < d->contact_count; i++) {
         const WadContact *c = &d->contacts[i];
         if (p->pieces[c->piece[0]].sector != p->pieces[c->piece[1]].sector) continue;
-        parent[find_root(parent, c->piece[1])] = find_root(parent, c->piece[0]);
+        set_join(parent, c->piece[0], c->piece[1]);
     }
     for (int i = 0; i < p->piece_count; i++) {
-        int sector = p->pieces[i].sector, root = find_root(parent, i);
+        int sector = p->pieces[i].sector, root = set_find(parent, i);
         if (sector < 0 || d->w->movers[sector].motion == WAD_FIXED || !has_region(d->w, i)) continue;
         if (d->part_of[root] < 0) {
             d->part_of[root] = d->part_count;

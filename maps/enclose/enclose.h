@@ -10,6 +10,7 @@
 #include <geos_c.h>
 
 #include "engine/core/box_tree.h"
+#include "engine/core/sets.h"
 #include "maps/building/sketch.h"
 
 #define ENCLOSE_MM 1000.0  // millimetres in a metre
@@ -108,17 +109,6 @@ typedef struct Pass {
     double enclosed;                // mm^2 indoors
     bool leaking;                   // a room lies open, or walls enclose nothing
 } Pass;
-
-// Disjoint sets: parent[i] of every element, itself at first; a set goes by its lowest element.
-static inline int set_find(int *parent, int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-static inline void set_unite(int *parent, int a, int b) {
-    a = set_find(parent, a);
-    b = set_find(parent, b);
-    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
-}
 
 typedef struct Enclosure {
     const Sketch *sketch;

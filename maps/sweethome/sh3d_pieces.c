@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "engine/core/sets.h"
 #include "maps/sweethome/sh3d.h"
 
 static const unsigned BOX_COLOUR = 0xC8C4BC;  // sRGB, of a piece without model and colour
@@ -455,11 +456,6 @@ static bool find_hinge(const Finder *f, int number, Vec2 *out) {
 
 // ---- parts by what they do
 
-static int root_of(int *parent, int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 typedef struct Corner {
     Vec3 at;
     int vertex;
@@ -484,14 +480,13 @@ static int *find_pieces(const Finder *f) {
     qsort(corners, (size_t)m->vertex_count, sizeof *corners, vertices_by_place);
     for (int i = 1; i < m->vertex_count; i++) {
         if (vec3_equal(corners[i].at, corners[i - 1].at))
-            parent[root_of(parent, corners[i].vertex)] = root_of(parent, corners[i - 1].vertex);
+            set_join(parent, corners[i - 1].vertex, corners[i].vertex);
     }
     for (int i = 0; i < m->face_count; i++) {
         const int *corner = m->corners + m->faces[i].first_corner;
-        for (int k = 1; k < m->faces[i].corner_count; k++)
-            parent[root_of(parent, corner[k])] = root_of(parent, corner[0]);
+        for (int k = 1; k < m->faces[i].corner_count; k++) set_join(parent, corner[0], corner[k]);
     }
-    for (int i = 0; i < m->vertex_count; i++) parent[i] = root_of(parent, i);
+    for (int i = 0; i < m->vertex_count; i++) parent[i] = set_find(parent, i);
     return parent;
 }
 

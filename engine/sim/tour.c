@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "engine/core/heap.h"
+
 // The least clear width a person walks through, metres: narrower gaps are slits beside furniture and columns.
 #define TOUR_WIDTH 0.5
 // The least clear height, metres: cellar doors are lower than a person, who ducks.
@@ -197,43 +199,31 @@ static void go_to(Guide *g, Vec3 place) {
 
 // ---- the nearest place not yet seen
 
-static void heap_swap(Guide *g, int i, int j) {
-    int a = g->heap[i], b = g->heap[j];
-    g->heap[i] = b;
-    g->heap[j] = a;
-    g->heap_slot[b] = i;
-    g->heap_slot[a] = j;
-}
-
 // Ties go to the lower cell: the tour is the same on every machine.
-static bool heap_before(const Guide *g, int i, int j) {
-    int a = g->heap[i], b = g->heap[j];
+static bool is_cheaper(const void *guide, const void *first, const void *second) {
+    const Guide *g = guide;
+    int a = *(const int *)first, b = *(const int *)second;
     double dearer = g->cost[a] - g->cost[b];
     return dearer < 0 || (dearer == 0 && a < b);
 }
 
-static void heap_raise(Guide *g, int cell) {
-    if (g->heap_slot[cell] < 0) {
-        g->heap_slot[cell] = g->heap_count;
-        g->heap[g->heap_count++] = cell;
-    }
-    for (int i = g->heap_slot[cell]; i > 0 && heap_before(g, i, (i - 1) / 2); i = (i - 1) / 2) {
-        heap_swap(g, i, (i - 1) / 2);
-    }
+static Heap heap_of(const Guide *g) {
+    return (Heap){
+        .items = g->heap, .size = sizeof *g->heap, .before = is_cheaper, .context = g, .slot = g->heap_slot};
 }
 
-static int heap_take(Guide *g) {
+// The cell has become cheaper, or was never reached before.
+static void reach_cell(Guide *g, int cell) {
+    const Heap heap = heap_of(g);
+    heap_rise(&heap, g->heap_slot[cell] < 0 ? g->heap_count++ : g->heap_slot[cell], &cell);
+}
+
+static int take_cheapest(Guide *g) {
     int cell = g->heap[0];
-    heap_swap(g, 0, --g->heap_count);
-    for (int i = 0;;) {
-        int least = i;
-        for (int c = 2 * i + 1; c <= 2 * i + 2 && c < g->heap_count; c++) {
-            if (heap_before(g, c, least)) least = c;
-        }
-        if (least == i) return cell;
-        heap_swap(g, i, least);
-        i = least;
-    }
+    const Heap heap = heap_of(g);
+    heap_drop_first(&heap, g->heap_count);
+    g->heap_slot[cell] = --g->heap_count;
+    return cell;
 }
 
 static bool is_outer_step(const Guide *g, int cell, const Portal **door) {
@@ -266,9 +256,9 @@ static int find_target(Guide *g) {
     g->heap_count = 0;
     g->cost[g->cell] = 0;
     g->at[g->cell] = g->eye;
-    heap_raise(g, g->cell);
+    reach_cell(g, g->cell);
     while (g->heap_count > 0) {
-        int cell = heap_take(g);
+        int cell = take_cheapest(g);
         if (is_target(g, cell)) return cell;
         const Cell *c = &graph->cells[cell];
         for (int i = 0; i < c->contact_count; i++) {
@@ -281,7 +271,7 @@ static int find_target(Guide *g) {
             g->cost[next] = cost;
             g->from[next] = contact;
             g->at[next] = at;
-            heap_raise(g, next);
+            reach_cell(g, next);
         }
     }
     return -1;

@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+#include "engine/core/polygon.h"
+
 // Edges shorter than this many epsilons have no sure direction: corners are known to an epsilon's thousandth, and an
 // error of direction grows over the length of the building, 1e9 or so epsilons.
 static const double SHORTEST_EDGE = 1e3;
@@ -30,7 +32,7 @@ Vec3 winding_middle(const Winding *w) {
 
 bool winding_clip(Winding *w, Separator keep) {
     double distance[WINDING_MAX];
-    int inside = 0, outside = 0, kept = 0;
+    int inside = 0, outside = 0;
     for (int i = 0; i < w->count; i++) {
         distance[i] = vec3_dot(keep.n, w->p[i]) - keep.d;
         inside += distance[i] > keep.slack;
@@ -39,13 +41,7 @@ bool winding_clip(Winding *w, Separator keep) {
     if (inside == 0) return false;
     if (outside == 0 || w->count == WINDING_MAX) return true;
     Vec3 out[WINDING_MAX + 1];
-    for (int i = 0; i < w->count; i++) {
-        int k = i + 1 == w->count ? 0 : i + 1;
-        double a = distance[i], b = distance[k];
-        if (a >= -keep.slack) out[kept++] = w->p[i];
-        bool crosses = (a > keep.slack && b < -keep.slack) || (a < -keep.slack && b > keep.slack);
-        if (crosses) out[kept++] = vec3_lerp(w->p[i], w->p[k], a / (a - b));
-    }
+    int kept = polygon_clip_band(w->p, distance, w->count, keep.slack, out);
     if (kept < 3) return false;
     w->count = kept;
     memcpy(w->p, out, (size_t)kept * sizeof *out);

@@ -1,4 +1,4 @@
-// polygon.h - the one polygon clipper, and what else is asked of single polygons.
+// polygon.h - the clippers of convex polygons, points inside rings, and what else is asked of single polygons.
 #ifndef CORE_POLYGON_H
 #define CORE_POLYGON_H
 
@@ -8,6 +8,45 @@
 // nothing is left; `out` needs room for count + 1 vertices and may not be `in`. A cut vertex depends on the edge
 // alone, not on its direction, so that two polygons that share an edge share the cut.
 int polygon_clip(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out);
+
+// The same for polygons that are clipped a thousand times, each for itself: corners within `slack` of the plane count as on it and stay
+// where they are, so that no hair-thin edges arise. `distance` [count] is that of each corner from the plane, in any unit; corners
+// of -slack and more are kept. A cut is computed from the edge's first end. `out` needs room for count + 1 vertices.
+//
+// Two clippers stand apart: image.c (visibility/hidden) clips homogeneous coordinates, and wad_bsp.c (maps/doom) lines on a grid.
+static inline int polygon_clip_band(const Vec3 *in, const double *distance, int count, double slack,
+                                    Vec3 *out) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        int next = i + 1 == count ? 0 : i + 1;
+        double a = distance[i], b = distance[next];
+        if (a >= -slack) out[kept++] = in[i];
+        bool crosses = (a > slack && b < -slack) || (a < -slack && b > slack);
+        if (crosses) out[kept++] = vec3_lerp(in[i], in[next], a / (a - b));
+    }
+    return kept;
+}
+
+// Does the half-line from p towards +x cross the edge from a to b? Of its ends an edge has the lower one, and a point on an edge
+// lies to its right, so that p is in just one of the rings that share an edge. A point is inside where an odd number of edges of all its
+// rings are crossed. Two orders of the same formula differ by rounding, and results that are kept hold either.
+//
+// Three tests stand apart: readers of plans (maps/plan) decide by orient2d, exactly, loops of trims (maps/curved) send the
+// half-line towards -x, and flat_hit.c (visibility/rays) decides exactly which polygon a ray goes through.
+enum { RING_DIVIDE_FIRST, RING_MULTIPLY_FIRST };
+static inline bool ring_edge_is_crossed(Vec2 a, Vec2 b, Vec2 p, int order) {
+    if ((a.y > p.y) == (b.y > p.y)) return false;
+    if (order == RING_DIVIDE_FIRST) return p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+    return p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y);
+}
+
+// Is the point inside a ring of corners? Concave rings and either way round are allowed. Edges run from each corner to the next.
+static inline bool ring_contains(const Vec2 *ring, int count, Vec2 p) {
+    bool inside = false;
+    for (int i = 0; i < count; i++)
+        inside ^= ring_edge_is_crossed(ring[i], ring[i + 1 == count ? 0 : i + 1], p, RING_DIVIDE_FIRST);
+    return inside;
+}
 
 // Cuts a convex polygon (collinear vertices allowed) into count - 2 triangles of its own vertices, preferring
 // fat ones; degenerate triangles arise only where nothing else is possible. `triangle` [3 * (count - 2)].

@@ -42,7 +42,8 @@ Line image_cut(const Image *image, Vec3 n, double d, Line depth) {
     return along_rays(image, n) + four_of(vec3_dot(n, image->eye) - d) * depth;
 }
 
-// Keeps what is up to a pixel around the picture on one side; each of the four.
+// Keeps the part up to a pixel beyond one of the picture's four sides. It is the clipper of core/polygon.h in homogeneous coordinates,
+// where places behind the eye are cut before anything is divided.
 static int clip_side(const Image *image, int side, const Four *in, int count, Four *out) {
     Four f = side == 0   ? (Four){1, 0, 1, 0}
              : side == 1 ? (Four){-1, 0, image->width, 0}

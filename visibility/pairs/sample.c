@@ -8,6 +8,7 @@
 
 #include <omp.h>
 
+#include "engine/core/polygon.h"
 #include "engine/core/random.h"
 #include "visibility/pairs/witness.h"
 
@@ -62,20 +63,14 @@ static void view_portal(const Sampler *s, const Portal *portal, int cell, Window
 static void clip(Window *w, Vec3 n) {
     Vec3 in[MOST_CORNERS];
     double distance[MOST_CORNERS];
-    int count = w->count, kept = 0, outside = 0;
+    int count = w->count, outside = 0;
     for (int i = 0; i < count; i++) {
         distance[i] = vec3_dot(n, w->v[i]);
         outside += distance[i] < 0;
     }
     if (outside == 0) return;
     memcpy(in, w->v, (size_t)count * sizeof *in);
-    for (int i = 0; i < count; i++) {
-        int k = i + 1 == count ? 0 : i + 1;
-        if (distance[i] >= 0) w->v[kept++] = in[i];
-        if (distance[i] * distance[k] < 0)
-            w->v[kept++] = vec3_lerp(in[i], in[k], distance[i] / (distance[i] - distance[k]));
-    }
-    w->count = kept;
+    w->count = polygon_clip_band(in, distance, count, 0, w->v);
 }
 
 // Half the sum of the turned corners, weighed by the distance: about the solid angle of a small window, negative where it

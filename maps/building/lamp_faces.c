@@ -1,6 +1,8 @@
 // lamp_faces.c - squares and cubes of light for lamps.
 #include "maps/building/lamp_faces.h"
 
+#include "engine/core/polygon.h"
+
 // From lamp to square, metres: off its polygons, and nobody sees the gap.
 static const double GAP = 0.005;
 // Least free height above a lamp that shines upwards, metres; with less it lights a spot of the ceiling only.
@@ -32,12 +34,7 @@ static bool is_in_plan(const Building *b, const Region *region, Vec3 p) {
     bool inside = false;
     for (int r = region->first_ring; r < region->first_ring + region->ring_count; r++) {
         const Ring *ring = &b->rings[r];
-        for (int i = 0; i < ring->point_count; i++) {
-            Vec2 u = b->points[ring->first_point + i];
-            Vec2 v = b->points[ring->first_point + (i + 1) % ring->point_count];
-            if ((u.y > p.y) != (v.y > p.y) && p.x < u.x + (p.y - u.y) / (v.y - u.y) * (v.x - u.x))
-                inside = !inside;
-        }
+        inside ^= ring_contains(&b->points[ring->first_point], ring->point_count, vec2(p.x, p.y));
     }
     return inside;
 }

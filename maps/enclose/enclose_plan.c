@@ -10,6 +10,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "engine/core/polygon.h"
 #include "maps/enclose/enclose.h"
 
 static const double GRID_MM = 1.0;  // MAPS_GRID
@@ -20,11 +21,8 @@ bool shape_contains(const Shape *shape, Vec2 p) {
     if (p.x < shape->min.x || p.x > shape->max.x || p.y < shape->min.y || p.y > shape->max.y) return false;
     bool inside = false;
     for (int r = 0; r < shape->ring_count; r++) {
-        for (int i = shape->ring[r], j = shape->ring[r + 1] - 1; i < shape->ring[r + 1]; j = i++) {
-            Vec2 a = shape->points[i], b = shape->points[j];
-            if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y))
-                inside = !inside;
-        }
+        for (int i = shape->ring[r], j = shape->ring[r + 1] - 1; i < shape->ring[r + 1]; j = i++)
+            inside ^= ring_edge_is_crossed(shape->points[i], shape->points[j], p, RING_MULTIPLY_FIRST);
     }
     return inside;
 }

@@ -5,6 +5,7 @@
 // lies on the boundary of all regions that pass it, so that touching regions share their vertices.
 #include <stdlib.h>
 
+#include "engine/core/polygon.h"
 #include "engine/core/predicates.h"
 #include "maps/enclose/enclose.h"
 
@@ -392,8 +393,7 @@ static bool loop_contains(const Plan *p, const Loop *loop, Vec2 q) {
     bool inside = false;
     for (int i = 0; i < loop->count; i++) {
         Vec2 a = p->vertices[half_from(p, loop->halves[i])], b = p->vertices[half_to(p, loop->halves[i])];
-        if ((a.y > q.y) != (b.y > q.y) && q.x < a.x + (b.x - a.x) * (q.y - a.y) / (b.y - a.y))
-            inside = !inside;
+        inside ^= ring_edge_is_crossed(a, b, q, RING_MULTIPLY_FIRST);
     }
     return inside;
 }

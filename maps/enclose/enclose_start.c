@@ -1,4 +1,5 @@
 // enclose_start.c - where a walk begins, and which way it looks.
+#include "engine/core/polygon.h"
 #include "maps/enclose/enclose.h"
 
 // Eye height of a walk, metres; clear of the ceiling by EYE_CLEAR.
@@ -26,9 +27,7 @@ static double depth_in(const Building *b, const Region *r, Vec2 q) {
             Vec2 d = vec2_sub(p[i], p[j]), aq = vec2_sub(q, p[j]);
             double t = fmin(1, fmax(0, vec2_dot(aq, d) / vec2_dot(d, d)));
             nearest = fmin(nearest, vec2_length(vec2_sub(aq, vec2_scale(d, t))));
-            if ((p[i].y > q.y) != (p[j].y > q.y) &&
-                q.x < p[i].x + (p[j].x - p[i].x) * (q.y - p[i].y) / (p[j].y - p[i].y))
-                inside = !inside;
+            inside ^= ring_edge_is_crossed(p[i], p[j], q, RING_MULTIPLY_FIRST);
         }
     }
     return inside ? nearest : -nearest;

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/core/polygon.h"
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
 
@@ -240,12 +241,8 @@ static bool inside(const Building *b, Vec3 p) {
         if (r->kind != REGION_ROOM || p.z <= r->z0 || p.z >= r->z1) continue;
         bool in = false;
         for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
-            const Vec2 *q = &b->points[b->rings[k].first_point];
-            for (int n = b->rings[k].point_count, j = 0; j < n; j++) {
-                Vec2 u = q[j], v = q[(j + 1) % n];
-                if ((u.y > p.y) != (v.y > p.y) && p.x < u.x + (p.y - u.y) / (v.y - u.y) * (v.x - u.x))
-                    in = !in;
-            }
+            const Ring *ring = &b->rings[k];
+            in ^= ring_contains(&b->points[ring->first_point], ring->point_count, vec2(p.x, p.y));
         }
         if (in) return true;
     }

@@ -160,10 +160,8 @@ static double to_edge(Vec2 p, Vec2 a, Vec2 b) {
 // By the crossings of a ray along +x: even outside, odd inside.
 static bool encloses(const Vec3 *v, int count, Vec2 p) {
     bool inside = false;
-    for (int i = 0, k = count - 1; i < count; k = i++) {
-        if ((v[i].y > p.y) == (v[k].y > p.y)) continue;
-        if (p.x < v[k].x + (p.y - v[k].y) / (v[i].y - v[k].y) * (v[i].x - v[k].x)) inside = !inside;
-    }
+    for (int i = 0, k = count - 1; i < count; k = i++)
+        inside ^= ring_edge_is_crossed(vec2(v[k].x, v[k].y), vec2(v[i].x, v[i].y), p, RING_DIVIDE_FIRST);
     return inside;
 }
 

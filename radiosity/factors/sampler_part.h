@@ -2,6 +2,7 @@
 #ifndef RADIOSITY_SAMPLER_PART_H
 #define RADIOSITY_SAMPLER_PART_H
 
+#include "engine/core/four.h"
 #include "engine/core/lane.h"
 #include "radiosity/factors/sampler.h"
 #include "radiosity/mesh/lines.h"
@@ -39,8 +40,6 @@ typedef struct GridForm {
 
 // What a direction meets: a square, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
-
-typedef double Four __attribute__((vector_size(32)));
 
 // Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
 // axes are turned from these: `stay` of each number, and `cross` of the other of x and y.

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
+#include "engine/core/four.h"
 
 const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS] = {"none", "depth", "cells", "plan", "portals"};
 
@@ -114,9 +115,6 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
 }
 
 // ---- a look
-
-// A point and one number more, in one register.
-typedef double Four __attribute__((vector_size(32), aligned(8)));
 
 typedef struct Look {
     Viewer *viewer;

@@ -140,7 +140,7 @@ static double looks_of(Looks *l, int patch) {
 
 // All that a shot asks of a patch, in one line of the cache.
 typedef struct Receiver {
-    Channels unshot;  // W/m^2
+    Four unshot;  // W/m^2
     float reflectance[3];
     double area, per_area;
 } Receiver;
@@ -151,7 +151,7 @@ typedef struct Shooter {
     RadSolution *solution;
     ShootElements *elements;
     Receiver *receivers;  // [patch_count]
-    Channels absorbed, escaped;
+    Four absorbed, escaped;
     ShootQueue queue;
     ShootRows *rows;
     Looks looks;
@@ -201,10 +201,9 @@ enum { RECEIVER_AHEAD = 12 };
 
 static void shoot(Shooter *s, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
-    Channels power = from->unshot * channels_spread(from->area * row->scale),
-             absorbed = power * channels_spread(row->back);
+    Four power = from->unshot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
     const bool lamps_only = s->options->lamps_only;
-    from->unshot = channels_spread(0);
+    from->unshot = four_of(0);
     shoot_queue_clear(&s->queue, patch);
     shoot_elements_tell(s->elements, row, power);
     for (int r = 0; r < row->run_count; r++) {
@@ -212,14 +211,14 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
         Receiver *to = &s->receivers[run->patch];
         if (r + RECEIVER_AHEAD < row->run_count)
             __builtin_prefetch(&s->receivers[run[RECEIVER_AHEAD].patch], 1);
-        Channels reflected = power * channels_of_floats(to->reflectance);
+        Four reflected = power * channels_of_floats(to->reflectance);
         double share = (double)run->share;
-        to->unshot += reflected * channels_spread(share * to->per_area);
-        absorbed += (power - reflected) * channels_spread(share);
+        to->unshot += reflected * four_of(share * to->per_area);
+        absorbed += (power - reflected) * four_of(share);
         if (!lamps_only) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
     }
     s->absorbed += absorbed;
-    s->escaped += power * channels_spread(row->escaped);
+    s->escaped += power * four_of(row->escaped);
     s->solution->shots++;
 }
 

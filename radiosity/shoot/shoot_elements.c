@@ -8,7 +8,7 @@ enum { SHOTS_A_LIST = 64, LISTS = 16 };
 
 typedef struct Shot {
     const ShootRow *row;
-    Channels power;
+    Four power;
 } Shot;
 
 typedef struct ShotList {
@@ -23,7 +23,7 @@ typedef struct Reflector {
 } Reflector;
 
 struct ShootElements {
-    Channels *radiosity;    // [element_count]
+    Four *radiosity;        // [element_count]
     Reflector *reflectors;  // [patch_count]
     int element_count;
     ShotList lists[LISTS];  // list i % LISTS is the i-th; `written` is the one that is being written
@@ -47,14 +47,14 @@ static void tell_shot(ShootElements *e, const Shot *shot) {
         const Reflector *to = &e->reflectors[run->patch];
         if (r + REFLECTOR_AHEAD < row->run_count) {
             __builtin_prefetch(&e->reflectors[run[REFLECTOR_AHEAD].patch]);
-            const Channels *soon = e->radiosity + e->reflectors[run[ELEMENTS_AHEAD].patch].first_element;
+            const Four *soon = e->radiosity + e->reflectors[run[ELEMENTS_AHEAD].patch].first_element;
             __builtin_prefetch(soon, 1);
             __builtin_prefetch(soon + 2, 1);
         }
-        Channels reflected = shot->power * channels_of_floats(to->reflectance);
-        Channels *elements = e->radiosity + to->first_element;
+        Four reflected = shot->power * channels_of_floats(to->reflectance);
+        Four *elements = e->radiosity + to->first_element;
         for (int i = 0; i <= row->count[r]; i++)
-            elements[*offset++] += reflected * channels_spread((double)*density++);
+            elements[*offset++] += reflected * four_of((double)*density++);
     }
 }
 
@@ -96,7 +96,7 @@ static void hand_over(ShootElements *e) {
 ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena) {
     ShootElements *e = ARENA_ARRAY(arena, ShootElements, 1);
     e->element_count = mesh->element_count;
-    e->radiosity = ARENA_ARRAY(arena, Channels, mesh->element_count);
+    e->radiosity = ARENA_ARRAY(arena, Four, mesh->element_count);
     for (int i = 0; i < mesh->element_count; i++) e->radiosity[i] = channels_of(solution->radiosity[i]);
     e->reflectors = ARENA_ARRAY(arena, Reflector, mesh->patch_count);
     for (int p = 0; p < mesh->patch_count; p++) {
@@ -110,7 +110,7 @@ ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution,
     return e;
 }
 
-void shoot_elements_tell(ShootElements *e, const ShootRow *row, Channels power) {
+void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power) {
     ShotList *list = &e->lists[e->written % LISTS];
     list->shots[list->count++] = (Shot){row, power};
     if (list->count < SHOTS_A_LIST) return;

@@ -15,8 +15,6 @@ static const double LEAST_SINE = 1e-12;
 
 // ---- made once
 
-static RayFour four_of(double a) { return a - (RayFour){0}; }
-
 static void put_edge(RayEdges *edges, int lane, Vec3 a, Vec3 b) {
     Vec3 way = vec3_sub(b, a), moment = vec3_cross(a, b);
     double length = vec3_length(way);
@@ -110,7 +108,7 @@ SurfaceRay surface_ray(const RaySurfaces *s, const Ray *ray) {
 }
 
 // Bit i: the number is below that of the limit.
-static inline int below(RayFour a, double limit) {
+static inline int below(Four a, double limit) {
 #ifdef __AVX__
     return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)four_of(limit), _CMP_LT_OQ));
 #else
@@ -125,13 +123,13 @@ static inline bool meets(const RaySurfaces *s, const RayPolygon *p, const Surfac
     *t = (p->plane.d - vec3_dot(p->plane.n, r->origin)) / *along;
     if (!(*t > r->ray.near && *t < far) || fabs(*along) < LEAST_SINE) return false;
     double side = *along < 0 ? -1 : 1;  // inside of all edges the product is above 0
-    RayFour d[3] = {four_of(side * r->ray.direction.x), four_of(side * r->ray.direction.y),
-                    four_of(side * r->ray.direction.z)};
-    RayFour m[3] = {four_of(side * r->moment.x), four_of(side * r->moment.y), four_of(side * r->moment.z)};
+    Four d[3] = {four_of(side * r->ray.direction.x), four_of(side * r->ray.direction.y),
+                 four_of(side * r->ray.direction.z)};
+    Four m[3] = {four_of(side * r->moment.x), four_of(side * r->moment.y), four_of(side * r->moment.z)};
     const RayEdges *e = s->edges + p->first_edges;
     for (int i = 0; i < p->edge_count; i += 4, e++) {
-        RayFour inside = (d[0] * e->moment[0] + d[1] * e->moment[1] + d[2] * e->moment[2]) +
-                         (m[0] * e->way[0] + m[1] * e->way[1] + m[2] * e->way[2]);
+        Four inside = (d[0] * e->moment[0] + d[1] * e->moment[1] + d[2] * e->moment[2]) +
+                      (m[0] * e->way[0] + m[1] * e->way[1] + m[2] * e->way[2]);
         if (below(inside, -EDGE_SLACK)) return false;
     }
     return p->edge_count > 0;

@@ -2,13 +2,12 @@
 #ifndef RAYS_RAY_SURFACES_H
 #define RAYS_RAY_SURFACES_H
 
+#include "engine/core/four.h"
 #include "visibility/rays/curved_rays.h"
-
-typedef double RayFour __attribute__((vector_size(32)));
 
 // Four edges of a polygon, from a to b: a x b and b - a, over their length. The last edge fills up the last four.
 typedef struct RayEdges {
-    RayFour moment[3], way[3];
+    Four moment[3], way[3];
 } RayEdges;
 
 typedef struct RayPolygon {

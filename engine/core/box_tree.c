@@ -11,11 +11,11 @@ typedef struct Builder {
     Vec3 *middles;  // [count]
 } Builder;
 
-static double along(Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+static double centre_along(Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
 // Ties go to the lower index, so that the tree does not depend on how the boxes lay before.
-static bool before(const Builder *b, int axis, int i, int j) {
-    double p = along(b->middles[i], axis), q = along(b->middles[j], axis);
+static bool comes_before(const Builder *b, int axis, int i, int j) {
+    double p = centre_along(b->middles[i], axis), q = centre_along(b->middles[j], axis);
     return p != q ? p < q : i < j;
 }
 
@@ -26,13 +26,13 @@ static void swap(int *a, int *b) {
 }
 
 // Puts the `middle` boxes that come first along the axis before the others (C. A. R. Hoare, Algorithm 65: Find, 1961).
-static void halve(const Builder *b, int *order, int count, int middle, int axis) {
+static void halve_boxes(const Builder *b, int *order, int count, int middle, int axis) {
     int low = 0, high = count - 1;
     while (low < high) {
         int pivot = order[low + (high - low) / 2], i = low, j = high;
         while (i <= j) {
-            while (before(b, axis, order[i], pivot)) i++;
-            while (before(b, axis, pivot, order[j])) j--;
+            while (comes_before(b, axis, order[i], pivot)) i++;
+            while (comes_before(b, axis, pivot, order[j])) j--;
             if (i <= j) swap(&order[i++], &order[j--]);
         }
         if (j < middle) low = i;
@@ -56,7 +56,7 @@ static void add_node(Builder *b, int first, int count) {
         node->count = count;
     } else {
         int half = count / 2;
-        halve(b, tree->order + first, count, half, widest_axis(b, first, count));
+        halve_boxes(b, tree->order + first, count, half, widest_axis(b, first, count));
         add_node(b, first, half);
         add_node(b, first + half, count - half);
     }

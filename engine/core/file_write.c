@@ -207,7 +207,7 @@ static bool open_stream(FileDraft *draft) {
     return draft->fd >= 0;
 }
 
-static bool begin(const char *path, bool named, FileDraft *draft, Error *error) {
+static bool begin_draft(const char *path, bool named, FileDraft *draft, Error *error) {
     bool exists;
     if (strcmp(path, "-") == 0)
         return error_set(error, "-: is not written (allowed: /dev/stdout; a file of this name as ./-)");
@@ -223,7 +223,9 @@ static bool begin(const char *path, bool named, FileDraft *draft, Error *error) 
                      path, strerror(errno));
 }
 
-bool file_begin(const char *path, FileDraft *out, Error *error) { return begin(path, false, out, error); }
+bool file_begin(const char *path, FileDraft *out, Error *error) {
+    return begin_draft(path, false, out, error);
+}
 
 // A list tells who else may; without it the group's bits, which then are its bounds, would say too much. Returns whether
 // there is none, or it was copied.
@@ -246,7 +248,7 @@ static void take_over_rights(const FileDraft *draft) {
 }
 
 // Onto the disk and under its name. False with errno.
-static bool settle(FileDraft *draft) {
+static bool settle_draft(FileDraft *draft) {
     take_over_rights(draft);
     return fsync(draft->fd) == 0 && (*draft->beside || name_nameless(draft)) &&
            rename(draft->beside, draft->target) == 0;
@@ -254,7 +256,7 @@ static bool settle(FileDraft *draft) {
 
 bool file_keep(FileDraft *draft, Error *error) {
     if (draft->stream) return close(draft->fd) == 0 || fail(draft->path, error);
-    if (!settle(draft)) {
+    if (!settle_draft(draft)) {
         fail(draft->path, error);
         file_drop(draft);
         return false;
@@ -287,7 +289,7 @@ static bool write_whole(const char *path, const void *data, size_t size, Error *
     // A file system may make files without names and yet refuse to name them. What else fails fails again.
     for (int named = 0; named < 2; named++) {
         FileDraft draft;
-        if (!begin(path, named, &draft, error)) return false;
+        if (!begin_draft(path, named, &draft, error)) return false;
         bool again = !draft.stream && !*draft.beside;
         if (write_all(draft.fd, data, size)) {
             if (file_keep(&draft, error)) return true;

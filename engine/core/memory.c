@@ -43,7 +43,7 @@ static size_t number_after(const char *text, const char *key) {
 }
 
 // Takes no memory. False where the system does not tell.
-static bool measure(Process *out) {
+static bool measure_process(Process *out) {
     char text[4096];
     int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
     ssize_t length = fd < 0 ? -1 : read(fd, text, sizeof text - 1);
@@ -91,7 +91,7 @@ static _Noreturn void end_over(void) {
 // it has given back since: it grows what it has by doubling, so it had a quarter of all at least.
 static bool at_fence(size_t bytes) {
     Process now;
-    if (fence_base == 0 || atomic_load(&injected) || !measure(&now)) return false;
+    if (fence_base == 0 || atomic_load(&injected) || !measure_process(&now)) return false;
     size_t limit = atomic_load(&most);
     return bytes > 0 ? now.data + bytes > fence_base + limit : now.resident_peak > limit / 4;
 }
@@ -143,7 +143,7 @@ static void raise_fence(void) {
     static const size_t SLACK = (size_t)32 << 20;
     Process now;
     // Threads must not meet a fence: their stacks are data too.
-    if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure(&now) || now.threads != 1 ||
+    if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure_process(&now) || now.threads != 1 ||
         now.data <= memory_used())
         return;
     fence_base = now.data - memory_used() + SLACK;

@@ -5,7 +5,7 @@
 static const double NO_AREA = 1e-6;
 
 // The cut is computed from the lexicographically smaller end, so that it is the same from both sides.
-static Vec3 cut(Vec3 a, double da, Vec3 b, double db) {
+static Vec3 cut_edge(Vec3 a, double da, Vec3 b, double db) {
     bool swap = a.x != b.x ? a.x > b.x : a.y != b.y ? a.y > b.y : a.z > b.z;
     if (swap) {
         Vec3 p = a;
@@ -28,12 +28,12 @@ static int clip_deepest(const Vec3 *in, int count, Plane keep, double slack, Vec
     while (plane_distance(keep, in[first]) + slack < 0) first = (first + count - 1) % count;
     while (plane_distance(keep, in[last]) + slack < 0) last = (last + 1) % count;
     Vec3 in_first = in[(first + 1) % count], in_last = in[(last + count - 1) % count];
-    out[kept++] =
-        cut(in_last, plane_distance(keep, in_last) + slack, in[last], plane_distance(keep, in[last]) + slack);
+    out[kept++] = cut_edge(in_last, plane_distance(keep, in_last) + slack, in[last],
+                           plane_distance(keep, in[last]) + slack);
     for (int i = last; i != first; i = (i + 1) % count) out[kept++] = in[i];
     out[kept++] = in[first];
-    out[kept++] = cut(in[first], plane_distance(keep, in[first]) + slack, in_first,
-                      plane_distance(keep, in_first) + slack);
+    out[kept++] = cut_edge(in[first], plane_distance(keep, in[first]) + slack, in_first,
+                           plane_distance(keep, in_first) + slack);
     return kept;
 }
 
@@ -47,7 +47,7 @@ int polygon_clip(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out)
         double here = plane_distance(keep, point) + slack;
         bool crosses = (before < 0) != (here < 0);
         if (kept + crosses + (here >= 0) > count + 1) return clip_deepest(in, count, keep, slack, out);
-        if (crosses) out[kept++] = cut(previous, before, point, here);
+        if (crosses) out[kept++] = cut_edge(previous, before, point, here);
         if (here >= 0) out[kept++] = point;
         previous = point;
         before = here;

@@ -16,7 +16,7 @@ typedef struct Expansion {
 } Expansion;
 
 // Adds one double to the expansion (Shewchuk's Grow-Expansion with Two-Sum).
-static void grow(Expansion *e, double b) {
+static void grow_expansion(Expansion *e, double b) {
     double q = b;
     int kept = 0;
     for (int i = 0; i < e->count; i++) {
@@ -31,8 +31,8 @@ static void grow(Expansion *e, double b) {
 
 static void add_product(Expansion *e, double a, double b) {
     double high = a * b, low = fma(a, b, -high);
-    grow(e, low);
-    grow(e, high);
+    grow_expansion(e, low);
+    grow_expansion(e, high);
 }
 
 static int orient_exact(Vec2 a, Vec2 b, Vec2 c) {

@@ -22,7 +22,7 @@ static int by_distance(const void *a, const void *b) {
     return p->distance != q->distance ? (p->distance < q->distance ? -1 : 1) : p->face - q->face;
 }
 
-static Box box_of(const Mesh *mesh, const Face *face) {
+static Box face_box(const Mesh *mesh, const Face *face) {
     Box box = box_empty();
     for (int i = 0; i < face->vertex_count; i++)
         box = box_add(box, mesh->vertices[mesh->outline[face->first_vertex + i]]);
@@ -54,7 +54,7 @@ bool *lit_twins(const Mesh *mesh, Arena *arena) {
     Box *boxes = ARENA_ARRAY(&scratch, Box, mesh->face_count + 1);
     for (int f = 0; f < mesh->face_count; f++) {
         keys[f] = (Key){mesh->faces[f].plane.d, f};
-        boxes[f] = box_of(mesh, &mesh->faces[f]);
+        boxes[f] = face_box(mesh, &mesh->faces[f]);
     }
     qsort(keys, (size_t)mesh->face_count, sizeof *keys, by_distance);
     for (int i = 0; i < mesh->face_count; i++) {

@@ -282,7 +282,7 @@ static double distance_to_box(Box box, Vec3 p) {
     return vec3_length(off);
 }
 
-static int add_polygon(WalkMesh *mesh, int polygon, int at) {
+static int mesh_polygon(WalkMesh *mesh, int polygon, int at) {
     int first = mesh->first_index[polygon], count = mesh->first_index[polygon + 1] - first;
     memcpy(mesh->list + at, mesh->index + first, (size_t)count * sizeof *mesh->list);
     return at + count;
@@ -294,7 +294,7 @@ static int add_object(WalkMesh *mesh, int object, WalkPart part, Vec3 eye, int a
         if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
         // Where two surfaces lie back to back each hides nothing: they are seen from inside their cells only.
         if (part == WALK_SURFACES && plane_distance(mesh->plane[p], eye) <= 0) continue;
-        at = add_polygon(mesh, p, at);
+        at = mesh_polygon(mesh, p, at);
     }
     return at;
 }

@@ -254,7 +254,7 @@ static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *
     glDisable(GL_BLEND);
 }
 
-static bool begin(WalkRenderer *w, WalkTarget target, Error *error) {
+static bool begin_frame(WalkRenderer *w, WalkTarget target, Error *error) {
     w->drawn = target;
     if (!walk_targets_bind(&w->targets, target, error)) return false;
     glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
@@ -263,7 +263,7 @@ static bool begin(WalkRenderer *w, WalkTarget target, Error *error) {
 }
 
 static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
-    if (!begin(w, WALK_TARGET_FAST, error)) return false;
+    if (!begin_frame(w, WALK_TARGET_FAST, error)) return false;
     use_scene(w, SCENE_THINGS, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS);
     use_scene(w, SCENE_SURFACES, camera);
@@ -274,7 +274,7 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
 }
 
 static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
-    if (!draw_occlusion(w, camera, error) || !begin(w, WALK_TARGET_FINE, error)) return false;
+    if (!draw_occlusion(w, camera, error) || !begin_frame(w, WALK_TARGET_FINE, error)) return false;
     use_texture(w->targets.texture[WALK_TARGET_BLUR]);
     use_scene(w, SCENE_FINE, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS);
@@ -295,7 +295,7 @@ static void use_lit(const WalkRenderer *w, const Camera *camera) {
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     bool numbers = w->tone.quantity != FALSE_COLOUR_OFF;
     if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
-    if (!begin(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
+    if (!begin_frame(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
     use_lit(w, camera);
     walk_lit_draw(w->lit, false);
     glEnable(GL_POLYGON_OFFSET_FILL);

@@ -49,7 +49,7 @@ static bool overlaps(Rectangle a, Rectangle b) {
 }
 
 // Takes the place if it is in the window and free.
-static bool take(Hud *hud, Rectangle r) {
+static bool take_place(Hud *hud, Rectangle r) {
     if (r.x < MARGIN || r.y < MARGIN || r.x + r.width > hud->width - MARGIN ||
         r.y + r.height > hud->height - MARGIN) {
         return false;
@@ -147,7 +147,7 @@ static void draw_prompt(Hud *hud) {
     const char *prompt = shortened(hud, TEXT, s->prompt, hud->width - 2 * MARGIN - 2 * PAD - key - GAP);
     double width = key + GAP + overlay_text_width(hud->overlay, TEXT, prompt) + 2 * PAD;
     Rectangle r = anchored(hud, 0.5, PROMPT_DOWN, width, LINE + PAD);
-    if (!take(hud, r)) return;
+    if (!take_place(hud, r)) return;
     panel(hud, r, PANEL, PANEL_OPACITY);
     draw_key(hud, r.x + PAD, r.y + PAD / 2, s->prompt_key);
     text(hud, r.x + PAD + KEY_PAD, r.y + PAD / 2, SMALL, BRIGHT, s->prompt_key);
@@ -177,7 +177,7 @@ static bool place_help(Hud *hud, HelpTable *t) {
         double height = t->rows * HELP_LINE + 2 * PAD;
         for (int place = 0; place < 2; place++) {
             t->place = anchored(hud, place * 0.5, 1 - place * 0.5, width, height);
-            if (take(hud, t->place)) return true;
+            if (take_place(hud, t->place)) return true;
         }
     }
     return false;
@@ -240,7 +240,7 @@ static void draw_flags(Hud *hud, double top) {
         signs[end - first] = (Rectangle){x, top, width, LINE};
         row.width = x + width - row.x;
     }
-    if (end == first || !take(hud, row)) return;
+    if (end == first || !take_place(hud, row)) return;
     for (int i = first; i < end; i++) {
         Rectangle r = signs[i - first];
         overlay_rectangle(hud->overlay, r.x, r.y, r.width, r.height, KEY_ROUND, i < 0 ? RED : ACCENT,
@@ -285,7 +285,7 @@ static void draw_plan(Hud *hud) {
         double x = area.max.x - area.min.x, y = area.max.y - area.min.y, scale = side / fmax(x, y);
         double width = fmax(x * scale, side / 2), height = y * scale;
         Rectangle r = anchored(hud, 1, 0, width + 2 * PLAN_FRAME, height + PLAN_FRAME + LINE);
-        if (!take(hud, r)) continue;
+        if (!take_place(hud, r)) continue;
         panel(hud, r, PANEL, PLAN_OPACITY);
         OverlayMap map = overlay_map(hud->overlay, area, r.x + PLAN_FRAME, r.y + PLAN_FRAME, width, height);
         Draw draw = overlay_map_draw(&map);
@@ -300,7 +300,7 @@ static void draw_legend(Hud *hud) {
     if (!legend) return;
     for (size_t i = 0; i < sizeof LEGEND_HEIGHTS / sizeof *LEGEND_HEIGHTS; i++) {
         Rectangle r = anchored(hud, 1, 1, hud_legend_width(), hud_legend_height(LEGEND_HEIGHTS[i]));
-        if (!take(hud, r)) continue;
+        if (!take_place(hud, r)) continue;
         hud_legend_draw(hud->overlay, legend, r.x, r.y, LEGEND_HEIGHTS[i], hud->state->scratch);
         return;
     }
@@ -324,11 +324,11 @@ void hud_draw(Overlay *overlay, const HudState *state) {
     draw_prompt(&hud);
     // Help was asked for just now: figures give way to it.
     Rectangle figures = anchored(&hud, 0, 0, FIGURES_WIDTH, FIGURE_ROWS * LINE + PAD);
-    bool shown = state->figures && take(&hud, figures), helped = place_help(&hud, &help);
+    bool shown = state->figures && take_place(&hud, figures), helped = place_help(&hud, &help);
     if (shown && !helped && state->help) {
         hud.taken_count--;
         helped = place_help(&hud, &help);
-        if (helped || !take(&hud, figures)) shown = false;
+        if (helped || !take_place(&hud, figures)) shown = false;
     }
     if (shown) draw_figures(&hud, figures);
     if (helped) draw_help(&hud, &help);

@@ -20,7 +20,7 @@ static Vec2 place(const OverlayMap *map, Vec2 p) {
                 map->y + map->height / 2 - (p.y - map->middle.y) * map->scale);
 }
 
-static void begin(const OverlayMap *map) {
+static void begin_map(const OverlayMap *map) {
     overlay_clip(map->overlay, map->x, map->y, map->width, map->height);
 }
 
@@ -46,7 +46,7 @@ static void draw_line(void *context, Vec2 a, Vec2 b, const DrawStyle *style) {
     Vec2 from = place(map, a), way = vec2_sub(place(map, b), from);
     double width = style->width * map->scale, length = vec2_length(way);
     double dash = fmax(style->dash * map->scale, MAP_LEAST_DASH), first, last;
-    begin(map);
+    begin_map(map);
     if (style->dash <= 0) {
         overlay_line(map->overlay, from, vec2_add(from, way), width, style->stroke, 1);
     } else if (part_shown(map, from, vec2_add(from, way), width, &first, &last)) {
@@ -68,7 +68,7 @@ static void draw_polygon(void *context, const Vec2 *points, int count, const Dra
         Vec2 part[FEW] = {place(map, points[0])};
         int held = 1;
         for (int i = first; i < count && held < FEW; i++) part[held++] = place(map, points[i]);
-        begin(map);
+        begin_map(map);
         overlay_polygon(map->overlay, part, held, style->fill, style->fill_opacity);
         overlay_unclip(map->overlay);
     }
@@ -80,7 +80,7 @@ static void draw_polygon(void *context, const Vec2 *points, int count, const Dra
 static void draw_circle(void *context, Vec2 centre, double radius, const DrawStyle *style) {
     const OverlayMap *map = context;
     double line = style->width * map->scale;
-    begin(map);
+    begin_map(map);
     // The outline is a larger disc below: right for fillings that hide it.
     if (line > 0)
         overlay_circle(map->overlay, place(map, centre), radius * map->scale + line / 2, style->stroke, 1);
@@ -98,7 +98,7 @@ static void draw_text(void *context, Vec2 at, double size, unsigned colour, cons
     const OverlayMap *map = context;
     Vec2 middle = place(map, at);
     double points = size * map->scale, width = overlay_text_width(map->overlay, points, text);
-    begin(map);
+    begin_map(map);
     overlay_text(map->overlay, middle.x - width / 2, middle.y + OVERLAY_CAPITALS * points / 2, points, colour,
                  1, text);
     overlay_unclip(map->overlay);

@@ -73,8 +73,8 @@ static void put_four(Lamp *lamp, const Vec3 *c) {
     }
 }
 
-static void add_polygon(StillLamps *lamps, int face, double before, Arena *arena, int *capacity, int *corners,
-                        int *corner_capacity) {
+static void add_lamp_polygon(StillLamps *lamps, int face, double before, Arena *arena, int *capacity,
+                             int *corners, int *corner_capacity) {
     const Mesh *mesh = lamps->scene->mesh;
     const Face *f = &mesh->faces[face];
     Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
@@ -118,7 +118,8 @@ static void add_lamps(StillLamps *lamps, Arena *arena) {
             continue;
         const CurvedShape *shape = lamp_shape_of(lamps->scene, &mesh->faces[f]);
         if (shape && is_ball(shape)) continue;
-        add_polygon(lamps, f, shape ? 2 * shape->tolerance : 0, arena, &capacity, &corners, &corner_capacity);
+        add_lamp_polygon(lamps, f, shape ? 2 * shape->tolerance : 0, arena, &capacity, &corners,
+                         &corner_capacity);
         lamps->lamps[lamps->count - 1].cell = find_cell(lamps, &lamps->lamps[lamps->count - 1]);
     }
     for (int s = 0; s < b->shape_count; s++)

@@ -21,7 +21,7 @@ typedef struct Path {
     int depth;
 } Path;
 
-static void follow(Trace *t, const Path *path, double out[3]);
+static void follow_ray(Trace *t, const Path *path, double out[3]);
 
 static double most_of(Rgb c) { return (double)fmaxf(c.r, fmaxf(c.g, c.b)); }
 
@@ -77,7 +77,7 @@ static Passage pass(const Path *path, const StillSurface *s, bool front, Vec3 no
                      .tint = front || !closed ? tint_of(s->material) : CLEAR};
 }
 
-static void add(double out[3], const double light[3], double share, Rgb tint) {
+static void add_light(double out[3], const double light[3], double share, Rgb tint) {
     out[0] += share * (double)tint.r * light[0];
     out[1] += share * (double)tint.g * light[1];
     out[2] += share * (double)tint.b * light[2];
@@ -87,8 +87,8 @@ static void go_on(Trace *t, const Path *path, Vec3 at, Vec3 direction, const Med
                   Rgb tint, double out[3]) {
     Path next = {still_ray(at, direction), *media, path->weight * share * most_of(tint), path->depth + 1};
     double light[3];
-    follow(t, &next, light);
-    add(out, light, share, tint);
+    follow_ray(t, &next, light);
+    add_light(out, light, share, tint);
 }
 
 // The share of the first of two rays, of which one that counts too little leaves its share to the other.
@@ -122,7 +122,7 @@ static void see(Trace *t, const Path *path, const StillSurface *s, const Surface
     int rays = (int)ceil(t->w->lamp_rays * path->weight * (1 - glaze));
     StillNumbers numbers = numbers_of(t, rays);
     still_light_at(t->w->light, &path->ray, hit, rays, &numbers, lit);
-    add(out, lit, 1 - glaze, CLEAR);
+    add_light(out, lit, 1 - glaze, CLEAR);
     if (mirrored > 0) {
         Vec3 at = still_ray_at(&path->ray, hit->at.t);
         Vec3 along = glass_reflect(path->ray.direction, hit->at.normal);
@@ -132,12 +132,12 @@ static void see(Trace *t, const Path *path, const StillSurface *s, const Surface
     }
 }
 
-static void follow(Trace *t, const Path *path, double out[3]) {
+static void follow_ray(Trace *t, const Path *path, double out[3]) {
     out[0] = out[1] = out[2] = 0;
     bool faint = path->weight < t->w->threshold;
     if (faint || path->depth >= t->w->depth) {
         ++*(faint ? &t->work->faint : &t->work->deep);
-        add(out, t->w->light->mean, 1, CLEAR);
+        add_light(out, t->w->light->mean, 1, CLEAR);
         return;
     }
     SurfaceHit hit = still_rays_first(&t->w->scene->all, &path->ray);
@@ -158,5 +158,5 @@ void whitted_trace(const Whitted *w, const Ray *ray, const Media *media, uint64_
                    WhittedWork *work, double out[3]) {
     Trace t = {w, seed, sample, 0, work};
     Path path = {*ray, *media, 1, 0};
-    follow(&t, &path, out);
+    follow_ray(&t, &path, out);
 }

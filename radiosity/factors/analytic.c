@@ -176,13 +176,13 @@ long long analytic_visible(const Vec3 *polygon, int count, int rank, const Analy
     return s.cuts;
 }
 
-static void add_piece(void *context, const Vec3 *polygon, int count) {
+static void add_visible_piece(void *context, const Vec3 *polygon, int count) {
     *(double *)context += analytic_point(polygon, count);
 }
 
 double analytic_point_visible(const Vec3 *polygon, int count, const AnalyticOccluder *occluder,
                               int occluder_count) {
     double sum = 0;
-    analytic_visible(polygon, count, -1, occluder, occluder_count, add_piece, &sum);
+    analytic_visible(polygon, count, -1, occluder, occluder_count, add_visible_piece, &sum);
     return sum;
 }

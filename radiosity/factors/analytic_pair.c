@@ -45,10 +45,10 @@ static double gauss(const EdgePair *e, double a, double b) {
     return sum * (b - a) / 2;
 }
 
-static double halve(const EdgePair *e, double a, double b, double whole, int depth) {
+static double integrate_halves(const EdgePair *e, double a, double b, double whole, int depth) {
     double m = (a + b) / 2, left = gauss(e, a, m), right = gauss(e, m, b);
     if (depth == PAIR_DEPTH || fabs(left + right - whole) < PAIR_TOLERANCE) return left + right;
-    return halve(e, a, m, left, depth + 1) + halve(e, m, b, right, depth + 1);
+    return integrate_halves(e, a, m, left, depth + 1) + integrate_halves(e, m, b, right, depth + 1);
 }
 
 // Integral of ln r dr . dr' over two edges, the first outside.
@@ -58,11 +58,11 @@ static double edges(Vec3 a, Vec3 a1, Vec3 b, Vec3 b1) {
     if (length == 0) return 0;
     EdgePair e = {a, along, b, vec3_scale(other, 1 / length), length};
     double turn = vec3_dot(along, e.to_unit);
-    return turn == 0 ? 0 : turn * halve(&e, 0, 1, gauss(&e, 0, 1), 0);
+    return turn == 0 ? 0 : turn * integrate_halves(&e, 0, 1, gauss(&e, 0, 1), 0);
 }
 
 // The part of a polygon before the plane of the other; out has room for count + 1.
-static int before(const Vec3 *polygon, int count, const Vec3 *other, int other_count, Vec3 *out) {
+static int part_before(const Vec3 *polygon, int count, const Vec3 *other, int other_count, Vec3 *out) {
     Plane plane = plane_of_polygon(other, other_count);
     if (vec3_dot(plane.n, plane.n) == 0) return 0;
     return polygon_clip(polygon, count, plane, 0, out);
@@ -72,7 +72,7 @@ double analytic_exchange(const Vec3 *a, int a_count, const Vec3 *b, int b_count)
     CORE_ASSERT(a_count <= ANALYTIC_CORNERS && b_count <= ANALYTIC_CORNERS);
     // Boundaries know nothing of fronts: only what is before the other's plane takes part.
     Vec3 p[ANALYTIC_CORNERS + 1], q[ANALYTIC_CORNERS + 1];
-    int n = before(a, a_count, b, b_count, p), m = before(b, b_count, a, a_count, q);
+    int n = part_before(a, a_count, b, b_count, p), m = part_before(b, b_count, a, a_count, q);
     double forth = 0, back = 0;
     if (n < 3 || m < 3) return 0;
     for (int i = 0; i < n; i++)

@@ -30,7 +30,7 @@ typedef struct Analytic {
     bool back;
 } Analytic;
 
-static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+static void *analytic_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     (void)options;
     Analytic *self = ARENA_ARRAY(arena, Analytic, 1);
     self->mesh = mesh;
@@ -63,7 +63,7 @@ static void add_square(Analytic *self, const Vec3 *polygon, int count, int i, in
     if (share > 0) row_add(self->sum, face_grid_element(&self->grid, i, j), share);
 }
 
-static void add_piece(void *context, const Vec3 *polygon, int count) {
+static void add_row_piece(void *context, const Vec3 *polygon, int count) {
     Analytic *self = context;
     const FaceGrid *g = &self->grid;
     double share = analytic_point(polygon, count);
@@ -101,7 +101,7 @@ static double sky_of(const Analytic *self, const View *view, int quarter, int oc
     return analytic_point_visible(corner, 3, self->occluder, occluders);
 }
 
-static void row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
+static void exact_row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
     Analytic *self = context;
     self->sum = sum;
     self->total = 0;
@@ -122,7 +122,7 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
         self->grid = face_grid(self->mesh, view, f->face);
         self->back = f->d > 0;
         work->tests += analytic_visible(view->vertices + f->first_vertex, f->vertex_count,
-                                        form_factor_rank(f), self->occluder, occluders, add_piece, self);
+                                        form_factor_rank(f), self->occluder, occluders, add_row_piece, self);
     }
     if (1 - self->total <= ANALYTIC_CLOSED) return;
     sum->escaped += 1 - self->total;
@@ -132,6 +132,6 @@ static void row(void *context, const View *view, RowSum *sum, FormFactorWork *wo
 const FormFactorMethod FORM_FACTOR_ANALYTIC = {
     .name = "analytic",
     .summary = "exact: what faces hide of each other is cut away, pieces by Lambert's formula",
-    .start = start,
-    .row = row,
+    .start = analytic_start,
+    .row = exact_row,
 };

@@ -129,7 +129,7 @@ static void put(const ElementBuffer *self, Side *side, const Shape *shape, int i
 }
 
 // Pixels whose centres are inside, row by row, between pairs of crossings.
-static void fill(const ElementBuffer *self, Side *side, const Shape *shape) {
+static void fill_shape(const ElementBuffer *self, Side *side, const Shape *shape) {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < shape->count; i++) {
         low = fmin(low, shape->y[i]);
@@ -182,7 +182,7 @@ static void draw_on_side(const ElementBuffer *self, Side *side, Vec3 *v, int cou
         shape->x[i] = (v[i].x * scale + 1) * 0.5 * side->width;
         shape->y[i] = (v[i].y * scale - side->low) / (1 - side->low) * side->height;
     }
-    fill(self, side, shape);
+    fill_shape(self, side, shape);
 }
 
 static void draw_on_disc(const ElementBuffer *self, Side *side, Vec3 *v, int count, Shape *shape) {
@@ -202,7 +202,7 @@ static void draw_on_disc(const ElementBuffer *self, Side *side, Vec3 *v, int cou
             shape->y[shape->count++] = (p.y + 1) * 0.5 * side->height;
         }
     }
-    fill(self, side, shape);
+    fill_shape(self, side, shape);
 }
 
 static void draw_element(ElementBuffer *self, Side *side, int element, Vec3 near) {

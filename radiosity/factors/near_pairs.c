@@ -243,7 +243,7 @@ static void factors(const Points *points, const float (*v)[3], int count, float 
 }
 
 // What of an element lies before the patch, in its axes; returns how many corners.
-static int before(const NearPairs *self, const Axes *axes, int element, float out[][3]) {
+static int corners_before(const NearPairs *self, const Axes *axes, int element, float out[][3]) {
     Vec3 v[MOST_CORNERS], part[MOST_CORNERS + 1];
     int count = corners_of(self->shapes, axes, element, v);
     count = polygon_clip(v, count, (Plane){vec3(0, 0, 1), 0}, 0, part);
@@ -274,7 +274,7 @@ static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) 
 // What an element has of a patch's light, that has `share` of its centre's.
 static float mend(const NearPairs *self, const Axes *axes, const Points *points, int element, float share) {
     float v[MOST_CORNERS + 1][3], centre, mean;
-    int count = before(self, axes, element, v);
+    int count = corners_before(self, axes, element, v);
     if (count < 3) return share;
     factors(points, (const float(*)[3])v, count, &centre, &mean);
     if (centre < LEAST) return share;

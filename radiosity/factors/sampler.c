@@ -76,7 +76,7 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
 }
 
 // A block whose first sample is (i, j) of the grid. False: it has none.
-static bool add_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
+static bool list_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
     bool any = false;
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         unsigned mask = 0;
@@ -97,8 +97,8 @@ static void add_group(Sampler *s, const SampleGrid *grid, int i, int j, int grou
     s->first_block[group] = s->block_count;
     for (int k = 0; k < GROUP_BLOCKS; k++) {
         Extent extent = EXTENT_EMPTY;
-        bool any = add_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
-                             s->block_count, &extent);
+        bool any = list_block(s, grid, i + k % GROUP_SIDE * SAMPLER_BLOCK, j + k / GROUP_SIDE * SAMPLER_BLOCK,
+                              s->block_count, &extent);
         s->used[group] |= (unsigned short)(any << k);
         s->block_count += any;
         put_box(&s->block_boxes[group * 2 + k / LANES], k % LANES, &extent);

@@ -138,7 +138,7 @@ static void add_nothing(const Sampler *s, const View *view, int block, uint64_t 
 }
 
 // A block's directions, neighbours in one square at once.
-static void add_block(Sampler *s, const View *view, int block, uint64_t mask, RowSum *sum) {
+static void sum_block(Sampler *s, const View *view, int block, uint64_t mask, RowSum *sum) {
     LaneInt square[SAMPLER_BLOCK] = {0};
     find_squares(s, view, block, mask, square);
     uint64_t ends = 0;
@@ -191,6 +191,6 @@ void sampler_row(Sampler *s, const View *view, RowSum *sum) {
     for (int block = 0; block < s->block_count; block++) {
         uint64_t mask;
         memcpy(&mask, s->masks + block * SAMPLER_BLOCK, sizeof mask);
-        if (mask) add_block(s, view, block, mask, sum);
+        if (mask) sum_block(s, view, block, mask, sum);
     }
 }

@@ -30,7 +30,7 @@ typedef struct Contacts {
 
 static const Vec3 *points_of(const Contacts *c) { return c->builder->places.points; }
 
-static Box box_of(const Contacts *c, const Face *face) {
+static Box box_of_face(const Contacts *c, const Face *face) {
     const int *outline = c->builder->mesh->outline + face->first_vertex;
     Box box = box_empty();
     for (int i = 0; i < face->vertex_count; i++) box = box_add(box, points_of(c)[outline[i]]);
@@ -56,7 +56,7 @@ static bool sort_faces(Contacts *c, Arena *scratch) {
     const Mesh *mesh = c->builder->mesh;
     Box all = box_empty();
     for (int f = 0; f < mesh->face_count; f++) {
-        c->boxes[f] = box_of(c, &mesh->faces[f]);
+        c->boxes[f] = box_of_face(c, &mesh->faces[f]);
         all = box_union(all, c->boxes[f]);
     }
     c->x0 = all.min.x;
@@ -118,7 +118,7 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
 }
 
 // Where another face stands on this one, comes close to it, or goes through it.
-static void meet(Contacts *c, const Face *face, const Face *other) {
+static void note_contact(Contacts *c, const Face *face, const Face *other) {
     const int *outline = c->builder->mesh->outline + other->first_vertex;
     if (vec3_dot(face->plane.n, other->plane.n) > SAME_WAY) return;
     Vec3 crossing[2];
@@ -153,7 +153,7 @@ static void find_cuts(Contacts *c, int index) {
                 if (other == index || c->stamp[other] == index + 1) continue;
                 c->stamp[other] = index + 1;
                 if (!box_overlap(around, c->boxes[other])) continue;
-                meet(c, face, &mesh->faces[other]);
+                note_contact(c, face, &mesh->faces[other]);
             }
         }
     }

@@ -8,7 +8,7 @@ typedef struct Sides {
     int count, element;
 } Sides;
 
-static Sides *sides_of(const MeshPiece *pieces, int count, Vec3 n, Arena *arena) {
+static Sides *list_sides(const MeshPiece *pieces, int count, Vec3 n, Arena *arena) {
     Sides *sides = ARENA_ARRAY(arena, Sides, count);
     for (int i = 0; i < count; i++) {
         sides[i].element = pieces[i].element;
@@ -36,7 +36,7 @@ static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *aren
     MeshBlock b = c->leaves[leaf].block;
     int code = c->code[leaf], at = c->first_piece[leaf], count = c->first_piece[leaf + 1] - at;
     bool several = code < -1;
-    Sides *sides = several ? sides_of(c->pieces + at, count, face->plane.n, arena) : NULL;
+    Sides *sides = several ? list_sides(c->pieces + at, count, face->plane.n, arena) : NULL;
     Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
          y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
     double reach = 0.5 * vec3_length(vec3_add(x, y));

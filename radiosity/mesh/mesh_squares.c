@@ -68,7 +68,7 @@ static int beyond(const MeshCutting *c, MeshBlock b, int side) {
 
 // Joins a sliver to the largest neighbour with which it makes a block, one of its own patch first: what a block cuts
 // out of a convex polygon is convex.
-static bool join(MeshCutting *c, int at) {
+static bool join_squares(MeshCutting *c, int at) {
     MeshLeaf *leaf = &c->leaves[at], *best = NULL;
     for (int side = 0; side < 4; side++) {
         int index = beyond(c, leaf->block, side);
@@ -94,7 +94,8 @@ static void join_slivers(MeshCutting *c) {
         joined = false;
         for (int k = 0; k < c->leaf_count; k++) {
             const MeshLeaf *leaf = &c->leaves[k];
-            if (leaf->area > 0 && leaf->area < SLIVER * whole_of(c, leaf->block) && join(c, k)) joined = true;
+            if (leaf->area > 0 && leaf->area < SLIVER * whole_of(c, leaf->block) && join_squares(c, k))
+                joined = true;
         }
     }
 }

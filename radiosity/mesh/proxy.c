@@ -62,7 +62,7 @@ typedef struct Model {
     int triangle_count, triangle_capacity, locked_capacity;
 } Model;
 
-static int place_of(Model *m, Vec3 v, Arena *arena) {
+static int vertex_place(Model *m, Vec3 v, Arena *arena) {
     int before = m->places.count, place = places_add(&m->places, v);
     if (place == before) *ARENA_PUSH(arena, m->locked, before, m->locked_capacity) = 0;
     return place;
@@ -73,7 +73,7 @@ static void add_triangles(Model *m, const Vec3 *v, int count, int tag, Arena *ar
     polygon_triangulate(v, count, triangle);
     for (int i = 0; i < count - 2; i++) {
         SimplifyTriangle t = {.tag = tag};
-        for (int k = 0; k < 3; k++) t.corner[k] = place_of(m, v[triangle[3 * i + k]], arena);
+        for (int k = 0; k < 3; k++) t.corner[k] = vertex_place(m, v[triangle[3 * i + k]], arena);
         if (t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]) continue;
         *ARENA_PUSH(arena, m->triangles, m->triangle_count, m->triangle_capacity) = t;
     }
@@ -90,13 +90,13 @@ static Model model_of(const Finder *f, const Object *object, Arena *arena) {
             bool fine = is_fine(f, i);
             if (pass == 0 && fine) add_triangles(&m, v, p->vertex_count, p->material, arena);
             for (int k = 0; pass == 1 && !fine && k < p->vertex_count; k++)
-                m.locked[place_of(&m, v[k], arena)] = 1;
+                m.locked[vertex_place(&m, v[k], arena)] = 1;
         }
     }
     return m;
 }
 
-static void add_polygon(Finder *f, const Model *m, const ProxyPolygon *p) {
+static void add_proxy_polygon(Finder *f, const Model *m, const ProxyPolygon *p) {
     Proxies *out = f->out;
     *ARENA_PUSH(f->arena, out->polygons, out->polygon_count, f->polygon_capacity) =
         (Polygon){out->vertex_count, p->count, p->tag};
@@ -117,7 +117,7 @@ static void find_of_object(Finder *f, int index) {
     for (int i = 0; i < triangles; i++) merged += polygons[i].count > 0;
     if (merged <= WORTH * fine) {
         for (int i = 0; i < triangles; i++)
-            if (polygons[i].count > 0) add_polygon(f, &m, &polygons[i]);
+            if (polygons[i].count > 0) add_proxy_polygon(f, &m, &polygons[i]);
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
             f->out->replaced[p] = is_fine(f, p);
         f->out->object_count++;

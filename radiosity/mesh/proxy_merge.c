@@ -81,7 +81,7 @@ static bool try_merge(Merge *m, int a, int from, int to, Arena *arena) {
     return true;
 }
 
-static void grow(Merge *m, int polygon, Arena *arena) {
+static void grow_region(Merge *m, int polygon, Arena *arena) {
     for (bool grown = true; grown;) {
         grown = false;
         const ProxyPolygon *p = &m->polygons[polygon];
@@ -108,7 +108,7 @@ ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *triangles,
         }
     }
     for (int i = 0; i < count; i++)
-        if (m.polygons[i].count > 0) grow(&m, i, arena);
+        if (m.polygons[i].count > 0) grow_region(&m, i, arena);
     arena_free(&scratch);
     return m.polygons;
 }

@@ -290,7 +290,7 @@ static void add_borders(Work *w, int triangle) {
     }
 }
 
-static void start(Work *w) {
+static void start_moves(Work *w) {
     SimplifySurface *s = w->s;
     w->triangles = ARENA_ARRAY(&w->arena, List, s->point_count);
     w->planes = ARENA_ARRAY(&w->arena, List, s->point_count);
@@ -318,7 +318,7 @@ static void start(Work *w) {
 
 int simplify(SimplifySurface *surface, double tolerance) {
     Work w = {.s = surface, .tolerance = tolerance};
-    start(&w);
+    start_moves(&w);
     while (w.move_count > 0) {
         Move c = pop_move(&w);
         if (c.stamp != w.stamp[c.from]) continue;

@@ -14,7 +14,7 @@ typedef struct Hemicube {
     int32_t *item;           // of the hidden
 } Hemicube;
 
-static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+static void *hemicube_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     Hemicube *self = ARENA_ARRAY(arena, Hemicube, 1);
     if (options->hidden) {
@@ -32,12 +32,12 @@ static void stop(void *data) {
     if (self->hidden) hemicube_hidden_end(self->hidden);
 }
 
-static const FormFactorSamples *samples(void *data) {
+static const FormFactorSamples *hemicube_samples(void *data) {
     Hemicube *self = data;
     return self->hidden ? hemicube_hidden_samples(self->hidden) : sampler_samples(self->sampler);
 }
 
-static void items(void *data, const View *view, int32_t *item, FormFactorWork *work) {
+static void hemicube_items(void *data, const View *view, int32_t *item, FormFactorWork *work) {
     Hemicube *self = data;
     if (self->hidden) {
         hemicube_hidden_items(self->hidden, view, item, work);
@@ -47,7 +47,7 @@ static void items(void *data, const View *view, int32_t *item, FormFactorWork *w
     sampler_items(self->sampler, item);
 }
 
-static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
+static void hemicube_row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
     Hemicube *self = data;
     if (self->hidden) {
         hemicube_hidden_items(self->hidden, view, self->item, work);
@@ -63,9 +63,9 @@ const FormFactorMethod FORM_FACTOR_HEMICUBE = {
     .summary = "pixels of a half cube with their delta form factors",
     .projective = true,
     .mended = true,
-    .start = start,
+    .start = hemicube_start,
     .stop = stop,
-    .samples = samples,
-    .items = items,
-    .row = row,
+    .samples = hemicube_samples,
+    .items = hemicube_items,
+    .row = hemicube_row,
 };

@@ -6,20 +6,20 @@
 #include "radiosity/factors/row.h"
 #include "radiosity/factors/sampler.h"
 
-static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+static void *hemisphere_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(options->resolution, grids);
     return sampler_new(mesh, options->lines, grids, count, GRIDS_TURN, arena);
 }
 
-static const FormFactorSamples *samples(void *self) { return sampler_samples(self); }
+static const FormFactorSamples *hemisphere_samples(void *self) { return sampler_samples(self); }
 
-static void items(void *self, const View *view, int32_t *item, FormFactorWork *work) {
+static void hemisphere_items(void *self, const View *view, int32_t *item, FormFactorWork *work) {
     sampler_draw(self, view, work);
     sampler_items(self, item);
 }
 
-static void row(void *self, const View *view, RowSum *sum, FormFactorWork *work) {
+static void hemisphere_row(void *self, const View *view, RowSum *sum, FormFactorWork *work) {
     sampler_draw(self, view, work);
     sampler_row(self, view, sum);
 }
@@ -29,8 +29,8 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE = {
     .summary = "pixels of a hemisphere's base, edges and depth exact",
     .projective = true,
     .mended = true,
-    .start = start,
-    .samples = samples,
-    .items = items,
-    .row = row,
+    .start = hemisphere_start,
+    .samples = hemisphere_samples,
+    .items = hemisphere_items,
+    .row = hemisphere_row,
 };

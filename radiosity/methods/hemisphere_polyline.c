@@ -67,7 +67,7 @@ static void find_samples(Polyline *self, Arena *arena) {
     for (int s = 0; s < count; s++) self->samples.weight[s] = (float)(1.0 / count);
 }
 
-static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
+static void *polyline_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     Polyline *self = ARENA_ARRAY(arena, Polyline, 1);
     double threshold = fmax(options->edge_threshold, POLYLINE_LEAST * M_PI / 180000);
     self->mesh = mesh;
@@ -87,7 +87,7 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, Arena *ar
     return self;
 }
 
-static const FormFactorSamples *samples(void *context) { return &((Polyline *)context)->samples; }
+static const FormFactorSamples *polyline_samples(void *context) { return &((Polyline *)context)->samples; }
 
 // The points of an edge but its first, a to b in space.
 static void add_edge(Polyline *self, Vec3 a, Vec3 b) {
@@ -191,7 +191,7 @@ static void draw_element(Polyline *self, const Element *e, Fill *fill) {
         draw_triangle(self, (Vec3[]){self->clipped[0], self->clipped[i], self->clipped[i + 1]}, fill);
 }
 
-static void items(void *context, const View *view, int32_t *item, FormFactorWork *work) {
+static void polyline_items(void *context, const View *view, int32_t *item, FormFactorWork *work) {
     Polyline *self = context;
     for (int s = 0; s < self->samples.count; s++) {
         item[s] = -1;
@@ -212,7 +212,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_POLYLINE = {
                "culling shows",
     .truth = FORM_FACTOR_GUESS,
     .projective = true,
-    .start = start,
-    .samples = samples,
-    .items = items,
+    .start = polyline_start,
+    .samples = polyline_samples,
+    .items = polyline_items,
 };

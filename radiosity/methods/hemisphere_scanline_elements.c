@@ -17,10 +17,10 @@ typedef struct GridWalk {
     double next;  // x of the next crossing, INFINITY: no more
 } GridWalk;
 
-static double along(Vec3 v, double y, ScanPoint p) { return v.x * p.x + v.y * y + v.z * p.z; }
+static double place_along(Vec3 v, double y, ScanPoint p) { return v.x * p.x + v.y * y + v.z * p.z; }
 
 // Where the walk leaves its square. Along it the coordinate grows with `step`, which tells the two roots apart.
-static double crossing(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, const GridWalk *walk) {
+static double crossing_out(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, const GridWalk *walk) {
     double i = walk->at + (walk->step > 0) - axis->offset;
     Vec3 e = vec3_sub(axis->g, vec3_scale(inverse, i));
     double t = e.y * line->y, h2 = e.x * e.x + e.z * e.z, s2 = h2 * line->radius2 - t * t;
@@ -32,19 +32,20 @@ static GridWalk walk_from(const ScanAxis *axis, Vec3 inverse, const ScanLine *li
                           double from_distance, ScanPoint to, double to_distance) {
     GridWalk walk = {.next = INFINITY};
     if (axis->count == 1) return walk;
-    walk.at = face_grid_clamp(along(axis->g, line->y, from) * from_distance + axis->offset, axis->count);
-    walk.end = face_grid_clamp(along(axis->g, line->y, to) * to_distance + axis->offset, axis->count);
+    walk.at =
+        face_grid_clamp(place_along(axis->g, line->y, from) * from_distance + axis->offset, axis->count);
+    walk.end = face_grid_clamp(place_along(axis->g, line->y, to) * to_distance + axis->offset, axis->count);
     walk.step = walk.end > walk.at ? 1 : -1;
-    if (walk.at != walk.end) walk.next = crossing(axis, inverse, line, &walk);
+    if (walk.at != walk.end) walk.next = crossing_out(axis, inverse, line, &walk);
     return walk;
 }
 
 static void walk_on(GridWalk *walk, const ScanAxis *axis, Vec3 inverse, const ScanLine *line) {
     walk->at += walk->step;
-    walk->next = walk->at != walk->end ? crossing(axis, inverse, line, walk) : INFINITY;
+    walk->next = walk->at != walk->end ? crossing_out(axis, inverse, line, walk) : INFINITY;
 }
 
-static void add(const FaceGrid *grid, int i, int j, double share, RowSum *sum) {
+static void add_share(const FaceGrid *grid, int i, int j, double share, RowSum *sum) {
     if (!(share > 0)) return;
     row_add(sum, face_grid_element(grid, i, j), share);
 }
@@ -52,7 +53,8 @@ static void add(const FaceGrid *grid, int i, int j, double share, RowSum *sum) {
 // A part of a span along which neither coordinate turns.
 static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from, ScanPoint to, RowSum *sum) {
     const ScanAxis *axis = face->axis;
-    double d0 = 1 / along(face->inverse, line->y, from), d1 = 1 / along(face->inverse, line->y, to);
+    double d0 = 1 / place_along(face->inverse, line->y, from),
+           d1 = 1 / place_along(face->inverse, line->y, to);
     GridWalk x = walk_from(&axis[0], face->inverse, line, from, d0, to, d1);
     GridWalk y = walk_from(&axis[1], face->inverse, line, from, d0, to, d1);
     double at = from.x;
@@ -62,14 +64,14 @@ static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from,
         double next = by_x ? x.next : y.next;
         // Rounding may put a crossing outside.
         next = next < at ? at : next < to.x ? next : to.x;
-        add(&face->grid, x.at, y.at, (next - at) * line->weight, sum);
+        add_share(&face->grid, x.at, y.at, (next - at) * line->weight, sum);
         at = next;
         if (by_x)
             walk_on(&x, &axis[0], face->inverse, line);
         else
             walk_on(&y, &axis[1], face->inverse, line);
     }
-    add(&face->grid, x.at, y.at, (to.x - at) * line->weight, sum);
+    add_share(&face->grid, x.at, y.at, (to.x - at) * line->weight, sum);
     return pieces;
 }
 
@@ -87,7 +89,7 @@ static int turns(const ScanAxis *axis, const ScanLine *line, const ScanSpan *spa
 int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *span, RowSum *sum) {
     const FaceGrid *g = &face->grid;
     if (g->nx * g->ny == 1) {
-        add(g, 0, 0, (span->to.x - span->from.x) * line->weight, sum);
+        add_share(g, 0, 0, (span->to.x - span->from.x) * line->weight, sum);
         return 1;
     }
     ScanPoint cut[6] = {span->from};

@@ -26,7 +26,7 @@ static int new_span(ScanList *list, ScanSpan span, int next) {
 
 // Joins what faces that pass through each other have cut and left in one. What remains is no more than the outline of all
 // spans, about as many as there are ends; an addition cuts each of them into a few.
-static void join(ScanList *list) {
+static void join_spans(ScanList *list) {
     for (int s = list->first; s >= 0; s = list->next[s])
         for (int n; (n = list->next[s]) >= 0 && list->span[n].face == list->span[s].face &&
                     list->span[n].from.x == list->span[s].to.x;) {
@@ -126,7 +126,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
 void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line, const ScanSpan *added) {
     ScanPoint from = added->from, to = added->to;
     int *link = &list->first;
-    if (list->count > list->capacity / 4) join(list);
+    if (list->count > list->capacity / 4) join_spans(list);
     while (*link >= 0 && list->span[*link].to.x <= from.x) link = &list->next[*link];
     while (from.x < to.x) {
         int s = *link;

@@ -33,7 +33,7 @@ static ScanLine line_at(double y, double weight) {
     return (ScanLine){y, r2, sqrt(r2), weight};
 }
 
-static void *start(const Mesh *mesh, const FormFactorOptions *options, int ways, Arena *arena) {
+static void *scanline_start(const Mesh *mesh, const FormFactorOptions *options, int ways, Arena *arena) {
     ScanMethod *self = ARENA_ARRAY(arena, ScanMethod, 1);
     int lines = options->resolution;
     self->scan = scanner_new(mesh, lines, arena);
@@ -49,14 +49,14 @@ static void *start(const Mesh *mesh, const FormFactorOptions *options, int ways,
 }
 
 static void *start_one_way(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    return start(mesh, options, 1, arena);
+    return scanline_start(mesh, options, 1, arena);
 }
 
 static void *start_both_ways(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
-    return start(mesh, options, 2, arena);
+    return scanline_start(mesh, options, 2, arena);
 }
 
-static void row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
+static void scanline_row(void *context, const View *view, RowSum *sum, FormFactorWork *work) {
     const ScanMethod *self = context;
     scanner_look(self->scan, view);
     for (int way = 0; way < self->ways; way++) scanner_see(self->scan, &self->lattice, way == 1, sum, work);
@@ -141,7 +141,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINE = {
     .summary = "lines over the hemisphere's base one way, exact along them",
     .mended = true,
     .start = start_one_way,
-    .row = row,
+    .row = scanline_row,
 };
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES = {
@@ -149,7 +149,7 @@ const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES = {
     .summary = "the same both ways (Doi & Itoh), `resolution` lines each",
     .mended = true,
     .start = start_both_ways,
-    .row = row,
+    .row = scanline_row,
 };
 
 const FormFactorMethod FORM_FACTOR_HEMISPHERE_SCANLINES_FIT = {

@@ -45,8 +45,8 @@ static FormFactorSamples samples_of(const SampleGrid *grids, int grid_count, dou
     return s;
 }
 
-static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn,
-                        Arena *arena) {
+static RayMethod *ray_start(const Mesh *mesh, const SampleGrid *grids, int grid_count, double turn,
+                            Arena *arena) {
     RayMethod *self = ARENA_ARRAY(arena, RayMethod, 1);
     self->mesh = mesh;
     self->scene = ray_caster_new(mesh, arena);
@@ -59,18 +59,18 @@ static RayMethod *start(const Mesh *mesh, const SampleGrid *grids, int grid_coun
 static void *start_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(options->resolution, grids);
-    return start(mesh, grids, count, GRIDS_TURN, arena);
+    return ray_start(mesh, grids, count, GRIDS_TURN, arena);
 }
 
 static void *start_hemicube(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_hemicube(options->resolution, grids);
-    return start(mesh, grids, count, 0, arena);
+    return ray_start(mesh, grids, count, 0, arena);
 }
 
 static void stop(void *self) { ray_caster_end(((RayMethod *)self)->scene); }
 
-static const FormFactorSamples *samples(void *self) { return &((RayMethod *)self)->samples; }
+static const FormFactorSamples *ray_samples(void *self) { return &((RayMethod *)self)->samples; }
 
 static Lane load(const float *from) {
     Lane a;
@@ -94,7 +94,7 @@ static int cast(const RayMethod *self, const View *view, int first, int32_t face
     return count;
 }
 
-static void items(void *data, const View *view, int32_t *item, FormFactorWork *work) {
+static void ray_items(void *data, const View *view, int32_t *item, FormFactorWork *work) {
     RayMethod *self = data;
     self->look++;
     for (int i = 0; i < view->face_count; i++) {
@@ -121,7 +121,7 @@ static void add_nothing(const RayMethod *self, const View *view, int i, RowSum *
 }
 
 // Needs only the eye and the axes of the view: rays find the faces by themselves.
-static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
+static void ray_row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
     RayMethod *self = data;
     for (int i = 0; i < self->samples.count; i += LANES) {
         int32_t face[LANES], element[LANES];
@@ -143,7 +143,7 @@ static void row(void *data, const View *view, RowSum *sum, FormFactorWork *work)
 static void *start_plain_disc(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {
     SampleGrid grids[MOST_GRIDS];
     int count = grids_of_disc(options->resolution, grids);
-    return start(mesh, grids, count, 0, arena);
+    return ray_start(mesh, grids, count, 0, arena);
 }
 
 // As rays are usually cast: the grid lies as the axes do.
@@ -155,9 +155,9 @@ const FormFactorMethod FORM_FACTOR_RAY_DISC = {
     .projective = true,
     .start = start_plain_disc,
     .stop = stop,
-    .samples = samples,
-    .items = items,
-    .row = row,
+    .samples = ray_samples,
+    .items = ray_items,
+    .row = ray_row,
 };
 
 const FormFactorMethod FORM_FACTOR_RAY = {
@@ -168,9 +168,9 @@ const FormFactorMethod FORM_FACTOR_RAY = {
     .projective = true,
     .start = start_disc,
     .stop = stop,
-    .samples = samples,
-    .items = items,
-    .row = row,
+    .samples = ray_samples,
+    .items = ray_items,
+    .row = ray_row,
 };
 
 const FormFactorMethod FORM_FACTOR_RAY_HEMICUBE = {
@@ -181,7 +181,7 @@ const FormFactorMethod FORM_FACTOR_RAY_HEMICUBE = {
     .projective = true,
     .start = start_hemicube,
     .stop = stop,
-    .samples = samples,
-    .items = items,
-    .row = row,
+    .samples = ray_samples,
+    .items = ray_items,
+    .row = ray_row,
 };

@@ -87,7 +87,7 @@ static void add_faces(RayCaster *scene, Pieces *p) {
     arena_free(&scratch);
 }
 
-static void build(RayCaster *scene, Arena *arena) {
+static void build_scene(RayCaster *scene, Arena *arena) {
     Pieces p = {0};
     add_faces(scene, &p);
     RTCGeometry geometry[2];
@@ -136,7 +136,7 @@ RayCaster *ray_caster_new(const Mesh *mesh, Arena *arena) {
     scene->device = embree_device_new();
     scene->scene = rtcNewScene(scene->device);
     rtcSetSceneBuildQuality(scene->scene, RTC_BUILD_QUALITY_HIGH);
-    build(scene, arena);
+    build_scene(scene, arena);
     return scene;
 }
 

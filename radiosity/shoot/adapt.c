@@ -111,7 +111,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
 
 // ---- rounds
 
-static bool build(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
+static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
     return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
 }
 
@@ -122,7 +122,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.splits = &ONCE;
     rough.close = 0;
     rough.loose = true;
-    if (!build(a, &rough, &a->scratch, &a->rough, error)) return false;
+    if (!build_adapted(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
     double power = 0, area = 0;
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
@@ -145,7 +145,7 @@ static double root_edge(const Mesh *mesh, int element) {
     return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
 }
 
-static Vec3 middle_of(const Mesh *mesh, int element) {
+static Vec3 element_middle(const Mesh *mesh, int element) {
     const Element *e = &mesh->elements[element];
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < e->corner_count; i++)
@@ -157,9 +157,9 @@ static Vec3 middle_of(const Mesh *mesh, int element) {
 static AdaptField find_light(Adapt *a, const Mesh *mesh) {
     double *light = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++) {
-        Vec3 here = middle_of(mesh, e);
+        Vec3 here = element_middle(mesh, e);
         int face = mesh->elements[e].face, rough = mesh_element_at(&a->rough, face, here);
-        Vec3 off = vec3_sub(here, middle_of(&a->rough, rough));
+        Vec3 off = vec3_sub(here, element_middle(&a->rough, rough));
         const Face *grid = &a->rough.faces[face];
         const double *slope = a->indirect_field.slope[rough];
         light[e] =
@@ -215,7 +215,7 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         finer.close = last ? options->close : 0;
         finer.loose = !last;
         finer.splits = split(a, mesh, last, arena);
-        if (!build(a, &finer, last ? arena : &a->scratch, next, error)) return false;
+        if (!build_adapted(a, &finer, last ? arena : &a->scratch, next, error)) return false;
         if (last) return true;
         mesh = next;
         a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);

@@ -155,7 +155,7 @@ static void each_group(Forest *forest, void (*body)(void *context, int group, in
     parallel_for(parallel_threads(forest->mesh->options.threads), group_count(forest->mesh), body, forest);
 }
 
-static Moments join(Moments a, const Moments *b) {
+static Moments join_moments(Moments a, const Moments *b) {
     if (b->area == 0) return a;
     double area = a.area + b->area, off = b->mean - a.mean;
     return (Moments){area, a.mean + off * b->area / area,
@@ -211,12 +211,12 @@ static void fill_node(Trees *t, int at, const Face *face, Block b, int depth) {
     Node sum = {.first_child = first, .element = -1};
     for (int k = 0; k < 4; k++) {
         fill_node(t, first + k, face, (Block){b.i + k % 2 * half, b.j + k / 2 * half, half}, depth + 1);
-        sum.all = join(sum.all, &t->nodes[first + k].all);
+        sum.all = join_moments(sum.all, &t->nodes[first + k].all);
     }
     for (int axis = 0; axis < 2; axis++) {
         for (int side = 0; side < 2; side++) {
             Moments whole =
-                join(child_of(t, &sum, axis, side, 0)->all, &child_of(t, &sum, axis, side, 1)->all);
+                join_moments(child_of(t, &sum, axis, side, 0)->all, &child_of(t, &sum, axis, side, 1)->all);
             sum.half[axis][side] = whole.area > 0 ? whole.error : -1;
         }
     }

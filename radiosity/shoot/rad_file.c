@@ -181,7 +181,7 @@ static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, cons
     return error_set(error, "%s: its elements are not those of this program's version", path);
 }
 
-static void *take(Arena *arena, const unsigned char *from, size_t size) {
+static void *take_bytes(Arena *arena, const unsigned char *from, size_t size) {
     return memcpy(arena_alloc(arena, size, 1), from, size);
 }
 
@@ -192,9 +192,9 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
                          .node_count = h->node_count,
                          .shots = h->shots};
     body += s.doors + s.splits;
-    out->radiosity = take(arena, body, s.radiosity);
-    out->unshot = take(arena, body + s.radiosity, s.unshot);
-    if (h->node_count > 0) out->node = take(arena, body + s.radiosity + s.unshot, s.nodes);
+    out->radiosity = take_bytes(arena, body, s.radiosity);
+    out->unshot = take_bytes(arena, body + s.radiosity, s.unshot);
+    if (h->node_count > 0) out->node = take_bytes(arena, body + s.radiosity + s.unshot, s.nodes);
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
     memcpy(out->escaped, h->escaped, sizeof h->escaped);

@@ -164,8 +164,8 @@ static double unshot_power(const Receiver *r) {
     return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
 }
 
-static void start(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
-                  const RadOptions *options, RadSolution *solution, Arena *arena) {
+static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
+                          const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
     s->start = s->shown = clock_seconds();
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
@@ -274,7 +274,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     Arena arena = {0};
     Shooter s;
     RadReport report = {0};
-    start(&s, mesh, forest, door_open, options, solution, &arena);
+    start_shooter(&s, mesh, forest, door_open, options, solution, &arena);
     long long first = solution->shots;
     while (residual_of(&s) > options->residual) {
         if (options->shots > 0 && solution->shots >= options->shots) break;

@@ -96,7 +96,8 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
     row_start(&w->sum, s->mesh, &w->arena);
 }
 
-static const View *look(const Shine *s, Watcher *w, Sampler *sampler, Vec3 eye, Vec3 normal, int cell) {
+static const View *look_at_sky(const Shine *s, Watcher *w, Sampler *sampler, Vec3 eye, Vec3 normal,
+                               int cell) {
     ViewPoint from = {eye, normal, cell};
     const View *view = viewer_look(w->viewer, &from, s->options->culling);
     sampler_draw(sampler, view, &w->work);
@@ -126,7 +127,7 @@ static Vec3 centre_of(const Mesh *mesh, const Element *element) {
 }
 
 static double sky_share(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell) {
-    const View *view = look(s, w, w->around, eye, normal, cell);
+    const View *view = look_at_sky(s, w, w->around, eye, normal, cell);
     const FormFactorSamples *samples = sampler_samples(w->around);
     double share = 0;
     for (int i = 0; i < samples->count; i++)
@@ -172,7 +173,7 @@ static void look_from_patch(void *context, int index, int thread) {
 
 // Is there sky behind a piece, along the lines that come in by it? False: nowhere.
 static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const SkyPiece *piece) {
-    const View *view = look(s, w, w->outside, piece->centre, vec3_scale(o->plane.n, -1), o->outside);
+    const View *view = look_at_sky(s, w, w->outside, piece->centre, vec3_scale(o->plane.n, -1), o->outside);
     const FormFactorSamples *out = sampler_samples(w->outside);
     int count = sampler_samples(w->inside)->count;
     bool any = false;
@@ -205,7 +206,7 @@ static void look_in(void *context, int index, int thread) {
     beam->count = 0;
     beam->back = 0;
     if (!look_back(s, w, o, piece)) return;
-    const View *view = look(s, w, w->inside, piece->centre, o->plane.n, o->inside);
+    const View *view = look_at_sky(s, w, w->inside, piece->centre, o->plane.n, o->inside);
     const FormFactorSamples *in = sampler_samples(w->inside);
     for (int i = 0; i < in->count; i++)
         if (!w->sky[i]) w->item[i] = -1;

@@ -41,7 +41,7 @@ static void extent(const Vec3 *polygon, int count, Vec3 x, double *low, double *
     }
 }
 
-static void cut(SkyOpenings *out, int opening, double size, Arena *arena, int *capacity) {
+static void cut_opening(SkyOpenings *out, int opening, double size, Arena *arena, int *capacity) {
     const SkyOpening *o = &out->openings[opening];
     Vec3 x, y, corner = o->vertices[0], polygon[SKY_CORNERS], column[SKY_CORNERS], piece[SKY_CORNERS];
     CORE_ASSERT(o->count + 4 < SKY_CORNERS);
@@ -85,6 +85,6 @@ SkyOpenings sky_openings(const CellGraph *graph, Arena *arena) {
             (SkyOpening){portal->cell[first], portal->cell[!first], plane, vertices, portal->vertex_count};
     }
     double size = fmax(PIECE, sqrt(area / MOST_PIECES));
-    for (int o = 0; o < out.count; o++) cut(&out, o, size, arena, &capacity);
+    for (int o = 0; o < out.count; o++) cut_opening(&out, o, size, arena, &capacity);
     return out;
 }

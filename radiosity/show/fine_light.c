@@ -37,7 +37,7 @@ static ObjectNodes sort_nodes(const Mesh *mesh, const Nodes *nodes, Arena *arena
     return out;
 }
 
-static const Material *material_of(const Mesh *mesh, const Nodes *nodes, int node) {
+static const Material *face_material(const Mesh *mesh, const Nodes *nodes, int node) {
     return mesh_material(mesh, mesh->elements[nodes->element[nodes->first[node]]].face);
 }
 
@@ -71,7 +71,7 @@ static FineSource source_of(const Mesh *light, const Nodes *nodes, const ObjectN
     for (int turned = 0; turned < 2 && !(s.share[0] > 0); turned++) {
         for (int i = sorted->first[object]; i < sorted->first[object + 1]; i++) {
             int node = sorted->node[i];
-            if (!tells(material_of(light, nodes, node))) continue;
+            if (!tells(face_material(light, nodes, node))) continue;
             Vec3 off = vec3_sub(light->vertices[nodes->vertex[node]], place);
             offer(&s, node, weight_of(off, vec3_dot(normal, nodes->normal[node]), turned));
         }
@@ -129,7 +129,7 @@ static Lighting lighting(const FineMesh *fine, double (*reflected)[3], Arena *ar
     int count = fine->nodes.count;
     Lighting out = {fine, arena_alloc(arena, (size_t)count, sizeof *out.irradiance)};
     for (int n = 0; n < count; n++) {
-        const Material *m = material_of(fine->light, &fine->nodes, n);
+        const Material *m = face_material(fine->light, &fine->nodes, n);
         if (tells(m)) irradiance_of(m, reflected[n], out.irradiance[n]);
     }
     return out;
@@ -157,7 +157,7 @@ static double (*node_light(const FineMesh *fine, const RadSolution *solution, Ar
         reconstruct_nodes(fine->light, &fine->nodes, solution, out);
     for (int n = 0; n < count; n++) {
         double e[3];
-        rgb3(material_of(fine->light, &fine->nodes, n)->emission, e);
+        rgb3(face_material(fine->light, &fine->nodes, n)->emission, e);
         for (int c = 0; c < 3; c++) out[n][c] -= e[c];
     }
     return out;

@@ -102,7 +102,7 @@ static void find_light(Fit *fit) {
 
 // ---- which elements
 
-static void take(Fit *fit, int node, int element) {
+static void take_element(Fit *fit, int node, int element) {
     const Nodes *nodes = fit->nodes;
     Vec3 n = nodes->normal[node];
     if (fit->stamp[element] == fit->now) return;
@@ -120,14 +120,15 @@ static void collect(Fit *fit, int node, bool wide) {
     const Mesh *mesh = fit->mesh;
     fit->count = 0;
     fit->now++;
-    for (int i = nodes->first[node]; i < nodes->first[node + 1]; i++) take(fit, node, nodes->element[i]);
+    for (int i = nodes->first[node]; i < nodes->first[node + 1]; i++)
+        take_element(fit, node, nodes->element[i]);
     int own = fit->count;
     for (int k = 0; wide && k < own; k++) {
         const Element *e = &mesh->elements[fit->around[k].element];
         for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) {
             int other = nodes->of_corner[c];
             for (int i = nodes->first[other]; i < nodes->first[other + 1]; i++)
-                take(fit, node, nodes->element[i]);
+                take_element(fit, node, nodes->element[i]);
         }
     }
 }

@@ -63,7 +63,7 @@ static PathLight light_of(const PathScene *scene, int face, int first, Vec3 *cor
     return light;
 }
 
-static int by_place(const void *a, const void *b, void *axis) {
+static int by_centre(const void *a, const void *b, void *axis) {
     const PathLight *p = a, *q = b;
     double x = vec3_component(p->centre, *(int *)axis), y = vec3_component(q->centre, *(int *)axis);
     return x != y ? (x < y ? -1 : 1) : p->face - q->face;
@@ -86,7 +86,7 @@ static int make_node(PathLights *lights, int first, int count, int parent) {
         return index;
     }
     int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    qsort_r(lights->lights + first, (size_t)count, sizeof *lights->lights, by_place, &axis);
+    qsort_r(lights->lights + first, (size_t)count, sizeof *lights->lights, by_centre, &axis);
     int low = make_node(lights, first, count / 2, index);
     int high = make_node(lights, first + count / 2, count - count / 2, index);
     lights->nodes[index].child[0] = low;

@@ -25,7 +25,7 @@ typedef struct Blocks {
     long long count;
 } Blocks;
 
-static void add_block(const PathTracer *t, const PathQuery *q, const PathPlace *place, Blocks *blocks) {
+static void trace_block(const PathTracer *t, const PathQuery *q, const PathPlace *place, Blocks *blocks) {
     PathNumbers numbers = path_numbers(q->seed, blocks->count++);
     double mean[4] = {0};
     for (numbers.path = 0; numbers.path < PATH_BLOCK; numbers.path++) {
@@ -66,7 +66,7 @@ static void answer(void *context, int index, int thread) {
     Vec3 point = vec3_sub(q->point, t->world.scene->origin);
     PathPlace place = {path_scene_off(t->world.scene, point, q->normal), q->normal};
     Blocks blocks = {0};
-    while (!is_enough(q, &blocks)) add_block(t, q, &place, &blocks);
+    while (!is_enough(q, &blocks)) trace_block(t, q, &place, &blocks);
     PathResult *out = &asked->results[index];
     out->paths = blocks.count * PATH_BLOCK;
     for (int c = 0; c < 3; c++) {

@@ -92,8 +92,8 @@ bool path_reflect(const Material *m, double u, double weight[3]) {
 }
 
 // Follows a direction; false: the path ends there.
-static bool follow(const PathWorld *world, PathPlace *place, const double u[PATH_NUMBERS], const PathEnd *end,
-                   double weight[3], double light[3]) {
+static bool follow_path(const PathWorld *world, PathPlace *place, const double u[PATH_NUMBERS],
+                        const PathEnd *end, double weight[3], double light[3]) {
     Vec3 along = path_direction(place->normal, u[PATH_DIRECTION], u[PATH_DIRECTION + 1]);
     PathHit hit = path_scene_trace(world->scene, place->point, along);
     if (hit.face < 0)
@@ -122,6 +122,6 @@ void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, in
     for (; on; bounce++) {
         path_numbers_at(numbers, bounce, u);
         ask_lamp(world, &place, u, weight, light);
-        on = follow(world, &place, u, end, weight, light);
+        on = follow_path(world, &place, u, end, weight, light);
     }
 }

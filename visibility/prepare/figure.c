@@ -214,7 +214,7 @@ void figure_lines(const CellGraph *graph, double z, const Draw *draw) {
 
 // ---- sightlines
 
-static bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d, Vec2 *out) {
+static bool lines_meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d, Vec2 *out) {
     Vec2 u = vec2_sub(b, a), v = vec2_sub(d, c);
     double det = vec2_cross(u, v);
     if (fabs(det) < 1e-12) return false;
@@ -230,7 +230,7 @@ static void middle_line(const Sightline *line, Vec2 *point, Vec2 *direction) {
     u = vec2_scale(u, 1 / fmax(vec2_length(u), 1e-12));
     v = vec2_scale(v, 1 / fmax(vec2_length(v), 1e-12));
     *direction = vec2_add(u, v);
-    if (!meet(a, b, c, d, point)) *point = vec2_scale(vec2_add(a, c), 0.5);
+    if (!lines_meet(a, b, c, d, point)) *point = vec2_scale(vec2_add(a, c), 0.5);
 }
 
 // The stretch of the line inside a cell, as parameters along it.

@@ -1,13 +1,17 @@
-// file.c - reading of whole files, folders, the cache. Writing is in file_write.c.
+// file.c - reading of whole files, folders, the cache; and writing: files appear whole or not at all, written without a name, named
+// beside their own name, renamed.
 #include "engine/core/file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 // In this object, so that no library is needed for it.
@@ -104,4 +108,324 @@ bool file_cache_folder(Arena *arena, char **path, Error *error) {
 
 uint64_t file_hash(const void *data, size_t size, uint64_t seed) {
     return XXH3_64bits_withSeed(data, size, seed);
+}
+
+// ---- writing
+
+// Names on the way, for so many writers of one path at once. Most hold one for microseconds, so that waiting helps.
+enum { NAMES = 8, TRIES = 800, PAUSE = 1000 /* microseconds */ };
+enum { MOST_LINKS = 40 };  // as the system follows
+#define BESIDE "%s.enfilade-%d"
+enum { BESIDE_BYTES = sizeof ".enfilade-0" };
+#define ACCESS_LIST "system.posix_acl_access"
+enum { MOST_ACCESS_LIST = 4096 };
+
+static bool fail(const char *path, Error *error) {
+    return error_set(error, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+// ---- where
+
+// The descriptor of `/dev/fd/N`, to which `/dev/stdout` leads, else -1.
+static int own_descriptor(const char *path) {
+    static const char *const folders[] = {"/proc/self/fd/", "/dev/fd/"};
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(folders[i]);
+        char *end;
+        if (strncmp(path, folders[i], length) != 0 || !isdigit((unsigned char)path[length])) continue;
+        long fd = strtol(path + length, &end, 10);
+        if (*end == 0 && fd <= INT_MAX) return (int)fd;
+    }
+    return -1;
+}
+
+// The end of a chain of symbolic links, `target` its beginning; nothing need be there. False with errno.
+static bool follow_links(char target[FILE_LONGEST_PATH]) {
+    char link[FILE_LONGEST_PATH], joined[FILE_LONGEST_PATH];
+    for (int i = 0; i < MOST_LINKS; i++) {
+        ssize_t length = own_descriptor(target) >= 0 ? -1 : readlink(target, link, sizeof link - 1);
+        if (length < 0) return true;
+        link[length] = 0;
+        const char *slash = *link == '/' ? NULL : strrchr(target, '/');
+        int folder = slash ? (int)(slash - target + 1) : 0;
+        if (snprintf(joined, sizeof joined, "%.*s%s", folder, target, link) >= (int)sizeof joined) {
+            errno = ENAMETOOLONG;
+            return false;
+        }
+        memcpy(target, joined, sizeof joined);
+    }
+    errno = ELOOP;
+    return false;
+}
+
+static bool is_writable_descriptor(int fd) {
+    int flags = fcntl(fd, F_GETFL);
+    if (flags >= 0 && (flags & O_ACCMODE) != O_RDONLY) return true;
+    errno = EBADF;
+    return false;
+}
+
+static bool name_fits(const char *target) {
+    const char *slash = strrchr(target, '/');
+    if (strlen(target) + BESIDE_BYTES <= FILE_LONGEST_PATH &&
+        strlen(slash ? slash + 1 : target) + BESIDE_BYTES <= NAME_MAX)
+        return true;
+    errno = ENAMETOOLONG;
+    return false;
+}
+
+// Fills all of the draft but its file. False with errno.
+static bool find_target(const char *path, FileDraft *draft, bool *exists) {
+    struct stat info;
+    *draft = (FileDraft){.fd = -1, .path = path};
+    if (*path == 0) {
+        errno = ENOENT;
+        return false;
+    }
+    if (snprintf(draft->target, sizeof draft->target, "%s", path) >= (int)sizeof draft->target) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    // The system follows links first: it refuses those that others put into folders of all (protected_symlinks).
+    *exists = stat(path, &info) == 0;
+    if ((!*exists && errno != ENOENT) || !follow_links(draft->target)) return false;
+    int own = own_descriptor(draft->target);
+    draft->stream = own >= 0 || (*exists && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode));
+    if (own >= 0) return is_writable_descriptor(own);
+    if (*exists && S_ISDIR(info.st_mode)) {
+        errno = EISDIR;
+        return false;
+    }
+    if (*exists && faccessat(AT_FDCWD, draft->target, W_OK, AT_EACCESS) != 0) return false;
+    return draft->stream || name_fits(draft->target);
+}
+
+static void put_folder(const char *path, char folder[FILE_LONGEST_PATH]) {
+    snprintf(folder, FILE_LONGEST_PATH, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash) {
+        slash[slash == folder] = 0;
+    } else {
+        strcpy(folder, ".");
+    }
+}
+
+// A rename is on disk only when the folder is.
+static void sync_folder(const char *path) {
+    char folder[FILE_LONGEST_PATH];
+    put_folder(path, folder);
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0) return;
+    fsync(fd);
+    close(fd);
+}
+
+// ---- names on the way
+
+static void name_beside(const char *target, int i, char beside[FILE_LONGEST_PATH]) {
+    CORE_ASSERT(snprintf(beside, FILE_LONGEST_PATH, BESIDE, target, i % NAMES) < FILE_LONGEST_PATH);
+}
+
+// Removes the file that a killed writer left. A writer holds a lock on its file, which no dead program does, on whatever machine.
+static void sweep(const char *target) {
+    for (int i = 0; i < NAMES; i++) {
+        char beside[FILE_LONGEST_PATH];
+        name_beside(target, i, beside);
+        // Over a network a lock takes the right to write; elsewhere a file that is read-only will do.
+        const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+        int fd = open(beside, O_RDWR | flags);
+        if (fd < 0 && errno == EACCES) fd = open(beside, O_RDONLY | flags);
+        if (fd < 0) continue;
+        struct stat held, named;
+        // A writer that was about to rename it has done so when its lock is gone.
+        if (fstat(fd, &held) == 0 && S_ISREG(held.st_mode) && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
+            lstat(beside, &named) == 0 && held.st_ino == named.st_ino && held.st_dev == named.st_dev)
+            unlink(beside);
+        close(fd);
+    }
+}
+
+// A file without a name: a program that ends while it writes leaves nothing. False where the file system knows none, or where
+// none could be named later, which takes /proc.
+static bool open_nameless(FileDraft *draft, mode_t mode) {
+    char folder[FILE_LONGEST_PATH], own[64];
+    put_folder(draft->target, folder);
+    draft->fd = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
+    if (draft->fd < 0) return false;
+    snprintf(own, sizeof own, "/proc/self/fd/%d", draft->fd);
+    if (access(own, F_OK) == 0) {
+        flock(draft->fd, LOCK_EX | LOCK_NB);
+        return true;
+    }
+    close(draft->fd);
+    draft->fd = -1;
+    return false;
+}
+
+static bool name_nameless(FileDraft *draft) {
+    char own[64];
+    snprintf(own, sizeof own, "/proc/self/fd/%d", draft->fd);
+    for (int i = 0; i < TRIES; i++) {
+        name_beside(draft->target, i, draft->beside);
+        if (linkat(AT_FDCWD, own, AT_FDCWD, draft->beside, AT_SYMLINK_FOLLOW) == 0) return true;
+        if (errno != EEXIST) break;
+        if (i >= NAMES) usleep(PAUSE);
+    }
+    *draft->beside = 0;
+    return false;
+}
+
+static bool open_named(FileDraft *draft, mode_t mode) {
+    for (int i = 0; i < TRIES; i++) {
+        name_beside(draft->target, i, draft->beside);
+        draft->fd = open(draft->beside, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        if (draft->fd < 0 && errno != EEXIST) break;
+        struct stat info;
+        // Before it was locked another writer may have swept it away.
+        if (draft->fd >= 0) {
+            flock(draft->fd, LOCK_EX);
+            if (fstat(draft->fd, &info) == 0 && info.st_nlink > 0) return true;
+            close(draft->fd);
+            draft->fd = -1;
+        }
+        if (i >= NAMES) usleep(PAUSE);
+    }
+    *draft->beside = 0;
+    return false;
+}
+
+// ---- drafts
+
+// False with errno.
+static bool open_stream(FileDraft *draft) {
+    int own = own_descriptor(draft->target);
+    draft->fd = own >= 0 ? fcntl(own, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)
+                         : open(draft->target, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    return draft->fd >= 0;
+}
+
+static bool begin_draft(const char *path, bool named, FileDraft *draft, Error *error) {
+    bool exists;
+    if (strcmp(path, "-") == 0)
+        return error_set(error, "-: is not written (allowed: /dev/stdout; a file of this name as ./-)");
+    if (!find_target(path, draft, &exists)) return fail(path, error);
+    if (draft->stream) return open_stream(draft) || fail(path, error);
+    sweep(draft->target);
+    // A file that replaces a private one is private from its beginning.
+    mode_t mode = exists ? 0600 : 0666;
+    if ((!named && open_nameless(draft, mode)) || open_named(draft, mode)) return true;
+    if (!exists || (errno != EACCES && errno != EPERM)) return fail(path, error);
+    return error_set(error,
+                     "%s: cannot be written: its folder takes no other file, by which it is replaced: %s",
+                     path, strerror(errno));
+}
+
+bool file_begin(const char *path, FileDraft *out, Error *error) {
+    return begin_draft(path, false, out, error);
+}
+
+// A list tells who else may; without it the group's bits, which then are its bounds, would say too much. Returns whether
+// there is none, or it was copied.
+static bool copy_access_list(int fd, const char *from) {
+    char list[MOST_ACCESS_LIST];
+    ssize_t size = getxattr(from, ACCESS_LIST, list, sizeof list);
+    return size < 0 ? errno == ENODATA || errno == ENOTSUP
+                    : fsetxattr(fd, ACCESS_LIST, list, (size_t)size, 0) == 0;
+}
+
+// The rights of an earlier file, never more than it gave.
+static void take_over_rights(const FileDraft *draft) {
+    struct stat old;
+    if (stat(draft->target, &old) != 0 || !S_ISREG(old.st_mode)) return;
+    bool kept =
+        fchown(draft->fd, old.st_uid, old.st_gid) == 0 || fchown(draft->fd, (uid_t)-1, old.st_gid) == 0;
+    mode_t mode = old.st_mode & 0777, others_too = (mode & 0707) | (mode & ((mode & 07) << 3));
+    fchmod(draft->fd, kept ? mode : others_too);
+    if (!copy_access_list(draft->fd, draft->target)) fchmod(draft->fd, others_too);
+}
+
+// Onto the disk and under its name. False with errno.
+static bool settle_draft(FileDraft *draft) {
+    take_over_rights(draft);
+    return fsync(draft->fd) == 0 && (*draft->beside || name_nameless(draft)) &&
+           rename(draft->beside, draft->target) == 0;
+}
+
+bool file_keep(FileDraft *draft, Error *error) {
+    if (draft->stream) return close(draft->fd) == 0 || fail(draft->path, error);
+    if (!settle_draft(draft)) {
+        fail(draft->path, error);
+        file_drop(draft);
+        return false;
+    }
+    close(draft->fd);
+    sync_folder(draft->target);
+    return true;
+}
+
+void file_drop(FileDraft *draft) {
+    // While the lock is held the name is this writer's.
+    if (*draft->beside) unlink(draft->beside);
+    close(draft->fd);
+}
+
+// ---- whole files
+
+static bool write_all(int fd, const char *data, size_t size) {
+    while (size > 0) {
+        ssize_t step = write(fd, data, size);
+        if (step < 0 && errno == EINTR) continue;
+        if (step <= 0) return false;
+        data += step;
+        size -= (size_t)step;
+    }
+    return true;
+}
+
+static bool write_whole(const char *path, const void *data, size_t size, Error *error) {
+    // A file system may make files without names and yet refuse to name them. What else fails fails again.
+    for (int named = 0; named < 2; named++) {
+        FileDraft draft;
+        if (!begin_draft(path, named, &draft, error)) return false;
+        bool again = !draft.stream && !*draft.beside;
+        if (write_all(draft.fd, data, size)) {
+            if (file_keep(&draft, error)) return true;
+        } else {
+            fail(path, error);
+            file_drop(&draft);
+        }
+        if (!again) break;
+    }
+    return false;
+}
+
+bool file_write(const char *path, const void *data, size_t size, Error *error) {
+    memory_hold_end();
+    bool good = write_whole(path, data, size, error);
+    memory_release_end();
+    return good;
+}
+
+bool file_check(const char *path, size_t size, Error *error) {
+    FileDraft draft;
+    bool exists;
+    // Into a pipe nothing is written, nor is it opened: whoever reads there would see its end.
+    if (strcmp(path, "-") != 0) {
+        if (!find_target(path, &draft, &exists)) return fail(path, error);
+        if (draft.stream) return true;
+    }
+    if (!file_begin(path, &draft, error)) return false;
+    bool good = size == 0 || fallocate(draft.fd, 0, 0, (off_t)size) == 0 || errno == EOPNOTSUPP;
+    if (!good) fail(path, error);
+    file_drop(&draft);
+    return good;
+}
+
+bool file_same(const char *a, const char *b) {
+    struct stat x, y;
+    bool there = stat(a, &x) == 0;
+    if ((stat(b, &y) == 0) != there) return false;
+    if (there) return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    FileDraft p, q;
+    return find_target(a, &p, &there) && find_target(b, &q, &there) && strcmp(p.target, q.target) == 0;
 }

@@ -1,6 +1,6 @@
 // box_split.c - boxes counted into bins by their centres along each axis; between two bins a split costs the surface of either
 // side times what lies there.
-#include "engine/core/box_split.h"
+#include "visibility/rays/box_split.h"
 
 enum { BINS = 16 };
 

@@ -1,7 +1,7 @@
 // box_split.h - where to part boxes that are to lie in a hierarchy: the surface-area heuristic in bins (I. Wald, On fast
 // construction of SAH-based bounding volume hierarchies, 2007).
-#ifndef CORE_BOX_SPLIT_H
-#define CORE_BOX_SPLIT_H
+#ifndef VISIBILITY_BOX_SPLIT_H
+#define VISIBILITY_BOX_SPLIT_H
 
 #include "engine/core/vec.h"
 

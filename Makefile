@@ -267,6 +267,8 @@ lint:
 	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
+	$(submake) program
+	python3 tests/structure.py $(dir)
 # Each library is one object, in which every name has the prefix, and gives away the names of its headers alone.
 $(dir)/libenfilade.rename: $(call objects_in,$(base_layers)) $(call objects_in,$(light_layers)) $(dir)/glad/gl.o $(wildcard engine/library/*.py) \
                            $(wildcard $(layers:%=%/*.h) engine/library/*.h)

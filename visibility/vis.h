@@ -208,7 +208,8 @@ typedef struct VisResult {
 
 // `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
-// sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's cell, from vis_locate, or -1.
+// sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's cell,
+// from vis_locate, or -1.
 VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, VisMethod method);
 
 #endif

@@ -194,7 +194,8 @@ const char WALK_LIT_VERTEX[] =
                                  "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
                                  "}\n";
 
-// By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer than all the rest.
+// By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer
+// than all the rest.
 const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
     "centroid in vec3 vLight;\n"
     "out vec4 result;\n"

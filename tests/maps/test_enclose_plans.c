@@ -169,10 +169,10 @@ typedef struct Expected {
     int faces, joined;
 } Expected;
 
-// Proves on our three homes, and on real ones where they are there, that at least as many rooms are found and doors join as a survey of them found, that
-// doors which lead nowhere say why, and that at most 2 % of the drawn area is lost. Named terraces count as
-// faces here, though they are not indoors: only the house with a basement needs that (12 rooms and a terrace
-// for the survey's 13 faces; the survey does not say which it counted).
+// Proves on our three homes, and on real ones where they are there, that at least as many rooms are found and doors join as a
+// survey of them found, that doors which lead nowhere say why, and that at most 2 % of the drawn area is lost. Named terraces count
+// as faces here, though they are not indoors: only the house with a basement needs that (12 rooms and a terrace for the survey's 13
+// faces; the survey does not say which it counted).
 Test(enclose, real_homes) {
     static const Expected homes[] = {{"build/maps/flat.Home.xml", 8, 7},
                                      {"build/maps/hillside.sh3d", 13, 10},

@@ -361,8 +361,8 @@ static void add_doorway(Text *text, int from, int to, int x, int y, bool right) 
                     x + 64, y + 64, x, y + 64, x, y + 64);
 }
 
-// Proves that no pair of an open hall is lost, in which there are millions of chains of portals: every cell of it sees every other, by every
-// method and by trees. From a corner of the hall a crooked passage leads away, so that searches look for what is hidden.
+// Proves that no pair of an open hall is lost, in which there are millions of chains of portals: every cell of it sees every other,
+// by every method and by trees. From a corner of the hall a crooked passage leads away, so that searches look for what is hidden.
 Test(pairs, an_open_hall_is_seen_whole, .timeout = 120) {
     enum { SIDE = 13, HALL = SIDE * SIDE, STEPS = 6, CELLS = HALL + STEPS };
     static const bool RIGHT[STEPS] = {true, true, false, false, true, false};

@@ -221,8 +221,8 @@ Test(walk, png) {
     arena_free(&arena);
 }
 
-// Proves that a video of odd size is made, through no link that lies in wait beside it; and that without ffmpeg, or when it fails, one sentence says so, an earlier
-// file stays as it was, and nothing is left beside it.
+// Proves that a video of odd size is made, through no link that lies in wait beside it; and that without ffmpeg, or when it fails,
+// one sentence says so, an earlier file stays as it was, and nothing is left beside it.
 Test(walk, video, .timeout = 60) {
     enum { WIDTH = 65, HEIGHT = 33 };
     static uint8_t rgb[WIDTH * HEIGHT * 3];

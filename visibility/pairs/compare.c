@@ -4,7 +4,7 @@
 #include "visibility/pairs/witness.h"
 
 static int words_of(int cell_count) { return (cell_count + 63) / 64; }
-static void add(uint64_t *rows, int words, int from, int to) {
+static void add_bit(uint64_t *rows, int words, int from, int to) {
     rows[(size_t)from * (size_t)words + (size_t)to / 64] |= (uint64_t)1 << (to % 64);
 }
 
@@ -30,12 +30,12 @@ double pairs_over(const PairFigures *figures) {
 
 long long pairs_check_witnesses(const CellGraph *graph, const PairSet *set, uint64_t *bound) {
     long long refuted = 0;
-    for (int c = 0; c < set->cell_count; c++) add(bound, set->words, c, c);
+    for (int c = 0; c < set->cell_count; c++) add_bit(bound, set->words, c, c);
     for (int i = 0; i < set->witness_count; i++) {
         const PairWitness *w = &set->witnesses[i];
         if (witness_walk(graph, w->a, w->b, w->from, w->to).proves) {
-            add(bound, set->words, w->a, w->b);
-            add(bound, set->words, w->b, w->a);
+            add_bit(bound, set->words, w->a, w->b);
+            add_bit(bound, set->words, w->b, w->a);
         } else {
             refuted++;
         }
@@ -48,7 +48,7 @@ void pairs_intersect_transpose(const uint64_t *rows, int cell_count, uint64_t *o
     memset(out, 0, (size_t)cell_count * (size_t)words * sizeof *out);
     for (int i = 0; i < cell_count; i++) {
         for (int j = 0; j < cell_count; j++) {
-            if (pair_bit(rows, words, i, j) && pair_bit(rows, words, j, i)) add(out, words, i, j);
+            if (pair_bit(rows, words, i, j) && pair_bit(rows, words, j, i)) add_bit(out, words, i, j);
         }
     }
 }

@@ -2,19 +2,19 @@
 // proven.
 #include "visibility/pairs/rounds.h"
 
-static void arrive(Flow *flow, int depth) {
+static void keep_cell(Flow *flow, int depth) {
     int cell = flow_cell(flow, depth);
     row_add(((Finding *)flow->context)->kept, cell);
     row_drop(flow->unknown, cell);
 }
 
-static void find(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
-                 PairSet *out) {
+static void flow_find(const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                      Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
-    rounds_search(&rounds, NULL, arrive);
+    rounds_search(&rounds, NULL, keep_cell);
     rounds_end(&rounds);
 }
 
 const PairMethod PAIR_METHOD_FLOW = {
-    .name = "flow", .summary = "separating planes in three dimensions", .find = find};
+    .name = "flow", .summary = "separating planes in three dimensions", .find = flow_find};

@@ -96,7 +96,7 @@ static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     return left;
 }
 
-static void follow(Flow *flow, int depth) {
+static void follow_chain(Flow *flow, int depth) {
     const WayGraph *ways = flow->ways;
     FlowStep *step = flow->steps[depth];
     int cell = flow_cell(flow, depth);
@@ -114,7 +114,7 @@ static void follow(Flow *flow, int depth) {
         if (!want(flow, &step->wanted, way, &next->wanted)) continue;
         flow->left--;
         flow->work.chains++;
-        if (narrow(flow, step, way, next)) follow(flow, depth + 1);
+        if (narrow(flow, step, way, next)) follow_chain(flow, depth + 1);
     }
     flow->on_path[cell] = 0;
 }
@@ -133,7 +133,7 @@ bool flow_search(Flow *flow, int way) {
     first_step(flow, way);
     flow->left = flow->patience;
     flow->on_path[from] = 1;
-    follow(flow, 0);
+    follow_chain(flow, 0);
     flow->on_path[from] = 0;
     return flow->left > 0 && has_work(flow);
 }
@@ -168,7 +168,7 @@ static bool narrow_cone(Flow *flow, const FlowStep *from, int way, FlowStep *ste
     return true;
 }
 
-static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
+static void look_on(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
     const WayGraph *ways = flow->ways;
     FlowStep *step = flow->steps[depth];
     int cell = flow_cell(flow, depth);
@@ -181,7 +181,7 @@ static void look(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)) {
         if (flow->on_path[ways->ways[way].to]) continue;
         if (!want(flow, &step->wanted, way, &next->wanted)) continue;
         flow->work.chains++;
-        if (narrow_cone(flow, step, way, next)) look(flow, depth + 1, arrive);
+        if (narrow_cone(flow, step, way, next)) look_on(flow, depth + 1, arrive);
     }
     flow->on_path[cell] = 0;
 }
@@ -191,6 +191,6 @@ void flow_look(Flow *flow, int way, void (*arrive)(Flow *flow, int depth)) {
     if (!has_work(flow)) return;
     first_step(flow, way);
     flow->on_path[from] = 1;
-    look(flow, 0, arrive);
+    look_on(flow, 0, arrive);
     flow->on_path[from] = 0;
 }

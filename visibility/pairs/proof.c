@@ -7,7 +7,7 @@
 #include "visibility/pairs/settle.h"
 #include "visibility/pairs/sight.h"
 
-static void arrive(Flow *flow, int depth) {
+static void try_line(Flow *flow, int depth) {
     enum { WORK_SIGHT = 500 };  // a portal, see ways_work
     flow->spent += WORK_SIGHT * (depth + 1);
     Sight sight;
@@ -26,7 +26,7 @@ static void seen(Flow *flow, int depth) {
 }
 
 // Where much is in doubt a look from the middle of the portal decides most of it.
-static void prepare(Flow *flow, int way) {
+static void look_from_middle(Flow *flow, int way) {
     enum { MUCH = 32 };
     int doubts = 0;
     for (int i = 0; i < flow->ways->words; i++) doubts += __builtin_popcountll(flow->unknown[i]);
@@ -49,15 +49,17 @@ static void prove_neighbours(Rounds *r) {
     }
 }
 
-static void find(const CellGraph *graph, const PairOptions *options, const Progress *progress, Arena *arena,
-                 PairSet *out) {
+static void proof_find(const CellGraph *graph, const PairOptions *options, const Progress *progress,
+                       Arena *arena, PairSet *out) {
     Rounds rounds;
     rounds_start(&rounds, graph, options, progress, arena, out);
     prove_neighbours(&rounds);
-    rounds_search(&rounds, prepare, arrive);
+    rounds_search(&rounds, look_from_middle, try_line);
     if (!rounds.stopped) settle_pairs(&rounds);
     rounds_end(&rounds);
 }
 
-const PairMethod PAIR_METHOD_PROOF = {
-    .name = "proof", .summary = "separating planes against sightlines, until one of them wins", .find = find};
+const PairMethod PAIR_METHOD_PROOF = {.name = "proof",
+                                      .summary =
+                                          "separating planes against sightlines, until one of them wins",
+                                      .find = proof_find};

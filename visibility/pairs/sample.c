@@ -60,7 +60,7 @@ static void view_portal(const Sampler *s, const Portal *portal, int cell, Window
 }
 
 // Keeps what lies on the positive side of a plane through the eye.
-static void clip(Window *w, Vec3 n) {
+static void clip_window(Window *w, Vec3 n) {
     Vec3 in[MOST_CORNERS];
     double distance[MOST_CORNERS];
     int count = w->count, outside = 0;
@@ -85,7 +85,7 @@ static double solid_angle(const Window *w, Vec3 middle) {
     return 0.5 * vec3_dot(area, middle) / (distance * distance * distance);
 }
 
-static Vec3 middle_of(const Window *w) {
+static Vec3 window_middle(const Window *w) {
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < w->count; i++) sum = vec3_add(sum, w->v[i]);
     return vec3_scale(sum, 1.0 / w->count);
@@ -116,14 +116,14 @@ static bool see(const Sampler *s, int cell, const Portal *portal, const Window *
     bool from_behind = (portal->cell[0] == cell ? before : -before) <= 0;
     if (from_behind || portal->vertex_count + (frame ? frame->count : 0) > MOST_CORNERS) return false;
     view_portal(s, portal, cell, out);
-    for (int k = 0; frame && k < frame->count && out->count >= 3; k++) clip(out, frame->side[k]);
+    for (int k = 0; frame && k < frame->count && out->count >= 3; k++) clip_window(out, frame->side[k]);
     if (out->count < 3) return false;
-    *middle = middle_of(out);
+    *middle = window_middle(out);
     return solid_angle(out, *middle) > SMALLEST_WINDOW;
 }
 
 // Through each portal of `cell` but the one it was entered by, as far as the window at `depth` - 1 shows it.
-static void look(Sampler *s, int cell, int entered_by, int depth) {
+static void look_through(Sampler *s, int cell, int entered_by, int depth) {
     const Cell *from = &s->graph->cells[cell];
     Window *next = window_at(s, depth);
     const Window *frame = depth > 0 ? s->window[depth - 1] : NULL;
@@ -136,7 +136,7 @@ static void look(Sampler *s, int cell, int entered_by, int depth) {
         if (!row_has(s, contact->cell)) try_sightline(s, contact->cell, middle);
         raise_sides(next);
         s->on_path[contact->cell] = 1;
-        look(s, contact->cell, contact->portal, depth + 1);
+        look_through(s, contact->cell, contact->portal, depth + 1);
         s->on_path[contact->cell] = 0;
     }
 }
@@ -184,7 +184,7 @@ static void look_out(Sampler *s, const Contact *contact, const SampleOptions *op
         double ahead = vec3_length(vec3_sub(s->eye, s->graph->portal_vertices[portal->first_vertex]));
         if (!row_has(s, contact->cell))
             try_sightline(s, contact->cell, vec3_scale(portal->plane.n, forward ? -ahead : ahead));
-        look(s, contact->cell, contact->portal, 0);
+        look_through(s, contact->cell, contact->portal, 0);
     }
     s->on_path[contact->cell] = 0;
 }
@@ -199,7 +199,7 @@ static void sample_cell(Sampler *s, const SampleOptions *options) {
     Random random = {options->seed + (uint64_t)s->source};
     for (int k = 0; k < options->points && !s->found; k++) {
         s->eye = point_in(s->graph, cell, &random);
-        look(s, s->source, -1, 0);
+        look_through(s, s->source, -1, 0);
     }
     s->on_path[s->source] = 0;
 }

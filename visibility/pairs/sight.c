@@ -3,7 +3,7 @@
 #include "visibility/pairs/sight.h"
 
 // Where the line crosses a portal.
-static Vec3 crossing(const Way *way, Sight sight) {
+static Vec3 sight_crossing(const Way *way, Sight sight) {
     double a = plane_distance(way->facet.plane, sight.from), b = plane_distance(way->facet.plane, sight.to);
     return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
 }
@@ -12,7 +12,7 @@ static Vec3 crossing(const Way *way, Sight sight) {
 // outside, or when it is too flat to tell. Between the lines, not within the portal's plane: one that grazes the plane
 // may cross it far from an edge and yet miss that edge by a hair.
 static double margin(const Way *way, Sight sight) {
-    Vec3 p = crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
+    Vec3 p = sight_crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
     double least = INFINITY, steepness = fabs(vec3_dot(direction, way->facet.plane.n));
     if (!(steepness >= SIGHT_FLATTEST)) return -INFINITY;
     for (int i = 0; i < way->corner_count; i++) {
@@ -87,7 +87,7 @@ bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *ou
 static void set_places(Flow *flow, int depth, Sight sight) {
     Vec3 in = sight.from;
     for (int i = 0; i <= depth; i++) {
-        Vec3 out = crossing(&flow->ways->ways[flow->steps[i]->beam.way], sight);
+        Vec3 out = sight_crossing(&flow->ways->ways[flow->steps[i]->beam.way], sight);
         flow->steps[i]->place = i == 0 ? sight.from : vec3_lerp(in, out, 0.5);
         in = out;
     }

@@ -119,7 +119,7 @@ static bool hopeless(const Grower *g) {
     return g->count >= SURE_NODES && g->count > FACTOR * g->done * g->source->limit;
 }
 
-static int add_node(Grower *g, int cell, int portal, int parent) {
+static int add_tree_cell(Grower *g, int cell, int portal, int parent) {
     g->spent += WORK_NODE + (g->source->large ? 0 : g->source->ways.words);
     if (g->count > 0 && (g->count == g->source->limit || hopeless(g) || g->spent >= g->allowed)) {
         g->exhausted = true;
@@ -182,7 +182,7 @@ static void narrow_may(const TreeSource *source, const uint64_t *before, int cel
     for (int k = 0; k < words; k++) out[k] &= known[k];
 }
 
-static void grow(Grower *g, int node, int depth) {
+static void grow_tree(Grower *g, int node, int depth) {
     const WayGraph *ways = &g->source->ways;
     int cell = g->nodes[node].cell, last = -1, choices = ways->first[cell + 1] - ways->first[cell] - 1;
     Level *level = g->levels[depth], *next = level_at(g, depth + 1);
@@ -198,12 +198,12 @@ static void grow(Grower *g, int node, int depth) {
             g->done += next->share;
             continue;
         }
-        int child = add_node(g, to, way / 2, node);
+        int child = add_tree_cell(g, to, way / 2, node);
         if (child >= 0) {
             if (last >= 0) g->nodes[last].next = child;
             last = child;
             narrow_may(g->source, level->may, to, next->may);
-            grow(g, child, depth + 1);
+            grow_tree(g, child, depth + 1);
         }
         leave(g, way, &undo);
     }
@@ -216,14 +216,14 @@ static void grow_branch(Grower *g, int way, double share, const uint64_t *reache
     int to = g->source->ways.ways[way].to;
     SightlineUndo undo;
     if (plan->upright) sightline_push(&g->line, plan->left, plan->right, &undo);
-    int child = add_node(g, to, way / 2, 0);
+    int child = add_tree_cell(g, to, way / 2, 0);
     if (child >= 0) {
         Level *level = level_at(g, 0);
         beam_begin(&g->source->ways, way, &level->beam);
         level->rise = plan->rise;
         level->share = share;
         narrow_may(g->source, reached, to, level->may);
-        grow(g, child, 0);
+        grow_tree(g, child, 0);
     }
     leave(g, way, &undo);
 }
@@ -292,7 +292,7 @@ Tree tree_grow(TreeGrower *g, int cell, long long allowed, uint64_t *row) {
     g->allowed = allowed;
     memset(g->all, 0, words * sizeof *g->all);
     g->on_path[cell] = 1;
-    add_node(g, cell, -1, -1);
+    add_tree_cell(g, cell, -1, -1);
     for (int i = first; i < end; i++) {
         reach(g, cell, ways->list[i]);
         if (!g->exhausted) grow_branch(g, ways->list[i], 1.0 / (end - first), g->reached);

@@ -15,7 +15,7 @@ homes=../shared/data/sh3d
 hash() { printf '%s  %s\n' "$(sha256sum <"$1" | cut -c1-32)" "$2"; }
 # A table without the columns that tell times, bytes of memory, rates, and which rows are ahead by time.
 counts() {
-    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) drop[i] = $i ~ /(^|_)(ms|us|ns|s|seconds|kb|mb|second)(_|$)/ }
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) drop[i] = $i ~ /(^|_)(ms|us|ns|s|seconds|kb|mb|second)(_|$)|^front$/ }
              { line = ""; for (i = 1; i <= NF; i++) if (!drop[i]) line = line "," $i; print line }'
 }
 make_outputs() {

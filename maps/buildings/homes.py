@@ -608,7 +608,8 @@ class Home:
         body += tag("compass", {"x": -100., "y": 50., "diameter": 100., "northDirection": 0.4, "longitude": 0.12, "latitude": 0.84,
                                 "timeZone": "Europe/Berlin"})
         body += self.cameras + tag("camera", {"attribute": "topCamera", "lens": "PINHOLE", "x": 500., "y": 900., "z": 1800.,
-                                              "yaw": 37.6991118, "pitch": 1.1, "fieldOfView": 1.0995574, "time": "1750000000000"}) + self.lines
+                                              "yaw": 37.6991118, "pitch": 1.1, "fieldOfView": 1.0995574,
+                                              "time": "1750000000000"}) + self.lines
         attributes = " ".join("%s='%s'" % (k, number(v) if isinstance(v, float) else v) for k, v in self.head.items())
         return "<?xml version='1.0'?>\n<home %s>\n%s</home>\n" % (attributes, "".join("  %s\n" % line for line in body))
 

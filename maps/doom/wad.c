@@ -19,8 +19,7 @@ static bool recognise_wad(Bytes content) {
 // ---- where one stands
 
 // The piece that holds a place, or -1.
-static int piece_at(const WadPieces *pieces, int x, int y) {
-    WadPoint at = {x, y, 1};
+static int piece_at(const WadPieces *pieces, WadPoint at) {
     for (int i = 0; i < pieces->piece_count; i++) {
         const WadPiece *p = &pieces->pieces[i];
         bool inside = p->sector >= 0;
@@ -39,12 +38,13 @@ static Vec3 eye_over(Vec2 at, double floor, double ceiling) {
 
 // An eye where a thing stands, on a lift as drawn; false outside.
 static bool eye_of(const WadBuilder *w, const WadThing *thing, Vec3 *eye) {
-    int piece = piece_at(w->pieces, thing->x, thing->y);
+    int piece = piece_at(w->pieces, thing->at);
     if (piece < 0 || w->first_region[piece] == w->first_region[piece + 1]) return false;
     int sector = w->pieces->pieces[piece].sector;
     double floor = wad_metres_of(w->map->sectors[sector].floor),
            ceiling = wad_metres_of(w->movers[sector].ceiling);
-    *eye = eye_over(vec2(wad_metres_of(thing->x), wad_metres_of(thing->y)), floor, ceiling);
+    *eye = eye_over(vec2(wad_metres_of((double)thing->at.x), wad_metres_of((double)thing->at.y)), floor,
+                    ceiling);
     return true;
 }
 
@@ -109,7 +109,7 @@ static void measure_lost_area(const WadMap *map, const WadPieces *pieces, const 
                               Building *b) {
     double drawn = 0, used = 0;
     for (int i = 0; i < map->line_count; i++) {
-        WadVertex p = map->vertices[map->lines[i].v[0]], q = map->vertices[map->lines[i].v[1]];
+        WadPoint p = map->vertices[map->lines[i].v[0]], q = map->vertices[map->lines[i].v[1]];
         double cross = (double)p.x * q.y - (double)p.y * q.x;
         drawn += cross * ((map->lines[i].sector[1] >= 0) - (map->lines[i].sector[0] >= 0)) / 2;
     }
@@ -131,7 +131,7 @@ static void note_lines(const WadMap *map, Arena *arena, Building *b) {
     int short_lines = 0, tricks = 0, sideless = 0, barred = 0;
     for (int i = 0; i < map->line_count; i++) {
         const WadLine *line = &map->lines[i];
-        WadVertex p = map->vertices[line->v[0]], q = map->vertices[line->v[1]];
+        WadPoint p = map->vertices[line->v[0]], q = map->vertices[line->v[1]];
         bool two = line->sector[0] >= 0 && line->sector[1] >= 0;
         if (p.x == q.x && p.y == q.y) {
             short_lines++;

@@ -6,9 +6,11 @@
 
 // ---- wad_map.c: the lumps of one map. Lengths are map units (WAD_METRE), x east, y north, z up.
 
-typedef struct WadVertex {
-    int x, y;
-} WadVertex;
+// The plan point (x / w, y / w), w > 0, without a common divisor: a vertex of the map with w = 1, or the place where two axes
+// cross, never rounded.
+typedef struct WadPoint {
+    long long x, y, w;
+} WadPoint;
 
 // Its front lies to the right of v[0] -> v[1].
 typedef struct WadLine {
@@ -30,14 +32,14 @@ typedef struct WadSector {
 } WadSector;
 
 typedef struct WadThing {
-    int x, y;
+    WadPoint at;
     int angle;  // degrees, 0 looks east
     int type;
 } WadThing;
 
 typedef struct WadMap {
     const char *path, *name;
-    WadVertex *vertices;
+    WadPoint *vertices;  // w = 1
     WadLine *lines;
     WadSide *sides;
     WadSector *sectors;
@@ -58,11 +60,6 @@ bool wad_line_is_void(const WadMap *map, const WadLine *line);
 typedef struct WadAxis {
     long long a, b, c;
 } WadAxis;
-
-// The plan point (x / w, y / w), w > 0, without a common divisor: where two axes cross, never rounded.
-typedef struct WadPoint {
-    long long x, y, w;
-} WadPoint;
 
 // From `from` to where the next edge of the piece begins.
 typedef struct WadEdge {

@@ -34,7 +34,7 @@ static long long common_divisor(long long a, long long b) {
 }
 
 // Through two different points; one axis for all lines along it, whichever way they run.
-static WadAxis axis_through(WadVertex p, WadVertex q) {
+static WadAxis axis_through(WadPoint p, WadPoint q) {
     long long a = p.y - q.y, b = q.x - p.x, divisor = common_divisor(a, b);
     a /= divisor, b /= divisor;
     if (a < 0 || (a == 0 && b < 0)) a = -a, b = -b;
@@ -71,7 +71,7 @@ static int by_coefficients(const void *p, const void *q) {
 }
 
 // The axes of all lines, each once, and then those of the four sides of a box around them.
-static void list_axes(const WadMap *map, const WadVertex box[2], Arena *arena, WadPieces *out) {
+static void list_axes(const WadMap *map, const WadPoint box[2], Arena *arena, WadPieces *out) {
     out->axes = ARENA_ARRAY(arena, WadAxis, map->line_count + 4);
     out->line_axis = ARENA_ARRAY(arena, int, map->line_count + 1);
     int count = 0;
@@ -94,7 +94,7 @@ static void list_axes(const WadMap *map, const WadVertex box[2], Arena *arena, W
             bsearch(&axis, out->axes, (size_t)out->axis_count, sizeof *out->axes, by_coefficients);
         out->line_axis[i] = (int)(found - out->axes);
     }
-    WadVertex corner[4] = {box[0], {box[1].x, box[0].y}, box[1], {box[0].x, box[1].y}};
+    WadPoint corner[4] = {box[0], {box[1].x, box[0].y, 1}, box[1], {box[0].x, box[1].y, 1}};
     for (int i = 0; i < 4; i++) out->axes[out->axis_count++] = axis_through(corner[i], corner[(i + 1) % 4]);
 }
 
@@ -232,21 +232,20 @@ static void cut_last(Cutter *c) {
 }
 
 // All lines, in the box around them.
-static void begin_with_square(Cutter *c, const WadVertex box[2]) {
+static void begin_with_square(Cutter *c, const WadPoint box[2]) {
     int first_axis = c->out->axis_count - 4;
     Task all = {0};
     for (int i = 0; i < c->map->line_count; i++) {
         if (c->out->line_axis[i] < 0) continue;
         const WadLine *line = &c->map->lines[i];
-        WadVertex a = c->map->vertices[line->v[0]], b = c->map->vertices[line->v[1]];
+        WadPoint a = c->map->vertices[line->v[0]], b = c->map->vertices[line->v[1]];
         *ARENA_PUSH(&c->scratch, c->parts, c->part_count, c->part_capacity) =
-            (Part){{{a.x, a.y, 1}, {b.x, b.y, 1}}, c->out->line_axis[i]};
+            (Part){{a, b}, c->out->line_axis[i]};
     }
-    WadVertex corner[4] = {box[0], {box[1].x, box[0].y}, box[1], {box[0].x, box[1].y}};
+    WadPoint corner[4] = {box[0], {box[1].x, box[0].y, 1}, box[1], {box[0].x, box[1].y, 1}};
     for (int i = 0; i < 4; i++) {
-        WadVertex inside = corner[(i + 2) % 4];
-        int side = wad_side_of(&c->out->axes[first_axis + i], (WadPoint){inside.x, inside.y, 1});
-        push_edge(c, (WadPoint){corner[i].x, corner[i].y, 1}, first_axis + i, side);
+        int side = wad_side_of(&c->out->axes[first_axis + i], corner[(i + 2) % 4]);
+        push_edge(c, corner[i], first_axis + i, side);
     }
     all.part_count = c->part_count;
     all.edge_count = c->edge_count;
@@ -254,19 +253,19 @@ static void begin_with_square(Cutter *c, const WadVertex box[2]) {
 }
 
 bool wad_cut_plan(const WadMap *map, Arena *arena, WadPieces *out, Error *error) {
-    WadVertex box[2] = {{INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN}};
+    WadPoint box[2] = {{INT16_MAX, INT16_MAX, 1}, {INT16_MIN, INT16_MIN, 1}};
     for (int i = 0; i < map->line_count; i++) {
         for (int k = 0; k < 2; k++) {
-            WadVertex v = map->vertices[map->lines[i].v[k]];
-            box[0] = (WadVertex){v.x < box[0].x ? v.x : box[0].x, v.y < box[0].y ? v.y : box[0].y};
-            box[1] = (WadVertex){v.x > box[1].x ? v.x : box[1].x, v.y > box[1].y ? v.y : box[1].y};
+            WadPoint v = map->vertices[map->lines[i].v[k]];
+            box[0] = (WadPoint){v.x < box[0].x ? v.x : box[0].x, v.y < box[0].y ? v.y : box[0].y, 1};
+            box[1] = (WadPoint){v.x > box[1].x ? v.x : box[1].x, v.y > box[1].y ? v.y : box[1].y, 1};
         }
     }
     *out = (WadPieces){0};
     if (map->line_count == 0)
         return error_set(error, "%s: %s has no lines (allowed: 1 to 65535)", map->path, map->name);
-    box[0] = (WadVertex){box[0].x - MARGIN, box[0].y - MARGIN};
-    box[1] = (WadVertex){box[1].x + MARGIN, box[1].y + MARGIN};
+    box[0] = (WadPoint){box[0].x - MARGIN, box[0].y - MARGIN, 1};
+    box[1] = (WadPoint){box[1].x + MARGIN, box[1].y + MARGIN, 1};
     list_axes(map, box, arena, out);
     Cutter cutter = {.map = map, .arena = arena, .out = out};
     begin_with_square(&cutter, box);

@@ -168,10 +168,10 @@ static bool read_vertices(Reader *r) {
     if (!find_lump(r, "VERTEXES", VERTEX, &lump)) return false;
     WadMap *map = r->map;
     map->vertex_count = lump.count;
-    map->vertices = ARENA_ARRAY(r->arena, WadVertex, lump.count);
+    map->vertices = ARENA_ARRAY(r->arena, WadPoint, lump.count);
     for (int i = 0; i < lump.count; i++) {
         const unsigned char *p = lump.data + (size_t)i * VERTEX;
-        map->vertices[i] = (WadVertex){i16(p), i16(p + 2)};
+        map->vertices[i] = (WadPoint){i16(p), i16(p + 2), 1};
     }
     return true;
 }
@@ -248,7 +248,7 @@ static bool read_things(Reader *r) {
     map->things = ARENA_ARRAY(r->arena, WadThing, lump.count);
     for (int i = 0; i < lump.count; i++) {
         const unsigned char *p = lump.data + (size_t)i * THING;
-        map->things[i] = (WadThing){i16(p), i16(p + 2), i16(p + 4), u16(p + 6)};
+        map->things[i] = (WadThing){{i16(p), i16(p + 2), 1}, i16(p + 4), u16(p + 6)};
     }
     return true;
 }
@@ -286,6 +286,6 @@ bool wad_read_map(const char *path, Bytes content, const char *name, Arena *aren
 }
 
 bool wad_line_is_void(const WadMap *map, const WadLine *line) {
-    WadVertex a = map->vertices[line->v[0]], b = map->vertices[line->v[1]];
+    WadPoint a = map->vertices[line->v[0]], b = map->vertices[line->v[1]];
     return (a.x == b.x && a.y == b.y) || line->sector[0] == line->sector[1];
 }

@@ -41,7 +41,7 @@ static void name_material(const char *texture, int step, char out[32]) {
 }
 
 // The sky is drawn, since it hides what lies beyond: other courts, as high as they like, are not seen over a wall.
-static int material_of(WadBuilder *w, const char *texture, int sector) {
+static int lit_material(WadBuilder *w, const char *texture, int sector) {
     Building *b = w->building;
     int light = w->map->sectors[sector].light;
     light = light < 0 ? 0 : light >= BRIGHTEST ? BRIGHTEST - 1 : light;
@@ -73,12 +73,12 @@ static const char *step_texture(const WadMap *map, const WadSide *side, int sect
 int wad_wall_material(WadBuilder *w, const WadEdge *edge, int sector, double along) {
     const WadMap *map = w->map;
     int facing, i = wad_line_at(map, w->pieces, edge, along, &facing);
-    if (i < 0) return material_of(w, map->sectors[sector].floor_flat, sector);
+    if (i < 0) return lit_material(w, map->sectors[sector].floor_flat, sector);
     const WadLine *line = &map->lines[i];
     int beyond = line->sector[1 - facing];
     const WadSide *side = &map->sides[line->side[facing]];
     const char *texture = beyond < 0 ? side->middle : step_texture(map, side, sector, beyond);
-    return material_of(w, texture, sector);
+    return lit_material(w, texture, sector);
 }
 
 // ---- corners of pieces as plan points in metres, and which of them lie on which edge
@@ -343,8 +343,8 @@ static void add_region(WadBuilder *w, int sector, const Outline *o) {
                  .ring_count = 1,
                  .z0 = wad_metres_of(mover->floor),
                  .z1 = wad_metres_of(mover->ceiling),
-                 .floor_material = material_of(w, s->floor_flat, sector),
-                 .ceiling_material = material_of(w, s->ceiling_flat, sector)};
+                 .floor_material = lit_material(w, s->floor_flat, sector),
+                 .ceiling_material = lit_material(w, s->ceiling_flat, sector)};
     add_ring(w, o);
 }
 

@@ -40,9 +40,9 @@ void wad_index_lines(const WadMap *map, WadPieces *pieces, Arena *arena) {
     for (int i = 0; i < map->line_count; i++) {
         int axis = pieces->line_axis[i];
         if (axis < 0) continue;
-        WadVertex v[2] = {map->vertices[map->lines[i].v[0]], map->vertices[map->lines[i].v[1]]};
-        double from = wad_along(&pieces->axes[axis], (WadPoint){v[0].x, v[0].y, 1});
-        double to = wad_along(&pieces->axes[axis], (WadPoint){v[1].x, v[1].y, 1});
+        WadPoint v[2] = {map->vertices[map->lines[i].v[0]], map->vertices[map->lines[i].v[1]]};
+        double from = wad_along(&pieces->axes[axis], v[0]);
+        double to = wad_along(&pieces->axes[axis], v[1]);
         spans[fill[axis]++] = (WadSpan){fmin(from, to), fmax(from, to), i, from > to};
     }
     for (int i = 0; i < pieces->axis_count; i++) {

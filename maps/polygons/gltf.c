@@ -130,7 +130,7 @@ static int make_material(Gltf *g, const GltfItem *item) {
     return building_add_material(g->arena, g->b, material);
 }
 
-static int material_of(Gltf *g, int index) {
+static int material_at(Gltf *g, int index) {
     if (g->failed) return -1;
     int *known = &g->materials[index < 0 ? gltf_list_count(g, "materials") : index];
     if (*known >= 0) return *known;
@@ -196,7 +196,7 @@ static bool decode_primitive(Gltf *g, const GltfItem *item, Arena *work, SoupMes
     GltfItem attributes = gltf_member(g, item, "attributes");
     int mode = gltf_int(g, item, "mode", 0, MODE_FAN, MODE_TRIANGLES);
     int position = gltf_index(g, &attributes, "POSITION", "accessors");
-    int material = material_of(g, gltf_index(g, item, "material", "materials"));
+    int material = material_at(g, gltf_index(g, item, "material", "materials"));
     if (g->failed) return false;
     if (position < 0) return gltf_fail(g, item, "attributes.POSITION", "is missing");
     if (mode < MODE_TRIANGLES) {

@@ -29,28 +29,14 @@ static bool read_model(Plan *plan) {
     PlanOption options[] = {
         {.word = "kind", .kind = PLAN_CHOICE, .out = &kind, .words = "furniture lamp stair frame low-wall"}};
     if (!plan_name(line, "the model's name", &name) || !plan_options(line, options, 1)) return false;
-    int object = building_add_object(plan->arena, &plan->models.shapes, KINDS[kind], name);
+    int object = building_add_object(plan->arena, &plan->models, KINDS[kind], name);
     plan->block = BLOCK_MODEL;
     plan->block_line = line->number;
-    return plan_declare(line, &plan->models.names, "model", name, object);
+    return plan_declare(line, &plan->model_names, "model", name, object);
 }
 
-static bool read_box(Plan *plan) { return plan_read_box(&plan->line, &plan->models); }
-static bool read_prism(Plan *plan) { return plan_read_prism(&plan->line, &plan->models); }
-static bool read_cylinder(Plan *plan) { return plan_read_cylinder(&plan->line, &plan->models); }
-static bool read_poly(Plan *plan) { return plan_read_poly(&plan->line, &plan->models); }
-static bool read_sphere(Plan *plan) { return plan_read_sphere(&plan->line, &plan->models); }
-static bool read_ellipsoid(Plan *plan) { return plan_read_ellipsoid(&plan->line, &plan->models); }
-static bool read_cone(Plan *plan) { return plan_read_cone(&plan->line, &plan->models); }
-static bool read_lathe(Plan *plan) { return plan_read_lathe(&plan->line, &plan->models); }
-static bool read_patch(Plan *plan) { return plan_read_patch(&plan->line, &plan->models); }
-static bool read_trim(Plan *plan) { return plan_read_trim(&plan->line, &plan->models); }
-static bool read_metaballs(Plan *plan) { return plan_read_metaballs(&plan->line, &plan->models); }
-static bool read_ball(Plan *plan) { return plan_read_ball(&plan->line, &plan->models); }
-static bool read_model_light(Plan *plan) { return plan_read_model_light(&plan->line, &plan->models); }
-
 static bool read_end(Plan *plan) {
-    const Building *b = plan->b, *shapes = &plan->models.shapes;
+    const Building *b = plan->b, *shapes = &plan->models;
     int held = plan->block == BLOCK_TOUR ? b->tours[b->tour_count - 1].viewpoint_count
                                          : shapes->objects[shapes->object_count - 1].polygon_count;
     if (held == 0)
@@ -66,45 +52,46 @@ typedef struct Statement {
     const char *word;
     int block;  // the block in which it stands
     bool needs_storey;
-    bool (*read)(Plan *plan);
+    bool (*read)(Plan *plan);  // one of these two
+    bool (*read_shape)(PlanLine *line, Building *models);
 } Statement;
 
-static const Statement STATEMENTS[] = {{"plan", BLOCK_NONE, false, read_header},
-                                       {"storey", BLOCK_NONE, false, plan_read_storey},
-                                       {"material", BLOCK_NONE, false, plan_read_material},
-                                       {"ground", BLOCK_NONE, false, plan_read_ground},
-                                       {"facade", BLOCK_NONE, false, plan_read_facade},
-                                       {"slabs", BLOCK_NONE, false, plan_read_slabs},
-                                       {"room", BLOCK_NONE, true, plan_read_room},
-                                       {"wall", BLOCK_NONE, true, plan_read_wall},
-                                       {"door", BLOCK_NONE, true, plan_read_door},
-                                       {"passage", BLOCK_NONE, true, plan_read_passage},
-                                       {"window", BLOCK_NONE, true, plan_read_window},
-                                       {"stairwell", BLOCK_NONE, true, plan_read_stairwell},
-                                       {"stair", BLOCK_NONE, true, plan_read_stair},
-                                       {"light", BLOCK_NONE, true, plan_read_light},
-                                       {"inlay", BLOCK_NONE, true, plan_read_inlay},
-                                       {"model", BLOCK_NONE, false, read_model},
-                                       {"place", BLOCK_NONE, true, plan_read_place},
-                                       {"view", BLOCK_NONE, true, plan_read_view},
-                                       {"tour", BLOCK_NONE, true, plan_read_tour},
-                                       {"start", BLOCK_NONE, true, plan_read_start},
-                                       {"box", BLOCK_MODEL, false, read_box},
-                                       {"prism", BLOCK_MODEL, false, read_prism},
-                                       {"cylinder", BLOCK_MODEL, false, read_cylinder},
-                                       {"poly", BLOCK_MODEL, false, read_poly},
-                                       {"sphere", BLOCK_MODEL, false, read_sphere},
-                                       {"ellipsoid", BLOCK_MODEL, false, read_ellipsoid},
-                                       {"cone", BLOCK_MODEL, false, read_cone},
-                                       {"lathe", BLOCK_MODEL, false, read_lathe},
-                                       {"patch", BLOCK_MODEL, false, read_patch},
-                                       {"trim", BLOCK_MODEL, false, read_trim},
-                                       {"metaballs", BLOCK_MODEL, false, read_metaballs},
-                                       {"ball", BLOCK_MODEL, false, read_ball},
-                                       {"light", BLOCK_MODEL, false, read_model_light},
-                                       {"end", BLOCK_MODEL, false, read_end},
-                                       {"eye", BLOCK_TOUR, true, plan_read_tour_eye},
-                                       {"end", BLOCK_TOUR, false, read_end}};
+static const Statement STATEMENTS[] = {{"plan", BLOCK_NONE, false, read_header, NULL},
+                                       {"storey", BLOCK_NONE, false, plan_read_storey, NULL},
+                                       {"material", BLOCK_NONE, false, plan_read_material, NULL},
+                                       {"ground", BLOCK_NONE, false, plan_read_ground, NULL},
+                                       {"facade", BLOCK_NONE, false, plan_read_facade, NULL},
+                                       {"slabs", BLOCK_NONE, false, plan_read_slabs, NULL},
+                                       {"room", BLOCK_NONE, true, plan_read_room, NULL},
+                                       {"wall", BLOCK_NONE, true, plan_read_wall, NULL},
+                                       {"door", BLOCK_NONE, true, plan_read_door, NULL},
+                                       {"passage", BLOCK_NONE, true, plan_read_passage, NULL},
+                                       {"window", BLOCK_NONE, true, plan_read_window, NULL},
+                                       {"stairwell", BLOCK_NONE, true, plan_read_stairwell, NULL},
+                                       {"stair", BLOCK_NONE, true, plan_read_stair, NULL},
+                                       {"light", BLOCK_NONE, true, plan_read_light, NULL},
+                                       {"inlay", BLOCK_NONE, true, plan_read_inlay, NULL},
+                                       {"model", BLOCK_NONE, false, read_model, NULL},
+                                       {"place", BLOCK_NONE, true, plan_read_place, NULL},
+                                       {"view", BLOCK_NONE, true, plan_read_view, NULL},
+                                       {"tour", BLOCK_NONE, true, plan_read_tour, NULL},
+                                       {"start", BLOCK_NONE, true, plan_read_start, NULL},
+                                       {"box", BLOCK_MODEL, false, NULL, plan_read_box},
+                                       {"prism", BLOCK_MODEL, false, NULL, plan_read_prism},
+                                       {"cylinder", BLOCK_MODEL, false, NULL, plan_read_cylinder},
+                                       {"poly", BLOCK_MODEL, false, NULL, plan_read_poly},
+                                       {"sphere", BLOCK_MODEL, false, NULL, plan_read_sphere},
+                                       {"ellipsoid", BLOCK_MODEL, false, NULL, plan_read_ellipsoid},
+                                       {"cone", BLOCK_MODEL, false, NULL, plan_read_cone},
+                                       {"lathe", BLOCK_MODEL, false, NULL, plan_read_lathe},
+                                       {"patch", BLOCK_MODEL, false, NULL, plan_read_patch},
+                                       {"trim", BLOCK_MODEL, false, NULL, plan_read_trim},
+                                       {"metaballs", BLOCK_MODEL, false, NULL, plan_read_metaballs},
+                                       {"ball", BLOCK_MODEL, false, NULL, plan_read_ball},
+                                       {"light", BLOCK_MODEL, false, NULL, plan_read_model_light},
+                                       {"end", BLOCK_MODEL, false, read_end, NULL},
+                                       {"eye", BLOCK_TOUR, true, plan_read_tour_eye, NULL},
+                                       {"end", BLOCK_TOUR, false, read_end, NULL}};
 enum { STATEMENT_COUNT = sizeof STATEMENTS / sizeof STATEMENTS[0] };
 
 static bool unknown_statement(Plan *plan, const char *word) {
@@ -118,7 +105,9 @@ static bool unknown_statement(Plan *plan, const char *word) {
 }
 
 // Lines that go on with the shape of the line above.
-static bool adds_to_shape(const Statement *s) { return s->read == read_trim || s->read == read_ball; }
+static bool adds_to_shape(const Statement *s) {
+    return s->read_shape == plan_read_trim || s->read_shape == plan_read_ball;
+}
 
 static bool read_statement(Plan *plan) {
     PlanLine *line = &plan->line;
@@ -132,7 +121,7 @@ static bool read_statement(Plan *plan) {
         if (statement->needs_storey && plan->storey < 0)
             return plan_fail(line, "'%s' stands before any storey (allowed: after one)", word);
         if (!adds_to_shape(statement) && !plan_close_shape(line, &plan->models)) return false;
-        return statement->read(plan);
+        return statement->read ? statement->read(plan) : statement->read_shape(line, &plan->models);
     }
     return unknown_statement(plan, word);
 }
@@ -171,7 +160,7 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     plan->line = (PlanLine){.path = path, .materials = &plan->materials, .arena = arena, .error = error};
     plan->arena = arena;
     plan->b = out;
-    plan->models.shapes.file_size = out->file_size;
+    plan->models.file_size = out->file_size;
     plan->storey = -1;
     Material plain = {.name = PLAIN, .reflectance = maps_colour(PLAIN_COLOUR), .alpha = 1};
     int index = building_add_material(arena, out, plain);

@@ -12,8 +12,8 @@ typedef struct Plan {
     Arena *arena;
     Building *b;
     Sketch sketch;
-    PlanNames materials, storeys;
-    PlanModels models;
+    PlanNames materials, storeys, model_names;  // index of a model: its object in `models`
+    Building models;
     struct Stretch *stretches;  // of explicit walls; private to plan_statements.c
     int *opening_line;          // [sketch.opening_count] the lines of the openings, for messages
     int stretch_count, stretch_capacity, opening_line_count, opening_line_capacity;

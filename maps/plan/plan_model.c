@@ -32,7 +32,7 @@ static const double LEAST_THRESHOLD = 0.001, MOST_THRESHOLD = 100;
 // ---- boxes, prisms, polygons
 
 // The faces of a box but those in `without`, each counter-clockwise from outside.
-static void add_model_box(Arena *arena, PlanModels *m, Vec3 a, Vec3 b, unsigned without, int material) {
+static void add_model_box(Arena *arena, Building *models, Vec3 a, Vec3 b, unsigned without, int material) {
     static const unsigned char CORNERS[6][4] = {{4, 5, 7, 6}, {0, 2, 3, 1}, {0, 4, 6, 2},
                                                 {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}};
     for (int side = 0; side < 6; side++) {
@@ -42,11 +42,11 @@ static void add_model_box(Arena *arena, PlanModels *m, Vec3 a, Vec3 b, unsigned 
             int c = CORNERS[side][i];
             v[i] = vec3(c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z);
         }
-        building_add_polygon(arena, &m->shapes, v, 4, material);
+        building_add_polygon(arena, models, v, 4, material);
     }
 }
 
-bool plan_read_box(PlanLine *line, PlanModels *models) {
+bool plan_read_box(PlanLine *line, Building *models) {
     Vec3 a, b;
     int material;
     unsigned without = 0;
@@ -73,24 +73,24 @@ static double signed_area(const Vec2 *points, int count) {
     return sum;
 }
 
-static void add_prism(Arena *arena, PlanModels *m, const Vec2 *ring, int count, double z0, double z1,
+static void add_prism(Arena *arena, Building *models, const Vec2 *ring, int count, double z0, double z1,
                       unsigned without, int material) {
     bool flip = signed_area(ring, count) < 0;
     Vec3 *cap = ARENA_ARRAY(arena, Vec3, count);
     for (int i = 0; i < count; i++) {
         Vec2 a = ring[flip ? count - 1 - i : i],
              b = ring[flip ? (2 * count - 2 - i) % count : (i + 1) % count];
-        building_add_polygon(arena, &m->shapes,
+        building_add_polygon(arena, models,
                              (Vec3[]){{a.x, a.y, z0}, {b.x, b.y, z0}, {b.x, b.y, z1}, {a.x, a.y, z1}}, 4,
                              material);
         cap[i] = vec3(a.x, a.y, z1);
     }
-    if (!(without & TOP)) building_add_polygon(arena, &m->shapes, cap, count, material);
+    if (!(without & TOP)) building_add_polygon(arena, models, cap, count, material);
     for (int i = 0; i < count; i++) {
         Vec2 a = ring[flip ? i : count - 1 - i];
         cap[i] = vec3(a.x, a.y, z0);
     }
-    if (!(without & BOTTOM)) building_add_polygon(arena, &m->shapes, cap, count, material);
+    if (!(without & BOTTOM)) building_add_polygon(arena, models, cap, count, material);
 }
 
 static bool read_heights(PlanLine *line, double z[2]) {
@@ -98,7 +98,7 @@ static bool read_heights(PlanLine *line, double z[2]) {
     return plan_number(line, "the upper height", z[0], MAPS_LIMIT, "metres", &z[1]);
 }
 
-bool plan_read_prism(PlanLine *line, PlanModels *models) {
+bool plan_read_prism(PlanLine *line, Building *models) {
     int material;
     double z[2];
     PlanList ring;
@@ -111,7 +111,7 @@ bool plan_read_prism(PlanLine *line, PlanModels *models) {
     return true;
 }
 
-bool plan_read_poly(PlanLine *line, PlanModels *models) {
+bool plan_read_poly(PlanLine *line, Building *models) {
     int material, count = 0, capacity = 0;
     Vec3 *vertices = NULL;
     if (!plan_material(line, &material)) return false;
@@ -130,28 +130,27 @@ bool plan_read_poly(PlanLine *line, PlanModels *models) {
             return plan_fail(line, "corner %d of the polygon lies %.4g m off its plane (limit %g)", i + 1,
                              off, MAPS_PLANARITY);
     }
-    building_add_polygon(line->arena, &models->shapes, vertices, count, material);
+    building_add_polygon(line->arena, models, vertices, count, material);
     return true;
 }
 
 // ---- curved shapes
 
 // Appends the polygons of the last shape. Fails where they are too many.
-static bool tessellate(PlanLine *line, PlanModels *models) {
-    Building *shapes = &models->shapes;
-    CurvedShape *shape = &shapes->shapes[shapes->shape_count - 1];
+static bool tessellate(PlanLine *line, Building *models) {
+    CurvedShape *shape = &models->shapes[models->shape_count - 1];
     Arena scratch = {0};
     CurvedMesh mesh;
-    curved_tessellate(shapes, shape, shape->tolerance, &scratch, &mesh);
-    shape->first_polygon = shapes->polygon_count;
-    int most = building_polygons_allowed(shapes->file_size);
+    curved_tessellate(models, shape, shape->tolerance, &scratch, &mesh);
+    shape->first_polygon = models->polygon_count;
+    int most = building_polygons_allowed(models->file_size);
     bool fine = mesh.tolerance <= shape->tolerance + ROUNDING,
          single = mesh.polygon_count <= MAX_SHAPE_POLYGONS,
-         few = single && mesh.polygon_count <= most - shapes->polygon_count;
+         few = single && mesh.polygon_count <= most - models->polygon_count;
     for (int i = 0; fine && few && i < mesh.polygon_count; i++)
-        building_add_polygon(line->arena, shapes, mesh.vertices + mesh.first[i],
+        building_add_polygon(line->arena, models, mesh.vertices + mesh.first[i],
                              mesh.first[i + 1] - mesh.first[i], shape->material);
-    shape->polygon_count = shapes->polygon_count - shape->first_polygon;
+    shape->polygon_count = models->polygon_count - shape->first_polygon;
     double kept = mesh.tolerance;
     int count = mesh.polygon_count;
     arena_free(&scratch);
@@ -168,23 +167,22 @@ static bool tessellate(PlanLine *line, PlanModels *models) {
             line,
             "the shapes come to more than %d polygons (the limit for a file of %.0f bytes; larger "
             "tolerances make fewer)",
-            most, shapes->file_size);
+            most, models->file_size);
     if (shape->polygon_count == 0)
         return plan_fail(line, "nothing of the shape can be seen (allowed: one with an area)");
     return true;
 }
 
 // Appends a shape to the last model; the parts that it consists of, and its polygons, come after.
-static CurvedShape *add_shape(PlanLine *line, PlanModels *models, CurvedKind kind, int material,
+static CurvedShape *add_shape(PlanLine *line, Building *models, CurvedKind kind, int material,
                               double tolerance) {
-    Building *shapes = &models->shapes;
-    CurvedShape *shape = ARENA_PUSH(line->arena, shapes->shapes, shapes->shape_count, shapes->shape_capacity);
+    CurvedShape *shape = ARENA_PUSH(line->arena, models->shapes, models->shape_count, models->shape_capacity);
     *shape = (CurvedShape){
-        .kind = kind, .object = shapes->object_count - 1, .material = material, .tolerance = tolerance};
+        .kind = kind, .object = models->object_count - 1, .material = material, .tolerance = tolerance};
     return shape;
 }
 
-static bool add_ball(PlanLine *line, PlanModels *models, Vec3 centre, Vec3 radii, double angle, int material,
+static bool add_ball(PlanLine *line, Building *models, Vec3 centre, Vec3 radii, double angle, int material,
                      double tolerance) {
     double c = cos(angle), s = sin(angle);
     CurvedShape *shape = add_shape(line, models, CURVED_SPHERE, material, tolerance);
@@ -193,7 +191,7 @@ static bool add_ball(PlanLine *line, PlanModels *models, Vec3 centre, Vec3 radii
     return tessellate(line, models);
 }
 
-bool plan_read_sphere(PlanLine *line, PlanModels *models) {
+bool plan_read_sphere(PlanLine *line, Building *models) {
     int material;
     Vec3 centre;
     double radius = 0, tolerance = TOLERANCE;
@@ -209,7 +207,7 @@ bool plan_read_sphere(PlanLine *line, PlanModels *models) {
            add_ball(line, models, centre, vec3(radius, radius, radius), 0, material, tolerance);
 }
 
-bool plan_read_ellipsoid(PlanLine *line, PlanModels *models) {
+bool plan_read_ellipsoid(PlanLine *line, Building *models) {
     int material;
     Vec3 centre, radii = {0};
     double angle = 0, tolerance = TOLERANCE;
@@ -233,7 +231,7 @@ static void across(Vec3 axis, double length, Vec3 out[2]) {
     out[0] = vec3_scale(vec3_cross(vec3_normalize(out[1]), n), length);
 }
 
-bool plan_read_cone(PlanLine *line, PlanModels *models) {
+bool plan_read_cone(PlanLine *line, Building *models) {
     int material;
     Vec3 foot, head;
     double radius = 0, top = 0, tolerance = TOLERANCE;
@@ -268,7 +266,7 @@ bool plan_read_cone(PlanLine *line, PlanModels *models) {
 }
 
 // Appends an upright cylinder about `centre` and its polygons.
-static bool add_round(PlanLine *line, PlanModels *models, Vec2 centre, const double z[2], double radius,
+static bool add_round(PlanLine *line, Building *models, Vec2 centre, const double z[2], double radius,
                       double tolerance, const bool disc[2], int material) {
     if (z[0] == z[1]) return plan_fail(line, "the cylinder has no height (allowed: the upper one above)");
     CurvedShape *shape = add_shape(line, models, CURVED_CYLINDER, material, tolerance);
@@ -279,7 +277,7 @@ static bool add_round(PlanLine *line, PlanModels *models, Vec2 centre, const dou
     return tessellate(line, models);
 }
 
-bool plan_read_cylinder(PlanLine *line, PlanModels *models) {
+bool plan_read_cylinder(PlanLine *line, Building *models) {
     int material, sides = 8;
     Vec2 centre;
     double z[2], radius = 0, tolerance = TOLERANCE;
@@ -326,10 +324,9 @@ static bool lies_on_a_line(const CurvedControl *control) {
 }
 
 // Normals that turn by more than a right angle from one sample to the next: no surface that is drawn does.
-static bool check_patch(PlanLine *line, const PlanModels *models, const char *what) {
+static bool check_patch(PlanLine *line, const Building *models, const char *what) {
     enum { SAMPLES = 32 };
-    const Building *shapes = &models->shapes;
-    const CurvedControl *control = shapes->controls + shapes->shapes[shapes->shape_count - 1].first_control;
+    const CurvedControl *control = models->controls + models->shapes[models->shape_count - 1].first_control;
     if (lies_on_a_line(control))
         return plan_fail(line, "%s lies on a line or in a point (allowed: with an area)", what);
     Vec3 row[SAMPLES + 1];
@@ -362,19 +359,18 @@ static CurvedControl quarter(int i, int quarter, double radius, double z, Vec3 c
 }
 
 // A segment of the profile, turned a quarter.
-static void add_quarter(PlanLine *line, PlanModels *models, const Vec2 profile[4], int which, Vec3 centre,
+static void add_quarter(PlanLine *line, Building *models, const Vec2 profile[4], int which, Vec3 centre,
                         int material, double tolerance) {
-    Building *shapes = &models->shapes;
     CurvedShape *shape = add_shape(line, models, CURVED_PATCH, material, tolerance);
-    shape->first_control = shapes->control_count;
+    shape->first_control = models->control_count;
     for (int k = 0; k < PATCH_CONTROLS; k++) {
         Vec2 at = profile[k / 4];
-        *ARENA_PUSH(line->arena, shapes->controls, shapes->control_count, shapes->control_capacity) =
+        *ARENA_PUSH(line->arena, models->controls, models->control_count, models->control_capacity) =
             quarter(k % 4, which, at.x, at.y, centre);
     }
 }
 
-bool plan_read_lathe(PlanLine *line, PlanModels *models) {
+bool plan_read_lathe(PlanLine *line, Building *models) {
     int material;
     Vec3 centre;
     double tolerance = TOLERANCE;
@@ -406,12 +402,12 @@ bool plan_read_lathe(PlanLine *line, PlanModels *models) {
 
 // ---- patches with their trims, and metaballs: shapes of several lines, which are checked and become polygons when the next one begins
 
-static bool read_controls(PlanLine *line, Building *shapes) {
+static bool read_controls(PlanLine *line, Building *models) {
     int count = 0;
     while (plan_is_point(line, 2)) {
         CurvedControl control = {.weight = 1};
         if (!plan_place(line, "a control point", true, &control.point)) return false;
-        *ARENA_PUSH(line->arena, shapes->controls, shapes->control_count, shapes->control_capacity) = control;
+        *ARENA_PUSH(line->arena, models->controls, models->control_count, models->control_capacity) = control;
         count++;
     }
     return count == PATCH_CONTROLS ||
@@ -419,42 +415,40 @@ static bool read_controls(PlanLine *line, Building *shapes) {
                      count, PATCH_CONTROLS);
 }
 
-bool plan_read_patch(PlanLine *line, PlanModels *models) {
-    Building *shapes = &models->shapes;
-    int material, first = shapes->control_count;
+bool plan_read_patch(PlanLine *line, Building *models) {
+    int material, first = models->control_count;
     double tolerance = TOLERANCE;
     PlanList weights = {0};
     PlanOption options[] = {
         {.word = "weights", .kind = PLAN_LIST, .out = &weights, .min = LEAST_WEIGHT, .max = MOST_WEIGHT},
         TOLERANCE_WORD(tolerance)};
-    if (!plan_material(line, &material) || !read_controls(line, shapes) || !plan_options(line, options, 2))
+    if (!plan_material(line, &material) || !read_controls(line, models) || !plan_options(line, options, 2))
         return false;
     if (weights.count != 0 && weights.count != PATCH_CONTROLS)
         return plan_fail(line, "the patch has %d weights (allowed: %d, or none)", weights.count,
                          PATCH_CONTROLS);
-    for (int i = 0; i < weights.count; i++) shapes->controls[first + i].weight = weights.numbers[i];
+    for (int i = 0; i < weights.count; i++) models->controls[first + i].weight = weights.numbers[i];
     CurvedShape *shape = add_shape(line, models, CURVED_PATCH, material, tolerance);
     shape->first_control = first;
-    shape->first_trim = shapes->trim_count;
-    models->open_line = line->number;
+    shape->first_trim = models->trim_count;
+    line->open_line = line->number;
     return check_patch(line, models, "the patch");
 }
 
 // The curves of a loop, each beginning where the one before it ends.
-static void add_trims(PlanLine *line, Building *shapes, const PlanList *loop, const PlanList *weights) {
+static void add_trims(PlanLine *line, Building *models, const PlanList *loop, const PlanList *weights) {
     for (int k = 0; k + 3 < loop->count; k += 3) {
         CurvedTrim trim;
         for (int i = 0; i < 4; i++) {
             trim.point[i] = loop->points[k + i];
             trim.weight[i] = weights->count ? weights->numbers[k + i] : 1;
         }
-        *ARENA_PUSH(line->arena, shapes->trims, shapes->trim_count, shapes->trim_capacity) = trim;
+        *ARENA_PUSH(line->arena, models->trims, models->trim_count, models->trim_capacity) = trim;
     }
 }
 
-bool plan_read_trim(PlanLine *line, PlanModels *models) {
-    Building *shapes = &models->shapes;
-    CurvedShape *shape = models->open_line ? &shapes->shapes[shapes->shape_count - 1] : NULL;
+bool plan_read_trim(PlanLine *line, Building *models) {
+    CurvedShape *shape = line->open_line ? &models->shapes[models->shape_count - 1] : NULL;
     PlanList loop;
     PlanList weights = {0};
     PlanOption options[] = {
@@ -478,13 +472,13 @@ bool plan_read_trim(PlanLine *line, PlanModels *models) {
     if (!vec2_equal(a, b))
         return plan_fail(line, "the trim begins at %g,%g and ends at %g,%g (allowed: where it began)", a.x,
                          a.y, b.x, b.y);
-    add_trims(line, shapes, &loop, &weights);
-    shape->trim_count = shapes->trim_count - shape->first_trim;
+    add_trims(line, models, &loop, &weights);
+    shape->trim_count = models->trim_count - shape->first_trim;
     return shape->trim_count <= MAX_TRIMS ||
            plan_fail(line, "the patch has %d curves of trims (limit %d)", shape->trim_count, MAX_TRIMS);
 }
 
-bool plan_read_metaballs(PlanLine *line, PlanModels *models) {
+bool plan_read_metaballs(PlanLine *line, Building *models) {
     int material;
     double threshold = 0, tolerance = TOLERANCE;
     PlanOption options[] = {{.word = "threshold",
@@ -497,14 +491,13 @@ bool plan_read_metaballs(PlanLine *line, PlanModels *models) {
     if (!plan_material(line, &material) || !plan_options(line, options, 2)) return false;
     CurvedShape *shape = add_shape(line, models, CURVED_METABALLS, material, tolerance);
     shape->threshold = threshold;
-    shape->first_ball = models->shapes.ball_count;
-    models->open_line = line->number;
+    shape->first_ball = models->ball_count;
+    line->open_line = line->number;
     return true;
 }
 
-bool plan_read_ball(PlanLine *line, PlanModels *models) {
-    Building *shapes = &models->shapes;
-    CurvedShape *shape = models->open_line ? &shapes->shapes[shapes->shape_count - 1] : NULL;
+bool plan_read_ball(PlanLine *line, Building *models) {
+    CurvedShape *shape = line->open_line ? &models->shapes[models->shape_count - 1] : NULL;
     CurvedBall ball = {.weight = 1};
     PlanOption options[] = {
         {.word = "radius",
@@ -522,29 +515,28 @@ bool plan_read_ball(PlanLine *line, PlanModels *models) {
         return plan_fail(line, "the ball's weight is %g (allowed: at least %g, or at most %g)", ball.weight,
                          LEAST_WEIGHT, -LEAST_WEIGHT);
     if (shape->ball_count == MAX_BALLS) return plan_fail(line, "more than %d balls (limit)", MAX_BALLS);
-    *ARENA_PUSH(line->arena, shapes->balls, shapes->ball_count, shapes->ball_capacity) = ball;
+    *ARENA_PUSH(line->arena, models->balls, models->ball_count, models->ball_capacity) = ball;
     shape->ball_count++;
     return true;
 }
 
-static bool check_balls(PlanLine *line, const Building *shapes, const CurvedShape *shape) {
+static bool check_balls(PlanLine *line, const Building *models, const CurvedShape *shape) {
     if (shape->ball_count == 0)
         return plan_fail(line, "the metaballs have no ball (allowed: at least one line 'ball')");
-    double peak = curved_field_peak(shapes->balls + shape->first_ball, shape->ball_count);
+    double peak = curved_field_peak(models->balls + shape->first_ball, shape->ball_count);
     return peak > shape->threshold ||
            plan_fail(line,
                      "the field of the metaballs reaches %.4g, their threshold is %g (allowed: below that)",
                      peak, shape->threshold);
 }
 
-bool plan_close_shape(PlanLine *line, PlanModels *models) {
-    if (!models->open_line) return true;
-    const Building *shapes = &models->shapes;
-    const CurvedShape *shape = &shapes->shapes[shapes->shape_count - 1];
+bool plan_close_shape(PlanLine *line, Building *models) {
+    if (!line->open_line) return true;
+    const CurvedShape *shape = &models->shapes[models->shape_count - 1];
     int here = line->number;
-    line->number = models->open_line;
-    models->open_line = 0;
-    if (shape->kind == CURVED_METABALLS && !check_balls(line, shapes, shape)) return false;
+    line->number = line->open_line;
+    line->open_line = 0;
+    if (shape->kind == CURVED_METABALLS && !check_balls(line, models, shape)) return false;
     if (!tessellate(line, models)) return false;
     line->number = here;
     return true;
@@ -563,35 +555,34 @@ bool plan_light(PlanLine *line, const char *name, Light *out) {
     return true;
 }
 
-bool plan_read_model_light(PlanLine *line, PlanModels *models) {
-    Building *shapes = &models->shapes;
+bool plan_read_model_light(PlanLine *line, Building *models) {
     Light light;
-    if (!plan_light(line, shapes->objects[shapes->object_count - 1].name, &light)) return false;
-    light.object = shapes->object_count - 1;
-    *ARENA_PUSH(line->arena, shapes->lights, shapes->light_count, shapes->light_capacity) = light;
+    if (!plan_light(line, models->objects[models->object_count - 1].name, &light)) return false;
+    light.object = models->object_count - 1;
+    *ARENA_PUSH(line->arena, models->lights, models->light_count, models->light_capacity) = light;
     return true;
 }
 
-void plan_add_stair(Arena *arena, PlanModels *models, Vec3 size, int steps, int material) {
+void plan_add_stair(Arena *arena, Building *models, Vec3 size, int steps, int material) {
     double x = size.x / 2, y0 = -size.y / 2, going = size.y / steps, rise = size.z / steps;
     for (int i = 0; i < steps; i++) {
         // Each step is a box down to the floor; what the one behind covers is left out.
         Vec3 a = vec3(-x, y0 + i * going, 0), b = vec3(x, y0 + (i + 1) * going, (i + 1) * rise);
         add_model_box(arena, models, a, b, BOTTOM | FRONT | (i + 1 < steps ? BACK : 0), material);
         double z = i * rise;
-        building_add_polygon(arena, &models->shapes,
+        building_add_polygon(arena, models,
                              (Vec3[]){{a.x, a.y, z}, {b.x, a.y, z}, {b.x, a.y, b.z}, {a.x, a.y, b.z}}, 4,
                              material);
     }
 }
 
-void plan_add_ramp(Arena *arena, PlanModels *models, Vec3 size, int material) {
+void plan_add_ramp(Arena *arena, Building *models, Vec3 size, int material) {
     double x = size.x / 2, y = size.y / 2, z = size.z;
-    Building *b = &models->shapes;
-    building_add_polygon(arena, b, (Vec3[]){{-x, -y, 0}, {x, -y, 0}, {x, y, z}, {-x, y, z}}, 4, material);
-    building_add_polygon(arena, b, (Vec3[]){{x, y, 0}, {-x, y, 0}, {-x, y, z}, {x, y, z}}, 4, material);
-    building_add_polygon(arena, b, (Vec3[]){{-x, y, 0}, {-x, -y, 0}, {-x, y, z}}, 3, material);
-    building_add_polygon(arena, b, (Vec3[]){{x, -y, 0}, {x, y, 0}, {x, y, z}}, 3, material);
+    building_add_polygon(arena, models, (Vec3[]){{-x, -y, 0}, {x, -y, 0}, {x, y, z}, {-x, y, z}}, 4,
+                         material);
+    building_add_polygon(arena, models, (Vec3[]){{x, y, 0}, {-x, y, 0}, {-x, y, z}, {x, y, z}}, 4, material);
+    building_add_polygon(arena, models, (Vec3[]){{-x, y, 0}, {-x, -y, 0}, {-x, y, z}}, 3, material);
+    building_add_polygon(arena, models, (Vec3[]){{x, -y, 0}, {x, y, 0}, {x, y, z}}, 3, material);
 }
 
 // ---- models in a building
@@ -624,9 +615,9 @@ static void turn_by(double angle, double *cosine, double *sine) {
     *sine = COSINE[(q + 3) % 4];
 }
 
-static void stand_patch(Arena *arena, const Building *from, const PlanTurn *turn, CurvedShape *shape,
+static void stand_patch(Arena *arena, const Building *models, const PlanTurn *turn, CurvedShape *shape,
                         Building *b) {
-    const CurvedControl *control = from->controls + shape->first_control;
+    const CurvedControl *control = models->controls + shape->first_control;
     int first_trim = shape->first_trim;
     bool mirror = turn->stand.mirror;
     shape->first_control = b->control_count;
@@ -638,15 +629,15 @@ static void stand_patch(Arena *arena, const Building *from, const PlanTurn *turn
     }
     shape->first_trim = b->trim_count;
     for (int i = 0; i < shape->trim_count; i++) {
-        CurvedTrim t = from->trims[first_trim + i];
+        CurvedTrim t = models->trims[first_trim + i];
         for (int k = 0; mirror && k < 4; k++) t.point[k].x = 1 - t.point[k].x;
         *ARENA_PUSH(arena, b->trims, b->trim_count, b->trim_capacity) = t;
     }
 }
 
-static void stand_balls(Arena *arena, const Building *from, const PlanTurn *turn, CurvedShape *shape,
+static void stand_balls(Arena *arena, const Building *models, const PlanTurn *turn, CurvedShape *shape,
                         Building *b) {
-    const CurvedBall *balls = from->balls + shape->first_ball;
+    const CurvedBall *balls = models->balls + shape->first_ball;
     shape->first_ball = b->ball_count;
     for (int i = 0; i < shape->ball_count; i++) {
         CurvedBall ball = balls[i];
@@ -656,12 +647,11 @@ static void stand_balls(Arena *arena, const Building *from, const PlanTurn *turn
 }
 
 // The curved shapes of a model; `placed` [polygons of the model + 1]: where in the building its polygons begin.
-static void stand_shapes(Arena *arena, const PlanModels *models, int model, const PlanTurn *turn,
+static void stand_shapes(Arena *arena, const Building *models, int model, const PlanTurn *turn,
                          const int *placed, Building *b) {
-    const Building *from = &models->shapes;
-    int first = from->objects[model].first_polygon;
-    for (int i = 0; i < from->shape_count; i++) {
-        CurvedShape shape = from->shapes[i];
+    int first = models->objects[model].first_polygon;
+    for (int i = 0; i < models->shape_count; i++) {
+        CurvedShape shape = models->shapes[i];
         if (shape.object != model) continue;
         int at = shape.first_polygon - first;
         shape.object = b->object_count - 1;
@@ -669,18 +659,18 @@ static void stand_shapes(Arena *arena, const PlanModels *models, int model, cons
         shape.polygon_count = placed[at + shape.polygon_count] - placed[at];
         shape.frame.origin = turn_point(turn, shape.frame.origin);
         for (int k = 0; k < 3; k++) shape.frame.axis[k] = turn_vector(turn, shape.frame.axis[k]);
-        if (shape.kind == CURVED_PATCH) stand_patch(arena, from, turn, &shape, b);
-        if (shape.kind == CURVED_METABALLS) stand_balls(arena, from, turn, &shape, b);
+        if (shape.kind == CURVED_PATCH) stand_patch(arena, models, turn, &shape, b);
+        if (shape.kind == CURVED_METABALLS) stand_balls(arena, models, turn, &shape, b);
         *ARENA_PUSH(arena, b->shapes, b->shape_count, b->shape_capacity) = shape;
     }
 }
 
-static bool stand_polygon(PlanLine *line, Arena *arena, const Building *shapes, const Polygon *p,
+static bool stand_polygon(PlanLine *line, Arena *arena, const Building *models, const Polygon *p,
                           const PlanTurn *turn, Building *b) {
     Vec3 *corner = ARENA_ARRAY(arena, Vec3, p->vertex_count);
     for (int k = 0; k < p->vertex_count; k++) {
         int from = turn->stand.mirror ? p->vertex_count - 1 - k : k;
-        Vec3 v = turn_point(turn, shapes->vertices[p->first_vertex + from]);
+        Vec3 v = turn_point(turn, models->vertices[p->first_vertex + from]);
         if (fabs(v.x) > MAPS_LIMIT || fabs(v.y) > MAPS_LIMIT || fabs(v.z) > MAPS_LIMIT)
             return plan_fail(line, "a corner comes to (%g, %g, %g) (allowed: at most %g m)", v.x, v.y, v.z,
                              MAPS_LIMIT);
@@ -695,24 +685,23 @@ static bool stand_polygon(PlanLine *line, Arena *arena, const Building *shapes, 
     return true;
 }
 
-bool plan_stand_model(PlanLine *line, Arena *arena, const PlanModels *models, int model, const char *name,
+bool plan_stand_model(PlanLine *line, Arena *arena, const Building *models, int model, const char *name,
                       PlanStand stand, Building *b) {
-    const Building *shapes = &models->shapes;
-    const Object *shape = &shapes->objects[model];
+    const Object *shape = &models->objects[model];
     PlanTurn turn = {.stand = stand};
     turn_by(stand.angle, &turn.cosine, &turn.sine);
     int *placed = ARENA_ARRAY(arena, int, shape->polygon_count + 1);
     int object = building_add_object(arena, b, shape->kind, name);
     for (int i = 0; i < shape->polygon_count; i++) {
-        const Polygon *p = &shapes->polygons[shape->first_polygon + i];
+        const Polygon *p = &models->polygons[shape->first_polygon + i];
         placed[i] = b->polygon_count;
-        if (!stand_polygon(line, arena, shapes, p, &turn, b)) return false;
+        if (!stand_polygon(line, arena, models, p, &turn, b)) return false;
     }
     placed[shape->polygon_count] = b->polygon_count;
     stand_shapes(arena, models, model, &turn, placed, b);
     building_set_proxy(b, stand.angle);
-    for (int i = 0; i < shapes->light_count; i++) {
-        Light light = shapes->lights[i];
+    for (int i = 0; i < models->light_count; i++) {
+        Light light = models->lights[i];
         if (light.object != model) continue;
         light.position = turn_point(&turn, light.position);
         light.name = name;

@@ -189,8 +189,8 @@ bool plan_read_stair(Plan *plan) {
     if (!plan_name(line, "the stair's name", &name) || !plan_place(line, "its centre", false, &at) ||
         !plan_options(line, options, 6))
         return false;
-    PlanModels one = {0};
-    building_add_object(plan->arena, &one.shapes, OBJECT_STAIR, name);
+    Building one = {0};
+    building_add_object(plan->arena, &one, OBJECT_STAIR, name);
     PlanStand stand = {vec3(at.x, at.y, storey_floor(plan) + at.z), angle, false};
     // Beyond half of all polygons allowed a flight is one slope: more steps do not make a building more usable.
     if (plan->stair_polygons <= building_polygons_allowed(plan->b->file_size) / 2) {
@@ -202,7 +202,7 @@ bool plan_read_stair(Plan *plan) {
             plan->first_ramp_place = place_text(plan, "stair", name);
         }
     }
-    plan->stair_polygons += one.shapes.polygon_count;
+    plan->stair_polygons += one.polygon_count;
     return plan_stand_model(line, plan->arena, &one, 0, name, stand, plan->b);
 }
 
@@ -277,10 +277,10 @@ bool plan_read_place(Plan *plan) {
         {.word = "mirror", .kind = PLAN_FLAG, .out = &stand.mirror},
         {.word = "name", .kind = PLAN_NAME, .out = &name}};
     if (!plan_name(line, "the model's name", &model_name)) return false;
-    int model = plan_find(&plan->models.names, model_name);
+    int model = plan_find(&plan->model_names, model_name);
     if (model < 0)
         return plan_fail(line, "no model '%.60s' (allowed: one of the %d defined above)", model_name,
-                         plan->models.names.count);
+                         plan->model_names.count);
     if (!plan_place(line, "its place", false, &stand.at) || !plan_options(line, options, 3)) return false;
     stand.at.z += storey_floor(plan);
     return plan_stand_model(line, plan->arena, &plan->models, model, name ? name : model_name, stand,

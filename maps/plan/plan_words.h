@@ -20,6 +20,7 @@ typedef struct PlanLine {
     char **words;
     int count, capacity, next;  // words[next] is read next
     const PlanNames *materials;
+    int open_line;  // of the patch or the metaballs, the last shape, to which lines may still be added; 0: none
     Arena *arena;
     Error *error;
 } PlanLine;

@@ -123,7 +123,7 @@ static int make_material(Gltf *g, const GltfItem *item) {
     Rgb colour = {(float)factor[0] * mean.r, (float)factor[1] * mean.g, (float)factor[2] * mean.b};
     Material material = {
         .name = name,
-        .reflectance = soup_cap(colour, arena_string(g->scratch, *name ? name : item->place), &g->capped),
+        .reflectance = soup_cap(&g->reader, colour, arena_string(g->scratch, *name ? name : item->place)),
         .emission = emission_of(g, item),
         .alpha = alpha_of(g, item, factor[3], textured)};
     if (g->failed) return -1;
@@ -419,7 +419,7 @@ static bool place_face(Gltf *g, const GltfItem *node, const Way *way, const Soup
         }
         ring[mirrored ? face->corner_count - 1 - i : i] = v;
     }
-    size_t bytes = g->size + g->folder.bytes;
+    size_t bytes = g->size + g->reader.bytes;
     int allowed = building_polygons_allowed((double)bytes);
     if (g->faces++ == allowed)
         return gltf_fail(g, node, NULL,
@@ -679,9 +679,7 @@ static bool read_document(Gltf *g, Bytes content) {
     if (!parse_document(g, json, (size_t)(json.data - content.data))) return false;
     if (!check_version(g) || !check_extensions(g) || !count_lists(g) || !place_nodes(g)) return false;
     note_losses(g);
-    g->b->hash = g->folder.hash;
-    return soup_finish(g->path, &g->capped, "lengths in glTF are metres: scale the model before export",
-                       g->arena, g->b, g->error);
+    return soup_finish(&g->reader, "lengths in glTF are metres: scale the model before export", g->error);
 }
 
 static bool read_gltf(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
@@ -689,7 +687,7 @@ static bool read_gltf(const char *path, Bytes content, Arena *arena, Building *o
     Gltf g = {.path = path,
               .pixels = TEXTURE_FREE_PIXELS,
               .size = content.size,
-              .folder = {.path = path, .arena = arena, .b = out},
+              .reader = {.path = path, .arena = arena, .b = out},
               .arena = arena,
               .scratch = &scratch,
               .b = out,

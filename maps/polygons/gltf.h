@@ -25,7 +25,7 @@ typedef struct Gltf {
     const char *path;
     json_t *root;
     Bytes chunk;  // the BIN chunk of a .glb, else without data
-    SoupFolder folder;
+    SoupReader reader;
     Arena *arena;    // of the building
     Arena *scratch;  // until the document is read
     Building *b;
@@ -35,7 +35,6 @@ typedef struct Gltf {
     struct GltfMesh *meshes;   // [meshes] private to gltf.c
     int *materials;            // [materials + 1] of the building, -1: not yet made; the last is the default
     struct GltfImage *images;  // [images] private to gltf.c
-    SoupCapped capped;
     struct {
         int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
     } tally;                                     // left out or changed

@@ -220,7 +220,7 @@ bool gltf_read_uri(Gltf *g, const GltfItem *item, const char *uri, bool needed, 
     char *name;
     Error why = {""};
     if (!decode_percent(g, item, uri, &name)) return false;
-    if (soup_read_beside(&g->folder, name, g->scratch, out, &why)) return true;
+    if (soup_read_beside(&g->reader, name, g->scratch, out, &why)) return true;
     return needed && gltf_fail(g, item, "uri", "cannot be read: %.400s", why.text);
 }
 
@@ -409,7 +409,7 @@ static bool check_finite(Gltf *g, const GltfItem *item, const double *v, int cou
 // Whether so many elements, -1 where the file does not say, are within the bounds of all numbers.
 static bool check_count(Gltf *g, const GltfItem *item, int components, int count) {
     if (count < 0) return gltf_fail(g, item, "count", "is missing");
-    size_t bytes = g->size + g->folder.bytes;
+    size_t bytes = g->size + g->reader.bytes;
     int allowed = (int)fmin(GLTF_MAX_VALUES, GLTF_FREE_VALUES + GLTF_VALUES_A_BYTE * (double)bytes);
     if (count <= (allowed - g->values) / components) return true;
     return gltf_fail(

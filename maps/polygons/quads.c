@@ -30,7 +30,7 @@ typedef struct Quads {
     Error *error;
     Named *quads, *wanted;
     int quad_count, quad_capacity, wanted_count, wanted_capacity;
-    SoupCapped capped;
+    SoupReader reader;
     int bent;
 } Quads;
 
@@ -85,7 +85,7 @@ static bool add_material(Quads *q, const char *name, double rho, double exitance
              exitance);
     float r = (float)rho, e = (float)exitance;
     Material material = {.name = words,
-                         .reflectance = soup_cap((Rgb){r, r, r}, name, &q->capped),
+                         .reflectance = soup_cap(&q->reader, (Rgb){r, r, r}, name),
                          .emission = {e, e, e},
                          .alpha = 1};
     *out = building_add_material(q->arena, q->b, material);
@@ -173,7 +173,11 @@ static bool check_names(Quads *q) {
 }
 
 static bool read_quads(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
-    Quads q = {.scan = scan_begin(path, content), .arena = arena, .b = out, .error = error};
+    Quads q = {.scan = scan_begin(path, content),
+               .reader = {.path = path, .arena = arena, .b = out},
+               .arena = arena,
+               .b = out,
+               .error = error};
     while (scan_next_line(&q.scan, COMMENT)) {
         if (!read_line(&q)) return false;
     }
@@ -181,7 +185,7 @@ static bool read_quads(const char *path, Bytes content, Arena *arena, Building *
     if (q.bent > 0)
         building_note(arena, out, NOTE_CHANGED, out->vertices[0],
                       "%s: %d quads are bent or concave and were cut into triangles", path, q.bent);
-    return soup_finish(path, &q.capped, "lengths in a .quads file are metres", arena, out, error);
+    return soup_finish(&q.reader, "lengths in a .quads file are metres", error);
 }
 
 static bool recognise_quads(Bytes content) {

@@ -226,9 +226,9 @@ static bool read_file(void *context, const char *name, Arena *arena, Bytes *out)
 
 static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
-    SoupFolder folder = {.path = path, .arena = arena, .b = out};
+    SoupReader reader = {.path = path, .arena = arena, .b = out};
     double pixels = TEXTURE_FREE_PIXELS;
-    ObjFiles files = {read_file, &folder, &pixels};
+    ObjFiles files = {read_file, &reader, &pixels};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
     // The line at fault says more than that nothing was left.
     if (o.model.fault) return error_set(error, "%s:%s", path, o.model.fault);
@@ -236,11 +236,10 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
     o.materials = ARENA_ARRAY(arena, int, o.model.material_count);
     for (int i = 0; i < o.model.material_count; i++) o.materials[i] = -1;
     if (!make_mesh(&o)) return false;
-    out->hash = folder.hash;
     note_losses(&o, add_objects(&o));
-    return soup_finish(path, &(SoupCapped){0},
+    return soup_finish(&reader,
                        "a comment above the first vertex, such as `# unit 0.01`, says how many metres one is",
-                       arena, out, error);
+                       error);
 }
 
 // The first statement is one of OBJ.

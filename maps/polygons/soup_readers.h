@@ -17,21 +17,31 @@
 #define SOUP_MAX_BYTES ((size_t)1 << 30)
 #define SOUP_MAX_FILES 1000
 
-// ---- soup_files.c
+// ---- soup_readers.c
 
-// The files beside the one at `path`, which refers to them. Start with {.path = path, .arena = arena, .b = b}.
-typedef struct SoupFolder {
+// A soup while it is read, and the files beside the one at `path`. Start with {.path = path, .arena = arena, .b = b}.
+typedef struct SoupReader {
     const char *path;
-    Arena *arena;   // of the building
-    Building *b;    // gets the paths of the files that are there
-    uint64_t hash;  // of what was read
-    size_t bytes;   // read so far
+    Arena *arena;  // of the building
+    Building *b;
+    uint64_t hash;  // of the files beside that were read
+    size_t bytes;   // of these files
     int files;
-} SoupFolder;
+    int capped;                // colours above MAPS_MAX_REFLECTANCE
+    const char *first_capped;  // the material of the first of them
+    double most_capped;
+} SoupReader;
 
 // Reads the file `name`. It may lie in the folder of `path` or below it, not outside: names that are empty, absolute or
 // hold `..` are refused, and so is what exceeds the limits above. Backslashes count as slashes, as exporters write them.
-bool soup_read_beside(SoupFolder *folder, const char *name, Arena *arena, Bytes *out, Error *error);
+bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes *out, Error *error);
+
+// A linear reflectance of 0 or more, capped; colours that had to be are counted.
+Rgb soup_cap(SoupReader *reader, Rgb reflectance, const char *material);
+// The end of every reader of a soup: notes colours that were capped and a size that no building has (`resize` says how the file
+// can state another), and sets the world's box and the start: at the first viewpoint, else at eye height in the
+// middle. Fails on a soup without a polygon.
+bool soup_finish(const SoupReader *reader, const char *resize, Error *error);
 
 // ---- soup_merge.c
 
@@ -54,22 +64,5 @@ void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
 
 // For each vertex the first one at the same place: [count], in `arena`.
 int *soup_weld(const Vec3 *vertices, int count, Arena *arena);
-
-// ---- soup_finish.c
-
-// How many colours were above MAPS_MAX_REFLECTANCE, and the first of them.
-typedef struct SoupCapped {
-    int count;
-    const char *first;
-    double most;
-} SoupCapped;
-// A linear reflectance of 0 or more, capped and tallied.
-Rgb soup_cap(Rgb reflectance, const char *material, SoupCapped *capped);
-
-// The end of every reader of a soup: notes what was capped and a size that no building has (`resize` says how the file
-// can state another), and sets the world's box and the start: at the first viewpoint, else at eye height in the
-// middle. Fails on a soup without a polygon.
-bool soup_finish(const char *path, const SoupCapped *capped, const char *resize, Arena *arena, Building *b,
-                 Error *error);
 
 #endif

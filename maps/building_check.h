@@ -1,4 +1,4 @@
-// building_check.h - the faults found so far, and what both files of the check ask of numbers and indices.
+// building_check.h - the faults found so far, and tests of numbers and indices, for both files of the check.
 #ifndef MAPS_BUILDING_CHECK_H
 #define MAPS_BUILDING_CHECK_H
 
@@ -13,7 +13,7 @@ typedef struct Check {
     const char **faults;
     int max, count;
     Vec2 *mm;                 // [point_count] plan points in millimetres, whole ones on the grid
-    BoxHits mine, near, row;  // edges found last; building_check_regions.c
+    BoxHits mine, near, row;  // edges found last, in building_check_regions.c
 } Check;
 
 // Adds a fault; the sentence is formatted as by printf.

@@ -1,5 +1,5 @@
 // maps.c - the table of readers, and the choice among them: the reader whose suffix and content both fit, else
-// the one whose content fits, else the one whose suffix fits (it knows best what is wrong with the file).
+// the one whose content fits, else the one whose suffix fits (it tells best which fault the file has).
 #include "maps/maps.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-// building.h - what a building is, whatever file it came from.
+// building.h - the data of a building, from any file.
 //
 // Free space is a set of disjoint prisms, the regions: a plan polygon between two heights. What is not in a
 // region is solid (walls, slabs, soil) or beyond the world. Where two regions touch, one sees from one into the
@@ -252,7 +252,7 @@ enum { LEAF_CORNERS = 32 };
 // The grid of the plan and of heights, metres: finer than any wall, coarser than the noise in real files.
 #define MAPS_GRID 0.001
 // How far the outline of a convex region may turn inwards, metres: far above the rounding of vertices that lie on a
-// straight edge (1e-13), far below all that could show.
+// straight edge (1e-13), far below the size of anything that shows.
 #define MAPS_DENT 1e-9
 // How far a polygon's vertices may lie off its plane, metres.
 #define MAPS_PLANARITY 0.001
@@ -267,7 +267,7 @@ enum { LEAF_CORNERS = 32 };
 
 static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
 
-// Readers append with these; all copy what they are given into the arena.
+// Readers append with these; all copy their arguments into the arena.
 int building_add_material(Arena *arena, Building *b, Material material);  // finds an equal one first
 // Begins an object, empty yet, to which polygons are then added. Returns its index.
 int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name);

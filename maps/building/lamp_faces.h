@@ -1,4 +1,4 @@
-// lamp_faces.h - faces that emit what the lights of a building shine: radiosity knows no points of light.
+// lamp_faces.h - faces that emit the flux of the lights of a building: radiosity knows no points of light.
 #ifndef MAPS_LAMP_FACES_H
 #define MAPS_LAMP_FACES_H
 

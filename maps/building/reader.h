@@ -1,4 +1,4 @@
-// reader.h - what a reader of building files is; maps.c has the table of all.
+// reader.h - the interface of a reader of building files; maps.c has the table of all.
 #ifndef MAPS_READER_H
 #define MAPS_READER_H
 

@@ -1,4 +1,4 @@
-// texture.h - the mean colour of an image, which is all that light and display take from a texture.
+// texture.h - the mean colour of an image: light and display take nothing else from a texture.
 #ifndef MAPS_TEXTURE_H
 #define MAPS_TEXTURE_H
 
@@ -13,13 +13,13 @@
 #define TEXTURE_FREE_PIXELS (32 << 20)
 #define TEXTURE_PIXELS_A_BYTE 64
 
-// Width times height as the image's head tells, for budgets; 0 for what texture_mean refuses by its head.
+// Width times height as the image's head tells, for budgets; 0 for an image that texture_mean refuses by its head.
 int texture_pixels(Bytes image);
 
 // The mean of a PNG, JPEG or BMP image in linear light, weighted by its opacity, as a reflectance. False for
 // anything else, a damaged image, one above TEXTURE_MAX_PIXELS or one that is transparent throughout.
-// `left`: how many pixels may still be decoded, and what it takes of them; NULL: any. An image beyond that is refused. A JPEG counts
-// once for every few of its scans, since each goes over all pixels.
+// `left`: how many pixels may still be decoded, less those of this image afterwards; NULL: any number. An image beyond that is
+// refused. A JPEG counts once for every few of its scans, since each goes over all pixels.
 bool texture_mean(Bytes image, double *left, Rgb *mean);
 
 #endif

@@ -36,7 +36,7 @@ bool curved_field_settle(const CurvedBall *balls, int count, double threshold, d
         Vec3 gradient;
         double off = curved_field_gradient(balls, count, at, &gradient) - threshold;
         double square = vec3_dot(gradient, gradient);
-        // No nearer than before: what is left is rounding.
+        // No nearer than before: the rest is rounding.
         if (!(fabs(off) < best)) break;
         best = fabs(off);
         *p = at;

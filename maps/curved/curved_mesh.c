@@ -2,7 +2,7 @@
 #include "engine/core/polygon.h"
 #include "maps/curved/curved_tessellate.h"
 
-// A quad bent by less is one polygon, metres: what rounding leaves of a flat one in a building.
+// A quad bent by less is one polygon, metres: flat ones are bent so much by rounding in a building.
 static const double FLAT = 1e-9;
 
 void curved_mesh_add(CurvedMesh *mesh, Arena *arena, const Vec3 *vertices, int count, bool flip) {

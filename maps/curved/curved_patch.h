@@ -1,4 +1,4 @@
-// curved_patch.h - what is asked of rational bicubic Bezier patches and of their trims.
+// curved_patch.h - points, derivatives and borders of rational bicubic Bezier patches, and points of their trims.
 //
 // Source: G. Farin, Curves and Surfaces for CAGD, 1997, chapters 13 and 15.
 #ifndef MAPS_CURVED_PATCH_H

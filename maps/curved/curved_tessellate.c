@@ -1,7 +1,7 @@
 // curved_tessellate.c - spheres, cylinders and cones as polygons, by the sagitta of their angles; the kinds of shapes.
 //
-// Quads between circles of latitude are flat, also of what an affine map makes of them: their four corners are two chords of
-// one direction.
+// Quads between circles of latitude are flat, and stay flat under an affine map: their four corners are two chords of one
+// direction.
 #include "maps/curved/curved_tessellate.h"
 
 enum { LEAST_SIDES = 6 };  // around: with fewer nobody would know the shape

@@ -104,7 +104,7 @@ static void add_storey(const WadBuilder *w) {
         (Storey){w->map->name, floor, fmax(b->world.max.z - floor, EYE), 0};
 }
 
-// The area that the lines enclose, and what of it did not become regions.
+// The area that the lines enclose, and the part of it that did not become regions.
 static void measure_lost_area(const WadMap *map, const WadPieces *pieces, const WadMover *movers,
                               Building *b) {
     double drawn = 0, used = 0;

@@ -1,4 +1,4 @@
-// wad.h - what the files wad*.c share: a Doom map as its lumps have it, and its plan cut into convex pieces.
+// wad.h - the data that the files wad*.c share: a Doom map as its lumps have it, and its plan cut into convex pieces.
 #ifndef MAPS_WAD_H
 #define MAPS_WAD_H
 
@@ -128,11 +128,11 @@ typedef enum WadMotion {
     WAD_LIFT    // its floor sinks; seen over at all times
 } WadMotion;
 
-// How far a sector reaches with all that moves out of the way, and what moves. Map units.
+// How far a sector reaches with its leaf out of the way, and the leaf: the part that moves. Map units.
 typedef struct WadMover {
     WadMotion motion;
     int floor, ceiling;
-    int low, high;  // of what moves, as when closed; a lift's as drawn
+    int low, high;  // of the leaf when closed; a lift's as drawn
     double open;    // as drawn, 0 .. 1
 } WadMover;
 
@@ -146,7 +146,7 @@ typedef struct WadBuilder {
     const WadPieces *pieces;
     const WadMover *movers;
     Arena *arena;    // of the building
-    Arena *scratch;  // of what is forgotten when it is read
+    Arena *scratch;  // for the time of reading
     Building *building;
     int *first_region;  // [piece_count + 1] those of piece i are first_region[i] .. first_region[i + 1] - 1
     int *materials;     // a hash table, see wad_regions.c

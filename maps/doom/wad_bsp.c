@@ -18,7 +18,7 @@ enum { SLANT_COST = 2 };
 enum { FEWEST_TRIES = 8, WORK = 1 << 15 };
 // Lines that cross all over could be cut into millions of pieces; the largest map known has 10,000.
 enum { MOST_PIECES = 200000 };
-// The plan is cut this far around the lines, map units, so that all that is outside hangs together.
+// The plan is cut this far around the lines, map units, so that the whole outside hangs together.
 enum { MARGIN = 64 };
 
 // ---- axes and points
@@ -171,7 +171,7 @@ static void cut_edges(Cutter *c, int count, int axis, int side) {
     }
 }
 
-// Appends what of the present piece's lines lies on one side of the axis.
+// Appends the parts of the present piece's lines on one side of the axis.
 static void cut_parts(Cutter *c, int count, int axis, int side) {
     const WadAxis *axes = c->out->axes;
     for (int i = 0; i < count; i++) {

@@ -18,7 +18,7 @@ static long long i32(const unsigned char *p) {
     return (int32_t)((uint32_t)u16(p) | (uint32_t)u16(p + 2) << 16);
 }
 
-// Eight bytes, ended by a zero where it is shorter; what cannot be printed becomes a question mark.
+// Eight bytes, ended by a zero where it is shorter; unprintable bytes become question marks.
 static void read_name(const unsigned char *p, char out[NAME + 1]) {
     int length = 0;
     while (length < NAME && p[length]) {

@@ -105,7 +105,7 @@ static WadMover door_of(const WadSector *s, const Around *around) {
         double open = fmax(0, s->ceiling - s->floor) / (top - s->floor);
         return (WadMover){WAD_DOOR, s->floor, top, s->floor, top, open};
     }
-    // No ceiling around is higher: what stands there sinks.
+    // No ceiling around is higher: the leaf sinks.
     if (around->lowest_floor < s->ceiling)
         return (WadMover){WAD_HATCH, around->lowest_floor, s->ceiling, around->lowest_floor, s->ceiling, 0};
     return (WadMover){.motion = WAD_FIXED, .floor = s->floor, .ceiling = s->floor};

@@ -1,5 +1,5 @@
-// wad_openings.c - doors and lifts of a Doom map. What moves is as thick as its sector: a prism for each of its pieces,
-// which goes up into the wall above or down into the ground. A door fills its place and hides what is beyond; over a lift
+// wad_openings.c - doors and lifts of a Doom map. A leaf is as thick as its sector: a prism for each of its pieces,
+// which goes up into the wall above or down into the ground. A door fills its place and hides the space beyond; over a lift
 // one looks at all times.
 #include "engine/core/polygon.h"
 #include "engine/core/sets.h"
@@ -182,7 +182,7 @@ static void add_leaf_object(Doors *d, const Leaf *leaf, const Vec2 *corner, int 
         building_add_polygon(d->w->arena, b, quad, 4, o->material);
         level[leaf->rise > 0 ? count - 1 - i : i] = vec3(p.x, p.y, leaf->rise > 0 ? leaf->z0 : leaf->z1);
     }
-    // The face that leads: of what rises its underside, of what sinks its top. The other one is never seen.
+    // The leading face of the leaf: the underside of one that rises, the top of one that sinks. The other one is never seen.
     int material = leaf->rise > 0 ? r->ceiling_material : r->floor_material;
     building_add_polygon(d->w->arena, b, level, count, material);
     Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);

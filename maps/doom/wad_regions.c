@@ -40,7 +40,7 @@ static void name_material(const char *texture, int step, char out[32]) {
     }
 }
 
-// The sky is drawn, since it hides what lies beyond: other courts, as high as they like, are not seen over a wall.
+// The sky is drawn, since it hides the space beyond: other courts, as high as they like, are not seen over a wall.
 static int lit_material(WadBuilder *w, const char *texture, int sector) {
     Building *b = w->building;
     int light = w->map->sectors[sector].light;

@@ -104,7 +104,7 @@ bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error)
     const Building before = *b;
     bool again = false;
     for (double share = 1; share >= LEAST_SHARE; share /= 4) {
-        // Arrays only grow: their counts take back what was appended.
+        // Arrays only grow: earlier counts take back the elements appended since.
         *b = before;
         if (try_share(sketch, share, b, arena, &again, error)) return true;
         if (!again) return false;

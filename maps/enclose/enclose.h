@@ -1,4 +1,4 @@
-// enclose.h - what the steps of maps_enclose hand to each other. Private to maps/enclose*.c.
+// enclose.h - the data that the steps of maps_enclose hand to each other. Private to maps/enclose.
 //
 // Plan coordinates here are millimetres from a local origin at whole metres, so that a building far from the
 // origin is treated as one at the origin; grid points are whole numbers, exact in doubles. Heights are
@@ -126,7 +126,7 @@ typedef struct Enclosure {
     bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
     bool *room_used, *cutout_used;
     double *room_wall;    // [room_count] mm of implicit wall, 0: none
-    Grown *grown;         // [grown_count] implicit walls: what lies in one of these, and in no such room
+    Grown *grown;         // [grown_count] implicit walls: the space in one of these, and in no such room
     ShapeList *implicit;  // [storey_count] their union
     ShapeList *plugs;     // [storey_count] fillings of small gaps
     Hole *holes;          // [opening_count]
@@ -134,7 +134,7 @@ typedef struct Enclosure {
     BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of those in use, on their storeys (enclose_box)
     BoxTree side_tree;                                    // of all sides of walls, wall by wall
     int *side_wall, *side_at;                             // [side count] its wall, and its number there
-    BoxHits near, faces, sides;  // what was found last in these, in Plan.inner, in side_tree
+    BoxHits near, faces, sides;                           // found last: in these, in Plan.inner, in side_tree
     // [storey_count] base: under its slab; cover: the top of the roof or slab above.
     double *floor, *ceiling, *base, *cover;
     Pass pass;
@@ -177,7 +177,7 @@ bool enclose_find_world(Enclosure *e);
 bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
 bool enclose_plugs(Enclosure *e, bool *any);
 Vec2 enclose_local(const Enclosure *e, Vec2 p);   // metres to local millimetres
-Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: of a grid point what maps_snap yields
+Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: a grid point becomes the value of maps_snap
 Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
 const char *enclose_text(const char *place);
 

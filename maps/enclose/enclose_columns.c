@@ -1,4 +1,4 @@
-// enclose_columns.c - what stands over every face of the plan, from the soil to the sky.
+// enclose_columns.c - the column of solid and free spans over every face of the plan, from the soil to the sky.
 //
 // A column starts as soil and sky; roofs, terraces, slabs, rooms, holes in floors, walls and openings are
 // painted over one another in that order, so that each wins over the ones before.
@@ -11,7 +11,7 @@ static const double ROOF = 150;
 static const double LOWEST_AIR = 600;
 // Between two storeys' rooms this much air is still a slab badly measured, mm.
 static const double THICKEST_SLAB = 1500;
-// Rooms left with less height than this by what stands in them are solid, mm.
+// Rooms of which less height than this is left are solid, mm.
 static const double LOWEST_ROOM = 50;
 // A wall this much taller than the floor above pokes out of it, mm; less is drawing noise.
 static const double TALL = 300;
@@ -70,7 +70,7 @@ static void paint(Painter *p, Span s) {
     p->count = first + count + rest;
 }
 
-// ---- heights of what is painted
+// ---- heights of rooms, roofs and walls
 
 static const Spot *spot_at(const Enclosure *e, int storey, int face) {
     return &e->pass.spots[(size_t)storey * (size_t)e->pass.plan.face_count + (size_t)face];
@@ -187,7 +187,7 @@ static void paint_walls(const Enclosure *e, int face, Painter *p) {
     }
 }
 
-// Closes thin air under floors and what is left too low of rooms.
+// Closes thin air under floors, and rooms of which too little height is left.
 static void close_thin(const Enclosure *e, Painter *p) {
     for (int i = 1; i + 1 < p->count; i++) {
         const Span s = p->spans[i];

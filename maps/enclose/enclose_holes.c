@@ -61,7 +61,7 @@ static Reach reach_of(const Hole *h, const Shape *shape) {
     return r;
 }
 
-// Searches a tree for what comes this near to the opening; it is in e->near then. Returns how many.
+// Searches a tree for items this near to the opening and puts them into e->near. Returns how many there are.
 static int find_near(Enclosure *e, const BoxTree *tree, const SketchOpening *o, const Hole *h, double reach) {
     return box_tree_find(tree, enclose_around(h->centre, h->half + reach, o->storey), e->scratch, &e->near);
 }

@@ -1,7 +1,7 @@
 // enclose_indoor.c - which faces of the plan are rooms, which terraces, which the open air, storey by storey.
 //
-// Faces that are neither wall nor opening hang together across room edges; what hangs together with the edge
-// of the world is outdoors, the rest is enclosed. Within, drawn rooms give the names, and room edges stay
+// Faces that are neither wall nor opening hang together across room edges; those that hang together with
+// the edge of the world are outdoors, the rest is enclosed. Within, drawn rooms give the names, and room edges stay
 // open portals. Rooms that hang together with the outdoors are kept as rooms where walls or other rooms run
 // along most of their outline (a leak), else they are terraces.
 #include "maps/enclose/enclose.h"
@@ -39,7 +39,7 @@ static Patches find_patches(Enclosure *e, const Plan *p, const Spot *spots) {
         *patch = ARENA_ARRAY(e->scratch, int, p->face_count + 1);
     Patches out = {ARENA_ARRAY(e->scratch, Patch, p->face_count), ARENA_ARRAY(e->scratch, int, p->face_count),
                    0};
-    int world = p->face_count;  // stands for what lies beyond the world
+    int world = p->face_count;  // stands for the space beyond the world
     int *whole = ARENA_ARRAY(e->scratch, int, p->face_count + 1);
     for (int f = 0; f <= p->face_count; f++) patch[f] = whole[f] = f;
     for (int i = 0; i < p->edge_count; i++) {
@@ -163,7 +163,7 @@ static int new_space(Enclosure *e, Pass *pass, int storey) {
     return e->sketch->room_count + pass->space_count - 1;
 }
 
-// Names the indoor patches. Narrow ones wait for a neighbour, unless they are all that there is of a room.
+// Names the indoor patches. Narrow ones wait for a neighbour, unless the room has no other patch.
 static void name_patches(Enclosure *e, Pass *pass, int storey, Patches *patches) {
     int rooms = e->sketch->room_count;
     int *largest = ARENA_ARRAY(e->scratch, int, rooms),

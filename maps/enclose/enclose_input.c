@@ -1,5 +1,5 @@
-// enclose_input.c - what maps_enclose makes of the sketch before any geometry meets: local coordinates,
-// heights of storeys, which walls bound, walls too low to bound, implicit walls, fillings of small gaps.
+// enclose_input.c - the sketch made ready for geometry: local coordinates, heights of storeys, walls that bound, walls too low to
+// bound, implicit walls, fillings of small gaps.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -48,7 +48,7 @@ Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey) {
 static bool good(double x) { return isfinite(x) && fabs(x) <= MAPS_LIMIT - 2 * MAPS_OUTDOORS; }
 static double height_mm(double metres) { return nearbyint(metres * ENCLOSE_MM); }
 
-// ---- refusing what cannot be computed with
+// ---- refusing numbers that cannot be computed with
 
 // A place names its thing itself.
 static const char *name_of(const char *what, const char *place) { return place && *place ? place : what; }
@@ -457,7 +457,7 @@ static GEOSGeometry *buffer(Enclosure *e, const GEOSGeometry *g, double by) {
              : NULL;
 }
 
-// Puts what a room's outline becomes when it grows among e->grown. NULL on failure.
+// Grows the outline of a room by its wall and appends the shapes to e->grown. NULL on failure.
 static GEOSGeometry *grow_room(Enclosure *e, int room, const GEOSGeometry *outline) {
     GEOSGeometry *grown = buffer(e, outline, e->room_wall[room]);
     ShapeList shapes = {NULL, 0, 0};
@@ -544,7 +544,7 @@ bool enclose_implicit_walls(Enclosure *e) {
 
 // ---- small gaps
 
-// Closes what lies within GAP of walls on both sides: the walls grown and shrunk again, less the walls.
+// Closes the space within GAP of walls on both sides: the walls grown and shrunk again, less the walls.
 bool enclose_plugs(Enclosure *e, bool *any) {
     const Sketch *s = e->sketch;
     *any = false;

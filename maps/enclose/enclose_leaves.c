@@ -1,5 +1,5 @@
-// enclose_leaves.c - what moves of a door: as its model has it, or one leaf or two that fill the doorway, made as boxes;
-// of a glazed door as a frame around a pane, unless it is all of glass.
+// enclose_leaves.c - the leaves of doors: those of the model, or one leaf or two that fill the doorway, made as boxes. A glazed
+// leaf is a frame around a pane, unless it is all of glass.
 #include "maps/enclose/enclose.h"
 
 // A leaf keeps this clear of jamb, sill and head, metres: more than VIS_TOUCH and than the planes' noise.

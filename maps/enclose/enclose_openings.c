@@ -83,7 +83,7 @@ void openings_append(Enclosure *e) {
     leaves_assign(e);
 }
 
-// ---- what an opening joins
+// ---- the regions that an opening joins
 
 typedef struct Flood {
     int *queue;      // [span_count]

@@ -1,4 +1,4 @@
-// enclose_report.c - what became of the rooms and openings of the sketch: areas, overlaps, terraces, closed gaps.
+// enclose_report.c - notes on the rooms and openings of the sketch: areas, overlaps, terraces, closed gaps.
 #include "maps/enclose/enclose.h"
 
 // A room that keeps less than this share of its area is lost.

@@ -1,4 +1,4 @@
-// enclose_spandrels.c - what an arched opening, or one of any other shape, leaves of its rectangle: polygons on both faces of the wall,
+// enclose_spandrels.c - the rest of the rectangle around an arched opening, or one of any other shape: polygons on both faces of the wall,
 // and the inner side of the cut-out between them.
 #include "maps/enclose/enclose.h"
 

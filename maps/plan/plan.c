@@ -6,7 +6,7 @@
 #include "maps/plan/plan_file.h"
 
 static const char MARK[] = "\xEF\xBB\xBF";  // of UTF-8, with which some editors begin a file
-static const char PLAIN[] = "plain";        // the material of what names none
+static const char PLAIN[] = "plain";        // the material of things that name none
 static const unsigned PLAIN_COLOUR = 0xC8C8C8;
 
 // ---- statements

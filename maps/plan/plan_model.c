@@ -24,7 +24,7 @@ enum { MAX_TRIMS = 200, MAX_BALLS = 100 };
 static const double LEAST_WEIGHT = 0.001, MOST_WEIGHT = 1000;  // of controls
 static const double LEAST_THRESHOLD = 0.001, MOST_THRESHOLD = 100;
 
-// The word by which a line says how far polygons may lie off what they stand for, metres.
+// The word by which a line says how far the polygons of a curved shape may lie off it, metres.
 #define TOLERANCE_WORD(variable)                                                                             \
     { .word = "tolerance", .kind = PLAN_LENGTH, .out = &(variable), .min = 1e-5, .max = 1 }
 #define TOLERANCE 0.002  // where none is given, metres: a silhouette of a vase looks round from across a room
@@ -566,7 +566,7 @@ bool plan_read_model_light(PlanLine *line, Building *models) {
 void plan_add_stair(Arena *arena, Building *models, Vec3 size, int steps, int material) {
     double x = size.x / 2, y0 = -size.y / 2, going = size.y / steps, rise = size.z / steps;
     for (int i = 0; i < steps; i++) {
-        // Each step is a box down to the floor; what the one behind covers is left out.
+        // Each step is a box down to the floor; the face that the next step covers is left out.
         Vec3 a = vec3(-x, y0 + i * going, 0), b = vec3(x, y0 + (i + 1) * going, (i + 1) * rise);
         add_model_box(arena, models, a, b, BOTTOM | FRONT | (i + 1 < steps ? BACK : 0), material);
         double z = i * rise;

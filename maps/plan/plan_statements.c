@@ -9,7 +9,7 @@
 #define PLAN_MAX_HEIGHT 1000.0   // of storeys, walls, openings
 #define PLAN_MAX_THICKNESS 10.0  // of walls and slabs
 #define PLAN_MAX_OPENING 100.0   // width
-#define PLAN_MIN_SIZE 0.01       // of all that must have a size
+#define PLAN_MIN_SIZE 0.01       // of things that must have a size
 
 static const double MAX_EMISSION = 1e6;  // W/m^2
 static const double MAX_INDEX = 4;       // of refraction: germanium's
@@ -502,7 +502,7 @@ static const double FIT = 0.002;      // how far outside a wall an opening's cen
 // Where walls are: rooms with theirs around them, and stretches, on their storeys.
 typedef struct Walls {
     BoxTree rooms, stretches;
-    BoxHits near;  // what was found last
+    BoxHits near;  // found last
 } Walls;
 
 static Box box_on_storey(const Vec2 *points, int count, int storey) {

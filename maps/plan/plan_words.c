@@ -1,5 +1,5 @@
-// plan_words.c - the words of a .plan line. Numbers are plain decimals: what strtod takes beyond them (nan, inf,
-// hexadecimal) is refused.
+// plan_words.c - the words of a .plan line. Numbers are plain decimals: the other forms that strtod takes (nan, inf,
+// hexadecimal) are refused.
 #include "maps/plan/plan_words.h"
 
 #include <ctype.h>

@@ -1,5 +1,5 @@
 // plan_words.h - one line of a .plan file: its words, and how they become names, numbers, points and options.
-// Every function that returns false has set the error: file, line, what was found, what is allowed.
+// Every function that returns false has set the error: file, line, the words found, the words allowed.
 #ifndef MAPS_PLAN_WORDS_H
 #define MAPS_PLAN_WORDS_H
 
@@ -32,7 +32,7 @@ typedef struct PlanList {
     int count;
 } PlanList;
 
-// `word value`, in any order, after what comes first in a statement.
+// `word value`: options stand in any order after the fixed words of a statement.
 typedef struct PlanOption {
     const char *word;
     enum {

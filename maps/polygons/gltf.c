@@ -11,7 +11,7 @@ enum { HEADER = 12, CHUNK_HEADER = 8 };
 static const uint32_t MAGIC = 0x46546C67, CHUNK_JSON = 0x4E4F534A, CHUNK_BIN = 0x004E4942;
 
 // Extensions that may be required: those read, and those that change looks alone. A name that ends in `_` stands for
-// all that begin so.
+// all names that begin so.
 static const char *const EXTENSIONS[] = {"KHR_lights_punctual",   "KHR_mesh_quantization", "KHR_materials_",
                                          "KHR_texture_transform", "KHR_texture_basisu",    "EXT_texture_webp",
                                          "KHR_xmp_json_ld"};
@@ -33,9 +33,9 @@ typedef struct GltfImage {
 //
 // glTF materials as diffuse reflectances, transparency and exitance.
 //
-// The base colour is taken as a diffuse reflectance, metals too; textures count by their mean. Whatever may be seen
-// through gets an alpha below 1, so that it hides nothing: blended materials by their factor, masked ones and blended
-// ones with a texture by half, since where the texture has holes is not kept, transmitting ones by what they let pass.
+// The base colour is taken as a diffuse reflectance, metals too; textures count by their mean. Transparent
+// materials get an alpha below 1, so that they hide nothing: blended ones by their factor, masked ones and blended ones with a
+// texture by half, since the places of the texture's holes are not kept, transmitting ones by the light that they let pass.
 // An emission of L cd/m^2 (the factors times KHR_materials_emissive_strength) is an exitance of pi L / 683 W/m^2.
 
 static const float TEXTURED_ALPHA = 0.5f;

@@ -1,6 +1,6 @@
-// gltf.h - what the files of the glTF reader share: the document, its parts with their JSON paths, and accessors.
+// gltf.h - the parts that both files of the glTF reader share: the document, its parts with their JSON paths, and accessors.
 //
-// Failures are sticky: the first one is kept with its place, and what is asked for after it comes back empty. So values
+// Failures are sticky: the first one is kept with its place, and values asked for after it come back empty. So values
 // may be read one after another and `failed` be asked once.
 #ifndef MAPS_GLTF_H
 #define MAPS_GLTF_H
@@ -9,7 +9,7 @@
 
 #include "maps/polygons/soup_readers.h"
 
-// Limits of one document: above any building seen, below what would hang. Polygons and vertices as for every soup.
+// Limits of one document: above any building seen, below a size at which reading would hang. Polygons and vertices as for every soup.
 #define GLTF_MAX_JSON ((size_t)128 << 20)  // bytes; parsed it takes up to twenty times as many
 #define GLTF_MAX_LIST 1000000              // nodes, accessors, children ...
 // Numbers decoded from accessors, all together; of a small file fewer: so many, and so many a byte.

@@ -5,7 +5,7 @@
 #include "engine/core/file.h"
 #include "maps/building/building.h"
 
-// Limits of one model: well above the largest furniture seen (some 100,000 faces), well below what would hang.
+// Limits of one model: well above the largest furniture seen (some 100,000 faces), well below a size at which reading would hang.
 #define OBJ_MAX_VERTICES (4 << 20)
 #define OBJ_MAX_CORNERS (16 << 20)
 #define OBJ_MAX_NAMES 4096  // groups; materials
@@ -37,7 +37,7 @@ typedef struct ObjModel {
     const char *absent;  // the first library or image that could not be read; NULL: none
     int nameless;        // lines with a name beyond OBJ_MAX_NAMES
     Box box;             // of the vertices that faces use
-    bool fixed_box;      // the box is given, whatever the faces fill of it
+    bool fixed_box;      // the box is given, and the faces need not fill it
 } ObjModel;
 
 // Where material libraries and images are looked for. `name` as the file spells it; `read` may be NULL.
@@ -52,7 +52,7 @@ typedef struct ObjFiles {
 bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
               Error *error);
 
-// The box from (0, 0, 0) to (1, 1, 1) as six quads: stands in for what is missing.
+// The box from (0, 0, 0) to (1, 1, 1) as six quads: it stands in for a missing model.
 ObjModel obj_box(Arena *arena);
 
 #endif

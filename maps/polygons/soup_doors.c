@@ -1,4 +1,4 @@
-// soup_doors.c - doors among polygons, told by name: models know no openings, but most name what turns.
+// soup_doors.c - doors among polygons, told by name: models know no openings, but most name their doors.
 //
 // All polygons of an object that is called a door count, and those of other objects whose material is called so. Polygons that
 // hang together are one leaf, if their box stands upright and has the size of a door; it is taken as drawn closed, and hinged at one end.
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <strings.h>
 
-// Whole words, in any case; in UTF-8 both cases of what ASCII lacks.
+// Whole words, in any case; letters that ASCII lacks stand in both cases, in UTF-8.
 static const char *const DOOR_WORDS[] = {"door",   "doors", "porte", "portes", "porta", "puerta", "puertas",
                                          "tür",    "tÜr",   "türen", "tÜren",  "tuer",  "tueren", "deur",
                                          "deuren", "dør",   "dØr",   "dörr",   "dÖrr",  NULL};
@@ -58,7 +58,7 @@ static bool called_door(const char *name) {
     return has_word(name, DOOR_WORDS) && !has_word(name, FIXED_WORDS);
 }
 
-// ---- what hangs together
+// ---- polygons that hang together
 
 typedef struct Part {
     int polygon, leader;  // of parts that hang together the first of them leads
@@ -111,7 +111,7 @@ static Box box_of_polygon(const Building *b, const Polygon *polygon) {
     return box;
 }
 
-// ---- what is a leaf
+// ---- which of them are leaves
 
 // The direction across the leaf: of its largest upright polygon.
 static bool find_across(const Building *b, const Part *parts, int count, Vec2 *out) {
@@ -198,7 +198,7 @@ static void add_run(Remade *r, const Building *b, const Part *parts, int count) 
     object->polygon_count = r->polygon_count - object->first_polygon;
 }
 
-// The polygons of an object that are of a door, by what hangs together; their count.
+// Lists the polygons of an object that belong to doors, sorted so that those which hang together are neighbours. Returns their count.
 static int list_parts(const Building *b, const Object *object, Part *out) {
     bool all = called_door(object->name);
     int count = 0;

@@ -1,5 +1,5 @@
 // soup_merge.c - convex polygons from the triangles that exporters cut them into, after Hertel & Mehlhorn 1983: an
-// edge between two faces goes where what is left is convex. Each edge is tried once, in the order of the faces: a later
+// edge between two faces goes where the joined face is convex. Each edge is tried once, in the order of the faces: a later
 // join may make an earlier one possible that is not made, which costs a polygon and no more.
 #include "engine/core/polygon.h"
 #include "maps/polygons/soup_readers.h"

@@ -78,7 +78,7 @@ static bool named_unit(const char *word, double *metres) {
     return false;
 }
 
-// `unit 0.01`, `units cm`, `units in cm`, `unit 2.54 cm`: what follows the word `unit`.
+// `unit 0.01`, `units cm`, `units in cm`, `unit 2.54 cm`: the words after `unit`.
 static void read_unit(Scan s, double *unit) {
     char word[MAX_WORD], *rest;
     double metres = 1, count = 1;

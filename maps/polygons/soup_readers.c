@@ -1,5 +1,5 @@
-// soup_readers.c - the parts that all readers of soups share: files beside the one read, colours within their limit, and the end of reading.
-// Symbolic links are followed: whoever made the folder made them.
+// soup_readers.c - the parts that all readers of soups share: files beside the one read, colours within their limit, and the end of
+// reading. Symbolic links are followed: whoever made the folder made them.
 #include "maps/polygons/soup_readers.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-// soup_readers.h - what the readers of polygon soups share: files beside the one read, triangles merged back into
-// polygons, colours within their limit, and what a soup has besides its polygons.
+// soup_readers.h - the parts that readers of polygon soups share: files beside the one read, colours within their limit, the end of
+// reading, and triangles merged back into polygons.
 #ifndef MAPS_SOUP_READERS_H
 #define MAPS_SOUP_READERS_H
 
@@ -33,7 +33,7 @@ typedef struct SoupReader {
 } SoupReader;
 
 // Reads the file `name`. It may lie in the folder of `path` or below it, not outside: names that are empty, absolute or
-// hold `..` are refused, and so is what exceeds the limits above. Backslashes count as slashes, as exporters write them.
+// hold `..` are refused, and so are files beyond the limits above. Backslashes count as slashes, as exporters write them.
 bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes *out, Error *error);
 
 // A linear reflectance of 0 or more, capped; colours that had to be are counted.
@@ -58,7 +58,7 @@ typedef struct SoupMesh {
 } SoupMesh;
 
 // Joins faces of one material that share an edge, run along it in opposite directions, lie in one plane and are convex
-// together: what exporters cut into triangles becomes the polygon it was. No vertex moves and none is left out. `out`
+// together: triangles into which an exporter cut a polygon become that polygon again. No vertex moves and none is left out. `out`
 // shares the vertices of `mesh` and lies in `arena`; faces are in the order of the first of each that joined.
 void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
 

@@ -1,5 +1,5 @@
-// soup_split.c - large objects of a soup in parts that can be culled. Many exporters write a building as one mesh, and what
-// is drawn is drawn object by object: without parts every cell would see all of it.
+// soup_split.c - large objects of a soup in parts that can be culled. Many exporters write a building as one mesh, and
+// objects are drawn as wholes: without parts every cell would see all of it.
 #include "maps/polygons/soup_split.h"
 
 #include <stdlib.h>

@@ -16,7 +16,7 @@
 #include "maps/building/reader.h"
 #include "maps/building/texture.h"
 
-static const double DEFAULT_WALL_HEIGHT = 250;  // cm, what the program starts a home with
+static const double DEFAULT_WALL_HEIGHT = 250;  // cm, with which the program starts a home
 static const double DEFAULT_SLAB = 12;          // cm, likewise
 // Walls and ceilings without a colour are white paint, floors a light wood grey: sRGB.
 static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, GROUND_COLOUR = 0xA8A8A8;
@@ -92,7 +92,7 @@ static void read_room(Sh3d *s, const XmlNode *node) {
     }
     Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
     room.place = sh3d_place(s, node, "room");
-    // floorVisible and ceilingVisible only say what the program draws: whoever walks needs a floor.
+    // floorVisible and ceilingVisible only tell the program what to draw: a walk needs a floor.
     room.floor_material = sh3d_material(s, node, "floorColor", "floorTexture", s->floor_material);
     room.ceiling_material = sh3d_material(s, node, "ceilingColor", "ceilingTexture", s->ceiling_material);
     if (room.point_count < 3) {

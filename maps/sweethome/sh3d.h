@@ -14,7 +14,7 @@
 
 // Bytes of Home.xml: real ones have below 1 MB.
 #define SH3D_MAX_XML ((size_t)64 << 20)
-// Bounds on what a file may say, in its own centimetres and radians.
+// Bounds on the numbers of a file, in its own centimetres and radians.
 #define SH3D_CM 0.01             // metres
 #define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
 #define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
@@ -44,7 +44,7 @@ typedef struct Sh3d {
     Building *b;
     Sketch *sketch;
     Error *error;
-    bool failed;  // the first error is in `error`; what was read after it means nothing
+    bool failed;  // the first error is in `error`; values read after it mean nothing
     const XmlNode *home;
     double wall_height;  // of walls that state none, metres
     Sh3dLevel *levels;

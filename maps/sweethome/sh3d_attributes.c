@@ -1,5 +1,5 @@
-// sh3d_attributes.c - attributes of elements as numbers, lengths, angles, texts, colours and textures, the level that an element names, and
-// points of the sketch: what all parts of the reader ask for.
+// sh3d_attributes.c - the helpers of all parts of the reader: attributes of elements as numbers, lengths, angles, texts, colours and
+// textures, the level that an element names, and points of the sketch.
 #include "maps/sweethome/sh3d.h"
 
 #include <ctype.h>

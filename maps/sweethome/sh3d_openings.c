@@ -1,4 +1,4 @@
-// sh3d_openings.c - doors and windows: the part that cuts the wall, what passes through it, and how it turns.
+// sh3d_openings.c - doors and windows: the part that cuts the wall, whether one walks or sees through it, and how it turns.
 //
 // Facts about the format, checked on models whose leaf stands open: wallDistance counts from the back (the side
 // away from whoever stands in front), and a sash's angles are counter-clockwise as seen on the plan, so a sash from

@@ -357,7 +357,7 @@ static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight)
 //
 // The program's own models name their moving parts
 // (`sweethome3d_opening_on_hinge_1_door`, `sweethome3d_window_pane_on_rail_2`) and the hinges they turn on
-// (`sweethome3d_hinge_1_2`); in other models the leaf is whatever stands in the way, or sticks out of the wall.
+// (`sweethome3d_hinge_1_2`); in other models the leaf is the part that stands in the way, or sticks out of the wall.
 //
 // Everything is found in the piece's own frame: x to its right, y to its back, the origin in its middle.
 
@@ -454,7 +454,7 @@ static bool find_hinge(const Finder *f, int number, Vec2 *out) {
     return true;
 }
 
-// ---- parts by what they do
+// ---- leaves by the names of their parts
 
 typedef struct Corner {
     Vec3 at;

@@ -132,7 +132,7 @@ static double attic_height(const Sh3d *s, int storey) {
     return highest;
 }
 
-// The height that most metres of the storey's high walls have, if most of them differ from what the level says.
+// The height that most metres of the storey's high walls have, if most of them differ from the height of the level.
 // (O(n^2) over distinct heights, of which there are few.)
 static void adjust_height(Sh3d *s, int storey) {
     Storey *level = &s->b->storeys[storey];
@@ -334,7 +334,7 @@ static void add_bounding(Sh3d *s, const Sh3dWall *w) {
     Sketch *k = s->sketch;
     int n = w->side_count;
     Vec2 along = vec2_sub(w->end, w->start);
-    // The room is a prism as high as its highest point, so what bounds it is as high: a knee wall too.
+    // The room is a prism as high as its highest point, so the walls that bound it are as high, a knee wall too.
     const Storey *storey = &s->b->storeys[w->storey];
     double top = fmax(storey->floor + storey->height, fmax(w->top[0], w->top[1]));
     SketchWall wall = {w->storey, k->point_count, 2 * n, w->floor, top, atan2(along.y, along.x), w->place};

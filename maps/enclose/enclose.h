@@ -145,6 +145,10 @@ typedef struct Enclosure {
     int span_count, span_capacity;
 } Enclosure;
 
+static inline const Spot *spot_at(const Enclosure *e, int storey, int face) {
+    return &e->pass.spots[(size_t)storey * (size_t)e->pass.plan.face_count + (size_t)face];
+}
+
 // A plan rectangle on a storey, as the trees hold it.
 static inline Box enclose_box(Vec2 min, Vec2 max, int storey) {
     return (Box){vec3(min.x, min.y, storey), vec3(max.x, max.y, storey)};
@@ -207,9 +211,7 @@ static inline double face_width(double area, double perimeter) {
 
 // ---- enclose_report.c
 void indoor_report(Enclosure *e);  // areas, terraces, openings that lie over one another, closed gaps
-
-// ---- enclose_leaks.c
-void leaks_report(Enclosure *e);
+void leaks_report(Enclosure *e);   // the way from each open room to the hole and out
 
 // ---- enclose_columns.c
 void columns_build(Enclosure *e);
@@ -226,16 +228,7 @@ void enclose_push_point(Enclosure *e, Vec2 metres, int material);
 void openings_append(Enclosure *e);  // before the regions that refer to them
 void openings_join(Enclosure *e);    // regions on either side; draws leaves and spandrels
 
-// ---- enclose_spandrels.c
-int *spandrel_colours(Enclosure *e);                       // [Building.opening_count] their materials
-void spandrels_add(Enclosure *e, int hole, int material);  // of an opening that is no rectangle
-
 // ---- enclose_start.c
 void enclose_choose_start(Enclosure *e);
-
-// ---- enclose_leaves.c
-void leaves_append(Enclosure *e, int hole);  // of the opening appended last: as modelled, or made
-void leaves_assign(Enclosure *e);          // objects of the sketch's openings become those of the building's
-void leaves_draw(Enclosure *e, int hole);  // polygons of those that are not modelled
 
 #endif

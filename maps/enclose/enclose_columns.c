@@ -72,10 +72,6 @@ static void paint(Painter *p, Span s) {
 
 // ---- heights of rooms, roofs and walls
 
-static const Spot *spot_at(const Enclosure *e, int storey, int face) {
-    return &e->pass.spots[(size_t)storey * (size_t)e->pass.plan.face_count + (size_t)face];
-}
-
 static void room_heights(const Enclosure *e, int storey, int indoor, double *z0, double *z1) {
     *z0 = e->floor[storey];
     *z1 = e->ceiling[storey];

@@ -1,13 +1,244 @@
-// enclose_openings.c - doors and windows in the building: their lines on the grid, and once the regions stand, which of them
-// they join.
+// enclose_openings.c - doors and windows in the building: their lines on the grid, their leaves, and once the regions stand, the regions
+// that they join and the spandrels around those that are no rectangles.
 #include "engine/core/predicates.h"
 #include "maps/enclose/enclose.h"
 
 // An end of a door's line lies within this of its vertex on the grid, mm.
 static const double LINE_REACH = 3;
 
-static const Spot *spot_at(const Enclosure *e, int storey, int face) {
-    return &e->pass.spots[(size_t)storey * (size_t)e->pass.plan.face_count + (size_t)face];
+// ---- leaves: those of the model, or one leaf or two that fill the doorway, made as boxes. A glazed leaf is a frame around a pane,
+// unless it is all of glass.
+
+// A leaf keeps this clear of jamb, sill and head, metres: more than VIS_TOUCH and than the planes' noise.
+static const double INSET = 0.01;
+// Metres; less where the wall is thin, by this share of its depth.
+static const double THICKNESS = 0.04, THICKNESS_IN_WALL = 0.6;
+// The frame of a glazed leaf, metres.
+static const double STILE = 0.09, RAIL = 0.09, KICK = 0.2;
+// Narrower leaves are not worth a frame, lower ones neither, metres.
+static const double LEAST_GLAZED = 0.4;
+
+// Turns about its hinged end, far enough from the jamb that its back clears it, or slides.
+static Leaf make_leaf(const Opening *o, Vec2 hinge, Vec2 tip, double thickness, double turn, Vec2 slide) {
+    Vec2 along = vec2_sub(tip, hinge);
+    along = vec2_scale(along, 1 / vec2_length(along));
+    Vec2 start = vec2_add(hinge, vec2_scale(along, INSET));
+    return (Leaf){.pivot = vec2_add(start, vec2_scale(along, thickness / 2)),
+                  .turn = turn,
+                  .slide = slide,
+                  .axis = {start, vec2_sub(tip, vec2_scale(along, INSET))},
+                  .thickness = thickness,
+                  .z0 = o->sill + INSET,
+                  .z1 = o->head - INSET};
+}
+
+static int make_leaves(const SketchOpening *s, const Opening *o, double depth, Leaf *out) {
+    double thickness = fmin(THICKNESS, depth * THICKNESS_IN_WALL);
+    Vec2 along = vec2_sub(o->line[1], o->line[0]), middle = vec2_scale(vec2_add(o->line[0], o->line[1]), 0.5);
+    double width = vec2_length(along);
+    Vec2 slide = vec2_scale(along, s->slide / width);
+    double turn = s->slide == 0 ? s->swing : 0;
+    bool two = s->hinge == 2;
+    if (width / (two ? 2 : 1) <= 4 * INSET + thickness || o->head - o->sill <= 4 * INSET) return 0;
+    if (turn == 0 && s->slide == 0) return 0;
+    if (!two) {
+        int hinge = s->hinge == 1;
+        out[0] = make_leaf(o, o->line[hinge], o->line[!hinge], thickness, turn, slide);
+        return 1;
+    }
+    out[0] = make_leaf(o, o->line[0], middle, thickness, turn, vec2_scale(slide, -1));
+    out[1] = make_leaf(o, o->line[1], middle, thickness, -turn, slide);
+    return 2;
+}
+
+static void append_leaves(Enclosure *e, int hole) {
+    Building *b = e->b;
+    const SketchOpening *s = &e->sketch->openings[hole];
+    Opening *o = &b->openings[b->opening_count - 1];
+    o->first_leaf = b->leaf_count;
+    if (o->kind != OPENING_DOOR) return;
+    Leaf leaves[SKETCH_MAX_LEAVES];
+    memcpy(leaves, s->leaves, sizeof leaves);
+    o->leaf_count = s->leaf_count;
+    if (s->leaf_count == 0) {
+        double depth = (e->holes[hole].v1 - e->holes[hole].v0) / ENCLOSE_MM;
+        o->leaf_count = make_leaves(s, o, depth, leaves);
+    }
+    for (int i = 0; i < o->leaf_count; i++) {
+        leaves[i].opening = b->opening_count - 1;
+        *ARENA_PUSH(e->arena, b->leaves, b->leaf_count, b->leaf_capacity) = leaves[i];
+    }
+}
+
+static void assign_leaves(Enclosure *e) {
+    for (int i = 0; i < e->b->object_count; i++) {
+        Object *object = &e->b->objects[i];
+        if (object->opening < 0) continue;
+        const Hole *hole = &e->holes[object->opening];
+        object->opening = hole->used ? hole->opening : -1;
+        if (object->leaf < 0) continue;
+        // Without its opening a leaf stands where it was drawn.
+        object->leaf = hole->used ? object->leaf + e->b->openings[hole->opening].first_leaf : -1;
+    }
+}
+
+// ---- polygons
+
+// A box in the leaf's own frame: u along its axis, v up, w across.
+static void add_leaf_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, int material) {
+    static const int SIDES[6][4] = {{0, 1, 5, 4}, {3, 2, 6, 7}, {0, 4, 6, 2},
+                                    {1, 3, 7, 5}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
+    along = vec2_scale(along, 1 / vec2_length(along));
+    Vec3 corner[8];
+    for (int i = 0; i < 8; i++) {
+        double x = i & 1 ? u.y : u.x, across = i & 2 ? w / 2 : -w / 2;
+        corner[i] = vec3(leaf->axis[0].x + along.x * x - along.y * across,
+                         leaf->axis[0].y + along.y * x + along.x * across, leaf->z0 + (i & 4 ? v.y : v.x));
+    }
+    for (int side = 0; side < 6; side++) {
+        Vec3 quad[4];
+        for (int k = 0; k < 4; k++) quad[k] = corner[SIDES[side][k]];
+        building_add_polygon(e->arena, e->b, quad, 4, material);
+    }
+}
+
+static void add_glazed(Enclosure *e, const Leaf *leaf, double width, double height, int material) {
+    int pane = building_add_material(
+        e->arena, e->b, (Material){.name = "pane", .reflectance = maps_colour(0xBCD8DE), .alpha = 0.3f});
+    add_leaf_box(e, leaf, vec2(0, STILE), vec2(0, height), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(width - STILE, width), vec2(0, height), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(STILE, width - STILE), vec2(0, KICK), leaf->thickness, material);
+    add_leaf_box(e, leaf, vec2(STILE, width - STILE), vec2(height - RAIL, height), leaf->thickness, material);
+    Vec2 along = vec2_scale(vec2_sub(leaf->axis[1], leaf->axis[0]), 1 / width);
+    Vec2 from = vec2_add(leaf->axis[0], vec2_scale(along, STILE)),
+         to = vec2_sub(leaf->axis[1], vec2_scale(along, STILE));
+    double z0 = leaf->z0 + KICK, z1 = leaf->z1 - RAIL;
+    Vec3 quad[4] = {{from.x, from.y, z0}, {to.x, to.y, z0}, {to.x, to.y, z1}, {from.x, from.y, z1}};
+    building_add_polygon(e->arena, e->b, quad, 4, pane);
+}
+
+static void draw_leaves(Enclosure *e, int hole) {
+    Building *b = e->b;
+    const Opening *o = &b->openings[e->holes[hole].opening];
+    if (e->sketch->openings[hole].leaf_count > 0) return;
+    for (int i = o->first_leaf; i < o->first_leaf + o->leaf_count; i++) {
+        const Leaf *leaf = &b->leaves[i];
+        Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
+        double width = vec2_length(along), height = leaf->z1 - leaf->z0;
+        int object = building_add_object(e->arena, b, OBJECT_LEAF, o->name);
+        b->objects[object].opening = leaf->opening;
+        b->objects[object].leaf = i;
+        // A leaf of a transparent material needs no frame: it is one sheet.
+        bool framed = o->glazed && b->materials[o->material].alpha >= 1;
+        if (framed && width >= LEAST_GLAZED && height >= LEAST_GLAZED) {
+            add_glazed(e, leaf, width, height, o->material);
+        } else {
+            add_leaf_box(e, leaf, vec2(0, width), vec2(0, height), leaf->thickness, o->material);
+        }
+        building_set_proxy(b, atan2(along.y, along.x));
+    }
+}
+
+// ---- spandrels: the rest of the rectangle around an arched opening, or one of any other shape, as polygons on both faces of the wall,
+// and the inner side of the cut-out between them
+
+// Spandrels stand this far inside the wall's face, metres, so that they do not lie in the wall's plane.
+static const double SPANDREL_INSET = 0.005;
+
+typedef struct Frame {
+    const Hole *hole;
+    double width, height;  // mm
+} Frame;
+
+static Vec3 frame_point(const Enclosure *e, const Frame *f, double u, double w, double v) {
+    const Hole *h = f->hole;
+    Vec2 at = vec2_add(h->centre, vec2_add(vec2_scale(h->u, u - h->half), vec2_scale(h->n, v)));
+    Vec2 m = enclose_metres(e, at);
+    return vec3(m.x, m.y, (h->sill + w) / ENCLOSE_MM);
+}
+
+// Adds one half of the rectangle less the cut-out, as polygons on both faces of the wall.
+static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *cutout, double u0, double u1,
+                              const double *v, int material) {
+    Vec2 corners[4] = {{u0, 0}, {u1, 0}, {u1, f->height}, {u0, f->height}};
+    Shape box = shape_of_points(e->scratch, corners, 4);
+    GEOSGeometry *half = shape_to_geos(e, &box),
+                 *rest = half ? GEOSDifference_r(e->geos, half, cutout) : NULL;
+    ShapeList pieces = {NULL, 0, 0};
+    if (rest) shapes_from_geos(e, rest, 1, &pieces);
+    for (int i = 0; i < pieces.count; i++) {
+        const Shape *piece = &pieces.items[i];
+        int n = piece->ring[1];
+        Vec3 *corner = ARENA_ARRAY(e->scratch, Vec3, n);
+        // GEOS promises no sense of its rings; counter-clockwise, they face the side of v[0].
+        double turn = 0;
+        for (int k = 0; k < n; k++) turn += vec2_cross(piece->points[k], piece->points[(k + 1) % n]);
+        for (int side = 0; side < 2; side++) {
+            for (int k = 0; k < n; k++) {
+                Vec2 p = piece->points[side == (turn > 0) ? n - 1 - k : k];
+                corner[k] = frame_point(e, f, p.x, p.y, v[side]);
+            }
+            building_add_polygon(e->arena, e->b, corner, n, material);
+        }
+    }
+    if (half) GEOSGeom_destroy_r(e->geos, half);
+    if (rest) GEOSGeom_destroy_r(e->geos, rest);
+}
+
+// The inner side of the cut-out, where it is not the rectangle's own side.
+static void add_intrados(Enclosure *e, const Frame *f, const Shape *cutout, const double *v, int material) {
+    for (int k = 0, n = cutout->ring[1]; k < n; k++) {
+        Vec2 a = cutout->points[k], b = cutout->points[(k + 1) % n];
+        bool side =
+            (a.x == b.x && (a.x <= 0 || a.x >= f->width)) || (a.y == b.y && (a.y <= 0 || a.y >= f->height));
+        if (side) continue;
+        Vec3 quad[4] = {frame_point(e, f, a.x, a.y, v[0]), frame_point(e, f, b.x, b.y, v[0]),
+                        frame_point(e, f, b.x, b.y, v[1]), frame_point(e, f, a.x, a.y, v[1])};
+        building_add_polygon(e->arena, e->b, quad, 4, material);
+    }
+}
+
+static void add_spandrels(Enclosure *e, int hole, int material) {
+    const SketchOpening *s = &e->sketch->openings[hole];
+    const Hole *h = &e->holes[hole];
+    if (s->cutout_count < 3) return;
+    Frame f = {h, 2 * h->half, h->head - h->sill};
+    Vec2 *points = ARENA_ARRAY(e->scratch, Vec2, s->cutout_count);
+    for (int i = 0; i < s->cutout_count; i++) {
+        Vec2 p = e->sketch->points[s->first_cutout + i];
+        points[i] = vec2(fmin(1, fmax(0, p.x)) * f.width, fmin(1, fmax(0, p.y)) * f.height);
+    }
+    Shape cutout = shape_of_points(e->scratch, points, s->cutout_count);
+    GEOSGeometry *g = shape_to_geos(e, &cutout);
+    double middle = (cutout.min.x + cutout.max.x) / 2,
+           inset = fmin(SPANDREL_INSET * ENCLOSE_MM, (h->v1 - h->v0) / 4);
+    double v[2] = {h->v0 + inset, h->v1 - inset};
+    if (g) {
+        building_add_object(e->arena, e->b, OBJECT_FRAME, s->name);
+        add_spandrel_half(e, &f, g, 0, middle, v, material);
+        add_spandrel_half(e, &f, g, middle, f.width, v, material);
+        add_intrados(e, &f, &cutout, v, material);
+        GEOSGeom_destroy_r(e->geos, g);
+    } else {
+        Vec3 at = enclose_place(e, h->centre, s->storey);
+        building_note(e->arena, e->b, NOTE_CHANGED, at,
+                      "%s at (%.2f, %.2f): its cut-out is no polygon and becomes a rectangle",
+                      enclose_text(s->place), at.x, at.y);
+    }
+}
+
+// The two faces of a wall may have two colours; the frame takes the one beside the opening.
+static int *spandrel_colours(Enclosure *e) {
+    const Building *b = e->b;
+    int *colours = ARENA_ARRAY(e->scratch, int, b->opening_count);
+    for (int i = 0; i < b->opening_count; i++) colours[i] = e->sketch->outer_material;
+    for (int r = b->region_count; r-- > 0;) {
+        const Region *region = &b->regions[r];
+        if (region->kind == REGION_OPENING)
+            colours[region->opening] = b->edge_material[b->rings[region->first_ring].first_point];
+    }
+    return colours;
 }
 
 // ---- appending
@@ -78,9 +309,9 @@ void openings_append(Enclosure *e) {
                       .open = fmin(fmax(s->open, 0), 1),
                       .region = {-1, -1},
                       .material = material};
-        leaves_append(e, i);
+        append_leaves(e, i);
     }
-    leaves_assign(e);
+    assign_leaves(e);
 }
 
 // ---- the regions that an opening joins
@@ -213,7 +444,7 @@ void openings_join(Enclosure *e) {
     for (int i = 0; i < e->sketch->opening_count; i++) {
         if (!e->holes[i].used) continue;
         join_opening(e, &flood, i, faces);
-        leaves_draw(e, i);
-        spandrels_add(e, i, colours[e->holes[i].opening]);
+        draw_leaves(e, i);
+        add_spandrels(e, i, colours[e->holes[i].opening]);
     }
 }

@@ -31,10 +31,6 @@ void enclose_push_point(Enclosure *e, Vec2 metres, int material) {
 
 // ---- materials of edges
 
-static const Spot *spot_at(const Enclosure *e, int storey, int face) {
-    return &e->pass.spots[(size_t)storey * (size_t)e->pass.plan.face_count + (size_t)face];
-}
-
 static double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
     Vec2 d = vec2_sub(b, a), ap = vec2_sub(p, a);
     double t = vec2_dot(d, d) > 0 ? fmin(1, fmax(0, vec2_dot(ap, d) / vec2_dot(d, d))) : 0;

@@ -121,16 +121,14 @@ void wad_merge(WadPieces *pieces, Arena *arena);
 
 // ---- wad_movers.c: the sectors that move.
 
-typedef enum WadMotion {
-    WAD_FIXED,
-    WAD_DOOR,   // its ceiling rises
-    WAD_HATCH,  // closed as a door is, but its floor sinks
-    WAD_LIFT    // its floor sinks; seen over at all times
-} WadMotion;
-
 // How far a sector reaches with its leaf out of the way, and the leaf: the part that moves. Map units.
 typedef struct WadMover {
-    WadMotion motion;
+    enum {
+        WAD_FIXED,
+        WAD_DOOR,   // its ceiling rises
+        WAD_HATCH,  // closed as a door is, but its floor sinks
+        WAD_LIFT    // its floor sinks; seen over at all times
+    } motion;
     int floor, ceiling;
     int low, high;  // of the leaf when closed; a lift's as drawn
     double open;    // as drawn, 0 .. 1

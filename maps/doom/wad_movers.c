@@ -14,7 +14,7 @@ enum { LINTEL = 4 };
 
 typedef struct Special {
     int from, to;
-    WadMotion motion;
+    int motion;   // see WadMover
     bool behind;  // the sector behind the line; else those of its tag
 } Special;
 
@@ -76,14 +76,14 @@ static Around *look_around(const WadMap *map, Arena *scratch) {
 }
 
 // A sector that is a lift to one line and a door to another is a door.
-static void want(WadMotion *wanted, WadMotion motion) {
+static void want(int *wanted, int motion) {
     if (*wanted != WAD_DOOR) *wanted = motion;
 }
 
-static WadMotion *find_wanted(const WadMap *map, Arena *scratch) {
+static int *find_wanted(const WadMap *map, Arena *scratch) {
     enum { TAGS = 1 << 16 };
-    WadMotion *wanted = ARENA_ARRAY(scratch, WadMotion, map->sector_count + 1);
-    WadMotion *of_tag = ARENA_ARRAY(scratch, WadMotion, TAGS);
+    int *wanted = ARENA_ARRAY(scratch, int, map->sector_count + 1);
+    int *of_tag = ARENA_ARRAY(scratch, int, TAGS);
     for (int i = 0; i < map->line_count; i++) {
         const WadLine *line = &map->lines[i];
         Special special;
@@ -92,7 +92,7 @@ static WadMotion *find_wanted(const WadMap *map, Arena *scratch) {
         if (special.behind && line->sector[1] >= 0) want(&wanted[line->sector[1]], special.motion);
     }
     for (int s = 0; s < map->sector_count; s++) {
-        WadMotion motion = of_tag[map->sectors[s].tag];
+        int motion = of_tag[map->sectors[s].tag];
         if (motion != WAD_FIXED) want(&wanted[s], motion);
     }
     return wanted;
@@ -115,7 +115,7 @@ WadMover *wad_find_movers(const WadMap *map, Arena *arena) {
     Arena scratch = {0};
     WadMover *movers = ARENA_ARRAY(arena, WadMover, map->sector_count + 1);
     const Around *around = look_around(map, &scratch);
-    const WadMotion *wanted = find_wanted(map, &scratch);
+    const int *wanted = find_wanted(map, &scratch);
     for (int i = 0; i < map->sector_count; i++) {
         const WadSector *s = &map->sectors[i];
         int lowest = around[i].lowest_floor < s->floor ? around[i].lowest_floor : s->floor;

@@ -87,11 +87,9 @@ typedef struct Spot {
     int owner;    // of an implicit wall: a room that it closes
 } Spot;
 
-typedef enum SpanKind { SPAN_SOLID, SPAN_ROOM, SPAN_OUTDOORS, SPAN_OPENING, SPAN_SHAFT } SpanKind;
-
 // A piece of the column over a face.
 typedef struct Span {
-    SpanKind kind;
+    enum { SPAN_SOLID, SPAN_ROOM, SPAN_OUTDOORS, SPAN_OPENING, SPAN_SHAFT } kind;
     // ROOM: as Spot.indoor; OUTDOORS: floor material, or material_count + the room of a terrace; OPENING: 2 * hole + side; SHAFT: cut-out.
     int id;
     int storey;

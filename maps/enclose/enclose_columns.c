@@ -30,7 +30,7 @@ static void put_span(Span *out, int *count, Span s) {
     out[(*count)++] = s;
 }
 
-static Span span(SpanKind kind, int id, int storey, double z0, double z1) {
+static Span span(int kind, int id, int storey, double z0, double z1) {
     return (Span){kind, id, storey, z0, z1, -1};
 }
 

@@ -2,7 +2,6 @@
 #include "maps/building_check.h"
 
 #include "engine/core/polygon.h"
-#include "engine/core/predicates.h"
 #include "maps/curved/curved_patch.h"
 
 // ---- the form: each form of a building lacks some parts, and only one has given portals

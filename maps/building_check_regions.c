@@ -3,7 +3,6 @@
 #include <limits.h>
 #include <stdlib.h>
 
-#include "engine/core/predicates.h"
 #include "maps/building_check.h"
 
 static const double MM_PER_M = 1000.0;

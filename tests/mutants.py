@@ -22,7 +22,7 @@ MEMORY = 6 << 30  # bytes a test may map: several times what any of them takes
 
 # Files, and stages of tests: filters of Criterion, run in this order until one notices. The quick ones come first.
 TABLE = [
-    (r"engine/core/predicates\.c", ["predicates/*", "@(sightline|query_oracle|soup)/!(polygons_*)"]),
+    (r"engine/core/vec\.c", ["predicates/*", "@(sightline|query_oracle|soup)/!(polygons_*)"]),
     (r"engine/core/polygon\.c", ["sums/@(plans|files|*sight)", "@(polygon|building|soup_split|cells)/*", "@(curved|soup|mesh|near_pairs)/!(polygons_*)"]),
     (r"engine/core/file\.c", ["@(file|seen|derived|kills)/*", "@(rad_file|recording)/*"]),
     (r"maps/building/zip\.c", ["@(sh3d|zip)/*"]),

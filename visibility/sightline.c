@@ -9,7 +9,7 @@
 #include "visibility/sightline.h"
 
 #include "engine/core/error.h"
-#include "engine/core/predicates.h"
+#include "engine/core/vec.h"
 
 // The point through which the line from `pivot` (or to it, with `turn` -1) has all others on its left (`side` +1) or
 // right (-1), or on it, or -1. Where there is none, whatever comes out fails the check that follows.

@@ -4,7 +4,7 @@
 // from the building, and `geometry`, the hash of cells and portals, says whether they came out the same.
 #include <string.h>
 
-#include "engine/core/derived.h"
+#include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "visibility/vis.h"
 

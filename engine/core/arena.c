@@ -36,7 +36,7 @@ struct ArenaBlock {
 
 static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 
-static ArenaBlock *new_block(Arena *arena, size_t least) {
+static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
     size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
     // Close to a limit no more than is needed.
@@ -55,7 +55,7 @@ void *arena_alloc(Arena *arena, size_t count, size_t size) {
     size_t asked = count * size, bytes = (asked + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + GAP;
     if (bytes == 0) bytes = ALIGNMENT;
     ArenaBlock *block = arena->head;
-    if (!block || block->size - block->used < bytes) block = new_block(arena, bytes);
+    if (!block || block->size - block->used < bytes) block = add_arena_block(arena, bytes);
     void *memory = (char *)block + HEADER + block->used;
     block->used += bytes;
     arena->used += bytes;

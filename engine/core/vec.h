@@ -65,6 +65,10 @@ Plane plane_of_polygon(const Vec3 *vertices, int count);
 // Its area, of a bent one that of its shadow along Newell's normal.
 double polygon_area(const Vec3 *vertices, int count);
 
+// +1 when c lies left of the directed line a -> b, -1 right of it, 0 exactly on it. The sign is exact for all
+// finite coordinates whose products neither overflow nor underflow.
+int orient2d(Vec2 a, Vec2 b, Vec2 c);
+
 static inline Box box_empty(void) {
     return (Box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }

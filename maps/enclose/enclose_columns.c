@@ -2,7 +2,6 @@
 //
 // A column starts as soil and sky; roofs, terraces, slabs, rooms, holes in floors, walls and openings are
 // painted over one another in that order, so that each wins over the ones before.
-#include "engine/core/predicates.h"
 #include "maps/enclose/enclose.h"
 
 // Roofs over rooms without a storey above, mm.

@@ -1,6 +1,5 @@
 // enclose_openings.c - doors and windows in the building: their lines on the grid, their leaves, and once the regions stand, the regions
 // that they join and the spandrels around those that are no rectangles.
-#include "engine/core/predicates.h"
 #include "maps/enclose/enclose.h"
 
 // An end of a door's line lies within this of its vertex on the grid, mm.

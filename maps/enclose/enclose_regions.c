@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
-#include "engine/core/predicates.h"
 #include "maps/enclose/enclose.h"
 
 // A wall's side counts for an edge it does not cover when it is this near, mm.

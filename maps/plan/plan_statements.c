@@ -3,7 +3,6 @@
 #include "maps/plan/plan_file.h"
 
 #include "engine/core/box_tree.h"
-#include "engine/core/predicates.h"
 
 // Limits of the format, metres.
 #define PLAN_MAX_HEIGHT 1000.0   // of storeys, walls, openings

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "engine/core/error.h"
-#include "engine/core/lane.h"
+#include "engine/core/lanes.h"
 #include "engine/core/polygon.h"
 
 // Of an element that has no more.

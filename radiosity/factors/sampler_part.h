@@ -2,8 +2,7 @@
 #ifndef RADIOSITY_SAMPLER_PART_H
 #define RADIOSITY_SAMPLER_PART_H
 
-#include "engine/core/four.h"
-#include "engine/core/lane.h"
+#include "engine/core/lanes.h"
 #include "radiosity/factors/sampler.h"
 #include "radiosity/mesh/lines.h"
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "engine/core/error.h"
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 
 const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS] = {"none", "depth", "cells", "plan", "portals"};
 

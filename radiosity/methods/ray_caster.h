@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_RAY_CASTER_H
 #define RADIOSITY_RAY_CASTER_H
 
-#include "engine/core/lane.h"
+#include "engine/core/lanes.h"
 #include "radiosity/mesh/mesh.h"
 
 typedef struct RayCaster RayCaster;

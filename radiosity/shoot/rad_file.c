@@ -5,7 +5,7 @@
 // the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <string.h>
 
-#include "engine/core/derived.h"
+#include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"

@@ -2,7 +2,7 @@
 #ifndef RADIOSITY_SHOOT_ELEMENTS_H
 #define RADIOSITY_SHOOT_ELEMENTS_H
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "radiosity/shoot/shoot_rows.h"
 
 // Three channels lie in one register, whose fourth number is unused.

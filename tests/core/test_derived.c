@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 #include <stdlib.h>
 
-#include "engine/core/derived.h"
+#include "engine/core/file.h"
 #include "tests/support/support.h"
 
 enum { BODY = 11, BUILDING = 77, GEOMETRY = 78 };

@@ -3,8 +3,8 @@
 #include <criterion/criterion.h>
 #include <stdlib.h>
 
-#include "engine/core/predicates.h"
 #include "engine/core/random.h"
+#include "engine/core/vec.h"
 
 enum { TRIANGLES = 200000 };
 

@@ -1,9 +1,9 @@
-// store_target.h - what the fuzz targets on derived files (engine/core/derived.h) share: a building of two rooms, a valid file of
+// store_target.h - what the fuzz targets on derived files (engine/core/file.h) share: a building of two rooms, a valid file of
 // it, and the files that the fuzzer's bytes stand for.
 #ifndef TESTS_STORE_TARGET_H
 #define TESTS_STORE_TARGET_H
 
-#include "engine/core/derived.h"
+#include "engine/core/file.h"
 #include "tests/fuzz/target.h"
 #include "visibility/vis.h"
 

@@ -2,7 +2,6 @@
 #include "tests/support/fixture.h"
 
 #include "engine/core/polygon.h"
-#include "engine/core/predicates.h"
 
 static const double ROOM = 4.0, PITCH = 4.2, HEIGHT = 2.7, DOOR_HEIGHT = 2.1, SLAB = 0.3;
 

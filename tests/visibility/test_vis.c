@@ -7,7 +7,6 @@
 
 #include "engine/core/file.h"
 #include "engine/core/polygon.h"
-#include "engine/core/predicates.h"
 #include "maps/maps.h"
 #include "tests/support/fixture.h"
 #include "tests/support/prt_scene.h"

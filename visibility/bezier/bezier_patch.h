@@ -2,7 +2,7 @@
 #ifndef RAYS_BEZIER_PATCH_H
 #define RAYS_BEZIER_PATCH_H
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "maps/building/building.h"
 #include "visibility/bezier/bezier_trim.h"
 

@@ -15,7 +15,6 @@
 #include <xxhash.h>
 
 #include "engine/core/memory.h"
-#include "engine/core/predicates.h"
 #include "maps/building/building.h"
 
 // GEOS takes the square of their number, and fails at some of so many.

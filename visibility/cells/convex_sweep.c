@@ -6,7 +6,6 @@
 // exact. Rings may touch at vertices, not within edges.
 #include <stdlib.h>
 
-#include "engine/core/predicates.h"
 #include "visibility/cells/convex.h"
 
 // A vertex of a chain; `up` and `down` are nodes, -1 at the ends.

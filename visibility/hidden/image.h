@@ -6,7 +6,7 @@
 #ifndef VISIBILITY_IMAGE_H
 #define VISIBILITY_IMAGE_H
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "visibility/hidden/facets.h"
 
 // a x + b y + c in lanes 0, 1, 2; lane 3 is 0. Of an edge: not below 0 inside.

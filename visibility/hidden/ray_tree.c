@@ -1,7 +1,7 @@
 // ray_tree.c - a bounding-volume hierarchy split by the surface-area heuristic.
 #include "visibility/hidden/ray_tree.h"
 
-#include "visibility/rays/box_split.h"
+#include "engine/core/box_tree.h"
 
 // Boxes are widened by this, metres: their slabs are computed with rounding, and a box without thickness would lose
 // hits. Above the rounding of a coordinate at 1e8 m (MAPS_LIMIT), far below any feature.

@@ -2,7 +2,7 @@
 #ifndef VISIBILITY_QUERY_H
 #define VISIBILITY_QUERY_H
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "visibility/cells/build.h"
 
 enum { CACHE_LINE = 64 };  // bytes, for what is fetched ahead

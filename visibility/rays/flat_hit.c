@@ -5,8 +5,6 @@
 // decided exactly for corners as they were moved, which are the same for all polygons that have them.
 #include "visibility/rays/flat_hit.h"
 
-#include "engine/core/predicates.h"
-
 // The direction's longest component becomes z, by a turn of the axes.
 static int longest_axis(Vec3 d) {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);

@@ -7,7 +7,7 @@
 // Casteljau, this takes the quadratic's blossom there and multiplies: fewer operations, and exactly 0 where a chord ends.
 #include "visibility/rays/metaball_hit.h"
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "visibility/bezier/bernstein.h"
 
 enum { FIELD = 6 };  // its degree

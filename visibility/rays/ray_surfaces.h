@@ -2,7 +2,7 @@
 #ifndef RAYS_RAY_SURFACES_H
 #define RAYS_RAY_SURFACES_H
 
-#include "engine/core/four.h"
+#include "engine/core/lanes.h"
 #include "visibility/rays/curved_rays.h"
 
 // Four edges of a polygon, from a to b: a x b and b - a, over their length. The last edge fills up the last four.

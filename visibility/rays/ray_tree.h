@@ -3,7 +3,7 @@
 #ifndef RAYS_RAY_TREE_H
 #define RAYS_RAY_TREE_H
 
-#include "engine/core/lane.h"
+#include "engine/core/lanes.h"
 #include "visibility/rays/ray_surfaces.h"
 
 // Items of a leaf, at most.

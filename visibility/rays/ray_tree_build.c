@@ -5,7 +5,7 @@
 
 #include <float.h>
 
-#include "visibility/rays/box_split.h"
+#include "engine/core/box_tree.h"
 #include "visibility/rays/ray_tree.h"
 
 // Planes of boxes are moved outwards by so many roundings of the largest coordinate: of the plane itself, and of a ray's origin,

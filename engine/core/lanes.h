@@ -1,7 +1,8 @@
-// four.h - four doubles at a time, by the vector extensions of GCC and clang; by name what those have no word for. A
-// comparison gives a mask: all bits or none. Where eight floats (lane.h) are too rough, or too many.
-#ifndef CORE_FOUR_H
-#define CORE_FOUR_H
+// lanes.h - eight floats, or four doubles, at a time, by the vector extensions of GCC and clang; by name the operations for which
+// those have no word. A comparison gives a mask: all bits or none. Doubles are for what floats are too rough for, and for lists of
+// which eight lanes would mostly stay empty.
+#ifndef CORE_LANES_H
+#define CORE_LANES_H
 
 #include <stdint.h>
 #ifdef __AVX2__
@@ -9,6 +10,106 @@
 #else
 #include <math.h>
 #endif
+
+// ---- eight floats
+
+// Before a loop over the rows of a block, whose masks then stay in registers.
+#ifdef __clang__
+#define LANE_UNROLL _Pragma("unroll")
+#else
+#define LANE_UNROLL _Pragma("GCC unroll 8")
+#endif
+
+enum { LANES = 8 };
+typedef float Lane __attribute__((vector_size(32)));
+typedef int32_t LaneInt __attribute__((vector_size(32)));
+
+static inline Lane lane_of(float a) { return a - (Lane){0}; }
+static inline LaneInt lane_int_of(int32_t a) { return a - (LaneInt){0}; }
+
+static inline LaneInt lane_bits(Lane a) { return (LaneInt)a; }
+static inline Lane lane_abs(Lane a) { return (Lane)(lane_bits(a) & lane_int_of(0x7fffffff)); }
+
+// By the sign bits of the mask alone.
+static inline Lane lane_choose(LaneInt mask, Lane yes, Lane no) {
+#ifdef __AVX2__
+    return (Lane)_mm256_blendv_ps((__m256)no, (__m256)yes, (__m256)mask);
+#else
+    mask = mask < 0;
+    return (Lane)((mask & lane_bits(yes)) | (~mask & lane_bits(no)));
+#endif
+}
+
+static inline LaneInt lane_choose_int(LaneInt mask, LaneInt yes, LaneInt no) {
+    return lane_bits(lane_choose(mask, (Lane)yes, (Lane)no));
+}
+
+// a * b + c, rounded once: said outright, it is the same everywhere.
+static inline Lane lane_multiply_add(Lane a, Lane b, Lane c) {
+#ifdef __FMA__
+    return (Lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#else
+    for (int i = 0; i < LANES; i++) c[i] = fmaf(a[i], b[i], c[i]);
+    return c;
+#endif
+}
+
+static inline Lane lane_root(Lane a) {
+#ifdef __AVX2__
+    return (Lane)_mm256_sqrt_ps((__m256)a);
+#else
+    for (int i = 0; i < LANES; i++) a[i] = sqrtf(a[i]);
+    return a;
+#endif
+}
+
+static inline LaneInt lane_look_up(const int32_t *table, LaneInt index) {
+#ifdef __AVX2__
+    return (LaneInt)_mm256_i32gather_epi32(table, (__m256i)index, 4);
+#else
+    LaneInt out = {0};
+    for (int i = 0; i < LANES; i++) out[i] = table[index[i]];
+    return out;
+#endif
+}
+
+static inline Lane lane_least(Lane a, Lane b) {
+#ifdef __AVX2__
+    return (Lane)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    return lane_choose(a < b, a, b);
+#endif
+}
+
+// Of what is no number, b.
+static inline Lane lane_most(Lane a, Lane b) {
+#ifdef __AVX2__
+    return (Lane)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    return lane_choose(a > b, a, b);
+#endif
+}
+
+// Bit i: lane i of the mask.
+static inline unsigned lane_mask(LaneInt mask) {
+#ifdef __AVX2__
+    return (unsigned)_mm256_movemask_ps((__m256)mask);
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < LANES; i++) bits |= (unsigned)(mask[i] < 0) << i;
+    return bits;
+#endif
+}
+
+// The least of the eight.
+static inline float lane_least_of(Lane a) {
+    a = lane_least(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+    a = lane_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
+    a = lane_least(a, __builtin_shufflevector(a, a, 1, 0, 3, 2, 5, 4, 7, 6));
+    return a[0];
+}
+
+// ---- four doubles
 
 enum { FOUR = 4, FOUR_ALL = 15 };  // all: as lanes, a bit each
 typedef double Four __attribute__((vector_size(32)));

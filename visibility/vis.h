@@ -15,8 +15,8 @@
 // polygon from z0 to z1. Otherwise its faces bound it, and plan, z0 and z1 are its shadow and its extent.
 typedef struct Cell {
     int region;  // -1 where the building has none
-    int first_edge,
-        edge_count;  // plan polygon in CellGraph.plan, counter-clockwise; vertices may be collinear
+    // The plan polygon in CellGraph.plan, counter-clockwise; vertices may be collinear.
+    int first_edge, edge_count;
     int first_face, face_count;        // in CellGraph.faces; none of a prism
     int first_contact, contact_count;  // in CellGraph.contacts
     double z0, z1;
@@ -75,8 +75,8 @@ typedef struct CellGraph {
     int *locator_first;  // [locator.nx * locator.ny + 1]
     int *locator_cells;
     Box box;
-    double
-        touch;  // how near a polygon must come to a cell to be registered there, metres: VIS_TOUCH, of a soup by its size
+    // How near a polygon must come to a cell to be registered there, metres: VIS_TOUCH, of a soup by its size.
+    double touch;
     int dropped_slivers;  // surfaces and portals without area (VIS_SLIVER) that were left out
 } CellGraph;
 
@@ -208,8 +208,8 @@ typedef struct VisResult {
 
 // `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
-// sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's cell,
-// from vis_locate, or -1.
+// sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
+// cell, from vis_locate, or -1.
 VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, VisMethod method);
 
 #endif

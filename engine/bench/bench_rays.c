@@ -12,13 +12,11 @@
 #include "engine/bench/ray_patches.h"
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
-#include "visibility/bezier/bezier_beam.h"
-#include "visibility/bezier/bezier_methods.h"
+#include "visibility/bezier/bezier_clip.h"
 #include "visibility/hidden/embree_device.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/rays/curved_rays.h"
-#include "visibility/rays/ray_grid.h"
-#include "visibility/rays/ray_tree.h"
+#include "visibility/rays/ray_surfaces.h"
 
 enum { TREE_ROUNDS = 5, TREE_SIDE = 256, TREE_COUNT = TREE_SIDE * TREE_SIDE };
 // Hits that Embree leaves out or takes twice at an edge are told apart from hits that differ by so many metres along the ray.

@@ -4,8 +4,7 @@
 
 #include "engine/stills/glass.h"
 #include "radiosity/mesh/mesh.h"
-#include "visibility/rays/ray_grid.h"
-#include "visibility/rays/ray_tree.h"
+#include "visibility/rays/ray_surfaces.h"
 
 typedef enum StillTree { STILL_TREE_OWN, STILL_TREE_GRID, STILL_TREES } StillTree;
 extern const char *const STILL_TREE_NAMES[STILL_TREES];

@@ -6,7 +6,6 @@
 #include "tests/support/support.h"
 #include "visibility/bezier/bernstein.h"
 #include "visibility/rays/curved_rays.h"
-#include "visibility/rays/metaball_hit.h"
 
 // How far the field may be off the threshold where a ray hits, of that and all weights.
 #define EXACT 1e-9

@@ -8,8 +8,7 @@
 #include "tests/support/hidden_scenes.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/soup_fixture.h"
-#include "visibility/rays/ray_grid.h"
-#include "visibility/rays/ray_tree.h"
+#include "visibility/rays/ray_surfaces.h"
 
 static bool soaking(void) { return getenv("ENFILADE_SOAK") != NULL; }
 
@@ -203,12 +202,13 @@ Test(ray_tree, meets_what_embree_meets) {
                 int mine = hit.item < 0 ? face[k] : hit.item;
                 const Polygon *p = &g->polygons[list[mine]];
                 const Vec3 *v = g->vertices + p->first_vertex;
-                Plane plane = rays->surfaces.polygons[mine].plane, other = plane;
-                if (face[k] >= 0) other = rays->surfaces.polygons[face[k]].plane;
+                Plane plane = plane_of_polygon(v, p->vertex_count), other = plane;
+                const Polygon *q = &g->polygons[list[face[k] < 0 ? mine : face[k]]];
+                if (q != p) other = plane_of_polygon(g->vertices + q->first_vertex, q->vertex_count);
                 bool tie = hit.item >= 0 && fabs(vec3_dot(plane.n, other.n)) > 1 - 1e-9 &&
                            fabs(fabs(plane.d) - fabs(other.d)) < 1e-4;
                 double slant = vec3_dot(plane.n, way[k]);
-                double t = (plane.d - vec3_dot(plane.n, vec3_sub(eye, rays->surfaces.origin))) / slant;
+                double t = -plane_distance(plane, eye) / slant;
                 Vec3 at = vec3_add(eye, vec3_scale(way[k], t));
                 bool edge = fabs(inside_of(v, p->vertex_count, plane.n, at)) < 1e-4 || fabs(slant) < 1e-3;
                 bool close = hit.item >= 0 && hit.at.t < 1e-4;

@@ -8,10 +8,367 @@
 // Newton's steps find it. Where a part folds, roots may be double: the place is found by Gauss-Newton's steps, on the
 // two distances and the determinant of their derivatives together, which knows it to the last digits; the distances
 // alone would only to half of them.
+//
+// Beside it stand other ways to find the hits, to measure Bezier clipping against: halving (Whitted 1980), and Newton's steps from
+// a grid of places (after Kajiya 1982, who finds starts by algebra; Toth 1985).
 #include "visibility/bezier/bezier_clip.h"
 
-#include "visibility/bezier/bezier_beam.h"
-#include "visibility/bezier/bezier_part.h"
+#include <string.h>
+
+// ---- a ray about a patch: its two planes (Kajiya 1982), its way down the tree of pieces, and its hits
+
+typedef struct BezierBeam {
+    const BezierPatch *patch;
+    Vec3 o, d;     // o is nearest to the centre
+    Vec3 n[2];     // of the planes, unit
+    double e[2];   // dot(n, o)
+    double start;  // t of o
+    double slack;  // distances that count as 0
+    HitList *list;
+    CurvedWork *work;
+} BezierBeam;
+
+// Distances that count as 0, of the patch's size: rounding of the ray, of its origin ten sizes away, and of the net.
+#define ROUNDING 4e-14
+// Hits with t no more than this apart, of the size, and the same normal, are one that was found in two parts; of grazing
+// rays those whose distance from the ray differs by no more than rounding, too.
+#define SAME_HIT 1e-11
+#define SAME_NORMAL 1e-8  // 1 - cosine
+// The least slope of a ray against a patch that counts there.
+#define LEAST_SLOPE 1e-9
+
+// Distances of a net's points to one of the planes, multiplied by their weights; rows of v.
+static void bezier_beam_project(const BezierBeam *beam, const PatchNet *net, int plane, Four out[4]) {
+    Vec3 n = beam->n[plane];
+    for (int k = 0; k < 4; k++)
+        out[k] = (n.x * net->x[k] + n.y * net->y[k]) + (n.z * net->z[k] - beam->e[plane] * net->w[k]);
+}
+
+// ---- hits
+
+// Where a patch has no normal - a row of its control points is one point - that from beside it, towards the piece's middle.
+static Vec3 normal_at(const PatchNet *net, double u, double v, const PatchPoint *at) {
+    Vec3 n = vec3_cross(at->du, at->dv);
+    double lengths = vec3_length(at->du) + vec3_length(at->dv);
+    for (double beside = 1e-6; vec3_length(n) <= 1e-9 * lengths * lengths && beside < 1; beside *= 100) {
+        PatchPoint near = bezier_patch_point(net, u + beside * (0.5 - u), v + beside * (0.5 - v));
+        n = vec3_cross(vec3_normalize(near.du), vec3_normalize(near.dv));
+        lengths = 1;
+    }
+    return vec3_normalize(n);
+}
+
+static bool is_known(const BezierBeam *beam, const RayHit *hit) {
+    const HitList *list = beam->list;
+    double slope = fabs(vec3_dot(hit->normal, beam->d));
+    double same = SAME_HIT * beam->patch->size + 2 * beam->slack / fmax(slope, LEAST_SLOPE);
+    for (int i = 0; i < list->count && i < list->max; i++)
+        if (fabs(list->hits[i].t - hit->t) <= same &&
+            1 - fabs(vec3_dot(list->hits[i].normal, hit->normal)) < SAME_NORMAL)
+            return true;
+    return false;
+}
+
+// At u, v of a piece, unless it is cut off or known.
+static void bezier_beam_hit(const BezierBeam *beam, const PatchPiece *piece, double u, double v) {
+    PatchPoint at = bezier_patch_point(&piece->net, u, v);
+    RayHit hit = {.t = beam->start + vec3_dot(beam->d, vec3_sub(at.p, beam->o)),
+                  .u = piece->u + u * piece->width_u,
+                  .v = piece->v + v * piece->width_v};
+    if (!hit_list_wants(beam->list, hit.t)) return;
+    if (piece->trimmed && !trim_keeps(beam->patch->trim, vec2(hit.u, hit.v), beam->work)) return;
+    hit.normal = normal_at(&piece->net, u, v, &at);
+    if (!is_known(beam, &hit)) hit_list_add(beam->list, hit);
+}
+
+// ---- the tree
+
+// Axes across a unit vector, without a branch (Duff et al. 2017).
+static void axes_across(Vec3 d, Vec3 n[2]) {
+    double sign = copysign(1, d.z), a = -1 / (sign + d.z), b = d.x * d.y * a;
+    n[0] = vec3(1 + sign * d.x * d.x * a, sign * b, -sign * d.x);
+    n[1] = vec3(b, sign + d.y * d.y * a, -d.y);
+}
+
+// No component is 0, so that no slab is 0 / 0.
+static double inverse(double d) { return 1 / (fabs(d) > 1e-300 ? d : copysign(1e-300, d)); }
+
+// Children waiting: three at each level of the tree, and four.
+enum { PIECES_WAITING = 3 * PATCH_DEPTH + 4 };
+
+typedef struct Entry {
+    int child;
+    double t;  // from the beam's o
+} Entry;
+
+// The children that the beam meets, the nearest last. Returns how many.
+static int children_met(const BezierBeam *beam, const Vec3 *inverse_d, const PatchNode *node, Entry out[4]) {
+    const double o[3] = {beam->o.x, beam->o.y, beam->o.z}, d[3] = {inverse_d->x, inverse_d->y, inverse_d->z};
+    Four in = four_of(beam->list->near - beam->start), leave = four_of(beam->list->far - beam->start);
+    for (int k = 0; k < 3; k++) {
+        Four a = (node->low[k] - four_of(o[k])) * four_of(d[k]);
+        Four b = (node->high[k] - four_of(o[k])) * four_of(d[k]);
+        in = four_most(four_least(a, b), in);
+        leave = four_least(four_most(a, b), leave);
+    }
+    int count = 0;
+    for (unsigned met = four_lanes(in <= leave) & ((1u << node->count) - 1); met; met &= met - 1) {
+        int i = __builtin_ctz(met), k = count++;
+        for (; k > 0 && out[k - 1].t < in[i]; k--) out[k] = out[k - 1];
+        out[k] = (Entry){node->child[i], in[i]};
+    }
+    return count;
+}
+
+// False: the ray passes beside all of the patch.
+static bool bezier_beam(const BezierPatch *patch, const Ray *ray, HitList *list, CurvedWork *work,
+                        BezierBeam *out) {
+    BezierBeam beam = {.patch = patch, .d = ray->direction, .list = list, .work = work};
+    Vec3 from = vec3_sub(ray->origin, patch->centre);
+    beam.start = -vec3_dot(from, ray->direction);
+    beam.o = vec3_add(from, vec3_scale(ray->direction, beam.start));
+    if (4 * vec3_dot(beam.o, beam.o) > 1.001 * patch->size * patch->size) return false;  // beside its sphere
+    beam.slack = ROUNDING * patch->size;
+    axes_across(beam.d, beam.n);
+    for (int k = 0; k < 2; k++) beam.e[k] = vec3_dot(beam.n[k], beam.o);
+    *out = beam;
+    return true;
+}
+
+// Calls for the pieces whose boxes the ray meets before the hits found so far, the nearest first.
+static void bezier_beam_pieces(const BezierBeam *beam,
+                               void (*each)(const BezierBeam *beam, const PatchPiece *piece)) {
+    const BezierPatch *patch = beam->patch;
+    Vec3 inverse_d = vec3(inverse(beam->d.x), inverse(beam->d.y), inverse(beam->d.z));
+    Entry waiting[PIECES_WAITING] = {{0, -INFINITY}};
+    for (int count = 1; count > 0;) {
+        Entry entry = waiting[--count];
+        if (entry.t + beam->start >= beam->list->far) continue;
+        if (entry.child < 0)
+            each(beam, &patch->pieces[~entry.child]);
+        else
+            count += children_met(beam, &inverse_d, &patch->nodes[entry.child], waiting + count);
+    }
+}
+
+// ---- parts of a patch seen along a ray: clipped by convex hulls (Nishita, Sederberg & Kakimoto 1990, section 3), cut, halved, and
+// told to have one root at most. All of that is linear in the distances of control points to two lines through the ray.
+
+typedef struct BezierPart {
+    Vec2 along_u, along_v;          // the lines, unit vectors in the plane across the ray
+    Four a[4];                      // distances to the line along v; rows of v, lanes along u
+    Four b[4];                      // to the line along u; rows of u, lanes along v
+    double u, v, width_u, width_v;  // where it is in its piece
+} BezierPart;
+
+// Both distances at a place of the part, and their derivatives.
+typedef struct BezierPlace {
+    double a, a_u, a_v, b, b_u, b_v;
+} BezierPlace;
+typedef struct BezierBends {
+    double a_uu, a_uv, a_vv, b_uu, b_uv, b_vv;
+} BezierBends;
+
+// Tangents whose cross product is less than this of their lengths make no frame to measure in.
+#define ASKEW 0.2
+
+// ---- lines
+
+// The mean tangents of a net in the plane, from its corners; both rows of v, lanes along u.
+static void mean_tangents(const Four f[4], const Four g[4], Vec2 *along_u, Vec2 *along_v) {
+    *along_u = vec2(f[0][3] - f[0][0] + f[3][3] - f[3][0], g[0][3] - g[0][0] + g[3][3] - g[3][0]);
+    *along_v = vec2(f[3][0] - f[0][0] + f[3][3] - f[0][3], g[3][0] - g[0][0] + g[3][3] - g[0][3]);
+}
+
+static Vec2 unit(Vec2 a, Vec2 instead) {
+    double length = vec2_length(a);
+    return length > 0 ? vec2_scale(a, 1 / length) : instead;
+}
+
+// Lines along the mean tangents; where these are nearly one, the second line is across the first: only so is a part
+// clipped along both.
+static void choose_lines(const Four f[4], const Four g[4], bool for_clips, Vec2 *along_u, Vec2 *along_v) {
+    Vec2 u, v;
+    mean_tangents(f, g, &u, &v);
+    double long_u = vec2_length(u), long_v = vec2_length(v);
+    bool u_leads = long_u >= long_v;
+    u = unit(u, unit(vec2(v.y, -v.x), vec2(1, 0)));
+    v = unit(v, vec2(-u.y, u.x));
+    if (for_clips && fabs(vec2_cross(u, v)) < ASKEW) {
+        if (u_leads)
+            v = vec2(-u.y, u.x);
+        else
+            u = vec2(v.y, -v.x);
+    }
+    double sign = vec2_cross(u, v) < 0 ? -1 : 1;  // so that distances grow with u and v
+    *along_u = vec2_scale(u, sign);
+    *along_v = vec2_scale(v, sign);
+}
+
+// From coordinates f and g in the plane, rows of v. Lines are along the mean tangents; `for_clips` the second is across the
+// first where these are nearly one: only so is a part clipped along both.
+static void bezier_part_measure(BezierPart *part, const Four f[4], const Four g[4], bool for_clips) {
+    Vec2 u, v;
+    choose_lines(f, g, for_clips, &u, &v);
+    part->along_u = u;
+    part->along_v = v;
+    for (int k = 0; k < 4; k++) {
+        part->a[k] = f[k] * v.y - g[k] * v.x;
+        part->b[k] = u.x * g[k] - u.y * f[k];
+    }
+    four_transpose(part->b);
+}
+
+// The coordinates again.
+static void coordinates(const BezierPart *part, Four f[4], Four g[4]) {
+    Vec2 u = part->along_u, v = part->along_v;
+    double scale = 1 / vec2_cross(u, v);
+    Four b[4];
+    memcpy(b, part->b, sizeof b);
+    four_transpose(b);
+    for (int k = 0; k < 4; k++) {
+        f[k] = (part->a[k] * u.x + b[k] * v.x) * scale;
+        g[k] = (part->a[k] * u.y + b[k] * v.y) * scale;
+    }
+}
+
+// ---- clips
+
+// Where the hull of (lane / 3, low .. high) comes down to 0 from lane 0 on, in lanes; low[0] > 0.
+static double comes_down(const double low[4]) {
+    double first = 3;
+    for (int j = 1; j < 4; j++) {
+        if (!(low[j] <= 0)) continue;
+        for (int i = 0; i < j; i++)
+            if (low[i] > 0) {
+                double at = i + (j - i) * (low[i] / (low[i] - low[j]));
+                first = at < first ? at : first;
+            }
+    }
+    return first;
+}
+
+// The lanes, as 0 .. 1, outside which no distance is within slack of 0. False: none is.
+static bool clip_lanes(const Four row[4], double slack, double *from, double *to) {
+    Four low = four_least_row(row) - four_of(slack), high = -four_most_row(row) - four_of(slack);
+    unsigned above = four_lanes(low > four_of(0)), below = four_lanes(high > four_of(0));
+    if (above == 15 || below == 15) return false;
+    *from = 0;
+    *to = 1;
+    if ((above | below) & 1) {
+        Four a = above & 1 ? low : high;
+        *from = comes_down((double[]){a[0], a[1], a[2], a[3]}) / 3;
+    }
+    if ((above | below) & 8) {
+        Four a = above & 8 ? low : high;
+        *to = 1 - comes_down((double[]){a[3], a[2], a[1], a[0]}) / 3;
+    }
+    return true;
+}
+
+// False: no root of the part is where all distances are more than slack. Else from .. to, in u and v, hold all roots.
+static bool bezier_part_clip(const BezierPart *part, double slack, double from[2], double to[2]) {
+    return clip_lanes(part->a, slack, &from[0], &to[0]) && clip_lanes(part->b, slack, &from[1], &to[1]);
+}
+
+// Along one parameter, which runs over the lanes of one of the distances and the rows of the other.
+static void cut_lanes(Four lanes[4], Four rows[4], double *at, double *width, double from, double to) {
+    BezierCut piece = bezier_cut(from, to);
+    bezier_cut_lanes(lanes, &piece);
+    bezier_cut_rows(rows, &piece);
+    *at += from * *width;
+    *width *= to - from;
+}
+
+static void cut_u(BezierPart *part, double from, double to) {
+    cut_lanes(part->a, part->b, &part->u, &part->width_u, from, to);
+}
+
+static void cut_v(BezierPart *part, double from, double to) {
+    cut_lanes(part->b, part->a, &part->v, &part->width_v, from, to);
+}
+
+static void bezier_part_cut(BezierPart *part, const double from[2], const double to[2]) {
+    cut_u(part, from[0], to[0]);
+    cut_v(part, from[1], to[1]);
+}
+
+// Measures it anew, and halves it across the longer of its mean tangents.
+static void bezier_part_halve(BezierPart *first, BezierPart *second) {
+    Four f[4], g[4];
+    Vec2 u, v;
+    coordinates(first, f, g);
+    mean_tangents(f, g, &u, &v);
+    bezier_part_measure(first, f, g, true);
+    *second = *first;
+    if (vec2_dot(u, u) > vec2_dot(v, v)) {
+        cut_u(first, 0, 0.5);
+        cut_u(second, 0.5, 1);
+    } else {
+        cut_v(first, 0, 0.5);
+        cut_v(second, 0.5, 1);
+    }
+}
+
+// all distances are within slack
+static bool bezier_part_is_zero(const BezierPart *part, double slack) {
+    return !(four_most_of(four_most_row(part->a)) > slack ||
+             four_least_of(four_least_row(part->a)) < -slack ||
+             four_most_of(four_most_row(part->b)) > slack || four_least_of(four_least_row(part->b)) < -slack);
+}
+
+// ---- one root or none
+
+// The least difference of neighbouring lanes, which is along the distance's own parameter; the largest of rows.
+static void slopes(const Four row[4], double *least, double *most_across) {
+    Four along[4], across = four_of(0);
+    for (int k = 0; k < 4; k++)
+        along[k] = __builtin_shufflevector(row[k], row[k], 1, 2, 3, 3) -
+                   __builtin_shufflevector(row[k], row[k], 0, 1, 2, 2);
+    for (int k = 0; k < 3; k++) across = four_most(across, four_abs(row[k + 1] - row[k]));
+    *least = four_least_of(four_least_row(along));
+    *most_across = four_most_of(across);
+}
+
+static bool cones_are_apart(const BezierPart *part) {
+    double a_u, a_v, b_v, b_u;
+    slopes(part->a, &a_u, &a_v);
+    slopes(part->b, &b_v, &b_u);
+    return a_u > 0 && b_v > 0 && a_u * b_v > a_v * b_u;
+}
+
+static bool bezier_part_has_one_root_at_most(const BezierPart *part) {
+    if (cones_are_apart(part)) return true;
+    BezierPart again;
+    Four f[4], g[4];
+    coordinates(part, f, g);
+    bezier_part_measure(&again, f, g, false);
+    return cones_are_apart(&again);
+}
+
+// ---- places
+
+static BezierPlace bezier_part_place(const BezierPart *part, double u, double v) {
+    Four bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
+    Four a = bezier_over_rows(part->a, bv), b = bezier_over_rows(part->b, bu);
+    return (BezierPlace){four_sum(a * bu),
+                         four_sum(a * su),
+                         four_sum(bezier_over_rows(part->a, sv) * bu),
+                         four_sum(b * bv),
+                         four_sum(bezier_over_rows(part->b, su) * bv),
+                         four_sum(b * sv)};
+}
+
+static BezierBends bezier_part_bends(const BezierPart *part, double u, double v) {
+    Four bu = bezier_basis(u), su = bezier_slopes(u), cu = bezier_bends(u);
+    Four bv = bezier_basis(v), sv = bezier_slopes(v), cv = bezier_bends(v);
+    return (BezierBends){
+        four_sum(bezier_over_rows(part->a, bv) * cu), four_sum(bezier_over_rows(part->a, sv) * su),
+        four_sum(bezier_over_rows(part->a, cv) * bu), four_sum(bezier_over_rows(part->b, cu) * bv),
+        four_sum(bezier_over_rows(part->b, su) * sv), four_sum(bezier_over_rows(part->b, bu) * cv)};
+}
+
+// ---- Bezier clipping
 
 // A part that keeps more than this both ways is halved (Nishita, Sederberg & Kakimoto 1990).
 #define SHRINKS 0.8
@@ -208,3 +565,103 @@ void bezier_hits(const BezierPatch *patch, const Ray *ray, HitList *list, Curved
     BezierBeam beam;
     if (bezier_beam(patch, ray, list, work, &beam)) bezier_beam_pieces(&beam, piece_hits);
 }
+
+// ---- other methods: a row of the table each
+
+// A part of this width is a root: halving gains a bit a time.
+#define SMALLEST_HALF 1e-12
+// A step as small as this is the last.
+#define LAST_NEWTON_STEP 1e-13
+enum { HALVES_WAITING = 200, MOST_HALVES = 100000, STARTS = 4, MOST_NEWTON_STEPS = 20 };
+
+// ---- halving
+
+typedef struct Half {
+    Four f[4], g[4];
+    double u, v, width_u, width_v;
+} Half;
+
+static bool half_misses(const Four row[4], double slack) {
+    return four_least_of(four_least_row(row)) > slack || four_most_of(four_most_row(row)) < -slack;
+}
+
+static void halve_half(Half *first, Half *second) {
+    *second = *first;
+    bool along_v = first->width_v > first->width_u;
+    for (int k = 0; k < 2; k++) {
+        Half *half = k ? second : first;
+        BezierCut cut = bezier_cut(0.5 * k, 0.5 + 0.5 * k);
+        void (*by)(Four row[4], const BezierCut *cut) = along_v ? bezier_cut_rows : bezier_cut_lanes;
+        by(half->f, &cut);
+        by(half->g, &cut);
+        double *at = along_v ? &half->v : &half->u, *width = along_v ? &half->width_v : &half->width_u;
+        *width /= 2;
+        *at += k * *width;
+    }
+}
+
+static void halve_piece(const BezierBeam *beam, const PatchPiece *piece) {
+    Half waiting[HALVES_WAITING] = {{.width_u = 1, .width_v = 1}};
+    bezier_beam_project(beam, &piece->net, 0, waiting[0].f);
+    bezier_beam_project(beam, &piece->net, 1, waiting[0].g);
+    int count = 1;
+    for (int parts = 0; count > 0; parts++) {
+        Half *half = &waiting[--count];
+        if (half_misses(half->f, beam->slack) || half_misses(half->g, beam->slack)) continue;
+        if (half->width_u <= SMALLEST_HALF && half->width_v <= SMALLEST_HALF) {
+            bezier_beam_hit(beam, piece, half->u + half->width_u / 2, half->v + half->width_v / 2);
+            continue;
+        }
+        if (parts >= MOST_HALVES || count + 2 > HALVES_WAITING) {
+            beam->work->undecided++;
+            return;
+        }
+        beam->work->splits++;
+        halve_half(half, half + 1);
+        count += 2;
+    }
+}
+
+static void halving_hits(const BezierPatch *patch, const Ray *ray, HitList *list, CurvedWork *work) {
+    BezierBeam beam;
+    if (bezier_beam(patch, ray, list, work, &beam)) bezier_beam_pieces(&beam, halve_piece);
+}
+
+// ---- Newton's steps
+
+static bool iterate(const BezierBeam *beam, const PatchPiece *piece, double *u, double *v) {
+    for (int i = 0; i < MOST_NEWTON_STEPS; i++) {
+        PatchPoint at = bezier_patch_point(&piece->net, *u, *v);
+        Vec3 off = vec3_sub(at.p, beam->o);
+        double f = vec3_dot(beam->n[0], off), fu = vec3_dot(beam->n[0], at.du),
+               fv = vec3_dot(beam->n[0], at.dv);
+        double g = vec3_dot(beam->n[1], off), gu = vec3_dot(beam->n[1], at.du),
+               gv = vec3_dot(beam->n[1], at.dv);
+        double determinant = fu * gv - fv * gu;
+        double du = (fv * g - gv * f) / determinant, dv = (gu * f - fu * g) / determinant;
+        beam->work->steps++;
+        *u += du;
+        *v += dv;
+        if (!(*u > -1 && *u < 2 && *v > -1 && *v < 2)) return false;
+        if (fabs(du) + fabs(dv) < LAST_NEWTON_STEP) return *u >= 0 && *u <= 1 && *v >= 0 && *v <= 1;
+    }
+    return false;
+}
+
+static void iterate_piece(const BezierBeam *beam, const PatchPiece *piece) {
+    for (int k = 0; k < STARTS * STARTS; k++) {
+        double u = (k % STARTS + 0.5) / STARTS, v = (k / STARTS + 0.5) / STARTS;
+        if (iterate(beam, piece, &u, &v)) bezier_beam_hit(beam, piece, u, v);
+    }
+}
+
+static void newton_hits(const BezierPatch *patch, const Ray *ray, HitList *list, CurvedWork *work) {
+    BezierBeam beam;
+    if (bezier_beam(patch, ray, list, work, &beam)) bezier_beam_pieces(&beam, iterate_piece);
+}
+
+const BezierMethod BEZIER_METHODS[] = {{"clip", false, false, bezier_hits},
+                                       {"clip-whole", true, false, bezier_hits},
+                                       {"halve", true, true, halving_hits},
+                                       {"newton", true, false, newton_hits},
+                                       {NULL, false, false, NULL}};

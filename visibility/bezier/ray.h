@@ -12,8 +12,8 @@ typedef struct Ray {
 
 typedef struct RayHit {
     double t;
-    Vec3
-        normal;  // unit; out of solids (spheres, cylinders, ...), a polygon's front, along dP/du x dP/dv of a patch
+    // Unit; out of solids (spheres, cylinders, ...), a polygon's front, along dP/du x dP/dv of a patch.
+    Vec3 normal;
     double u, v;  // of a patch: its parameters; else 0
 } RayHit;
 

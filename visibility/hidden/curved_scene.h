@@ -10,8 +10,8 @@ typedef struct CurvedScene {
     int first_polygon;  // of those
     int *shape;         // [first_polygon + subdivided] in Building.shapes, -1: of none
     int subdivided;     // polygons made for this view
-    double
-        largest_off;  // how far a silhouette may be from where it should, pixels: where the finest is not fine enough
+    // How far a silhouette may be from where it should, pixels: where the finest is not fine enough.
+    double largest_off;
 } CurvedScene;
 
 // How far polygons may lie off a shape, pixels: a quarter is seen by no picture of one sample a pixel but for its edges' noise.

@@ -1,25 +1,15 @@
-// ray_surfaces.h - polygons and curved shapes, made ready to be met by rays.
+// ray_surfaces.h - polygons and curved shapes, made ready to be met by rays: one by one, through a hierarchy of boxes, or through a
+// uniform grid. These rays come one by one; those of pictures, which go together, have visibility/hidden/ray_tree.h.
 #ifndef RAYS_RAY_SURFACES_H
 #define RAYS_RAY_SURFACES_H
 
-#include "engine/core/lanes.h"
 #include "visibility/rays/curved_rays.h"
-
-// Four edges of a polygon, from a to b: a x b and b - a, over their length. The last edge fills up the last four.
-typedef struct RayEdges {
-    Four moment[3], way[3];
-} RayEdges;
-
-typedef struct RayPolygon {
-    Plane plane;                  // front: counter-clockwise
-    int first_edges, edge_count;  // in RaySurfaces.edges; 0: it has no area and is never met
-} RayPolygon;
 
 // Items 0 .. polygon_count - 1 are polygons, the others shapes. Points are relative to `origin`.
 typedef struct RaySurfaces {
     Vec3 origin;
-    RayPolygon *polygons;
-    RayEdges *edges;
+    struct RayPolygon *polygons;
+    struct RayEdges *edges;
     const CurvedRays *curved;
     int *shapes;  // [count - polygon_count] in Building.shapes
     Box *boxes;   // [count]
@@ -27,7 +17,7 @@ typedef struct RaySurfaces {
     int polygon_count, count;
 } RaySurfaces;
 
-// Which ones.
+// The polygons and shapes to be made ready.
 typedef struct RaySource {
     const Building *building;  // its shapes
     const Polygon *polygons;
@@ -38,32 +28,42 @@ typedef struct RaySource {
 } RaySource;
 RaySurfaces ray_surfaces_new(const RaySource *source, Arena *arena);
 
-// A ray as all of them need it.
-typedef struct SurfaceRay {
-    Ray ray;              // in the building
-    Vec3 origin, moment;  // relative; origin x direction
-} SurfaceRay;
-SurfaceRay surface_ray(const RaySurfaces *surfaces, const Ray *ray);
-
 typedef struct SurfaceHit {
     int item;  // -1: nothing
     bool front;
     RayHit at;
 } SurfaceHit;
-static inline SurfaceHit surface_miss(const Ray *ray) {
-    return (SurfaceHit){.item = -1, .at = {.t = ray->far}};
-}
 
-// Meets one item: replaces `best` where it is nearer. Of surfaces in one place that one is met which turns its front to the ray,
-// then the lower item, whatever the order in which they are tried.
-void ray_surface_try(const RaySurfaces *surfaces, int item, const SurfaceRay *ray, SurfaceHit *best);
-// Is it met at all?
-bool ray_surface_blocks(const RaySurfaces *surfaces, int item, const SurfaceRay *ray);
-
-// All of them tried, one by one.
+// Tries all surfaces, one by one. Of surfaces in one place that one is met which turns its front to the ray, then the lower item.
 SurfaceHit ray_surfaces_brute(const RaySurfaces *surfaces, const Ray *ray);
 
-// Surfaces nearer than this along a ray lie in one place, metres: above rounding 1e8 m from the origin, below any sheet.
-#define RAY_SAME_PLACE 1e-6
+// A hierarchy of boxes, eight to a node.
+typedef struct SurfaceTree {
+    const RaySurfaces *surfaces;
+    struct SurfaceNode *nodes;  // the root first
+    int *items;                 // leaf by leaf
+    int node_count, depth;
+} SurfaceTree;
+
+// Keeps `surfaces`, which must stay. Rays may be asked of it from many threads.
+SurfaceTree surface_tree_new(const RaySurfaces *surfaces, Arena *arena);
+
+SurfaceHit surface_tree_first(const SurfaceTree *tree, const Ray *ray);
+bool surface_tree_blocked(const SurfaceTree *tree, const Ray *ray);  // by anything
+
+// A uniform grid.
+typedef struct SurfaceGrid {
+    const RaySurfaces *surfaces;
+    Vec3 low, size;  // relative, as surfaces are; of a cell
+    int count[3];    // cells along each axis
+    int *first;      // [cells + 1] in `items`
+    int *items;      // cell by cell, x running first
+} SurfaceGrid;
+
+// Keeps `surfaces`, which must stay. Rays may be asked of it from many threads.
+SurfaceGrid surface_grid_new(const RaySurfaces *surfaces, Arena *arena);
+
+SurfaceHit surface_grid_first(const SurfaceGrid *grid, const Ray *ray);
+bool surface_grid_blocked(const SurfaceGrid *grid, const Ray *ray);  // by anything
 
 #endif

@@ -31,8 +31,8 @@ static inline int polygon_clip_band(const Vec3 *in, const double *distance, int 
 // lies to its right, so that p is in just one of the rings that share an edge. A point is inside where an odd number of edges of all its
 // rings are crossed. Two orders of the same formula differ by rounding, and results that are kept hold either.
 //
-// Three tests stand apart: readers of plans (maps/plan) decide by orient2d, exactly, loops of trims (maps/curved) send the
-// half-line towards -x, and flat_hit.c (visibility/rays) decides exactly which polygon a ray goes through.
+// Two tests stand apart: readers of plans (maps/plan) decide by orient2d, exactly, and loops of trims (maps/curved) send the half-line
+// towards -x.
 enum { RING_DIVIDE_FIRST, RING_MULTIPLY_FIRST };
 static inline bool ring_edge_is_crossed(Vec2 a, Vec2 b, Vec2 p, int order) {
     if ((a.y > p.y) == (b.y > p.y)) return false;

@@ -5,7 +5,6 @@
 #include "engine/bench/ray_patches.h"
 #include "engine/core/random.h"
 #include "tests/support/support.h"
-#include "visibility/bezier/bezier_meet.h"
 #include "visibility/bezier/bezier_trim.h"
 #include "visibility/rays/curved_rays.h"
 
@@ -145,48 +144,4 @@ Test(bezier_trim, trimmed_patches) {
     }
     cr_assert(kept > 3000 && cut > 3000);
     arena_free(&arena);
-}
-
-// Curves that cross are found to, at each place where their dense outlines do, and nowhere else.
-Test(bezier_trim, meetings) {
-    enum { DENSE = 400 };
-    int all = 0;
-    for (int round = 0; round < support_count(1000, 20000); round++) {
-        Random random = {(uint64_t)round};
-        CurvedTrim c[2];
-        for (int i = 0; i < 8; i++) {
-            c[i / 4].point[i % 4] = vec2(random_unit(&random), random_unit(&random));
-            c[i / 4].weight[i % 4] = random_between(&random, 0.3, 3);
-        }
-        BezierMeeting m[32];
-        CurvedWork work = {0};
-        int count = bezier_meetings(&c[0], &c[1], m, 32, &work), crossings = 0;
-        all += count;
-        cr_assert_eq(work.undecided, 0, "seed %d", round);
-        cr_assert(count <= 9, "seed %d: %d meetings", round, count);
-        for (int i = 0; i < count; i++) {
-            double off = vec2_length(vec2_sub(point_of(&c[0], m[i].s), point_of(&c[1], m[i].t)));
-            cr_assert(off < 1e-9, "seed %d: meeting %d is %g off", round, i, off);
-        }
-        Vec2 p[2][DENSE + 1];
-        for (int i = 0; i <= DENSE; i++)
-            for (int k = 0; k < 2; k++) p[k][i] = point_of(&c[k], i / (double)DENSE);
-        for (int i = 0; i < DENSE; i++)
-            for (int k = 0; k < DENSE; k++) {
-                Vec2 u = vec2_sub(p[0][i + 1], p[0][i]), v = vec2_sub(p[1][k + 1], p[1][k]),
-                     w = vec2_sub(p[1][k], p[0][i]);
-                double det = vec2_cross(u, v), s = vec2_cross(w, v) / det, t = vec2_cross(w, u) / det;
-                if (!(s >= 0 && s < 1 && t >= 0 && t < 1)) continue;
-                crossings++;
-                double nearest = INFINITY;
-                for (int n = 0; n < count; n++)
-                    nearest = fmin(nearest, fabs(m[n].s - (i + s) / DENSE) + fabs(m[n].t - (k + t) / DENSE));
-                cr_assert(nearest < 0.02, "seed %d: a crossing at %g is %g from any", round, (i + s) / DENSE,
-                          nearest);
-            }
-        // Two that nearly touch may be none of the outlines.
-        cr_assert(crossings <= count && count - crossings <= 2, "seed %d: %d meetings, %d crossings", round,
-                  count, crossings);
-    }
-    cr_assert(all > 500);
 }

@@ -77,18 +77,6 @@ static bool clip_hull(const double *c, int degree, double slack, double *low, do
     return true;
 }
 
-bool bernstein_clip_above(const double *c, int degree, double *low, double *high) {
-    double below[BERNSTEIN_DEGREE + 1] = {0}, most = c[0];
-    for (int i = 0; i <= degree; i++) {
-        below[i] = -c[i];
-        most = c[i] > most ? c[i] : most;
-    }
-    if (!(most >= 0)) return false;
-    *low = below[0] > 0 ? comes_down(below, degree, 1) / degree : 0;
-    *high = below[degree] > 0 ? 1 - comes_down(below + degree, degree, -1) / degree : 1;
-    return true;
-}
-
 // The root of coefficients that only rise or only fall, between ends of different signs. Newton's steps end where the next
 // would be less than rounding, as the last two tell: they fall as squares.
 static double monotone_root(const double *c, int degree, CurvedWork *work) {

@@ -47,13 +47,6 @@ typedef struct SoupCell {
     bool gone;  // it became part of another
 } SoupCell;
 
-// Planes at about one distance from the soup's centre: among these a polygon finds its own.
-enum { SOUP_SHELVES = 500 };
-typedef struct SoupShelf {
-    int *planes;  // increasing
-    int count, capacity;
-} SoupShelf;
-
 typedef struct Soup {
     CellBuilder *builder;
     Arena *scratch;
@@ -61,8 +54,8 @@ typedef struct Soup {
     double size;   // twice the distance of the corner farthest from it, metres
     Vec3 axis[3];  // of the building's own box: along its largest planes
     SoupPlane *planes;
-    SoupShelf shelves[SOUP_SHELVES];
-    SoupSheet *sheets;  // by plane, once soup_find_planes is through
+    struct SoupShelf *shelves;  // see soup_planes.c
+    SoupSheet *sheets;          // by plane, once soup_find_planes is through
     SoupDoor *doors;
     SoupCell **cells;
     int plane_count, sheet_count, door_count, cell_count;

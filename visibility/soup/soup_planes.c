@@ -18,6 +18,13 @@ static const double MARGIN = 0.25;
 // A normal this near an axis is the axis: what is drawn upright stays so to the last bit.
 static const double ON_AXIS = 1e-9;
 
+// Planes at about one distance from the soup's centre: among these a polygon finds its own.
+enum { SOUP_SHELVES = 500 };
+typedef struct SoupShelf {
+    int *planes;  // increasing
+    int count, capacity;
+} SoupShelf;
+
 static Vec3 straighten(Vec3 n) {
     if (fabs(n.x) < ON_AXIS) n.x = 0;
     if (fabs(n.y) < ON_AXIS) n.y = 0;
@@ -242,6 +249,7 @@ static void find_doors(Soup *soup) {
 }
 
 void soup_find_planes(Soup *soup) {
+    soup->shelves = ARENA_ARRAY(soup->scratch, SoupShelf, SOUP_SHELVES);
     measure_soup(soup);
     list_sheets(soup);
     assign_planes(soup);

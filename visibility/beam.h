@@ -18,7 +18,7 @@ typedef struct Beam {
     int plane_count;
 } Beam;
 
-// What was done, for tables.
+// Counts of work, for tables.
 typedef struct BeamWork {
     long long clips, separators;
 } BeamWork;
@@ -39,7 +39,7 @@ int beam_ball(const Way *way, const Separator *planes, int count, uint64_t *cutt
 bool beam_narrow(const WayGraph *ways, const Beam *first, const Beam *from, int way, uint64_t cutting,
                  Beam *out, BeamWork *work);
 
-// What lies on the given side of a way's portal (+1 in front), to clip the portal of `other`.
+// The half-space on the given side of a way's portal (+1 in front), to clip the portal of `other`.
 Separator beam_side(const Way *way, int side, const Way *other, double epsilon);
 
 #endif

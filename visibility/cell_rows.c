@@ -74,7 +74,7 @@ bool cell_rows_keep(CellRows *rows, int cell, const uint64_t *row, Arena *arena)
     return changed;
 }
 
-// Of block k of a row, the cells whose rows lack the row's cell.
+// Finds, in block k of a row, the cells whose rows lack the row's cell.
 static bool one_sided(const CellRows *rows, int cell, int k, uint64_t *gone) {
     const uint64_t *block = cell_rows_block(rows, cell, k);
     bool any = false;
@@ -105,7 +105,7 @@ void cell_rows_make_symmetric(CellRows *rows, Arena *arena) {
         for (int k = 0; k < rows->blocks; k++) {
             uint64_t gone[CELL_BLOCK_WORDS];
             const uint64_t *block = cell_rows_block(rows, i, k);
-            // What was taken from a row before its pair's turn was missing in the other one.
+            // A cell taken from a row before its pair's turn was missing in the other one.
             if (block == EMPTY || full[k * rows->blocks + i / CELL_BLOCK] == CELL_BLOCK) continue;
             if (one_sided(rows, i, k, gone)) take_from_row(rows, i, k, gone, arena);
         }

@@ -191,12 +191,12 @@ typedef struct VisibleCell {
     double distance;  // from the eye to its nearest portal as it was reached, metres; 0 for the eye's cell
 } VisibleCell;
 
-// What one query needs, sized once for a graph.
+// The memory of a query, sized once for a graph.
 typedef struct VisQuery VisQuery;
 // All memory is taken here. Graph and forest must outlive it; one thread may use it at a time.
 VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
 
-// What may be seen, and what it took to find out.
+// The visible set, and the work of finding it.
 typedef struct VisResult {
     const VisibleCell *cells;  // near to far
     const int *objects;        // to draw, increasing; those whose door state hides them are left out

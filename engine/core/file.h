@@ -58,6 +58,7 @@ uint64_t file_hash(const void *data, size_t size, uint64_t seed);  // XXH3, 64 b
 // A header that begins with a DerivedHead, then a body, in the machine's own byte order. A file is read in two steps, since the
 // length of the body stands in the header: derived_read, the caller's look at its header, derived_check_body.
 
+// The beginning of a derived file.
 typedef struct DerivedHead {
     char magic[8];
     uint32_t version, byte_order;
@@ -66,6 +67,7 @@ typedef struct DerivedHead {
     uint64_t body;      // checksum of all that follows the header
 } DerivedHead;
 
+// A format of derived files.
 typedef struct DerivedKind {
     char magic[8];
     const char *name;  // of the format, for messages: ".vis"

@@ -81,7 +81,7 @@ static inline Lane lane_least(Lane a, Lane b) {
 #endif
 }
 
-// Of what is no number, b.
+// Where a or b is no number, b.
 static inline Lane lane_most(Lane a, Lane b) {
 #ifdef __AVX2__
     return (Lane)_mm256_max_ps((__m256)a, (__m256)b);
@@ -130,7 +130,7 @@ static inline Four four_choose(FourMask mask, Four yes, Four no) {
 #endif
 }
 
-// b where either is no number.
+// Where a or b is no number, b.
 static inline Four four_least(Four a, Four b) {
 #ifdef __AVX2__
     return (Four)_mm256_min_pd((__m256d)a, (__m256d)b);

@@ -68,7 +68,7 @@ static int orient_exact(Vec2 a, Vec2 b, Vec2 c) {
     return (top > 0) - (top < 0);
 }
 
-// What rounding took from a - b (Shewchuk's Two-Diff-Tail).
+// The part of a - b that rounding took (Shewchuk's Two-Diff-Tail).
 static double difference_tail(double a, double b) {
     double x = a - b, b_virtual = a - x, a_virtual = x + b_virtual;
     return (a - a_virtual) + (b_virtual - b);

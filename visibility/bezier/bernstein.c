@@ -7,7 +7,7 @@
 
 // A piece that keeps more than this after a clip is halved (Nishita, Sederberg & Kakimoto 1990).
 #define SHRINKS 0.8
-// Of pieces that are no more than this wide and still neither without root nor monotone, 2^-28: a double root is lost in
+// Pieces that are no wider than this and still neither without root nor monotone hold a double root, 2^-28: it is lost in
 // rounding at the square root of that of a double.
 #define NARROWEST 3.7e-9
 // A multiple root is no wider than this: the sixth root of rounding is no place to look for one.
@@ -16,7 +16,7 @@
 enum { WAITING = 40 };
 // A root of degree 6 takes less than 60; six at once are not twice as far.
 enum { MOST_PIECES = 400 };
-// Of a root.
+// The rounding of a root.
 #define ROOT_ROUNDING 1e-16
 enum { MOST_STEPS = 60 };  // of Newton's, or halvings of its bracket
 

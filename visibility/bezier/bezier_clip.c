@@ -374,7 +374,7 @@ static BezierBends bezier_part_bends(const BezierPart *part, double u, double v)
 #define SHRINKS 0.8
 // A clip leaves this much: a narrower part is worse to compute with, and Newton's steps need none.
 #define LEAST_LEFT 1e-3
-// Of a piece: parts that fold and are no larger than this may be a double root.
+// Parts that fold and are no larger than this, of a piece, may be a double root.
 #define MAY_TOUCH 1e-2
 // A part whose distances are all less than that, of the slack, is a point: where a row of control points is one, all along it.
 #define POINT 8

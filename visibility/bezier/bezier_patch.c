@@ -50,7 +50,7 @@ static void cut_net(PatchNet *net, bool along_v, double low, double high) {
     cut(net->x, &by), cut(net->y, &by), cut(net->z, &by), cut(net->w, &by);
 }
 
-// Of sum(P B) / sum(w B): a value from those of its numerator and denominator, and derivatives.
+// A point is sum(P B) / sum(w B): its value and derivatives come from those of numerator and denominator.
 PatchPoint bezier_patch_point(const PatchNet *net, double u, double v) {
     Four bu = bezier_basis(u), su = bezier_slopes(u), bv = bezier_basis(v), sv = bezier_slopes(v);
     const Four *of[4] = {net->x, net->y, net->z, net->w};

@@ -57,7 +57,7 @@ static inline Four bezier_over_rows(const Four row[4], Four basis) {
     return (basis[0] * row[0] + basis[1] * row[1]) + (basis[2] * row[2] + basis[3] * row[3]);
 }
 
-// What restricts coefficients to low .. high: of[i] are the shares of the old ones in new coefficient i.
+// A matrix restricts coefficients to low .. high: of[i] are the shares of the old ones in new coefficient i.
 typedef struct BezierCut {
     double of[4][4];
 } BezierCut;

@@ -107,7 +107,7 @@ static bool crosses(const Piece *p, Vec2 at, CurvedWork *work) {
     double y[4], root[3], slope;
     for (int i = 0; i < 4; i++) y[i] = p->y[i] - at.y * p->w[i];
     int count = bernstein_roots(y, 3, 0, root, 3, work);
-    // Of a piece as flat as rounding there may be none: its ends are as near as any other place.
+    // A piece as flat as rounding may have no root: its ends are as near as any other place.
     double s = count > 0 ? root[0] : 0.5;
     return bernstein_value(p->x, 3, s, &slope) > at.x * bernstein_value(p->w, 3, s, &slope);
 }

@@ -17,7 +17,7 @@ typedef struct RayHit {
     double u, v;  // of a patch: its parameters; else 0
 } RayHit;
 
-// What was done to find hits, to compare methods by.
+// Counts of the work of finding hits, to compare methods by.
 typedef struct CurvedWork {
     long long rays, clips, splits, steps;  // asked; Bezier clips; halvings; steps of Newton
     long long undecided;                   // where the iteration was ended by its bound

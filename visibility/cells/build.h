@@ -4,7 +4,7 @@
 
 #include "visibility/vis.h"
 
-// What the steps share and the graph does not keep.
+// State that the steps share and the graph does not keep.
 typedef struct CellBuilder {
     const Building *building;
     const VisOptions *options;

@@ -136,7 +136,7 @@ typedef struct Pieces {
     int count, capacity, spare_capacity, holes;
     Vec3 *rest, *part;  // room for a polygon at hand
     int room;
-    // Of many: which reach into which square.
+    // Where there are many pieces: which reach into which square.
     PieceList *squares;  // [SIDE * SIDE], NULL: few
     Box box;
     int *stamp;  // [capacity] the last hole that looked at one

@@ -18,7 +18,7 @@ typedef struct Maker {
     Arena *arena;
 } Maker;
 
-// What the camera sees of a box: how near along its view; false where the box is out of the picture.
+// How near does a box come to the camera, along its view? False where the box is out of the picture.
 static bool nearest_of(const Camera *camera, Box box, double *near) {
     double least = INFINITY, most = -INFINITY;
     bool out[4] = {true, true, true, true};
@@ -39,7 +39,7 @@ static bool nearest_of(const Camera *camera, Box box, double *near) {
     return most > 0 && !out[0] && !out[1] && !out[2] && !out[3];
 }
 
-// Of its polygons, grown by what they may lie within it.
+// The box of a shape's polygons, grown by the distance that they may lie inside of the shape.
 static Box drawn_shape_box(const Building *b, const CurvedShape *shape) {
     Box box = box_empty();
     for (int i = shape->first_polygon; i < shape->first_polygon + shape->polygon_count; i++) {

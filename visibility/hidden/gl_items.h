@@ -28,7 +28,7 @@ bool gl_items_look(GlItems *items, const Camera *camera, Error *error);
 // A run of the scene's list to be drawn by the next gl_items_draw; in increasing order.
 void gl_items_add(GlItems *items, int first, int count);
 bool gl_items_draw(GlItems *items, Error *error);
-// What was drawn since gl_items_look. `colour` [height * width] RGBA, rows from the top, or NULL.
+// Reads the picture drawn since gl_items_look. `colour` [height * width] RGBA, rows from the top, or NULL.
 bool gl_items_read(GlItems *items, ItemBuffer *out, uint32_t *colour, Error *error);
 
 #endif

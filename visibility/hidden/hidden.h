@@ -34,7 +34,7 @@ ItemBuffer item_buffer_new(Arena *arena, int width, int height);
 // The largest picture, pixels each way.
 #define HIDDEN_LARGEST 16384
 
-// What a picture took. Each method counts what it does; the rest stays 0.
+// The work that a picture took. Each method counts its own kinds of work; the other counts stay 0.
 typedef struct HiddenWork {
     int64_t polygons;     // set up: at least in part before the eye and within the picture
     int64_t edges;        // taken up, row by row or piece by piece

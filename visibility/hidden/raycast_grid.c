@@ -118,7 +118,7 @@ static void *grid_begin(const Scene *scene, Arena *arena, Error *error) {
     return c;
 }
 
-// What a ray met so far.
+// The nearest hit of a ray so far.
 typedef struct Hit {
     double inverse;  // 1/z, 0: nothing
     int facet;
@@ -182,7 +182,7 @@ static int cast(GridCast *c, Vec3 ray, int x, int y) {
         c->work->nodes++;
         for (int i = g->first[cell]; i < g->first[cell + 1]; i++) try_facet(c, g->facet[i], x, y, &hit);
         int axis = w.next[0] < w.next[1] ? (w.next[0] < w.next[2] ? 0 : 2) : w.next[1] < w.next[2] ? 1 : 2;
-        // What lies farther on is farther away, by more than could be a tie.
+        // The cells farther on are farther away, by more than could be a tie.
         if (hit.facet >= 0 && hit.inverse * w.next[axis] > 1 + 2 * DEPTH_TIE) break;
         w.at[axis] += w.step[axis];
         if (w.at[axis] < 0 || w.at[axis] >= g->count[axis]) break;

@@ -112,7 +112,7 @@ static int make_list(Warnock *w, const Area *a, int first, int count) {
     return left;
 }
 
-// What is left of a list at a single sample surrounds it.
+// The polygons left in a list at a single sample surround it.
 static void draw_sample(Warnock *w, const Area *a, int list, int count) {
     int best = w->entries[list].shape;
     for (int i = 1; i < count; i++)

@@ -182,7 +182,7 @@ static void prefetch_start(const VisQuery *q, int cell) {
     for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
 }
 
-// What the last query saw: frames draw much between two queries, and from one to the next little changes in view.
+// Fetches the cells that the last query saw: frames draw much between two queries, and from one to the next little changes in view.
 static void prefetch_last(const VisQuery *q) {
     enum { LISTS = 8 };  // ahead, where the lists of a cell are
     int count = q->result.cell_count;

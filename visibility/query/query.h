@@ -36,7 +36,7 @@ typedef struct Cone {
 // empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a
 // cell leaves over are nowhere: d is infinite.
 typedef struct GateBlock {
-    // Of the portal's plane, pointing into the cell.
+    // The portal's plane, pointing into the cell.
     Four nx, ny, d;
     // Where an upright rectangle begins and ends along (ny, -nx), counter-clockwise around an eye in front of it, and in
     // height. Of any other portal s0 > s1, which marks it, -1 - s1 is its index in VisQuery.sloped, and z0 is the third
@@ -64,7 +64,7 @@ static inline SlotEdge query_choose_edge(FourMask mask, SlotEdge yes, SlotEdge n
     return (SlotEdge){four_choose(mask, yes.at, no.at), four_choose(mask, yes.rise, no.rise)};
 }
 
-// What is in view of four upright rectangles: from s0 to s1 along each, between two lines. Places are metres from the eye's
+// The parts in view of four upright rectangles: from s0 to s1 along each, between two lines. Places are metres from the eye's
 // foot in the portal's plane, counter-clockwise around the eye seen from above; heights are from the eye's.
 typedef struct Slots {
     Four s0, s1;
@@ -79,7 +79,7 @@ typedef enum Passage {
     PASSAGE_PART   // through what is in view of it
 } Passage;
 
-// What is in view of a portal that is no upright rectangle, or is seen edge-on: a polygon, which lies in the graph or in
+// The part in view of a portal that is no upright rectangle, or is seen edge-on: a polygon, which lies in the graph or in
 // one of the buffers.
 typedef struct ViewPart {
     const Vec3 *polygon;
@@ -92,14 +92,14 @@ typedef struct ViewPart {
 // Corners of what is in view of a portal, as the walk without trees keeps it; where it has more, all of the view passes.
 enum { VIEW_CORNERS = 12 };
 
-// Of a portal that is no upright rectangle: the box around it, its middle and half its size, and what is in view of it.
+// A portal that is no upright rectangle: the middle and half the size of the box around it, and the polygon in view.
 typedef struct Sloped {
     Vec3 centre, half;
     int count;
     Vec3 v[VIEW_CORNERS];
 } Sloped;
 
-// Of a cell.
+// A cell as queries see it.
 typedef struct CellView {
     int first_block, block_count;  // in VisQuery.gates
     // The first block in VisQuery.boxes, and the lanes in use; none of a cell that holds many objects.
@@ -138,7 +138,7 @@ struct VisQuery {
     uint64_t *every_cell;  // a visible set of all
     uint64_t *joined;      // [words] the visible set of the eye
     unsigned frame, cone_serial;
-    // Of the query under way:
+    // The query under way:
     const Eye *eye;
     const float *door_open;
     VisMethod method;
@@ -177,7 +177,7 @@ static inline Vec2 cone_turned(Vec2 direction, int side, double length) {
 }
 // Makes the planes of a cone beyond a slot, if they are not yet made.
 void query_cone_planes(Cone *cone, Vec3 eye);
-// What the cone shows of a portal that is no upright rectangle, or is seen edge-on.
+// Finds the part that the cone shows of a portal that is no upright rectangle, or is seen edge-on.
 Passage query_clip(const VisQuery *q, Cone *cone, const Gate *gate, ViewPart *out);
 // The cone beyond one that is gone through by a polygon; `parent` is the cone before it.
 void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const Gate *gate, const ViewPart *part,
@@ -191,17 +191,17 @@ Gate query_gate(const VisQuery *q, int gate);
 // Could the eye, a hair's breadth from the portal's plane, be in the portal?
 bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye);
 
-// What a cone shows of a block of gates.
+// The parts that a cone shows of a block of gates.
 typedef struct Sight {
     Four ahead;       // of the eye before their planes, metres
     unsigned slots;   // lanes of which it shows something: upright rectangles
     unsigned others;  // lanes that query_clip must be asked about
     Slots slot;
 } Sight;
-// Of these lanes; returns those that the eye is before.
+// Looks through these lanes; returns those that the eye is before.
 unsigned query_sight(const VisQuery *q, const Cone *cone, int block, unsigned lanes, Sight *out);
 
-// What the cone shows of upright rectangles that the eye is `ahead` metres before. Returns the lanes of which it shows
+// Finds the parts that the cone shows of upright rectangles, `ahead` metres before the eye. Returns the lanes of which it shows
 // anything.
 unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out);
 // The distance of the nearest point from the eye, metres.

@@ -4,7 +4,7 @@
 #include "engine/core/polygon.h"
 #include "visibility/query/query.h"
 
-// Of a cell that holds no more objects than this all are tried: finding the squares under the view would cost more.
+// All objects of a cell that holds no more than this are tried: finding the squares under the view would cost more.
 enum { FEW = 24 };  // at most bits of CellView.undrawn, less one
 
 bool query_box_outside(Box box, const Plane *planes, int count, Vec3 eye) {
@@ -186,7 +186,7 @@ void query_visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
     draw_cell(q, cell, cone);
 }
 
-// Of what lies behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
+// Behind a closed leaf the far half of its doorway is drawn, the jambs that share the leaf's edges: to a
 // rasteriser these are as near as the leaf. `cell` is part of that half; cells of a region are neighbours in the list.
 static void draw_half(VisQuery *q, int cell, Cone *cone) {
     const Cell *cells = q->graph->cells;

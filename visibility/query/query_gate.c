@@ -9,9 +9,9 @@
 #include "engine/core/polygon.h"
 #include "visibility/query/query.h"
 
-// Of a portal's normal: what its corners lean over a storey is less than any slack.
+// A portal whose normal rises less than this is upright: over a storey its corners lean less than any slack.
 static const double LEAN = 1e-9;
-// What a rectangle's area may lack of its bounding one's, relative.
+// A portal is a rectangle where its area lacks no more than this of its bounding rectangle's, relative.
 static const double AREA_ROUNDING = 1e-9;
 // A plane that leans less than this from upright cuts a slot's ends, not its height.
 static const double STEEP = 1e-6;

@@ -86,7 +86,7 @@ static bool polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n) {
 
 // ---- the cache: what a query meets has seldom been met before, and comes from afar
 
-// Of the cell beyond a gate in the queue.
+// Fetches the cell beyond a gate in the queue.
 static void prefetch_beyond(const VisQuery *q, int gate) {
     const GateBlock *gates = &q->gates[gate / FOUR];
     int block = gates->beyond[gate % FOUR] & ~GATE_DOOR;
@@ -274,7 +274,7 @@ static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
         unsigned lanes = query_sight(q, cone, block, four_in_set(q->limit, q->gates[block].cell), &sight);
         q->result.portals_tested += __builtin_popcount(lanes);
         if (sight.slots) widen_slots(q, block, &sight);
-        // Of upright rectangles the eye is before but one side, unless they are among these.
+        // The eye is before one side of an upright rectangle alone, unless the rectangle is among these.
         for (unsigned others = sight.others; others; others &= others - 1)
             look_through(q, cone, block * FOUR + __builtin_ctz(others), by < 0 ? -1 : q->portal_of[by]);
     }

@@ -162,8 +162,8 @@ enum { FIELD = 6 };  // its degree
 // Chords at once. Where a ray meets more it is halved, so often at most.
 enum { MOST_CHORDS = 128, MOST_HALVINGS = 24 };
 
-// What counts as 0 of the field, of the threshold and of all weights about: its rounding, and what a ray's own makes of
-// one that is tangent.
+// Fields below this share of the threshold and of all weights about count as 0: that covers their rounding, and the effect of a
+// tangent ray's own.
 #define FIELD_ROUNDING 1e-14
 // Two roots as near as this are one, where chords end; of the shape's size.
 #define SAME_ROOT 1e-12

@@ -18,8 +18,8 @@ bool curved_rays_hit(const CurvedRays *rays, int shape, const Ray *ray, RayHit *
 int curved_rays_all(const CurvedRays *rays, int shape, const Ray *ray, RayHit *hits, int max,
                     CurvedWork *work);
 
-// Of w = 1 - (r / radius)^2, at the ends and the middle (in Bernstein's basis) of an interval, the coefficients of the field
-// weight (5 w^2 + 4 w^3) / 9 there, which is that of CurvedBall, are added to `field`.
+// Adds to `field` the coefficients of the field weight (5 w^2 + 4 w^3) / 9 of a CurvedBall over an interval of a ray, given
+// w = 1 - (r / radius)^2 at the interval's ends and middle (in Bernstein's basis).
 void metaball_add_field(const double w[3], double weight, double field[7]);
 
 #endif

@@ -390,7 +390,7 @@ static inline void push_children(Traversal *t, const SurfaceNode *node, float fa
     }
 }
 
-// Of a distance, none shorter.
+// Rounds a distance up.
 static inline float above(double t) { return (float)t * LONGER; }
 
 SurfaceHit surface_tree_first(const SurfaceTree *tree, const Ray *ray) {

@@ -85,7 +85,7 @@ SoupCell *soup_cell_new(Soup *soup);
 void soup_cell_add_face(Soup *soup, SoupCell *cell, int plane, int side, const Vec3 *v, int count);
 // Cuts a cell in two; false, and nothing is made, where a part would be thinner than SOUP_THINNEST.
 bool soup_cell_split(Soup *soup, const SoupCell *cell, int plane, SoupCell **front, SoupCell **back);
-// What of the plane lies in the cell, counter-clockwise seen from its front; its corner count. `out` has room for
+// Writes the part of the plane in the cell, counter-clockwise seen from its front; returns its corner count. `out` has room for
 // SOUP_MOST_CORNERS.
 int soup_cell_section(const Soup *soup, const SoupCell *cell, int plane, Vec3 *out);
 // The part of a convex polygon inside the cell; `out` has room for count + SOUP_MOST_FACES + 2.

@@ -51,7 +51,7 @@ int soup_overlap(const Vec3 *v, int count, const Vec3 *by, int by_count, Vec3 n,
     return count >= 3 ? count : 0;
 }
 
-// What lies outside the hole's first edge, then of the rest what lies outside the second, and so on.
+// Keeps the part outside the hole's first edge, then of the rest the part outside the second, and so on.
 static void subtract_from(Arena *arena, const SoupPiece *piece, const Vec3 *hole, int hole_count,
                           Box hole_box, Vec3 n, double weld, SoupPieces *out) {
     if (!box_overlap(piece->box, hole_box)) {

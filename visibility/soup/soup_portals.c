@@ -109,7 +109,7 @@ static void add_portal(Soup *soup, const SoupPiece *piece, int plane, int front,
                     builder->portal_vertex_capacity) = v[i];
 }
 
-// What of a piece the doors in its plane close, and the rest, as portals.
+// Adds the parts of a piece that the doors in its plane close, and the rest, as portals.
 static void add_portal_piece(Soup *soup, SoupPiece piece, int plane, int front, int back) {
     Vec3 n = soup->planes[plane].plane.n, part[SOUP_MOST_CORNERS];
     double snap = SOUP_SNAP * soup->size;

@@ -14,9 +14,9 @@
 
 // Share of its section of the cell that a major plane covers: a wall with its door does, a cupboard does not.
 static const double MAJOR_COVER = 0.25;
-// Of all that is opaque: in a building of a hundred rooms a door's jamb.
+// Planes that cover less than this share of all opaque area are not tried: in a building of a hundred rooms that is a door's jamb.
 static const double LEAST_SHARE = 1e-5;
-// What it costs to cut all that is left in two, or to leave it all on one side, in units of a section fully covered.
+// Cutting all polygons that are left in two, or leaving them all on one side, costs this, in units of a section fully covered.
 static const double CUT_COST = 0.3, BALANCE_COST = 0.05;
 // A cell is crowded where CROWDED times the box around what it holds is less than that, if it is so much of the building:
 // a wardrobe is no house.
@@ -30,7 +30,7 @@ static const double FEW_FRAGMENTS = 100000, FRAGMENTS_A_SHEET = 8, FEW_LOOKS = 3
 // Figures that decide are compared as whole multiples of this: equal ones stay so when the building is turned.
 static const double DIGIT = 1e-6;
 
-// What of a sheet lies inside a branch.
+// The part of a sheet inside a branch.
 typedef struct Fragment {
     const Vec3 *v;
     int count, plane;
@@ -67,7 +67,7 @@ typedef struct Reach {
     double low, high;
 } Reach;
 
-// What a branch holds, in sum.
+// The sums of a branch's content.
 typedef struct Content {
     double area;     // opaque, m^2
     Reach along[3];  // the building's own directions, from its centre
@@ -289,7 +289,7 @@ static bool cut_branch(Tree *tree, int index, int plane) {
 
 static void cut_box(Tree *tree) {
     for (int side = 0; side < 6; side++) {
-        // What is inside of the sides cut so far is the branch that holds the building.
+        // The branch inside of the sides cut so far holds the building.
         int last = tree->branch_count, inner = 0;
         for (int i = 1; i < last; i++) {
             if (tree->branches[i].fragment_count > tree->branches[inner].fragment_count) inner = i;

@@ -63,8 +63,8 @@ static Look *look(Arena *arena, const Building *b, const Camera *camera, double 
 }
 
 // Proves that scan lines and the depth buffer draw shapes subdivided for the view as a tessellation up to ten times as fine does: what
-// differs lies at the edges, at most every 50th pixel of them (of those on either side of an edge that is inset by up to a quarter
-// of a pixel, mostly less), and depths differ by no more than some pixels; and that both draw the very same.
+// differs lies at the edges, at most every 50th pixel of them (of those on either side of an edge that is inset by up to a
+// quarter of a pixel, mostly less), and depths differ by no more than some pixels; and that both draw the very same.
 Test(curved_scene, edges_agree_with_a_fine_tessellation) {
     static const double DISTANCES[] = {1.9, 4, 12};
     for (int k = 0; k < 3; k++) {

@@ -155,8 +155,8 @@ static void check_lines(const CellGraph *g, const Building *b, Random *random, i
               "%d lines crossed %d portals and %d walls", lines, through_portals, through_walls);
 }
 
-// The shadow and the extent of each cell hold points of it, and touch its corners: no line along a side of them misses all portals
-// and faces.
+// The shadow and the extent of each cell hold points of it, and touch its corners: no line along a side of them misses all
+// portals and faces.
 static void check_extents(const CellGraph *g, Random *random) {
     double near = 1e-6 * largest_extent(g);
     for (int c = 0; c < g->cell_count; c++) {
@@ -364,9 +364,9 @@ static bool could_join(Arena *arena, const SoupPiece *a, const SoupPiece *b, Vec
     return polygon_area(hull, count) - polygon_area(a->v, a->count) - polygon_area(b->v, b->count) < 1e-10;
 }
 
-// Proves that what is left of a polygon when others are taken from it is what lies in it and in none of those, once each, in convex
-// pieces with their boxes; that it stays the same when pieces are joined; and that hardly two pieces are left that could be one
-// (those of which both took the place of others). By points.
+// Proves that what is left of a polygon when others are taken from it is what lies in it and in none of those, once each, in convex pieces
+// with their boxes; that it stays the same when pieces are joined; and that hardly two pieces are left that could be one (those
+// of which both took the place of others). By points.
 Test(soup, pieces_are_what_is_left) {
     static const double WELD = 1e-8, NEAR = 1e-5;
     int inside = 0, outside = 0, joined = 0, apart = 0;

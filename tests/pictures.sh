@@ -13,9 +13,9 @@ montage build/pictures/living/frame-00000.png build/pictures/kitchen/frame-00000
 rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
 # The film replays a recorded path, which holds for house.plan as it is: after a change record another in the window.
 rm -rf build/pictures/film
-"$build/enfilade" walk build/maps/house.plan --replay tests/pictures/walk.path --offscreen build/pictures/film \
+"$build/enfilade" walk build/maps/house.plan --replay tests/pictures/walk.path --bake --offscreen build/pictures/film \
     --size 480x270 --every 6
-ffmpeg -loglevel error -y -framerate 10 -i build/pictures/film/frame-%05d.png -vf "scale=360:-1:flags=lanczos,\
+ffmpeg -loglevel error -y -framerate 10 -i build/pictures/film/frame-%05d.png -t 16 -vf "fps=8,scale=360:-1:flags=lanczos,\
 split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]paletteuse=dither=none:diff_mode=rectangle" \
     tests/pictures/walk.gif
 "$build/enfilade" bake build/maps/house.plan -o build/pictures/house.rad

@@ -58,6 +58,9 @@ coverage:
 bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv
+# Measures the figures of tests/FIGURES.md and of the README again: about 15 minutes on two idle cores.
+figures: all build/maps/rooms-30.plan build/maps/rooms-1000.plan build/maps/enfilade-1000.plan
+	@python3 tests/make_figures.py $(dir)
 # The pictures of the README; the charts show the benchmarks as `make bench` left them.
 pictures:
 	$(call install,$(to_build) $(to_pictures))
@@ -72,6 +75,7 @@ charts:
 	    tests/plots/$$chart.gp && cp build/pictures/$$chart.png tests/pictures; } || exit 1; done
 lint:
 	$(call install,$(to_lint))
+	@python3 tests/check_words.py
 	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings

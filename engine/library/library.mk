@@ -36,7 +36,7 @@ install: all
 	install -D -m 644 engine/library/enfilade.bash $(DESTDIR)$(PREFIX)/share/bash-completion/completions/enfilade
 	install -D -m 644 engine/library/_enfilade $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_enfilade
 	install -d $(DESTDIR)$(PREFIX)/share/enfilade $(DESTDIR)$(PREFIX)/include
-	install -m 644 $(maps) maps/README.md LICENSE engine/NOTICES $(DESTDIR)$(PREFIX)/share/enfilade
+	install -m 644 $(maps) maps/README.md maps/PLAN.md LICENSE engine/NOTICES $(DESTDIR)$(PREFIX)/share/enfilade
 	for l in libenfilade libenfilade-light; do \
 	    install -D -m 644 $(dir)/$$l.a $(DESTDIR)$(PREFIX)/lib/$$l.a && \
 	    install -D -m 755 $(dir)/$$l.so $(DESTDIR)$(PREFIX)/lib/$$l.so.$(version) && \

@@ -27,5 +27,5 @@ Stab trees and light, under the hash of the building's file. May be deleted at a
 .B DISPLAY, WAYLAND_DISPLAY
 Where the window of \fBenfilade walk\fR opens; without them \fB\-\-offscreen\fR draws.
 .SH SEE ALSO
-The formats of buildings are described in README.md beside the sample buildings, in share/enfilade.
+The formats of buildings are described in README.md and PLAN.md beside the sample buildings, in share/enfilade.
 EOF

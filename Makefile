@@ -1,7 +1,7 @@
 # Enfilade. On a bare Debian 12 machine: `make walk` (sets up, builds, opens a window), `make test`.
 #   make [config=release|debug|asan|tsan] [CC=gcc|clang] [arch=x86-64]   program and sample buildings
-#   make test | soak | asan | tsan | fuzz | mutants | coverage | bench | figures | pictures | charts | lint |
-#        docs | install PREFIX= DESTDIR= | clean
+#   make test | soak | asan | tsan | fuzz | mutants | coverage | portable | bench | figures | pictures |
+#        charts | lint | docs | install PREFIX= DESTDIR= | clean
 config ?= release
 PREFIX ?= /usr/local
 fuzz_seconds ?= 60
@@ -44,7 +44,6 @@ flags_release := -O2
 flags_debug := -O0
 # For another `arch` in a folder of its own (make portable).
 flags_plain := -O2
-flags_arm64 := -O2
 flags_asan := $(sanitize) -fsanitize=address,undefined
 # By clang: of gcc's OpenMP the thread sanitizer does not know who waits for whom.
 flags_tsan := -O1 -fno-omit-frame-pointer -fsanitize=thread
@@ -74,6 +73,7 @@ to_build := gcc libc6-dev python3-glad libgeos-dev libminizip-dev libexpat1-dev 
             fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg
 to_test := $(to_walk) libzip-dev time libcriterion-dev libglm-dev g++ zip xvfb xauth xdotool python3 freedoom
+to_portable := gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
 to_lint := clang-format cppcheck gcc git python3
 to_pictures := gnuplot-nox imagemagick librsvg2-bin fonts-dejavu-core ffmpeg
 to_docs := doxygen
@@ -86,7 +86,7 @@ install = @$(call missing,$(1)); if [ -n "$$missing" ]; then echo "installing wi
           sudo=$$([ $$(id -u) = 0 ] || echo sudo); $$sudo apt-get -q update && \
           $$sudo env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $$missing; fi
 
-.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz mutants coverage bench figures pictures charts lint libraries install \
+.PHONY: all program maps house check-packages walk test soak soaked asan tsan fuzz mutants coverage portable bench figures pictures charts lint libraries install \
         docs clean FORCE
 all:
 	$(submake) program maps

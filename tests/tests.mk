@@ -1,7 +1,7 @@
 # tests.mk - tests, fuzzing, mutants, benchmarks, pictures, lint; part of the Makefile.
 
 programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/core/fail_malloc.c
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% tests/portable/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*/*.cpp))
 fuzzers := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/wad_builder support/home_fixture \
@@ -55,6 +55,11 @@ coverage:
 	$(call install,$(to_build) $(to_test))
 	$(submake) config=coverage program maps build/coverage/tests/all $(fuzzers:fuzz_%=build/coverage/tests/try_fuzz_%)
 	@bash tests/coverage.sh build/coverage $(folder) '$(suites)'
+# The tests on any x86-64, and those of core, maps, visibility and sim on aarch64 (tests/portable.sh).
+portable:
+	$(call install,$(to_build) $(to_test) $(to_portable))
+	$(submake) config=plain arch=x86-64 test
+	@bash tests/portable.sh
 bench: all $(filter build/maps/%,$(files))
 	@mkdir -p build/bench
 	$(dir)/enfilade bench $(bench) $(files) $(if $(peer),--peer $(peer)) | tee build/bench/$(bench).csv

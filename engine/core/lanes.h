@@ -119,8 +119,18 @@ typedef int32_t FourInt __attribute__((vector_size(16)));
 
 static inline Four four_of(double a) { return (Four){a, a, a, a}; }
 static inline Four four_abs(Four a) { return (Four)((FourMask)a & INT64_MAX); }
+// One by one where there are no such vectors: GCC 12 for aarch64 breaks off on __builtin_convertvector.
+#ifdef __AVX__
 static inline Four four_from_float(FourFloat a) { return __builtin_convertvector(a, Four); }
 static inline FourFloat four_to_float(Four a) { return __builtin_convertvector(a, FourFloat); }
+#else
+static inline Four four_from_float(FourFloat a) {
+    return (Four){(double)a[0], (double)a[1], (double)a[2], (double)a[3]};
+}
+static inline FourFloat four_to_float(Four a) {
+    return (FourFloat){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
+}
+#endif
 
 static inline Four four_choose(FourMask mask, Four yes, Four no) {
 #ifdef __AVX2__

@@ -113,9 +113,11 @@ static bool changes_files(const struct __ptrace_syscall_info *info) {
     case SYS_fsetxattr:
     case SYS_fsync:
     case SYS_linkat:
+#ifdef SYS_rename  // newer processors' Linux has the calls with a folder alone
     case SYS_rename:
     case SYS_unlink:
     case SYS_mkdir:
+#endif
     case SYS_exit_group:
         return true;
     default:

@@ -19,7 +19,9 @@
 #include "visibility/rays/ray_surfaces.h"
 
 #include <float.h>
+#ifdef __AVX__
 #include <immintrin.h>
+#endif
 
 #include "engine/core/box_tree.h"
 #include "engine/core/error.h"

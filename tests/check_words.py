@@ -5,7 +5,7 @@
   - no sentence of a .md file has more than LONGEST_SENTENCE words; code blocks, tables and targets of links aside;
   - at most MOST_HEADLESS comments of .c and .h files begin with one of HEADLESS: they lack a subject;
   - at most MOST_LONG_LINES lines of .c and .h files have more than LONGEST_LINE columns;
-  - every function in a header that the library installs, but MOST_UNDOCUMENTED, has a comment above it (engine/library/headers.sh says
+  - every function in a header that the library installs, but MOST_UNDOCUMENTED, has a comment above it (engine/library/headers.py says
     which headers).
 
 Prints each fault with its place, and exits with 1 if there is any. `--all` lists those that are still allowed, too.
@@ -17,9 +17,9 @@ LONGEST_SENTENCE = 35
 HEADLESS = ("What", "Of")
 LONGEST_LINE = 140
 # Faults that the tree still has. These may only fall, and end at 0.
-MOST_HEADLESS = 482
-MOST_LONG_LINES = 14
-MOST_UNDOCUMENTED = 29
+MOST_HEADLESS = 92
+MOST_LONG_LINES = 0
+MOST_UNDOCUMENTED = 0
 FENCE = re.compile(r"^( {0,3})(```|~~~)")
 ITEM = re.compile(r"^\s*([-*+]|\d+\.)\s+")
 # The end of a sentence: a full stop, unless an abbreviation, before a blank and the beginning of the next one.
@@ -99,9 +99,9 @@ def long_lines(files):
 
 
 def installed_headers():
-    """The project's headers that engine/library/headers.sh installs, by the same question to the compiler."""
-    text = subprocess.run(["gcc", "-MM", "-I.", "-x", "c", "engine/library/enfilade.h"], capture_output=True, text=True, check=True).stdout
-    return [path for path in text.replace("\\\n", " ").split(":", 1)[1].split() if path != "engine/library/enfilade.h"]
+    """The project's headers that engine/library/headers.py installs, by the same question to the compiler."""
+    text = subprocess.run(["gcc", "-MM", "-I.", "-x", "c", "engine/library/enfilade_light.h"], capture_output=True, text=True, check=True).stdout
+    return [path for path in text.replace("\\\n", " ").split(":", 1)[1].split() if not path.startswith("engine/library/")]
 
 
 def undocumented(path):

@@ -18,10 +18,12 @@ typedef struct CellRows {
     int cell_count, blocks;  // blocks of a row
 } CellRows;
 
+// Block k of the row of a cell: CELL_BLOCK_WORDS words.
 static inline const uint64_t *cell_rows_block(const CellRows *rows, int cell, int k) {
     return rows->block[(size_t)cell * (size_t)rows->blocks + (size_t)k];
 }
 
+// Is `other` in the row of `cell`?
 static inline bool cell_rows_has(const CellRows *rows, int cell, int other) {
     const uint64_t *block = cell_rows_block(rows, cell, other / CELL_BLOCK);
     return block[other / 64 % CELL_BLOCK_WORDS] >> (other % 64) & 1;

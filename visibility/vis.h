@@ -127,6 +127,7 @@ typedef struct StabForest {
     int node_count, cell_count, words;  // words of a row of all cells
 } StabForest;
 
+// May a point of cell `from` see one of cell `to`, all doors open?
 static inline bool vis_sees(const StabForest *forest, int from, int to) {
     return cell_rows_has(&forest->seen, from, to);
 }
@@ -161,6 +162,7 @@ bool vis_shown(const Object *object, const float *door_open);
 // copy of the graph's, in which leaves are as when closed.
 void vis_pose(const CellGraph *graph, const float *door_open, Vec3 *vertices);
 
+// Does the polygon let light through? Glass never hides.
 static inline bool vis_is_glass(const CellGraph *graph, int polygon) {
     return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
 }

@@ -119,7 +119,7 @@ static bool reaches(const Way *way, Plane plane, int side, double slack) {
 }
 
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
-    // Of all floods together; a try takes 10 ns.
+    // For all floods together; a try takes 10 ns.
     static const double TRIES = 5e7;
     const Way *first = &graph->ways[way];
     long long tried = 0, most = ways_work(graph, TRIES) / graph->way_count;

@@ -29,7 +29,7 @@ typedef struct WayGraph {
     double scale;  // how much more work than for a file of 1 MB may be done: see ways_work
 } WayGraph;
 
-// What lets lines through over less than this share of the building's size lets none through: wide above the rounding
+// An opening that lets lines through over less than this share of the building's size lets none through: wide above the rounding
 // of coordinates (1e-16) and of what is computed from them (1e-13), far below any gap that is meant.
 #define WAY_EPSILON 2.5e-10
 

@@ -11,6 +11,7 @@ typedef struct Progress {
     void *context;
 } Progress;
 
+// Tells the caller of a stage; false where the stage is to stop.
 static inline bool progress_report(const Progress *progress, const char *stage, double done) {
     return !progress || !progress->report || progress->report(progress->context, stage, done);
 }

@@ -28,6 +28,8 @@ typedef struct Box {
     Vec3 min, max;
 } Box;
 
+// A vector of the plan by its components; sum, difference, multiple, inner product, z of the cross product (positive where b lies to
+// the left of a), length; equal to the last bit.
 static inline Vec2 vec2(double x, double y) { return (Vec2){x, y}; }
 static inline Vec2 vec2_add(Vec2 a, Vec2 b) { return vec2(a.x + b.x, a.y + b.y); }
 static inline Vec2 vec2_sub(Vec2 a, Vec2 b) { return vec2(a.x - b.x, a.y - b.y); }
@@ -37,6 +39,7 @@ static inline double vec2_cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; 
 static inline double vec2_length(Vec2 a) { return sqrt(vec2_dot(a, a)); }
 static inline bool vec2_equal(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 
+// The same in space; component 0, 1 or 2; cross product; the point a share t of the way from a to b.
 static inline Vec3 vec3(double x, double y, double z) { return (Vec3){x, y, z}; }
 static inline double vec3_component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 static inline Vec3 vec3_add(Vec3 a, Vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
@@ -69,6 +72,7 @@ double polygon_area(const Vec3 *vertices, int count);
 // finite coordinates whose products neither overflow nor underflow.
 int orient2d(Vec2 a, Vec2 b, Vec2 c);
 
+// The box of no point, to which points are added.
 static inline Box box_empty(void) {
     return (Box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }

@@ -4,7 +4,7 @@
 // From the elements rather than from the frame before: no pixels to read back, and the same view has the same exposure.
 #include "engine/draw/exposure.h"
 
-// What a place of middling brightness becomes before the curve of the screen: rooms are mostly light paint.
+// A place of middling brightness becomes this before the curve of the screen: rooms are mostly light paint.
 static const double MIDDLE = 0.65;
 // How much of a difference between what is seen and the whole building the eye makes up for: dark rooms stay a little darker.
 static const double ADAPTATION = 0.85;
@@ -27,7 +27,7 @@ static void add_element(const LitMesh *lit, const LitLight *light, const Camera 
     if (ahead <= 0 || fabs(vec3_dot(way, camera->right)) > camera->tan_x * ahead ||
         fabs(vec3_dot(way, camera->up)) > camera->tan_y * ahead)
         return;
-    // Of a disc seen from its axis, as good as exact; bounded where the eye is near.
+    // The angle of a disc seen from its axis, as good as exact; bounded where the eye is near.
     double r2 = vec3_dot(way, way), area = (double)spot->area;
     double angle = area * fabs(vec3_dot(way, n)) / (sqrt(r2) * (r2 + area));
     double weight = angle * sqrt(b);

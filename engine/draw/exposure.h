@@ -18,7 +18,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
                       int object_count);
 // Time goes on, seconds, before what the meter says in a building of the level `usual`. The first time the eye adapts at once.
 void exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
-// What radiosities are multiplied by, m^2/W.
+// The factor of radiosities, m^2/W.
 double exposure_scale(const Exposure *exposure);
 
 #endif

@@ -5,13 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Of the scale.
+// The steps of the scale.
 static const int DECADES = 3;
-// Of Oklab: the ends of the line, and a chroma that sRGB has for all hues and lightnesses on it.
+// In Oklab: the ends of the line, and a chroma that sRGB has for all hues and lightnesses on it.
 static const double DARK = 0.24, LIGHT = 0.95, CHROMA = 0.092;
 static const double HUE_DARK = 300 * M_PI / 180, HUE_LIGHT = 105 * M_PI / 180;
 
-// Of what is too little or too much: lightness and chroma at both ends, which sRGB has for both hues, blue and red.
+// For too little or too much: lightness and chroma at both ends, which sRGB has for both hues, blue and red.
 static const double ENDS = 0.5, CHROMA_ENDS = 0.16;
 static const double HUE_BELOW = 260 * M_PI / 180, HUE_ABOVE = 27 * M_PI / 180;
 
@@ -70,7 +70,7 @@ static float to_screen(double x) {
     return (float)(x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055);
 }
 
-// Of Oklab, as sRGB.
+// A colour of Oklab, as sRGB.
 static Rgb colour_of(double lightness, double chroma, double hue) {
     double a = chroma * cos(hue), b = chroma * sin(hue);
     double l = lightness + 0.3963377774 * a + 0.2158037573 * b,

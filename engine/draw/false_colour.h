@@ -23,9 +23,9 @@ typedef enum FalseColour {
 extern const char *const FALSE_COLOUR_NAMES[FALSE_COLOURS];
 extern const char *const FALSE_COLOUR_UNITS[FALSE_COLOURS];
 
-// What each channel of light counts in a quantity.
+// The weight of each channel of light in a quantity.
 void false_colour_weights(FalseColour quantity, double out[3]);
-// Of a surface with this radiosity. What arrives is known by what is reflected: -1 where nothing is, in any channel.
+// The quantity of a surface with this radiosity. Arriving light is known by the reflected part: -1 where none is, in any channel.
 double false_colour_value(FalseColour quantity, const double radiosity[3], const Material *material);
 
 // A logarithmic scale from low to high, both 1, 2 or 5 times a power of ten.
@@ -42,7 +42,8 @@ int light_range_ticks(LightRange range, double out[LIGHT_RANGE_TICKS]);
 
 // The colour at a place of the scale, sRGB 0 .. 1: equal steps look equally far apart, and brighter is more.
 Rgb false_colour_at(double place);
-// Of what may be too little or too much, -1 .. 1: blue, near white at 0, red; as far from white to the eye on both sides.
+// The colour of a number that may be too little or too much, -1 .. 1: blue, near white at 0, red; as far from white to the eye on
+// both sides.
 Rgb false_colour_signed(double place);
 
 #endif

@@ -11,7 +11,7 @@ typedef struct LitLook {
     unsigned scale;         // of false colours, a texture
 } LitLook;
 
-// What is to be seen of the light.
+// The light to be seen.
 typedef struct LitTone {
     double exposure;       // radiosities are multiplied by it, m^2/W
     FalseColour quantity;  // instead, if it is one

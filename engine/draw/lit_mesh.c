@@ -8,7 +8,7 @@
 // How far behind its place a face is drawn where another lies that has the light of both: more than depths are uncertain by at ten
 // metres, less than is seen at its border. Metres.
 static const double SET_BACK = 5e-4;
-// Of the scales of false colours: this share of the area is brighter than they reach, the places right above lamps.
+// The scales of false colours leave out this much: this share of the area is brighter than they reach, the places right above lamps.
 static const double BRIGHTEST_AREA = 0.002;
 
 Vec3 lit_origin(const CellGraph *graph) {

@@ -22,7 +22,7 @@
 #define TEXELS_BUDGET (1 << 20)
 // Even so, texels grow no larger than this many times: then each surface has its fewest, four.
 #define COARSENESS_MOST 100.0
-// What of a lamp's strength falls on a surface, usually; and no surface counts as darker than this on the screen, so that
+// The share of a lamp's strength that usually falls on a surface; and no surface counts as darker than this on the screen, so that
 // black ones can be divided by.
 #define USUAL_LAMP 0.4f
 #define DARKEST (1.0f / 255)
@@ -105,7 +105,7 @@ Rgb walk_glow(const Material *m) {
     return most > 1 ? rgb_mix(BLACK, e, 1 / most) : e;
 }
 
-// What leaves a surface that faces n at a point, on the screen.
+// The light that leaves a surface that faces n at a point, on the screen.
 static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 point, Vec3 n) {
     float open = (float)walk_occlusion_open(bake->occlusion, point, n, bake->lights->region[object], object);
     Rgb warm = rgb_mix((Rgb){1, 1, 1}, (Rgb){WALK_OCCLUSION_WARMTH}, 1 - open);
@@ -130,7 +130,7 @@ static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 
     return rgb_screen(rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1));
 }
 
-// Of a colour on the screen (the luma of ITU-R BT.709).
+// The brightness of a colour on the screen (the luma of ITU-R BT.709).
 static float brightness(Rgb c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
 
 Rgba8 walk_bake_point(const WalkBake *bake, int object, int material, Vec3 point, Vec3 n) {
@@ -150,7 +150,7 @@ typedef struct Axes {
     Vec3 u, v;
 } Axes;
 
-// Of the two axes in a level or upright plane; the same for all surfaces in it.
+// One of the two axes in a level or upright plane; the same for all surfaces in it.
 static Axes axes_of(Plane plane) {
     if (fabs(plane.n.z) > 0.5) return (Axes){{1, 0, 0}, {0, 1, 0}};
     return (Axes){{-plane.n.y, plane.n.x, 0}, {0, 0, 1}};

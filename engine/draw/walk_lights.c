@@ -29,7 +29,7 @@ static int region_at(const CellGraph *graph, Vec3 p) {
     return cell >= 0 ? graph->cells[cell].region : -1;
 }
 
-// Of an object: where its middle is; else any region it is registered in.
+// The region of an object: where its middle is; else any region it is registered in.
 static void find_regions(const CellGraph *graph, int *region) {
     for (int o = 0; o < graph->object_count; o++) {
         Box box = graph->object_boxes[o];

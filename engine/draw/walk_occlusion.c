@@ -168,7 +168,7 @@ static double distance_to(const Occluder *o, Vec3 p) {
     return sqrt(ox * ox + oy * oy + oz * oz);
 }
 
-// Of the region's floor or ceiling, unless the point lies on it: then it is as far as the step is long.
+// The distance to the region's floor or ceiling, unless the point lies on it: then it is as far as the step is long.
 static double distance_to_levels(const WalkOcclusion *occlusion, Vec3 p, int region) {
     if (region < 0) return INFINITY;
     const Region *r = &occlusion->graph->building->regions[region];

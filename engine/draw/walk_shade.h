@@ -42,7 +42,7 @@
 #define WALK_GLARE 12.0
 #define WALK_WHITE 10.0
 
-// What is exposed on a screen: each channel by the curve of Reinhard, Stark, Shirley & Ferwerda (2002, equation 4), so that what is
+// The exposure on a screen: each channel by the curve of Reinhard, Stark, Shirley & Ferwerda (2002, equation 4), so that what is
 // too bright turns white with its hue. In C and in shaders.
 #define WALK_CURVE(x) (x) * (1.0 + (x) / (WALK_WHITE * WALK_WHITE)) / (1.0 + (x))
 

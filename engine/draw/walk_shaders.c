@@ -11,7 +11,7 @@
 #define TRIPLE(name) "const vec3 " #name " = vec3(" WALK_TEXT(WALK_##name) ");\n"
 #define NUMBER(name) "const float " #name " = " WALK_TEXT(WALK_##name) ";\n"
 
-// Of walk_shade.h, without the prefix.
+// The constants of walk_shade.h, without the prefix.
 #define CONSTANTS                                                                                            \
     TRIPLE(BELOW)                                                                                            \
     TRIPLE(ABOVE)                                                                                            \
@@ -208,7 +208,7 @@ const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
             "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
             "}\n";
 
-// What arrives is what leaves, less what is emitted, by the reflectance; where nothing is reflected it is not known: -1.
+// The arriving light is the leaving light less the emission, by the reflectance; where nothing is reflected it is not known: -1.
 const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
     "uniform samplerBuffer materials;\n"
     "uniform vec3 weights;\n"

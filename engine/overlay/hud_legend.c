@@ -8,7 +8,7 @@
 static const double TEXT = 12, SMALL = 10, LINE = 17, PAD = 10, BAR = 16, TICK = 4, ROUND = 6, WIDTH = 104;
 static const unsigned PANEL = 0x0e1318, BRIGHT = 0xf2f5f7, DIM = 0x9fb0c0;
 static const double OPACITY = 0.82;
-// Of the bar, each of one colour.
+// The steps of the bar, each of one colour.
 enum { SLABS = 96 };
 
 double hud_legend_width(void) { return WIDTH; }

@@ -49,7 +49,7 @@ typedef struct Clip {
 
 typedef enum Kind { FILLS, SHAPES, LETTERS, KINDS } Kind;
 
-// What is drawn in one call: neighbours of a kind that are clipped alike.
+// The shapes drawn in one call: neighbours of a kind that are clipped alike.
 typedef struct Run {
     Kind kind;
     int first, count;
@@ -457,7 +457,7 @@ bool overlay_end(Overlay *o, Error *error) {
     glEnable(GL_SCISSOR_TEST);
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
-    // What is opaque stays opaque, for windows whose system looks at alpha.
+    // An opaque pixel stays opaque, for windows whose system looks at alpha.
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     upload_image(o);
     upload(o, FILLS, o->fills, sizeof *o->fills);

@@ -22,7 +22,7 @@ bool overlay_end(Overlay *overlay, Error *error);
 double overlay_width(const Overlay *overlay);  // of the frame, points
 double overlay_height(const Overlay *overlay);
 
-// What is drawn from now on shows inside this rectangle only, to the nearest pixel; the second one ends it.
+// Drawing from now on shows inside this rectangle only, to the nearest pixel; the second one ends it.
 void overlay_clip(Overlay *overlay, double x, double y, double width, double height);
 void overlay_unclip(Overlay *overlay);
 
@@ -42,7 +42,7 @@ double overlay_text_width(Overlay *overlay, double size, const char *utf8);
 // Bytes of the longest start of the text that is not wider than `width`.
 size_t overlay_text_fit(Overlay *overlay, double size, const char *utf8, double width);
 
-// Of the em: how high capitals reach over the baseline.
+// A share of the em: how high capitals reach over the baseline.
 #define OVERLAY_CAPITALS 0.73
 
 // A window onto a plan: `area` of plan space as large as fits into a rectangle, in its middle, north up.

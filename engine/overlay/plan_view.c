@@ -294,7 +294,7 @@ static Vec2 from_eye(const PlanDrawing *d, double angle, double distance) {
     return vec2_add(vec2(d->view->eye.x, d->view->eye.y), vec2_scale(vec2(cos(angle), sin(angle)), distance));
 }
 
-// What the eye may see, as a sector; sectors of half a turn and more are cut in pieces, which are convex.
+// The eye's view as a sector; sectors of half a turn and more are cut in pieces, which are convex.
 static void draw_wedge(const PlanDrawing *d) {
     enum { ARC = 16 };
     double reach = WEDGE_REACH * d->point, from = d->view->yaw - d->view->fov / 2, step = d->view->fov / ARC;

@@ -4,7 +4,7 @@
 
 #include "engine/core/vec.h"
 
-// Of air, and of glass where a material does not say.
+// The index of air, and of glass where a material does not say.
 #define GLASS_AIR 1.0
 #define GLASS_USUAL 1.5
 
@@ -15,12 +15,12 @@ static inline Vec3 glass_reflect(Vec3 direction, Vec3 normal) {
 // The share of unpolarised light that is reflected where `ratio` is the index beyond over the one before the surface; `cosine` of
 // the angle to the normal, 0 .. 1. 1: total reflection.
 double glass_fresnel(double cosine, double ratio);
-// Of a sheet whose two faces reflect to and fro.
+// The reflectance of a sheet whose two faces reflect to and fro.
 double glass_sheet(double cosine, double index);
 // The direction beyond, unit; `normal` on the side that the ray comes from. False: total reflection.
 bool glass_refract(Vec3 direction, Vec3 normal, double ratio, Vec3 *out);
 
-// What a ray is inside of, the innermost last.
+// The bodies around a ray, the innermost last.
 enum { MEDIA_MOST = 16 };
 typedef struct Media {
     int count;
@@ -31,7 +31,7 @@ typedef struct Media {
 } Media;
 
 double media_index(const Media *media);
-// What one is in beyond the surface of a body. Bodies may be left in any order; more than MEDIA_MOST are not told apart.
+// The media beyond the surface of a body. Bodies may be left in any order; more than MEDIA_MOST are not told apart.
 Media media_enter(const Media *media, int body, double index);
 Media media_leave(const Media *media, int body);
 

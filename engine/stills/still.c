@@ -120,7 +120,7 @@ static void draw_pixel(const Still *s, int x, int y, WhittedWork *work) {
         Ray ray = {s->camera->eye, way, 0, INFINITY};
         double light[3];
         whitted_trace(&s->whitted, &ray, &s->media, seed, i, work, light);
-        // What is white anyway is no brighter: a lamp's edge has steps else.
+        // A white pixel becomes no brighter: a lamp's edge has steps else.
         for (int c = 0; c < 3; c++) sum[c] += fmin(light[c] * s->exposure, WALK_WHITE);
     }
     for (int c = 0; c < 3; c++) s->rgb[3 * (y * s->camera->width + x) + c] = tone(sum[c] / samples);

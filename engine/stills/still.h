@@ -19,7 +19,7 @@ typedef struct StillOptions {
 } StillOptions;
 StillOptions still_default_options(void);
 
-// What is drawn.
+// The scene to be drawn.
 typedef struct StillSource {
     const StabForest *forest;
     const WalkLight *light;

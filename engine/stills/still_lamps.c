@@ -271,7 +271,7 @@ typedef struct Cells {
     int cell[MOST_CELLS], count;
 } Cells;
 
-// Of a wall all is in one cell; what stands in rooms may reach into several.
+// A wall lies in one cell; a thing in a room may reach into several.
 static Cells cells_of(const StillLamps *lamps, const Element *element, bool front) {
     static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
     const Mesh *mesh = lamps->scene->mesh;
@@ -413,7 +413,7 @@ static void add_lamp_polygon(StillLamps *lamps, int face, double before, Arena *
     put_exitance(lamp, mesh_material(mesh, face));
 }
 
-// What reaches into several cells may be seen from where none of them alone is.
+// A lamp that reaches into several cells may be seen from where none of them alone is.
 static int find_cell(const StillLamps *lamps, const Lamp *lamp) {
     static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
     const CellGraph *graph = lamps->scene->mesh->graph;
@@ -514,7 +514,7 @@ static void add_taken(const StillLamps *lamps, const Weighed *w, double scale, d
             out[c] += scale * w->share[i] * w->seen[i] * lamps->lamps[w->lamp[i]].exitance[c];
 }
 
-// What shadow rays say it is off.
+// The error as shadow rays tell it.
 static void add_off(const StillLamps *lamps, const Weighed *w, const LampFrame *f, int rays, double scale,
                     StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {

@@ -30,7 +30,7 @@ static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[
     for (int c = 0; c < 3 && area > 0; c++) out[c] /= area;
 }
 
-// Of one element, over those from `first` to `end`.
+// The sum for one element, over those from `first` to `end`.
 static void smooth_element(const Mesh *mesh, const Vec3 *centres, int element, int first, int end,
                            double (*from)[3], double out[3]) {
     const Element *e = &mesh->elements[element];
@@ -82,7 +82,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         difference(mesh, solution, lamps_only, shown.radiosity);
         smooth_shapes(mesh, shown.radiosity);
-        // What was gathered at nodes is not split.
+        // Light gathered at nodes is not split.
         shown.node = NULL;
         shown.node_count = 0;
     }
@@ -114,7 +114,7 @@ static int facet_near(const StillScene *scene, const CurvedShape *shape, const S
     return -1;
 }
 
-// Of a shape's faces the one whose middle is nearest: where no facet lies before the point.
+// Among a shape's faces the one whose middle is nearest: where no facet lies before the point.
 static int face_near(const Mesh *mesh, int object, Vec3 at) {
     const Object *o = &mesh->graph->objects[object];
     int best = -1;

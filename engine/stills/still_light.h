@@ -17,7 +17,7 @@ typedef struct StillLight {
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
                            const RadSolution *lamps_only, StillLamps *lamps, Arena *arena);
 
-// What a ray sees of it, W/m^2 a channel (of a diffuse surface that looks the same); by so many shadow rays.
+// The light that a ray sees of it, W/m^2 a channel (of a diffuse surface that looks the same); by so many shadow rays.
 void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, int rays,
                     StillNumbers *numbers, double out[3]);
 

@@ -62,7 +62,7 @@ static void find_shapes(Parts *parts) {
     }
 }
 
-// What polygons of one material of an object enclose.
+// The space that polygons of one material of an object enclose.
 static bool is_closed(const CellGraph *graph, const Vec3 *vertices, const Object *object, int material) {
     Vec3 sum = {0, 0, 0}, origin = vertices[graph->polygons[object->first_polygon].first_vertex];
     double area = 0, volume = 0;

@@ -9,7 +9,7 @@
 typedef enum StillTree { STILL_TREE_OWN, STILL_TREE_GRID, STILL_TREES } StillTree;
 extern const char *const STILL_TREE_NAMES[STILL_TREES];
 
-// What is met there.
+// The surface met there.
 typedef struct StillSurface {
     const Material *material;
     int face;   // in the mesh, where its light is; -1: none, or a shape
@@ -40,7 +40,7 @@ typedef struct StillScene {
 // `door_open` [opening_count] as the mesh was made with; NULL: as drawn.
 StillScene *still_scene_new(const Mesh *mesh, const float *door_open, StillTree kind, Arena *arena);
 
-// Of a shape's polygons, in the graph.
+// The shape's polygons, in the graph.
 int still_first_polygon(const CellGraph *graph, const CurvedShape *shape);
 
 SurfaceHit still_rays_first(const StillRays *rays, const Ray *ray);
@@ -55,7 +55,7 @@ static inline Vec3 still_ray_at(const Ray *ray, double t) {
     return vec3_add(ray->origin, vec3_scale(ray->direction, t));
 }
 
-// What a point is inside of.
+// The bodies around a point.
 Media still_scene_media(const StillScene *scene, Vec3 point);
 
 #endif

@@ -35,7 +35,7 @@ static StillNumbers numbers_of(Trace *t, int rays) {
 
 // ---- glass
 
-// What light becomes by passing it: as far as it is opaque it has its colour.
+// The light after passing it: as far as it is opaque it has its colour.
 static Rgb tint_of(const Material *m) {
     float clear = 1 - m->alpha;
     return (Rgb){clear + m->alpha * m->reflectance.r, clear + m->alpha * m->reflectance.g,
@@ -52,7 +52,7 @@ typedef struct Passage {
 
 static const Rgb CLEAR = {1, 1, 1};
 
-// Of a body that refracts.
+// A body that refracts.
 static Passage refract(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
     double index = (double)s->material->index;
     Passage p = {.beyond =
@@ -66,7 +66,7 @@ static Passage refract(const Path *path, const StillSurface *s, bool front, Vec3
     return p;
 }
 
-// Of a thin one: straight through. A closed one has a second face, which reflects for itself.
+// A thin one: straight through. A closed one has a second face, which reflects for itself.
 static Passage pass(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
     double index = s->material->index > 0 ? (double)s->material->index : GLASS_USUAL;
     double cosine = fmin(-vec3_dot(path->ray.direction, normal), 1);

@@ -10,19 +10,19 @@ typedef struct Whitted {
     int depth;         // rays on top of one another, at most, 1 ..
     double threshold;  // a ray that counts less is not followed
     int lamp_rays;     // shadow rays of a surface that is seen straight
-    // What there is where nothing is met, W/m^2 a channel; NULL: dark.
+    // The light where a ray meets nothing, W/m^2 a channel; NULL: dark.
     void (*sky)(const void *context, Vec3 direction, double out[3]);
     const void *sky_context;
 } Whitted;
 
-// What was done, by why rays ended.
+// The work done, by the reasons why rays ended.
 typedef struct WhittedWork {
     long long rays;
     long long matt, escaped, faint,
         deep;  // a surface that neither mirrors nor refracts; nothing met; threshold; depth
 } WhittedWork;
 
-// What a ray in `media` sees, W/m^2 a channel. Its random numbers come from `seed` alone, and from `sample`, one of a pixel's.
+// The light that a ray in `media` sees, W/m^2 a channel. Its random numbers come from `seed` alone, and from `sample`, one of a pixel's.
 void whitted_trace(const Whitted *whitted, const Ray *ray, const Media *media, uint64_t seed, int sample,
                    WhittedWork *work, double out[3]);
 

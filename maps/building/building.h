@@ -265,6 +265,7 @@ enum { LEAF_CORNERS = 32 };
 // How far the outdoors reaches beyond everything built, metres.
 #define MAPS_OUTDOORS 20.0
 
+// A coordinate on the grid, metres.
 static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
 
 // Readers append with these; all copy their arguments into the arena.

@@ -13,7 +13,7 @@
 #include "engine/core/memory.h"
 #include "engine/core/polygon.h"
 
-// What lies less than this behind a polygon touches it and is not hidden by it, metres: above the noise of coordinates
+// A part less than this behind a polygon touches it and is not hidden by it, metres: above the noise of coordinates
 // 1,000 km from the origin (1e-10), below any sheet worth its name (2e-7).
 #define ANALYTIC_TOUCH 1e-8
 // Pieces of less area are dropped, m^2: rounding, not geometry.
@@ -113,7 +113,7 @@ static void keep_waiting(Subtraction *s, const Vec3 *polygon, int count, int nex
     s->corner_count = corners;
 }
 
-// What lies outside `bound` waits, and what lies inside is left in `polygon`.
+// The part outside `bound` waits, and the part inside is left in `polygon`.
 static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
     Vec3 part[ANALYTIC_CORNERS + 1];

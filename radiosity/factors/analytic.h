@@ -12,7 +12,7 @@
 // with nothing between. The part below the horizon counts nothing.
 double analytic_point(const Vec3 *polygon, int count);
 
-// What hides: the cone over a convex polygon seen from the origin, from the polygon's plane on.
+// An occluder: the cone over a convex polygon seen from the origin, from the polygon's plane on.
 typedef struct AnalyticOccluder {
     Plane beyond;       // keep: what lies behind the polygon
     const Plane *edge;  // [edge_count] keep: inside; through the origin

@@ -23,7 +23,7 @@ typedef struct Analytic {
     const Mesh *mesh;
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
-    // Of the face at hand.
+    // The face at hand.
     FaceGrid grid;
     RowSum *sum;
     double total, slit;
@@ -86,7 +86,7 @@ static void add_row_piece(void *context, const Vec3 *polygon, int count) {
     }
 }
 
-// What is left of a quarter of the sky, from one horizontal axis of the building to the next: a triangle with the zenith, behind
+// The rest of a quarter of the sky, from one horizontal axis of the building to the next: a triangle with the zenith, behind
 // all faces.
 static double sky_of(const Analytic *self, const View *view, int quarter, int occluders) {
     static const Vec3 AXES[5] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};

@@ -13,7 +13,7 @@
 
 // An element whose plane is nearer to the eye than this is edge-on, metres.
 static const double EDGE_ON = 1e-9;
-// What is nearer than this ahead is cut off, metres: nothing divides by nought.
+// Parts nearer than this ahead are cut off, metres: nothing divides by nought.
 static const double NEAR = 1e-7;
 // An edge on the disc is cut until its parts span less, radians: Doi & Itoh's degree.
 static const double EDGE_SPAN = 3.14159265358979323846 / 180;

@@ -29,12 +29,12 @@ typedef struct Row {
     int *element;   // [count] increasing
     float *factor;  // [count] above 0; their sum, back and escaped make 1
     double back, escaped;
-    // Of what escaped, the part that goes upwards in building space: the sky's. Told by projective methods, rays and
+    // The part of `escaped` that goes upwards in building space: the sky's. Told by projective methods, rays and
     // `analytic`; others say 0.
     double sky;
 } Row;
 
-// What it took, for tables.
+// The work done, for tables.
 typedef struct FormFactorWork {
     long long faces_drawn, elements_drawn;  // faces given; the elements they have (Oki's count)
     long long samples, tests;               // samples or crossings found; edge, box or ray tests made
@@ -49,7 +49,7 @@ typedef struct FormFactorSamples {
 
 typedef struct RowSum RowSum;  // row.h
 
-// Of faces in one place the one is seen that turns its front to the eye, then the lower in the mesh: a wall without thickness,
+// Among faces in one place the one that turns its front to the eye is seen, then the lower in the mesh: a wall without thickness,
 // which is two faces, is lit on both sides, and none swallows what the other should get.
 static inline int form_factor_rank(const ViewFace *face) {
     const int back = 1 << 30;  // above all faces
@@ -59,7 +59,7 @@ static inline int form_factor_rank(const ViewFace *face) {
 // A method at work in one thread: its tables and buffers.
 typedef struct FormFactor FormFactor;
 
-// What a method promises of what it sees along a direction.
+// A method's promise about the faces that it sees along a direction.
 typedef enum FormFactorTruth {
     FORM_FACTOR_EXACT,  // the nearest face, edges and depth decided in doubles
     FORM_FACTOR_FLOAT,  // the same within the rounding of floats
@@ -77,7 +77,7 @@ typedef struct FormFactorMethod {
     // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
     void (*stop)(void *self);  // what is not in the arena; NULL: nothing
-    // Of projective methods. Items are indices of view->faces, -1 where nothing is seen; of faces in one place that of the
+    // For projective methods. Items are indices of view->faces, -1 where nothing is seen; of faces in one place that of the
     // least form_factor_rank is seen, so that the order of the list does not show.
     const FormFactorSamples *(*samples)(void *self);
     void (*items)(void *self, const View *view, int32_t *item, FormFactorWork *work);
@@ -96,9 +96,9 @@ FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
 void form_factor_end(FormFactor *self);
 // The row of a view; valid until the next one.
 const Row *form_factor_row(FormFactor *self, const View *view);
-// What each sample of a projective method sees, and where to look for the samples: for tests and pictures.
+// The face that each sample of a projective method sees, and where to look for the samples: for tests and pictures.
 const FormFactorSamples *form_factor_samples(FormFactor *self);
-// Of a view, [samples] as FormFactorMethod.items; valid until the next one.
+// The items of a view, [samples] as FormFactorMethod.items; valid until the next one.
 const int32_t *form_factor_items(FormFactor *self, const View *view);
 FormFactorWork form_factor_work(const FormFactor *self);  // of all rows so far
 

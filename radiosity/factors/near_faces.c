@@ -17,7 +17,7 @@ static const double NEAR = 8;
 static const double BESIDE = 4;
 // And has so much of the light at least: others err little.
 static const double LEAST_SHARE = 0.1;
-// What is less than this inside the face's cone, as an angle's tangent, or before its plane, as a share of the distance, touches
+// A point less than this inside the face's cone, as an angle's tangent, or before its plane, as a share of the distance, touches
 // it: far above the rounding of doubles, far below what shows.
 static const double TOUCH = 1e-6;
 enum { MOST_NEAR = 6 };  // as faces of a box; more are left as they are
@@ -43,7 +43,7 @@ static bool is_near(const View *view, const ViewFace *face) {
     return true;
 }
 
-// What lies before a face and above the horizon, a little shrunk: keep. Returns how many planes there are.
+// The planes of the space before a face and above the horizon, a little shrunk. Returns how many planes there are.
 static int space_before(const View *view, const ViewFace *face, Plane *out) {
     const Vec3 *v = view->vertices + face->first_vertex;
     int count = 0, n = face->vertex_count;

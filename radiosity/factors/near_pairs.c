@@ -11,11 +11,11 @@
 #include "engine/core/lanes.h"
 #include "engine/core/polygon.h"
 
-// Of an element that has no more.
+// An element that has no more.
 enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };
 // An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
 static const float LEAST = 1e-5f;
-// What is not near takes what near elements leave, if it had so much, and becomes neither so much more nor less.
+// Elements that are not near take the share that near elements leave, if it had so much, and becomes neither so much more nor less.
 static const double LEAST_REST = 1e-3, MOST_SCALE = 2;
 
 // Two edges are one where the sine of the angle between them is below this.
@@ -156,7 +156,7 @@ static void add_element(PointList *list, const Vec3 *v, int count, int parts) {
     }
 }
 
-// Of elements so many that they are small.
+// For so many elements that they are small.
 static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < count; i++) sum = vec3_add(sum, v[i]);
@@ -216,7 +216,7 @@ static inline Lane angle_of(Lane sine, Lane cosine) {
     return lane_choose(cosine < 0, lane_of((float)M_PI) - a, a);
 }
 
-// Of one edge, seen from eight points.
+// One edge, seen from eight points.
 static inline Lane edge_share(Lane x, Lane y, const float a[3], const float b[3]) {
     Lane ax = lane_of(a[0]) - x, ay = lane_of(a[1]) - y, az = lane_of(a[2]);
     Lane bx = lane_of(b[0]) - x, by = lane_of(b[1]) - y, bz = lane_of(b[2]);
@@ -225,7 +225,7 @@ static inline Lane edge_share(Lane x, Lane y, const float a[3], const float b[3]
     return angle_of(sine, ax * bx + ay * by + az * bz) * cz / sine;
 }
 
-// What an element has of the light of the centre, and in the mean of all of the patch.
+// An element's share of the light of the centre, and in the mean of all of the patch.
 static void factors(const Points *points, const float (*v)[3], int count, float *centre, float *mean) {
     *centre = *mean = 0;
     Lane sum = {0};
@@ -242,7 +242,7 @@ static void factors(const Points *points, const float (*v)[3], int count, float 
     *centre *= (float)(0.5 / M_PI);
 }
 
-// What of an element lies before the patch, in its axes; returns how many corners.
+// The part of an element before the patch, in its axes; returns how many corners.
 static int corners_before(const NearPairs *self, const Axes *axes, int element, float out[][3]) {
     Vec3 v[MOST_CORNERS], part[MOST_CORNERS + 1];
     int count = corners_of(self->shapes, axes, element, v);
@@ -271,7 +271,7 @@ static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) 
     return radius;
 }
 
-// What an element has of a patch's light, that has `share` of its centre's.
+// An element's share of a patch's light, given `share`, that of its centre's.
 static float mend(const NearPairs *self, const Axes *axes, const Points *points, int element, float share) {
     float v[MOST_CORNERS + 1][3], centre, mean;
     int count = corners_before(self, axes, element, v);

@@ -20,9 +20,9 @@ const FormFactorSamples *sampler_samples(const Sampler *self);
 
 // Draws what is in view. Of lines that are longer than a face's edge the ends come from the mesh.
 void sampler_draw(Sampler *self, const View *view, FormFactorWork *work);
-// What was drawn, as indices of view->faces in the order of the samples.
+// The faces drawn, as indices of view->faces in the order of the samples.
 void sampler_items(const Sampler *self, int32_t *item);
-// What was drawn, as shares of elements.
+// The faces drawn, as shares of elements.
 void sampler_row(Sampler *self, const View *view, RowSum *sum);
 
 #endif

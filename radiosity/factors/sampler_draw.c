@@ -81,7 +81,7 @@ static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec
     return view_frame_of(frame, off);
 }
 
-// Of each edge the plane through it and the eye, in the samples' axes; its length says nothing.
+// For each edge the plane through it and the eye, in the samples' axes; its length says nothing.
 static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *view, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
@@ -98,7 +98,7 @@ static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *vie
     return count;
 }
 
-// Of all the face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
+// A bound for the whole face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
 // of a plane that is seen edge-on.
 static float nearest_of(const View *view, const ViewFace *face) {
     const Vec3 *v = view->vertices + face->first_vertex;
@@ -137,7 +137,7 @@ static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, Lane
     return middle + spread >= 0;
 }
 
-// Of sixteen boxes, those that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+// Picks those of sixteen boxes that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
 static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
     if (lane_mask(low | high) == 0) return 0;
@@ -150,7 +150,7 @@ static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     return lane_mask(low) | lane_mask(high) << LANES;
 }
 
-// Of the edges, those that cross box i.
+// The edges that cross box i.
 static inline int choose_edges(const Drawing *d, int i) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
@@ -169,7 +169,7 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool fl
     return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
-// Of the directions of a row that see another face as near, those that see this one all the same.
+// Among the directions of a row that see another face as near, those that see this one all the same.
 static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
     LaneInt wins = {0};
     for (unsigned left = lane_mask(tied); left;) {
@@ -187,7 +187,7 @@ static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneI
     return wins;
 }
 
-// Of a block that has been drawn, what was left open. What is seen stays as near, by less than a tie.
+// Decides the places that a drawn block left open. The depth seen stays as near, by less than a tie.
 static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                              const LaneInt outside[SAMPLER_BLOCK]) {
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
@@ -201,7 +201,7 @@ static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *it
     }
 }
 
-// What is inside the face and nearer than what is there sees it from now on. Returns the least 1 / distance now seen in the
+// Places inside the face, where it is nearer than the depth there, see it from now on. Returns the least 1 / distance now seen in the
 // block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt outside[SAMPLER_BLOCK], bool flat) {

@@ -14,7 +14,7 @@ typedef struct SampleBlock {
     Lane z[SAMPLER_BLOCK], rows, columns, x[SAMPLER_BLOCK], y[SAMPLER_BLOCK];
 } SampleBlock;
 
-// What is seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
+// The depths seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
 typedef struct ItemBlock {
     Lane near[SAMPLER_BLOCK];
     LaneInt face[SAMPLER_BLOCK];
@@ -37,10 +37,10 @@ typedef struct GridForm {
     float x, y, z;
 } GridForm;
 
-// What a direction meets: a square, or
+// The square that a direction meets, or
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
-// Of a view: its eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
+// A view's eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
 // axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
 typedef struct ViewFrame {
     Four x, y, z, stay, cross;
@@ -78,7 +78,7 @@ struct Sampler {
     FormFactorSamples samples;
     bool flat;   // all blocks are
     bool equal;  // all weights are the same: samples are counted
-    // Of one view.
+    // The view at hand.
     ViewFrame frame;
     int *grid_stamp;        // [face_count]
     int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
@@ -97,7 +97,7 @@ typedef struct SamplerView {
     const View *view;
 } SamplerView;
 
-// What rounding may make of a face's 1 / distance and of those drawn with it, 1/m.
+// Rounding may change a face's 1 / distance and those drawn with it by this much, 1/m.
 float sampler_tie_within(const Form *near);
 // Is the first face seen where the two lie in one plane (1), the other (-1), or do they not (0)?
 int sampler_tie_of_planes(const SamplerView *of, int face, int other);

@@ -47,7 +47,7 @@ static inline Lane form_at(GridForm f, const SampleBlock *b, int row) {
                              lane_multiply_add(lane_of(f.y), b->y[row], lane_of(f.z) * b->z[row]));
 }
 
-// Of eight numbers, whole ones in 0 .. count - 1; of what is no number, 0.
+// Eight numbers as whole ones in 0 .. count - 1; 0 in place of one that is no number.
 static inline LaneInt whole(Lane a, Lane most) {
     return __builtin_convertvector(lane_least(lane_most(a, (Lane){0}), most), LaneInt);
 }
@@ -108,7 +108,7 @@ static int element_beside(const Sampler *s, const View *view, int block, int at)
     return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
-// Of places `run` of a block.
+// The places `run` of a block.
 static double share_of(const Sampler *s, int block, uint64_t run) {
     if (s->equal) return __builtin_popcountll(run);
     double share = 0;
@@ -172,7 +172,7 @@ static void fetch(const void *from, size_t bytes) {
     for (size_t i = 0; i < bytes && i < MOST_FETCHED; i += 64) __builtin_prefetch((const char *)from + i);
 }
 
-// What most of the row will ask for, while the first of it is on its way: the faces in the corners of the blocks' halves.
+// Fetches the data for most of the row while its beginning is on its way: the faces in the corners of the blocks' halves.
 static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
     for (int at = 0; at < s->block_count * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
         if (s->masks[at] == 0) continue;

@@ -18,7 +18,7 @@ static const double ONE_PLANE = 1e-8;
 // A face's 1 / distance errs by so much of the sum of its coefficients: three products and sums of floats, and their factors'
 // own rounding; twice, of the two that are compared.
 static const float ROUNDING = 8 * 0x1p-24f;
-// Of a face as near as this, metres, or nearer, nothing finer is asked: else all would be tied.
+// A face as near as this, metres, or nearer, is asked nothing finer: else all would be tied.
 static const float NEAREST = 1e-3f;
 
 float sampler_tie_within(const Form *near) {
@@ -29,7 +29,7 @@ static const ViewFace *view_face(const SamplerView *of, int face) {
     return &of->view->faces[of->sampler->view_index[face]];
 }
 
-// Of faces in one place the one is seen that turns its front to the eye, then the lower.
+// Among faces in one place the one that turns its front to the eye is seen, then the lower.
 static bool is_first(const ViewFace *a, const ViewFace *b) {
     return form_factor_rank(a) < form_factor_rank(b);
 }

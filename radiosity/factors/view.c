@@ -17,7 +17,7 @@ static const double ON_PLANE = 1e-9;
 // The same for places far from the origin, of the largest coordinate: eight roundings.
 static const double ON_PLANE_RELATIVE = 8 * 0x1p-53;
 
-// What a face is asked first, in one line of the cache.
+// The first questions to a face, in one line of the cache.
 typedef struct FaceShape {
     Vec3 centre;       // of its corners, on its plane
     Vec3 n;            // to its front

@@ -12,7 +12,7 @@ typedef struct ViewFace {
     double d;                        // dot(n, p) = d on its plane; below 0: the eye is in front of it
 } ViewFace;
 
-// What is before a point.
+// The faces before a point.
 typedef struct View {
     Vec3 eye, x, y, z;  // building space; x, y, z are unit and right-handed
     // Those with a point above the horizon (z > 0) whose planes do not hold the eye; near to far as their nearest

@@ -107,7 +107,7 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
     for (int i = 0; i < count; i++) root[i] = set_find(f->parent, i);
     for (int i = 0; i < count; i++)
         if (f->bent[root[i]]) f->parent[i] = i;
-    // What stays joined must not hang from what was parted: give each set a root of its own again.
+    // Sets that stay joined must not hang from numbers that were parted: give each set a root of its own again.
     for (int i = 0; i < count; i++)
         if (!f->bent[root[i]]) f->parent[i] = root[i];
     Finder shared = *f;

@@ -93,7 +93,7 @@ typedef struct Mesh {
         face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
     int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,
         shared_count;
-    // What was not taken as it is, for reports.
+    // Counts of faces that were changed or left out, for reports.
     int dropped_faces;    // without area
     int merged_elements;  // slivers that became part of their neighbours
     int lost_patches;     // of which no part lies in a cell
@@ -122,10 +122,12 @@ static inline int mesh_square(const Mesh *mesh, int square) {
     return element >= -1 ? element : mesh->shared[~(element + 1) + 1];
 }
 
+// The material of a face.
 static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];
 }
 
+// Does a face emit light?
 static inline bool mesh_emits(const Mesh *mesh, int face) {
     Rgb e = mesh_material(mesh, face)->emission;
     return e.r + e.g + e.b > 0;

@@ -31,7 +31,7 @@ static double mean_edge(const Vec3 *points, const Rings *rings) {
 
 enum { RINGS_A_GROUP = 512 };
 
-// What a group of rings became.
+// The outcome for a group of rings.
 typedef struct Anchored {
     Arena arena;
     int *corner, count, capacity;

@@ -22,7 +22,7 @@ typedef struct MeshCutting {
     int *code;      // [leaf_count] and what Mesh.squares says of those then
     int merged;     // slivers that became part of their neighbours
     double square;  // area of a whole one, m^2
-    // What leaves are cut into: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
+    // The pieces into which leaves are cut: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
     MeshPiece *pieces;
     int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;

@@ -31,7 +31,7 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
     for (int i = 0; i < count; i++) {
         Vec3 edge = vec3_sub(points[corner[(i + 1) % count]], points[corner[i]]);
         double length = vec3_length(edge);
-        // Of edges equally long but for rounding the first.
+        // Among edges equally long but for rounding the first.
         if (length <= longest * (1 + 1e-9)) continue;
         longest = length;
         x = edge;

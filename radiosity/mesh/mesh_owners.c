@@ -30,7 +30,7 @@ static int element_about(const Sides *sides, int count, Vec3 middle, double reac
     return code;
 }
 
-// Of a leaf in pieces.
+// A leaf in pieces.
 static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *arena) {
     const Face *face = c->face;
     MeshBlock b = c->leaves[leaf].block;

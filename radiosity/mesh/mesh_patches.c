@@ -99,7 +99,7 @@ static void finish_cut_patch(MeshCutting *c, Growing *growing) {
     finish_patch(c, growing, best);
 }
 
-// What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
+// Covered pieces have a patch of their own, from which nothing open shoots; very many pieces have several.
 static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
     Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {

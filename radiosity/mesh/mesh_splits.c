@@ -2,7 +2,7 @@
 #include "engine/core/error.h"
 #include "radiosity/mesh/mesh_parts.h"
 
-// What becomes of a node.
+// The fate of a node.
 typedef enum Cut { WHOLE, QUARTERS, HALVES } Cut;
 
 // A node of a tree: a square, or the half of one.
@@ -162,7 +162,7 @@ static Wanted wanted_in(const Writer *w, MeshBlock b) {
     return most;
 }
 
-// Of a square that is wanted halved along both axes the first leaves one half whole, where there is one.
+// Where a square is wanted halved along both axes, the first halving leaves one half whole, where there is one.
 static int first_axis(const Writer *w, MeshBlock b, int depth, const Wanted *wanted) {
     if (wanted->along[1] <= depth) return 0;
     if (wanted->along[0] <= depth) return 1;

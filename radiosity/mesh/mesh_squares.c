@@ -13,7 +13,7 @@ static const double NOTHING = 1e-9;
 
 // ---- parts of a face
 
-// What a block holds of the face, in c->part; returns how many corners it has.
+// The part of the face in a block, in c->part; returns how many corners it has.
 static int part_in(MeshCutting *c, MeshBlock b) {
     const Face *face = c->face;
     int count = c->count;

@@ -7,7 +7,7 @@
 
 // Planes are one where their normals are this near, 1 - cosine: the rounding of models with six digits.
 static const double SAME_PLANE = 1e-6;
-// What rises from an edge with more than this sine stands on it: light cannot pass along the surface there.
+// A face that rises from an edge with more than this sine stands on it: light cannot pass along the surface there.
 static const double STANDS = 1e-3;
 
 // An edge of an element, from corner `from` to the next, `to`.

@@ -79,7 +79,7 @@ static void add_triangles(Model *m, const Vec3 *v, int count, int tag, Arena *ar
     }
 }
 
-// What stays holds the corners that it shares with what is fine.
+// Faces that stay hold the corners that they share with fine ones.
 static Model model_of(const Finder *f, const Object *object, Arena *arena) {
     Model m = {0};
     places_start(&m.places, arena);

@@ -103,7 +103,7 @@ ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *triangles,
         memcpy(m.polygons[i].corner, t->corner, sizeof t->corner);
         for (int k = 0; k < 3; k++) {
             Edge *e = edge_at(&m, t->corner[k], t->corner[(k + 1) % 3]);
-            // Of sheets in one place the first.
+            // Among sheets in one place the first counts.
             if (e->polygon < 0) *e = (Edge){t->corner[k], t->corner[(k + 1) % 3], i};
         }
     }

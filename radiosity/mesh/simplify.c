@@ -17,7 +17,7 @@ static const double LEAST_TURNED = 0.35;
 static const double THIN = 0.05;
 // Planes are one where their normals are this near, 1 - cosine, and they are this share of the tolerance apart.
 static const double SAME_WAY = 1e-4, SAME_PLACE = 0.02;
-// Of harms alike the shorter edge goes first: a metre of edge counts as so many of harm.
+// Among equal harms the shorter edge goes first: a metre of edge counts as so many of harm.
 static const double LENGTH_WEIGHT = 1e-3;
 // A corner that would stand for more planes stays: the time it takes to ask them all.
 enum { MOST_PLANES = 160 };
@@ -119,7 +119,7 @@ static bool keeps_shapes(const Work *w, int u, int v) {
     return true;
 }
 
-// What both have as a neighbour must be the third corner of a triangle on their edge: otherwise a tube closes or two sheets fold
+// A neighbour of both must be the third corner of a triangle on their edge: otherwise a tube closes or two sheets fold
 // into one.
 static bool keeps_topology(Work *w, int u, int v) {
     int around[MOST_NEIGHBOURS], count = neighbours_of(w, v, around), common = 0, opposite = 0;

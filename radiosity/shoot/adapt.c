@@ -12,7 +12,7 @@
 #include "radiosity/shoot/adapt_trees.h"
 #include "radiosity/shoot/sky.h"
 
-// Of the first solution.
+// For the first solution.
 static const double FIRST_RESIDUAL = 0.25;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
@@ -22,7 +22,7 @@ static const double FIRST_LOOKS = 1.6e7, LAMP_LOOKS = 3e6, SMALL_FILE = 1e6;
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Elements are not more often split than so below their patch.
 enum { MOST_BELOW_PATCH = 2 };
-// Of what is only to tell where shadows are.
+// Lamp detail of the pilot solution, which only tells where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
 static const double PATCH_EDGE = 1.5;
@@ -66,7 +66,7 @@ static double reflectance_of(const Mesh *mesh, int element) {
     return (double)(rho.r + rho.g + rho.b) / 3;
 }
 
-// Of all channels, from what is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
+// The light of all channels, from the part that is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
 static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
     const Material *m = mesh_material(mesh, mesh->elements[element].face);
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
@@ -115,7 +115,7 @@ static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Me
     return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
 }
 
-// What the reflected light of reflected light looks like, on patches of two by two elements.
+// The light after two reflections, on patches of two by two elements.
 static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
     MeshOptions rough = *options;
@@ -139,7 +139,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     return true;
 }
 
-// Of the square that an element is, or is cut from, metres.
+// The side of the square that an element is, or is cut from, metres.
 static double root_edge(const Mesh *mesh, int element) {
     const Face *face = &mesh->faces[mesh->elements[element].face];
     return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
@@ -180,7 +180,7 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
     double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch,
            root = root_edge(mesh, element);
     double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
-    // Of lamps, of which each shoots with more detail, a quarter of the root at least.
+    // For lamps, each of which shoots with more detail, a quarter of the root at least.
     if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
     int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;

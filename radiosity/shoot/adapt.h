@@ -11,10 +11,10 @@ typedef struct AdaptOptions {
     double smallest;  // edge of the smallest elements, metres
     double sky[3];    // radiance, W/m^2/sr a channel
 } AdaptOptions;
-// What `enfilade bake` takes.
+// As `enfilade bake` takes it.
 AdaptOptions adapt_default_options(void);
 
-// What a mesh is made of.
+// The scene of which a mesh is made.
 typedef struct AdaptScene {
     const CellGraph *graph;
     const Vec3 *vertices;  // as for mesh_build

@@ -1,7 +1,7 @@
 // adapt_trees.c - how deep quadtrees over a lit mesh are worth being: of all their prunings that which tells the light best with so
 // many elements.
 //
-// What a constant does not tell of the light within a node is known from the elements below it; of an element it is guessed from
+// The light within a node that a constant does not tell is known from the elements below it; of an element it is guessed from
 // the slope of light there, by which each split takes three quarters. A leaf costs the same wherever it is: where the sum of squares
 // and of costs is least, from the leaves upwards, no other tree with as many leaves tells more (Breiman, Friedman, Olshen & Stone
 // 1984, chapter 10: minimal cost-complexity pruning). The cost is found that leaves as many elements as there may be.
@@ -14,7 +14,7 @@
 
 // ---- slopes
 
-// What is known of an element's slope along one axis.
+// Facts about an element's slope along one axis.
 typedef struct Steps {
     double sum, squares, weight;
 } Steps;
@@ -32,7 +32,7 @@ static double edge_along(const Mesh *mesh, const Element *e, int axis) {
                      : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
 }
 
-// What is seen of a square: of the elements that light reaches the largest, -1: none. The others are covered.
+// The element that stands for a square: the largest that light reaches, -1: none. The others are covered.
 static int seen_in(const AdaptField *f, int square) {
     const Mesh *mesh = f->mesh;
     int code = mesh->squares[square];
@@ -113,7 +113,7 @@ AdaptField adapt_field(const Mesh *mesh, const double *light, Arena *arena) {
 
 // ---- trees
 
-// What a constant would tell of the light of some squares.
+// The light of some squares as a constant would tell it.
 typedef struct Moments {
     double area, mean, error;
 } Moments;
@@ -126,7 +126,7 @@ typedef struct Node {
     double half[2][2];
     double slope_error[2];  // of an element, by the slope along either axis
     int most;               // how often it may be halved along each
-    // What it is worth. Of an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
+    // Its worth. For an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
     // halves are halved again.
     MeshDepth depth;
     int axis;

@@ -4,7 +4,7 @@
 
 #include "radiosity/shoot/shoot.h"
 
-// What arrives everywhere indoors of the light that patches have not shot yet, with all its reflections, W/m^2 a channel.
+// The light that patches have not shot yet, as it arrives everywhere indoors, with all its reflections, W/m^2 a channel.
 void ambient_irradiance(const Mesh *mesh, const RadSolution *solution, double out[3]);
 
 // Radiosities with what they reflect of that, [element_count], for show: the solution itself knows nothing of it.

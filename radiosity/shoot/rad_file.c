@@ -68,7 +68,7 @@ static Sizes sizes_of(const Header *h) {
 
 static const Building *building_of(const Mesh *mesh) { return mesh->graph->building; }
 
-// Of a door in a file's body.
+// A door in a file's body.
 static float stored_state(const unsigned char *body, int door) {
     float state;
     memcpy(&state, body + (size_t)door * sizeof state, sizeof state);

@@ -47,7 +47,7 @@ struct RadSolution {
     int node_count;
 };
 
-// What was done.
+// The work that was done.
 typedef struct RadReport {
     double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
     long long shots, rows_made, rows_kept;
@@ -57,7 +57,7 @@ typedef struct RadReport {
     bool stopped;  // progress asked to
 } RadReport;
 
-// What is emitted, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
+// The emitted light, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
 bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
 // The same, but nothing needs to emit light: the sky may shine.
 bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
@@ -72,7 +72,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 // False, and a sentence, where the file is damaged or of another building, mesh or state of the doors.
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
               Error *error);
-// Of a file: how its mesh was made, before there is one, and how the doors stood, [opening_count].
+// Reads from a file how its mesh was made, before there is one, and how the doors stood, [opening_count].
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
                       float *door_open, Error *error);
 

@@ -16,7 +16,7 @@ typedef struct ShotList {
     int count;
 } ShotList;
 
-// What the elements of a patch do with power.
+// The elements of a patch emit or receive power.
 typedef struct Reflector {
     float reflectance[3];
     int first_element;

@@ -18,7 +18,7 @@ enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
 // Rows that wait for their shots where there is no room to keep more, of each thread: nearly all are shot before so many came.
 enum { WAITING = 64 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
-// What the rows of lamps may cost, in rows of the usual resolution.
+// The most that the rows of lamps may cost, in rows of the usual resolution.
 static const double MOST_LAMP_WORK = 4000;
 // Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
@@ -44,13 +44,13 @@ typedef struct Slot {
     bool waiting;  // it is not, and was not shot yet
 } Slot;
 
-// What becomes of an element's share.
+// The fate of an element's share.
 typedef struct Taker {
     int patch;
     float per_area;  // 1/m^2
 } Taker;
 
-// What all makers share: lines and shapes.
+// Data that all makers share: lines and shapes.
 enum { SHARED = 2 };
 
 struct ShootRows {
@@ -82,7 +82,7 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     return detail > 1 ? resolution * detail : resolution;
 }
 
-// What all makers share, and what each needs beside that.
+// Data that all makers share, and data that each has for itself.
 static void share_or_equip(void *context, int index, int thread) {
     (void)thread;
     ShootRows *rows = context;
@@ -153,7 +153,7 @@ void shoot_rows_end(ShootRows *rows) {
 
 int shoot_rows_most(const ShootRows *rows) { return rows->slot_count; }
 
-// Of the memory for rows, each thread's.
+// Each thread's part of the memory for rows.
 static size_t share_of(const ShootRows *rows) { return rows->options->row_bytes / (size_t)rows->threads; }
 
 int shoot_rows_wanted(const ShootRows *rows) {
@@ -194,7 +194,7 @@ enum { TAKERS_AHEAD = 24 };
 // Runs of one length lie together, all longer ones too: loops over them take no guesses where they end.
 enum { RUN_LENGTHS = 8 };
 
-// Of each length, runs and their elements: how many, or where the next one goes.
+// For each length, runs and their elements: how many, or where the next one goes.
 typedef struct Runs {
     int count;
     int run[RUN_LENGTHS], element[RUN_LENGTHS];

@@ -4,7 +4,7 @@
 
 #include "radiosity/shoot/shoot.h"
 
-// What a patch receives of a row.
+// A patch's share of a row.
 typedef struct ShootRun {
     int patch;
     float share;
@@ -40,7 +40,7 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count);
 // The row of a patch was shot: it goes unless it is kept.
 void shoot_rows_shot(ShootRows *rows, int patch);
 
-// What was made so far, into the fields of a report.
+// The work so far, into the fields of a report.
 void shoot_rows_report(const ShootRows *rows, RadReport *report);
 
 #endif

@@ -37,7 +37,7 @@ typedef struct Watcher {
     FormFactorWork work;
 } Watcher;
 
-// What a piece sends in.
+// The light that a piece sends in.
 typedef struct Beam {
     Arena arena;
     int count, *element;
@@ -135,7 +135,7 @@ static double sky_share(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int c
     return share;
 }
 
-// Of a place that nothing stands before.
+// A place that nothing stands before.
 static double open_share(Vec3 normal) { return 0.5 + 0.5 * normal.z; }
 
 static int cell_before(const Shine *s, Vec3 eye, Vec3 normal, int hint) {

@@ -26,7 +26,7 @@ static Vec3 centre_of(const Vec3 *v, int count) {
     return area > 0 ? vec3_add(v[0], vec3_scale(sum, 1 / area)) : v[0];
 }
 
-// What of a polygon lies from `low` to `high` along x. `out` has room for count + 2.
+// The part of a polygon from `low` to `high` along x. `out` has room for count + 2.
 static int strip(const Vec3 *polygon, int count, Vec3 x, double low, double high, Vec3 *out) {
     Vec3 part[SKY_CORNERS];
     int left = polygon_clip(polygon, count, (Plane){x, low}, 0, part);

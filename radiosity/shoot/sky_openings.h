@@ -29,7 +29,7 @@ enum { SKY_CORNERS = 64 };
 bool sky_is_outdoors(const CellGraph *graph, int cell);
 SkyOpenings sky_openings(const CellGraph *graph, Arena *arena);
 
-// Of what samples see from the middle of a piece of an opening, inwards, forgets (-1) what lies behind another opening.
+// Forgets (-1) faces behind another opening among those that samples see from the middle of a piece of an opening, inwards.
 void sky_end_at_exits(const SkyOpenings *openings, const StabForest *forest, int opening, const View *view,
                       const FormFactorSamples *samples, int32_t *item);
 

@@ -30,7 +30,7 @@ static void look_from(Gatherer *gatherer, const Mesh *mesh, Vec3 node, Vec3 towa
     double length = vec3_length(way), hair = fmin(HAIR * length, LONGEST_HAIR);
     Vec3 at = length > 0 ? vec3_add(node, vec3_scale(way, hair / length)) : node;
     at = vec3_sub(at, vec3_scale(face->plane.n, plane_distance(face->plane, at)));
-    // Of a wall all is in one cell; what stands in rooms may reach into several.
+    // A wall lies in one cell; a thing in a room may reach into several.
     bool surface = mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
     int hint = mesh->patches[e->patch].cell;
     int cell = surface ? hint : gather_cell(mesh->graph, at, face->plane.n, hint);

@@ -27,7 +27,7 @@ GatherOptions gather_exact_options(void) {
                            .near = near_default_options()};
 }
 
-// What leaves an element, less what it emits where lamps are exact: mean[c] + dot(slope[c], p) - offset[c].
+// The light that leaves an element, less its emission where lamps are exact: mean[c] + dot(slope[c], p) - offset[c].
 typedef struct Leaving {
     double mean[3], offset[3];
     Vec3 slope[3];
@@ -169,7 +169,7 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
     }
 }
 
-// What near elements have of the light: their shares, and what that would be if they shone evenly.
+// The shares of near elements in the light, and what these would be if they shone evenly.
 typedef struct Near {
     double share, even[3];
 } Near;

@@ -13,13 +13,13 @@ typedef struct GatherOptions {
     bool exact_lamps;  // what faces emit by closed form, whatever the method
     NearOptions near;  // reach 0: what is close is looked up as all else is
 } GatherOptions;
-// What `bake --probe` takes.
+// As `bake --probe` takes it.
 GatherOptions gather_default_options(void);
 // As exact as it gets, at ten times the cost: analytic rows. And walks to what is close: nothing in the open, 10 to 100 ms in corners
 // and slits.
 GatherOptions gather_exact_options(void);
 
-// What is gathered.
+// The scene whose light is gathered.
 typedef struct GatherScene {
     const Mesh *mesh;
     const StabForest *forest;

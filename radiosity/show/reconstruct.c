@@ -14,14 +14,14 @@
 // A node's value is a sum of its elements' with factors that sum to 1; the sum of their squares says how much noise of elements
 // it has. Up to 1 it is no noisier than an element: it lies among those that meet there.
 static const double AMONG = 1;
-// What extrapolation may cost: at a corner of equal squares 2.3; 6.5 where a large square stands in the corner with far
+// Extrapolation may cost this much: at a corner of equal squares 2.3; 6.5 where a large square stands in the corner with far
 // smaller ones behind it, whose centroids are near its own.
 static const double MOST_NOISE = 8;
 // Centroids nearer than this, metres squared, count no more: rounding.
 static const double NEAREST = 1e-18;
 // Elements smaller than this share of the mean of those around them are slivers: elements of neighbouring sizes are not, of 1 to 4.
 static const double SLIVER = 0.25;
-// What is laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
+// The rest laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
 static const double MOST_REST = 0.2;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
 static const double NO_SPREAD = 1e-6;
@@ -63,7 +63,7 @@ Vec3 element_centroid(const Mesh *mesh, int element) {
 
 // ---- slivers
 
-// Of an element and all that meet it smoothly, each once: their sums, of place and light by area.
+// Sums over an element and all that meet it smoothly, each once: their sums, of place and light by area.
 static void gather_around(Fit *fit, int element, Vec3 *moment, double power[3], double *area, int *count) {
     const Mesh *mesh = fit->mesh;
     const Element *own = &mesh->elements[element];
@@ -230,7 +230,7 @@ static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *sc
     for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
 }
 
-// What elements have and their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
+// Light of elements that their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
 static void leave_the_rest(Fit *fit, double (*node)[3]) {
     Arena scratch = {0};
     for (int e = 0; e < fit->mesh->element_count; e++) {

@@ -28,7 +28,7 @@ void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 p
 // The same where the element is known.
 void reconstruct_in(const Mesh *mesh, const VertexLight *light, int element, Vec3 point, double out[3]);
 
-// Of an element's area.
+// The share of an element's area.
 Vec3 element_centroid(const Mesh *mesh, int element);
 
 #endif

@@ -19,7 +19,7 @@ PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena)
 
 void path_tracer_end(PathTracer *tracer) { path_world_end(&tracer->world); }
 
-// Of blocks: sums of their means and of the squares of these; the fourth channel is the sum of the others.
+// Sums over blocks: of their means and of the squares of these; the fourth channel is the sum of the others.
 typedef struct Blocks {
     double sum[4], squares[4];
     long long count;

@@ -21,7 +21,7 @@ typedef struct PathQuery {
     uint64_t seed;  // another for each point
 } PathQuery;
 
-// What arrives at a point.
+// The light that arrives at a point.
 typedef struct PathResult {
     double irradiance[3], standard_error[3];  // W/m^2 a channel
     long long paths;

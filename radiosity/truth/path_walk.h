@@ -44,7 +44,7 @@ typedef struct PathEnd {
 // `end`: NULL, it ends where light is absorbed.
 void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce, const PathEnd *end,
                double weight[3], double light[3]);
-// What is left of a walk's weight by a surface; false: absorbed, by Russian roulette.
+// The part of a walk's weight that a surface leaves; false: absorbed, by Russian roulette.
 bool path_reflect(const Material *material, double u, double weight[3]);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "visibility/pairs/pairs.h"
 
-// Of ordered pairs, each cell with itself among them.
+// Counts of ordered pairs, each cell with itself among them.
 typedef struct PairFigures {
     long long visible, bound;  // pairs in the set; pairs proven visible
     long long beyond;          // in the set, not proven
@@ -19,7 +19,7 @@ double pairs_over(const PairFigures *figures);
 // Adds to `bound` the pairs whose sightlines hold when walked again, both ways round. Returns how many did not.
 long long pairs_check_witnesses(const CellGraph *graph, const PairSet *set, uint64_t *bound);
 
-// What both cells of a pair see of each other: the rows without what their transpose lacks.
+// Pairs that see each other both ways: the rows without the bits that their transpose lacks.
 void pairs_intersect_transpose(const uint64_t *rows, int cell_count, uint64_t *out);
 // Adds the pairs of `rows` to `bound`.
 void pairs_unite(const uint64_t *rows, int cell_count, uint64_t *bound);

@@ -4,7 +4,7 @@
 // already decided are not looked for, and a chain is given up as soon as no cell in doubt touches its beam.
 #include "visibility/pairs/flow.h"
 
-// What steps take, see ways_work.
+// The work of steps, see ways_work.
 enum { WORK_BOX = 10, WORK_WAY = 5, WORK_NARROW = 100, WORK_PLANES = 400 };
 
 static bool has_work(const Flow *flow) { return flow->spent < flow->allowed; }
@@ -58,7 +58,7 @@ static bool keep_in_beam(Flow *flow, FlowStep *step) {
     return kept > 0;
 }
 
-// Of what is wanted beyond `from`, what may be seen through `way`; false when that is nothing.
+// The wanted cells beyond `from` that may be seen through `way`; false where there are none.
 static bool want(Flow *flow, const CellList *from, int way, CellList *to) {
     const uint64_t *might = flow->might + (size_t)way * (size_t)flow->ways->words;
     to->count = 0;
@@ -148,7 +148,7 @@ int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) 
     return through->count;
 }
 
-// What of the portal of the way is seen from the point; false when that is nothing.
+// The part of the way's portal that is seen from the point; false where there is none.
 static bool narrow_cone(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
     const Way *here = &flow->ways->ways[way];
     double epsilon = flow->ways->epsilon;

@@ -20,7 +20,7 @@ typedef struct PairWitness {
     Vec3 from, to;
 } PairWitness;
 
-// What a method did, for tables: the same on any number of threads.
+// The work of a method, for tables: the same on any number of threads.
 typedef struct PairWork {
     long long chains;      // sequences of portals followed
     long long clips;       // portals clipped by planes
@@ -28,7 +28,7 @@ typedef struct PairWork {
     long long given_up;    // searches that became too long: what was in doubt then counts as seen
 } PairWork;
 
-// What a method found.
+// The findings of a method.
 typedef struct PairSet {
     int cell_count, words;
     uint64_t *seen;  // [cell_count * words] bit j of row i: j may be seen from i. Symmetric, diagonal set
@@ -40,6 +40,7 @@ typedef struct PairSet {
     PairWork work;
 } PairSet;
 
+// Bit `to` of row `from` of a matrix as in PairSet.
 static inline bool pair_bit(const uint64_t *rows, int words, int from, int to) {
     return rows[(size_t)from * (size_t)words + (size_t)to / 64] >> (to % 64) & 1;
 }

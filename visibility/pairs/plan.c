@@ -35,7 +35,7 @@ typedef struct Slopes {
     double least, most;
 } Slopes;
 
-// What the searches from all cells share.
+// The data that searches from all cells share.
 typedef struct PlanGraph {
     WayGraph ways;
     PlanWay *plan;    // [way_count]
@@ -110,7 +110,7 @@ static bool narrow_slopes(Search *s, int depth, int way) {
     return open.least <= open.most;
 }
 
-// What may be reached through `way` at `depth` and was not yet.
+// The cells that may be reached through `way` at `depth` and were not yet.
 static bool narrow_wanted(Search *s, int depth, int way) {
     int words = s->graph->ways.words;
     uint64_t *out = s->wanted + (size_t)depth * (size_t)words, any = 0;

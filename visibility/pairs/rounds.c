@@ -120,7 +120,7 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     const WayGraph *ways = &r->ways;
     const Way *way = &ways->ways[index];
     const uint64_t *might = might_row(r, index), *proven = set_row(r, r->set->proven, way->from);
-    // What comes through the way is seen from both its cells.
+    // A line that comes through the way is seen from both its cells.
     const uint64_t *here = set_row(r, r->set->seen, way->from), *there = set_row(r, r->set->seen, way->to);
     uint64_t any = 0;
     for (int k = 0; k < ways->words; k++) {
@@ -146,7 +146,7 @@ static void take(Rounds *r, int way, Finding *finding) {
     int words = r->ways.words;
     rounds_take_proofs(r, finding);
     uint64_t *might = might_row(r, way);
-    // What the cell sees was lent before: only words that lose something can change.
+    // The cell's row was lent before: only words that lose something can change.
     for (int k = 0; k < words; k++) {
         uint64_t gone = might[k] & ~finding->kept[k];
         might[k] &= finding->kept[k];

@@ -8,7 +8,7 @@
 
 #include "visibility/pairs/flow.h"
 
-// What is known so far of a building; it only ever grows tighter.
+// The knowledge so far of a building, which only ever grows tighter.
 typedef struct Rounds {
     const PairOptions *options;
     const Progress *progress;
@@ -35,7 +35,7 @@ typedef struct Sight {
     Vec3 from, to;
 } Sight;
 
-// What one search found.
+// The findings of one search.
 typedef struct Finding {
     const Rounds *rounds;
     int source;       // cell the lines start from

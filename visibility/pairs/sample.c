@@ -22,7 +22,7 @@ static const double FROM_CORNER[] = {1e-3, 0.05};
 
 SampleOptions sample_default_options(void) { return (SampleOptions){.points = 12, .seed = 1}; }
 
-// What is seen of a portal, from the eye as origin, counter-clockwise as seen.
+// The part of a portal that is seen, from the eye as origin, counter-clockwise as seen.
 typedef struct Window {
     int count;
     Vec3 v[MOST_CORNERS];
@@ -109,7 +109,7 @@ static void raise_sides(Window *w) {
     for (int k = 0; k < w->count; k++) w->side[k] = vec3_cross(w->v[k + 1 == w->count ? 0 : k + 1], w->v[k]);
 }
 
-// What is seen of a portal of `cell` within the pyramid through `frame` (NULL: everywhere); false where that is nothing.
+// The part of a portal of `cell` that is seen within the pyramid through `frame` (NULL: everywhere); false where there is none.
 static bool see(const Sampler *s, int cell, const Portal *portal, const Window *frame, Window *out,
                 Vec3 *middle) {
     double before = plane_distance(portal->plane, s->eye);

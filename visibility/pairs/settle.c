@@ -9,7 +9,7 @@
 #include "engine/core/parallel.h"
 #include "visibility/pairs/sight.h"
 
-// Of one chain; beyond it the pair stays undecided.
+// Pieces of one chain; beyond that the pair stays undecided.
 enum { MOST_PIECES = 96 };
 // A piece takes as long as so many chains.
 enum { PIECE_CHAINS = 15 };
@@ -32,7 +32,7 @@ typedef struct Case {
 typedef struct Cutter {
     Flow *flow;
     int depth, pieces;
-    // What a piece of each level of halving leaves of the chain's portals; level 0 is the chain as the search left it.
+    // The rest of the chain's portals that a piece of each level of halving leaves; level 0 is the chain as the search left it.
     Winding *portals[MOST_PIECES + 1];  // [depth + 1] or NULL
     Arena arena;
     Sight sight;

@@ -52,7 +52,7 @@ void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *s
         for (int k = 1; k < p->vertex_count; k++) {
             if (hypot(v[k].x - v[0].x, v[k].y - v[0].y) > hypot(far.x - v[0].x, far.y - v[0].y)) far = v[k];
         }
-        // What is shorter than lines are wide lies under its neighbours.
+        // A line shorter than lines are wide lies under its neighbours.
         if (hypot(far.x - v[0].x, far.y - v[0].y) < style->width) continue;
         draw->line(draw->context, vec2(v[0].x, v[0].y), vec2(far.x, far.y), style);
     }

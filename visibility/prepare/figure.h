@@ -5,7 +5,7 @@
 #include "engine/core/draw.h"
 #include "visibility/vis.h"
 
-// What of the building lies at height z, in two layers: the ground (cells by kind, portals as thin lines) and above
+// The building at height z, in two layers: the ground (cells by kind, portals as thin lines) and above
 // it the lines (walls, doors with their swing, windows, names). What is drawn between them lies under the walls.
 void figure_ground(const CellGraph *graph, double z, const Draw *draw);
 void figure_lines(const CellGraph *graph, double z, const Draw *draw);
@@ -17,7 +17,7 @@ void figure_seen(const CellGraph *graph, const StabForest *forest, int root, dou
 void figure_tree(const CellGraph *graph, const StabForest *forest, int root, Box area, int max_depth,
                  const Draw *draw);
 
-// What figures are made of: of one cell or region, in a style of the caller's.
+// The parts of figures: one cell or region, in a style of the caller's.
 bool figure_cuts(const CellGraph *graph, int cell, double z);  // is the cell there at height z?
 void figure_fill(const CellGraph *graph, int cell, const DrawStyle *style, const Draw *draw);
 void figure_walls(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw);

@@ -11,7 +11,7 @@
 #include "visibility/trees/forest.h"
 #include "visibility/ways.h"
 
-// What all threads share.
+// The data that all threads share.
 typedef struct Growth {
     TreeGrower **growers;  // [threads], as are these
     uint64_t **rows;       // [words] of the cell at hand

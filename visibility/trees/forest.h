@@ -4,7 +4,7 @@
 
 #include "visibility/vis.h"
 
-// What all trees of a building are grown from; read only, on any number of threads.
+// The data from which all trees of a building are grown; read only, on any number of threads.
 typedef struct TreeSource TreeSource;
 TreeSource *tree_source_new(const CellGraph *graph, const VisOptions *options, Arena *arena);
 
@@ -15,7 +15,7 @@ typedef struct Tree {
     long long spent;  // work
 } Tree;
 
-// What one thread grows trees with.
+// The data with which one thread grows trees.
 typedef struct TreeGrower TreeGrower;
 TreeGrower *tree_grower_new(const TreeSource *source, Arena *arena);
 void tree_grower_end(TreeGrower *grower);

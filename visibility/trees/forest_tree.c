@@ -98,7 +98,7 @@ struct TreeGrower {
     Arena arena;
 };
 
-// What steps take, see ways_work: a way tried, and each end of a line that is longer than most; one narrowed by planes, and a
+// The work of steps, see ways_work: a way tried, and each end of a line that is longer than most; one narrowed by planes, and a
 // node besides its words.
 enum { WORK_WAY = 30, WORK_END = 8, LONG_LINE = 16, WORK_NARROW = 300, WORK_NODE = 100 };
 static const double WORK = 6e8;  // of all trees
@@ -172,7 +172,7 @@ static bool cross(Grower *g, Level *from, int way, Level *to, SightlineUndo *und
     return false;
 }
 
-// What a line may enter that may enter `before` and has come into `cell`.
+// The cells that a line may enter that may enter `before` and has come into `cell`.
 static void narrow_may(const TreeSource *source, const uint64_t *before, int cell, uint64_t *out) {
     int words = source->ways.words;
     if (source->large) return;
@@ -253,7 +253,7 @@ long long tree_work(const TreeSource *source) {
 
 int tree_waste(const TreeSource *source) { return source->large ? 8 : 1; }
 
-// What may be seen through the way before lines are tried: all, where the building is large.
+// The cells that may be seen through the way before lines are tried: all, where the building is large.
 static void reach(Grower *g, int cell, int way) {
     const TreeSource *source = g->source;
     size_t words = (size_t)source->ways.words;

@@ -1,4 +1,4 @@
-// plan.c - reads .plan, the line-based text format of maps/README.md, into a sketch and a building.
+// plan.c - reads .plan, the line-based text format of maps/PLAN.md, into a sketch and a building.
 //
 // Each statement is one row of STATEMENTS and one function, here, in plan_statements.c or in plan_model.c; its optional words are a table
 // inside it.
@@ -187,7 +187,7 @@ static bool recognise_plan(Bytes content) {
 const MapsReader MAPS_READER_PLAN = {
     .name = "plan",
     .suffixes = ".plan",
-    .summary = "Enfilade's own text format (maps/README.md)",
+    .summary = "Enfilade's own text format (maps/PLAN.md)",
     .recognise = recognise_plan,
     .read = read_plan,
 };

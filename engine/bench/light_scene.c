@@ -49,7 +49,6 @@ void light_bake_defaults(const LightScene *scene, LightBake *out) {
     *out = (LightBake){
         .options = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
     out->options.element = mesh_fitting_element(&scene->scene.graph);
-    out->rad.clock = clock_seconds;
     out->rad.residual = 0;
     out->rad.form_factor.resolution = 0;
     memcpy(out->adapt.sky, scene->arguments->sky, sizeof out->adapt.sky);

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#include "engine/core/clock.h"
-
 // An element for every grain of sand: such options are surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
 
@@ -15,7 +13,6 @@ BakeOptions bake_default_options(void) {
         .mesh = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
     o.mesh.element = 0;
     o.rad.residual = 0;
-    o.rad.clock = clock_seconds;
     o.rad.form_factor.resolution = 0;
     return o;
 }

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/shoot_elements.h"
 #include "radiosity/shoot/shoot_queue.h"
@@ -163,13 +164,10 @@ static double unshot_power(const Receiver *r) {
     return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
 }
 
-// Seconds by the caller's clock; 0: there is none.
-static double now(const RadOptions *options) { return options->clock ? options->clock() : 0; }
-
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
-    s->start = s->shown = now(options);
+    s->start = s->shown = clock_seconds();
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
@@ -255,7 +253,7 @@ static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
     double residual = residual_of(s), done = 0;
     if (o->residual > 0 && o->residual < 1) done = log(fmax(residual, o->residual)) / log(o->residual);
     if (o->shots > 0) done = fmax(done, (double)s->solution->shots / (double)o->shots);
-    double seconds = now(o) - s->start;
+    double seconds = clock_seconds() - s->start;
     if (o->seconds > 0) done = fmax(done, seconds / o->seconds);
     char stage[64];
     snprintf(stage, sizeof stage, "residual %.2g %%", 100 * residual);
@@ -265,10 +263,10 @@ static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
 
 static void show(Shooter *s) {
     const RadOptions *o = s->options;
-    if (!o->show || (o->clock && now(o) - s->shown < o->show_every)) return;
+    if (!o->show || clock_seconds() - s->shown < o->show_every) return;
     finish(s);
     o->show(o->show_context, s->solution);
-    s->shown = now(o);
+    s->shown = clock_seconds();
 }
 
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -294,7 +292,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     report.residual = residual_of(&s);
     report.shots = solution->shots - first;
     shoot_rows_report(s.rows, &report);
-    report.seconds = now(options) - s.start;
+    report.seconds = clock_seconds() - s.start;
     shoot_elements_end(s.elements);
     shoot_rows_end(s.rows);
     arena_free(&arena);

@@ -18,13 +18,10 @@ typedef struct RadOptions {
     double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
-    double seconds;    // or then by `clock`, 0: no limit
+    double seconds;    // or then, 0: no limit
     double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
-    // The caller's clock, seconds, asked between shots and from all threads; NULL: no time is known, so that `seconds` and `show_every` do
-    // not count, and the report has no times. Nothing here reads a clock of its own.
-    double (*clock)(void);
     // Told of the solution so far between shots, from the thread that shoots, at most every so many seconds; or NULL.
     void (*show)(void *context, const RadSolution *so_far);
     void *show_context;
@@ -55,7 +52,7 @@ typedef struct RadReport {
     double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
     long long shots, rows_made, rows_kept;
     double faces_drawn_mean, elements_drawn_mean;  // of rows made
-    double seconds, seconds_visibility;            // by the options' clock: of it all; of all threads
+    double seconds, seconds_visibility;            // wall; of all threads
     size_t row_bytes;
     bool stopped;  // progress asked to
 } RadReport;

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "radiosity/factors/near_pairs.h"
 #include "radiosity/mesh/lines.h"
@@ -286,10 +287,9 @@ static void make_row(void *context, int index, int thread) {
     Slot *slot = &rows->slots[rows->making[index]];
     const Patch *patch = &rows->mesh->patches[slot->patch];
     ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
-    double (*clock)(void) = rows->options->clock;
-    double start = clock ? clock() : 0;
+    double start = clock_seconds();
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
-    if (clock) maker->seconds_visibility += clock() - start;
+    maker->seconds_visibility += clock_seconds() - start;
     maker->faces += view->face_count;
     FormFactor *form_factor = mesh_emits(rows->mesh, patch->face) ? maker->of_lamps : maker->form_factor;
     const Row *row = form_factor_row(form_factor, view);

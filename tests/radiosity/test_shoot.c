@@ -2,7 +2,6 @@
 // work is divided.
 #include <criterion/criterion.h>
 
-#include "engine/core/clock.h"
 #include "radiosity/shoot/shoot_queue.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
@@ -259,7 +258,6 @@ Test(shoot, goes_on_where_it_stopped) {
         if (part < 3) cr_assert_lt(s.shots, 1500);
     }
     expect_same(save(lit, &straight), save(lit, &s), "shots", s.shots);
-    options.clock = clock_seconds;
     options.seconds = 1e-9;
     options.shots = 0;
     rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &s);

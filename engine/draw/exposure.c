@@ -17,8 +17,8 @@ typedef struct Sum {
     double weight, logs;
 } Sum;
 
-static void add_element(const LitMesh *lit, const LitLight *light, const Camera *camera, Vec3 eye, Vec3 n,
-                        int element, Sum *sum) {
+static void add_element_exposure(const LitMesh *lit, const LitLight *light, const Camera *camera, Vec3 eye,
+                                 Vec3 n, int element, Sum *sum) {
     const LitSpot *spot = &lit->spot[element];
     double b = (double)light->luminous[element];
     if (!(b > 0)) return;
@@ -51,7 +51,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
             if (f < 0 || (surfaces_only && plane_distance(lit->plane[p], camera->eye) <= 0)) continue;
             const Face *face = &mesh->faces[f];
             for (int e = face->first_element; e < face->first_element + face->element_count; e++)
-                add_element(lit, light, camera, eye, face->plane.n, e, &sum);
+                add_element_exposure(lit, light, camera, eye, face->plane.n, e, &sum);
         }
     }
     return sum.weight > 0 ? exp(sum.logs / sum.weight) : 0;

@@ -18,7 +18,7 @@ Vec3 lit_origin(const CellGraph *graph) {
 
 // ---- triangles
 
-static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
+static bool material_emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 
 static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face, int source) {
     const Building *b = lit->mesh->graph->building;
@@ -26,7 +26,7 @@ static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face
     lit->vertex[vertex] = (LitVertex){{(float)p.x, (float)p.y, (float)p.z},
                                       {(float)n.x, (float)n.y, (float)n.z},
                                       face->material,
-                                      emits(&b->materials[face->material])};
+                                      material_emits(&b->materials[face->material])};
     lit->source[vertex] = source;
 }
 
@@ -153,7 +153,7 @@ static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLi
     double weights = 0, logs = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         double b = light_luminous(solution->radiosity[e]);
-        out->luminous[e] = emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
+        out->luminous[e] = material_emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
         if (!(out->luminous[e] > 0)) continue;
         double weight = mesh->elements[e].area * sqrt(b);
         logs += weight * log(b);
@@ -170,7 +170,7 @@ static LightRange range_of(const LitMesh *lit, const RadSolution *solution, Fals
     double areas[BINS] = {0}, all = 0, above = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         const Material *m = mesh_material(mesh, mesh->elements[e].face);
-        double value = emits(m) ? 0 : false_colour_value(quantity, solution->radiosity[e], m);
+        double value = material_emits(m) ? 0 : false_colour_value(quantity, solution->radiosity[e], m);
         if (!(value > 0)) continue;
         areas[(int)fmin(fmax(BINS / 2 + BINS_AN_OCTAVE * log2(value), 0), BINS - 1)] +=
             mesh->elements[e].area;

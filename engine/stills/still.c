@@ -138,7 +138,7 @@ static void draw_tile(void *context, int index, int thread) {
         atomic_store(&s->stopped, true);
 }
 
-static void prepare(Still *s, const StillSource *source, StillReport *report, Arena *arena) {
+static void prepare_still(Still *s, const StillSource *source, StillReport *report, Arena *arena) {
     const WalkLight *baked = source->light;
     bool rays = s->options->direct == STILL_RAYS;
     s->scene = still_scene_new(baked->mesh, baked->door_open, s->options->tree, arena);
@@ -172,7 +172,7 @@ bool still_draw(const StillSource *source, const Camera *camera, const StillOpti
                .rows = (camera->height + TILE - 1) / TILE};
     double start = clock_seconds();
     *report = (StillReport){0};
-    prepare(&s, source, report, &arena);
+    prepare_still(&s, source, report, &arena);
     report->seconds_scene = clock_seconds() - start;
     s.tiles = ARENA_ARRAY(&arena, Tile, s.columns * s.rows);
     start = clock_seconds();

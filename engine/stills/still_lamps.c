@@ -358,7 +358,7 @@ static const Candidates *lamp_candidates(StillLamps *lamps, int element, bool fr
 
 // ---- made once
 
-static bool emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
+static bool material_emits(const Material *m) { return m->emission.r + m->emission.g + m->emission.b > 0; }
 
 static void put_exitance(Lamp *lamp, const Material *m) {
     lamp->exitance[0] = (double)m->emission.r;
@@ -440,7 +440,7 @@ static void add_lamps(StillLamps *lamps, Arena *arena) {
         lamps->lamps[lamps->count - 1].cell = find_cell(lamps, &lamps->lamps[lamps->count - 1]);
     }
     for (int s = 0; s < b->shape_count; s++)
-        if (is_ball(&b->shapes[s]) && emits(&b->materials[b->shapes[s].material]))
+        if (is_ball(&b->shapes[s]) && material_emits(&b->materials[b->shapes[s].material]))
             add_ball(lamps, s, arena, &capacity);
 }
 

@@ -117,7 +117,7 @@ typedef struct Shape {
     double near_u, near_v, near_ahead;        // 1 / distance = these times the direction
 } Shape;
 
-static void put(const ElementBuffer *self, Side *side, const Shape *shape, int i, int j) {
+static void put_element(const ElementBuffer *self, Side *side, const Shape *shape, int i, int j) {
     int k = j * side->width + i;
     double u = 2 * (i + 0.5) / side->width - 1, v = side->low + (1 - side->low) * (j + 0.5) / side->height;
     double ahead = 1;
@@ -152,7 +152,7 @@ static void fill_shape(const ElementBuffer *self, Side *side, const Shape *shape
         for (int c = 0; c + 1 < count; c += 2) {
             int first = (int)ceil(fmax(at[c], 0) - 0.5);
             int end = (int)ceil(fmin(at[c + 1], side->width) - 0.5);
-            for (int i = first < 0 ? 0 : first; i < end; i++) put(self, side, shape, i, j);
+            for (int i = first < 0 ? 0 : first; i < end; i++) put_element(self, side, shape, i, j);
         }
     }
 }

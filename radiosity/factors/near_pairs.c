@@ -148,7 +148,7 @@ static int corners_of(const NearShapes *shapes, const Axes *axes, int element, V
     return count;
 }
 
-static void add_element(PointList *list, const Vec3 *v, int count, int parts) {
+static void add_element_points(PointList *list, const Vec3 *v, int count, int parts) {
     for (int i = 1; i + 1 < count; i += 2) {
         Vec3 last = v[i + 2 < count ? i + 2 : i + 1];
         Vec3 quad[4] = {v[0], v[i], v[i + 1], last};
@@ -185,7 +185,7 @@ static bool lay_points(const NearPairs *self, const Patch *patch, const Axes *ax
         if (points > MOST_POINTS)
             add_middle(&list, v, count, mesh->elements[e].area);
         else
-            add_element(&list, v, count, parts);
+            add_element_points(&list, v, count, parts);
     }
     float sum = 0;
     for (int i = 0; i < list.count; i++) sum += list.weight[i];

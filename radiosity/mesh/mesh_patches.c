@@ -25,7 +25,7 @@ static Growing begin_patch(const MeshCutting *c) {
 }
 
 // Notes which element a piece became: -1 where nothing is left once its corners are places.
-static void add_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth, Growing *to) {
+static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth, Growing *to) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
     int first = mesh->corner_count;
@@ -67,7 +67,7 @@ static void add_whole_patch(MeshCutting *c, int first, int end) {
         c->element[k] = -1;
         if (c->first_piece[k] == c->first_piece[k + 1]) continue;
         MeshPiece *whole = &c->pieces[c->first_piece[k]];
-        add_element(c, whole, c->leaves[k].depth, &patch);
+        add_piece_element(c, whole, c->leaves[k].depth, &patch);
         c->element[k] = whole->element;
     }
     if (patch.patch.element_count > 0) finish_patch(c, &patch, vec3_scale(patch.moment, 1 / patch.weight));
@@ -106,7 +106,7 @@ static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
         for (int i = c->first_piece[k]; i < c->first_piece[k + 1]; i++) {
             MeshPiece *piece = &c->pieces[i];
             if (piece->count < 3 || piece->covered != covered) continue;
-            add_element(c, piece, c->leaves[k].depth, &patch);
+            add_piece_element(c, piece, c->leaves[k].depth, &patch);
             if (patch.patch.element_count < MESH_MOST_IN_PATCH) continue;
             finish_cut_patch(c, &patch);
             patch = begin_patch(c);

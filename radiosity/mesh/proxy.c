@@ -26,7 +26,7 @@ typedef struct Finder {
     int polygon_capacity, vertex_capacity;
 } Finder;
 
-static bool emits(const CellGraph *graph, int polygon) {
+static bool polygon_emits(const CellGraph *graph, int polygon) {
     Rgb e = graph->building->materials[graph->polygons[polygon].material].emission;
     return e.r + e.g + e.b > 0;
 }
@@ -35,7 +35,7 @@ static bool is_fine(const Finder *f, int polygon) {
     const Polygon *p = &f->graph->polygons[polygon];
     const Vec3 *v = f->vertices + p->first_vertex;
     double longest = 0;
-    if (vis_is_glass(f->graph, polygon) || emits(f->graph, polygon)) return false;
+    if (vis_is_glass(f->graph, polygon) || polygon_emits(f->graph, polygon)) return false;
     for (int i = 0; i < p->vertex_count; i++)
         longest = fmax(longest, vec3_length(vec3_sub(v[(i + 1) % p->vertex_count], v[i])));
     return polygon_area(v, p->vertex_count) < NARROW * longest;

@@ -197,7 +197,7 @@ static void add_near(Gatherer *self, const Near *near, double irradiance[3]) {
     for (int c = 0; c < 3; c++) irradiance[c] += found ? near->share * reflected[c] : near->even[c];
 }
 
-static void add_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
+static void gather_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
     const Row *row = form_factor_row(self->rows, view);
     for (int i = 0; i < row->count; i++) {
         double share = (double)row->factor[i];
@@ -244,7 +244,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
-    if (!one) add_row(self, view, &near, irradiance);
+    if (!one) gather_row(self, view, &near, irradiance);
     if (self->samples) add_samples(self, view, one, &near, irradiance);
     add_near(self, &near, irradiance);
     // Samples may sum slopes to less than nothing beside exact means and exact lamps.

@@ -29,7 +29,7 @@ typedef struct Bake {
     RadOptions rad;     // as asked for, or as fits the mesh
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
-    double mesh_seconds, sky_seconds, gather_seconds, seconds;
+    double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, seconds;
 } Bake;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -106,21 +106,27 @@ static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     return error_set(error, "%s: %.900s", bake->a->file, reason.text);
 }
 
-// The bar with the time that is left, as the stage goes on at its mean speed.
+// The bar with the time that is left, as the stage goes on at its mean speed, or until a limit of time stops it.
 typedef struct Timed {
     Progress bar;
     double start;
+    // Seconds, 0: none; and whether they have passed.
+    double limit;
+    bool over;
 } Timed;
 
 static bool report_timed(void *context, const char *stage, double done) {
-    const Timed *timed = context;
+    Timed *timed = context;
     double seconds = clock_seconds() - timed->start;
+    if (timed->limit > 0) done = fmin(fmax(done, seconds / timed->limit), 1);
     char line[96];
     if (done > 0.02)
         snprintf(line, sizeof line, "%s, %.0f s left", stage, seconds * (1 - done) / done);
     else
         snprintf(line, sizeof line, "%s", stage);
-    return progress_report(&timed->bar, line, done);
+    if (!progress_report(&timed->bar, line, done)) return false;
+    timed->over = timed->limit > 0 && seconds >= timed->limit;
+    return !timed->over;
 }
 
 // At all nodes, of what was shot now: what an earlier run gathered is of the past.
@@ -129,7 +135,7 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     bake->solution.node_count = 0;
     if (!bake->a->final_gather || bake->report.stopped) return;
     Arena scratch = {0};
-    Timed timed = {app_progress_stoppable(0), clock_seconds()};
+    Timed timed = {.bar = app_progress_stoppable(0), .start = clock_seconds()};
     Progress progress = {report_timed, &timed};
     VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
     GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &light};
@@ -148,6 +154,18 @@ static void light_fine(Bake *bake, Arena *arena) {
     bake->shown = fine_light(bake->fine, &bake->solution, arena);
 }
 
+// A limit of time ends the shooting as a limit of shots does: the bake was not stopped.
+static void shoot_light(Bake *bake) {
+    Timed timed = {.bar = app_progress_stoppable(0), .start = clock_seconds(), .limit = bake->a->seconds};
+    Progress progress = {report_timed, &timed};
+    bake->rad.clock = clock_seconds;
+    bake->report =
+        rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &progress, &bake->solution);
+    app_progress_end();
+    bake->shoot_seconds = clock_seconds() - timed.start;
+    if (timed.over) bake->report.stopped = false;
+}
+
 static bool store(const Bake *bake, Error *error) {
     const char *model = bake->a->model;
     return (!bake->out || rad_save(bake->out, &bake->mesh, bake->doors, &bake->solution, error)) &&
@@ -162,11 +180,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
         return false;
-    Timed timed = {app_progress_stoppable(0), clock_seconds()};
-    Progress progress = {report_timed, &timed};
-    bake->report =
-        rad_shoot(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &progress, &bake->solution);
-    app_progress_end();
+    shoot_light(bake);
     gather_nodes(bake, arena);
     light_fine(bake, arena);
     return store(bake, error);
@@ -208,7 +222,7 @@ static json_t *facts_of(const Bake *bake) {
                   (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean",
                   r->elements_drawn_mean, "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted,
                   "absorbed", sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds",
-                  bake->seconds, "seconds_mesh", bake->mesh_seconds, "seconds_shooting", r->seconds,
+                  bake->seconds, "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds,
                   "seconds_visibility", r->seconds_visibility, "seconds_gather", bake->gather_seconds,
                   "nodes", s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
                   rad->form_factor.resolution, "culling", VIEW_CULLING_NAMES[rad->culling], "sky",

@@ -13,6 +13,8 @@ typedef struct BakeArguments {
     // .rad and .glb, NULL: none; both NULL: a .rad into the cache
     const char *out, *model;
     bool final_gather, resume, json;
+    // Of shooting; 0: no limit.
+    double seconds;
     Probes probes;
     // The file that probes were read from, the last one; NULL: none.
     const char *probe_file;

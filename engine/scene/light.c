@@ -64,14 +64,22 @@ typedef struct SceneBake {
 typedef struct Shower {
     const LightHooks *hooks;
     const FineMesh *fine;
+    // When light was shown last, seconds.
+    double shown;
 } Shower;
 
-static void show(void *context, const RadSolution *so_far) {
+static bool show_is_due(void *context) {
     const Shower *shower = context;
+    return clock_seconds() - shower->shown >= shower->hooks->show_every;
+}
+
+static void show_solution(void *context, const RadSolution *so_far) {
+    Shower *shower = context;
     Arena scratch = {0};
     WalkLight shown = show_fine(shower->fine, so_far, NULL, &scratch);
     shower->hooks->show(shower->hooks->context, shown.mesh, shown.solution);
     arena_free(&scratch);
+    shower->shown = clock_seconds();
 }
 
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
@@ -79,7 +87,7 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     BakeOptions options = bake_default_options();
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
-    Shower shower = {hooks, NULL};
+    Shower shower = {.hooks = hooks};
     float *doors;
     options.rad.threads = hooks->threads;
     if (!bake_mesh(&options, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
@@ -88,10 +96,10 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     shower.fine = fine_mesh_new(mesh, arena);
     rad_fit(mesh, &options.rad);
     if (hooks->show) {
-        show(&shower, solution);
-        options.rad.show = show;
+        show_solution(&shower, solution);
+        options.rad.show = show_solution;
+        options.rad.show_due = show_is_due;
         options.rad.show_context = &shower;
-        options.rad.show_every = hooks->show_every;
     }
     RadReport report = rad_shoot(mesh, &bake->scene->forest, doors, &options.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");

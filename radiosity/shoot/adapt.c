@@ -85,7 +85,6 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     options.shots = 0;
     double size = fmax(1, a->scene->graph->building->file_size / SMALL_FILE);
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
-    options.seconds = 0;
     options.lamps_only = lamps_only;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;

@@ -11,12 +11,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/shoot_elements.h"
 #include "radiosity/shoot/shoot_queue.h"
 
-// Shots between two looks at the clock.
+// Shots between two reports of progress.
 enum { SHOTS_A_LOOK = 64 };
 // Rows are made ahead of patches with at least such a share of the strongest one's power: this one while there is much to do. The
 // strongest will be about as much weaker in the end as there is less light left to shoot, and the row of a patch that is weaker yet
@@ -156,7 +155,6 @@ typedef struct Shooter {
     ShootRows *rows;
     Looks looks;
     int *next;  // [shoot_rows_most]
-    double start, shown;
 } Shooter;
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
@@ -167,7 +165,6 @@ static double unshot_power(const Receiver *r) {
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
-    s->start = s->shown = clock_seconds();
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
     s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
@@ -248,25 +245,21 @@ static const ShootRow *row_of(Shooter *s, int patch) {
 }
 
 // Residuals fall about exponentially, once the lamps have shot.
-static bool go_on(const Shooter *s, const Progress *progress, bool *stopped) {
+static bool report_residual(const Shooter *s, const Progress *progress) {
     const RadOptions *o = s->options;
     double residual = residual_of(s), done = 0;
     if (o->residual > 0 && o->residual < 1) done = log(fmax(residual, o->residual)) / log(o->residual);
     if (o->shots > 0) done = fmax(done, (double)s->solution->shots / (double)o->shots);
-    double seconds = clock_seconds() - s->start;
-    if (o->seconds > 0) done = fmax(done, seconds / o->seconds);
     char stage[64];
     snprintf(stage, sizeof stage, "residual %.2g %%", 100 * residual);
-    *stopped = !progress_report(progress, stage, fmin(fmax(done, 0), 1));
-    return !*stopped && (o->seconds <= 0 || seconds < o->seconds);
+    return progress_report(progress, stage, fmin(fmax(done, 0), 1));
 }
 
-static void show(Shooter *s) {
+static void show_solution(Shooter *s) {
     const RadOptions *o = s->options;
-    if (!o->show || clock_seconds() - s->shown < o->show_every) return;
+    if (!o->show || !o->show_due(o->show_context)) return;
     finish(s);
     o->show(o->show_context, s->solution);
-    s->shown = clock_seconds();
 }
 
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -279,8 +272,9 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     while (residual_of(&s) > options->residual) {
         if (options->shots > 0 && solution->shots >= options->shots) break;
         if ((solution->shots - first) % SHOTS_A_LOOK == 0) {
-            if (!go_on(&s, progress, &report.stopped)) break;
-            show(&s);
+            report.stopped = !report_residual(&s, progress);
+            if (report.stopped) break;
+            show_solution(&s);
         }
         int patch = shoot_queue_top(&s.queue);
         if (patch < 0) break;
@@ -292,7 +286,6 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     report.residual = residual_of(&s);
     report.shots = solution->shots - first;
     shoot_rows_report(s.rows, &report);
-    report.seconds = clock_seconds() - s.start;
     shoot_elements_end(s.elements);
     shoot_rows_end(s.rows);
     arena_free(&arena);

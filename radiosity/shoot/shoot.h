@@ -18,14 +18,15 @@ typedef struct RadOptions {
     double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
     double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
-    double seconds;    // or then, 0: no limit
     double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
-    // Told of the solution so far between shots, from the thread that shoots, at most every so many seconds; or NULL.
+    // Receives the solution so far, between shots, from the thread that shoots, whenever `show_due` says that it is wanted; or NULL.
     void (*show)(void *context, const RadSolution *so_far);
+    bool (*show_due)(void *context);
     void *show_context;
-    double show_every;
+    // The caller's clock, seconds, called from all threads; measures `seconds_visibility`. NULL: that stays 0.
+    double (*clock)(void);
 } RadOptions;
 // Hemisphere, portals, to a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
@@ -52,9 +53,9 @@ typedef struct RadReport {
     double residual;  // unshot power / emitted power, all channels; under a sky, see residual_of in shoot.c
     long long shots, rows_made, rows_kept;
     double faces_drawn_mean, elements_drawn_mean;  // of rows made
-    double seconds, seconds_visibility;            // wall; of all threads
+    double seconds_visibility;                     // of all threads, by the caller's clock
     size_t row_bytes;
-    bool stopped;  // progress asked to
+    bool stopped;  // by `progress`, which is asked every few shots and may hold a limit of time
 } RadReport;
 
 // The emitted light, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "radiosity/factors/near_pairs.h"
 #include "radiosity/mesh/lines.h"
@@ -287,9 +286,9 @@ static void make_row(void *context, int index, int thread) {
     Slot *slot = &rows->slots[rows->making[index]];
     const Patch *patch = &rows->mesh->patches[slot->patch];
     ViewPoint from = {patch->centre, rows->mesh->faces[patch->face].plane.n, patch->cell};
-    double start = clock_seconds();
+    double (*now)(void) = rows->options->clock, start = now ? now() : 0;
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
-    maker->seconds_visibility += clock_seconds() - start;
+    if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
     FormFactor *form_factor = mesh_emits(rows->mesh, patch->face) ? maker->of_lamps : maker->form_factor;
     const Row *row = form_factor_row(form_factor, view);

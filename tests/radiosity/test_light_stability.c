@@ -1,6 +1,5 @@
 // test_light_stability.c - buildings and lamps of the kinds that break solvers of light, baked as `enfilade bake` does without
-// options, against closed forms, conservation of power, and path tracing. The figures reached are printed; tolerances are about
-// twice those.
+// options, against closed forms, conservation of power, and path tracing. The figures reached are printed.
 #include <criterion/criterion.h>
 #include <stdio.h>
 
@@ -99,8 +98,9 @@ Test(light_stability, lamp_a_centimetre_from_a_wall, .timeout = 120) {
         if (lit->mesh.faces[lit->mesh.elements[e].face].polygon == 0)
             power += lit->mesh.elements[e].area * sum3(s.radiosity[e]);
     printf("1 cm: the wall gets %.5f of what is emitted\n", power / rho / (LAMP * area));
-    // It misses what leaves by the slit's rim without meeting the wall within 3 m: nothing.
-    cr_expect_float_eq(power / rho, LAMP * area, 0.002 * LAMP * area);
+    // Light that meets the wall's plane farther than d from where it started is GAP^2 / (GAP^2 + d^2) of all, and the wall ends
+    // at least 1 m from the lamp's rim.
+    cr_expect_float_eq(power / rho, LAMP * area, GAP * GAP * LAMP * area);
     enum { POINTS = 60 };
     // Of the wall those that the lamp is before; not its rim, where light falls to nothing within a centimetre and elements are 6.
     BakedPoint wall[POINTS];
@@ -112,15 +112,26 @@ Test(light_stability, lamp_a_centimetre_from_a_wall, .timeout = 120) {
     }
     BakedErrors e = baked_errors(lit, &s, wall, POINTS);
     baked_print("1 cm: the wall", &e);
-    cr_expect_lt(e.gathered_most, 1e-3);
-    cr_expect_lt(e.shown_rms, 0.13);
+    // Nothing hides the lamp, which is in the row by its closed form: what is off is light that comes back from the other walls, a
+    // thousandth of the tenth that leaves the slit.
+    cr_expect_lt(e.gathered_most, 1e-4);
+    // Along the rim elements of 6 cm hold a mean of 0.92 of the full light, at its corners of 0.85: the node inwards, a mean of four
+    // elements, is 4 % and 7 % too low.
+    cr_expect_lt(e.shown_rms, 0.07);
     BakedPoint *room = baked_points(lit, EAST, SIDES, POINTS / 2);
     for (int i = 0; i < POINTS / 2; i++) room[i].truth = room_irradiance(room[i].place, room[i].normal, rho);
     e = baked_errors(lit, &s, room, POINTS / 2);
     baked_print("1 cm: the room", &e);
-    // What comes out of the slit was reflected in its outermost centimetres: single points see elements of 6 cm there.
-    cr_expect_lt(fabs(e.sum - 1), 0.15);
-    cr_expect_lt(e.gathered_rms, 0.45);
+    // Light leaves the slit from its rim. In units of GAP, the wall at depth u gets (1 + u / sqrt(u^2 + 1)) / 2 of the full light, and
+    // (1 - u / sqrt(u^2 + 1)) / 2 of what it reflects leaves. An element from the rim to u = 6 has 0.924 all over. So a point that
+    // looks on the rim alone sees 0.924 instead of 0.5; all that leaves from under the lamp, pi / 8 = 0.39, becomes 0.466; as much as
+    // 0.5 is reflected before the lamp, where a mean is as good. So points err by 85 % at most, by that share of what is from under
+    // the lamp, 0.44, in the mean square, and the sum by 8 % and the deviation of a mean of so many points.
+    const double rim = 0.924 / 0.5 - 1, under = M_PI / 8 / (M_PI / 8 + 0.5),
+                 all = (0.466 + 0.5) / (M_PI / 8 + 0.5) - 1;
+    cr_expect_lt(e.gathered_most, rim);
+    cr_expect_lt(e.gathered_rms, rim * under);
+    cr_expect_lt(fabs(e.sum - 1), all + rim * under / sqrt(POINTS / 2));
     lit_free(lit);
 }
 
@@ -148,10 +159,24 @@ Test(light_stability, furnace_of_white_walls, .timeout = 120) {
     double rms = sqrt(square / area);
     printf("furnace of 0.99: %lld shots; %.4f %% off in the mean, RMS %.3f %%, most %.2f %%\n", report.shots,
            100 * mean, 100 * rms, 100 * most);
-    // What is not shot yet, 1e-4 of what was emitted, would be reflected a hundred times.
-    cr_assert(mean <= 1e-6 && mean >= -0.01, "%g off in the mean", mean);
-    cr_assert_lt(rms, 0.013);
-    cr_assert_lt(most, 0.045);
+    // Power is conserved: what is missing is what is not shot yet, reflected a hundred times, as all is. Shares of elements are floats,
+    // and their rounding, 2^-24, is reflected as often.
+    printf("furnace of 0.99: residual %.9g, mean %.9g\n", report.residual, mean);
+    cr_assert_float_eq(mean, -report.residual * (double)0.99f, 100 * 0x1p-24, "%g off in the mean", mean);
+    // A lattice counts a square of n pixels with a variance of sqrt(n) / 6, as each of its sqrt(n) rows has two ends that are off by a
+    // uniform part of a pixel. Elements see every patch but those of their own wall, a sixth; each counts as much as any other.
+    RadOptions fit = rad_default_options();
+    fit.form_factor.resolution = 0;
+    rad_fit(&lit->mesh, &fit);
+    double pixels = M_PI / 4 * fit.form_factor.resolution * fit.form_factor.resolution / s.element_count;
+    double bound = sqrt(sqrt(pixels) / 6) / pixels / sqrt(s.patch_count * 5 / 6.0);
+    printf("furnace of 0.99: %d elements, %d patches, by the count of pixels %.3f %%\n", s.element_count,
+           s.patch_count, 100 * bound);
+    // Pixels and patches do not count alike: elements far off or seen aslant have fewer pixels, and near patches count more. Hence
+    // twice.
+    cr_assert_lt(rms, 2 * bound);
+    // The greatest of so many normal deviates is hardly more than sqrt(2 ln n) of them.
+    cr_assert_lt(most, sqrt(2 * log(s.element_count)) * rms);
     lit_free(lit);
 }
 
@@ -170,8 +195,11 @@ Test(light_stability, lamp_between_white_walls, .timeout = 120) {
     cr_assert_float_eq(emitted, LAMP, 1e-6);
     cr_assert(left >= 0 && left <= 1.1e-4 * emitted, "%g is left", left / emitted);
     BakedErrors e = check_traced("lamp between 0.99", lit, &s, 0, SIDES, 24, 100000);
-    cr_expect_lt(fabs(e.sum - 1), 0.045);
-    cr_expect_lt(e.gathered_most, 0.07);
+    // The lamp swallows 63 % of the light, 1 m^2 of black against 59 of 0.01. Its back and rim are 10 cm below the ceiling, a third of
+    // an element: the level of light, not where it is, errs by what they get too much. Measured: 2.3 %.
+    cr_expect_lt(fabs(e.sum - 1), 0.03);
+    // Beyond that level points are off by the noise of the truth, four standard errors.
+    cr_expect_lt(e.gathered_most, fabs(e.sum - 1) + 4 * e.truth);
     lit_free(lit);
 }
 
@@ -219,7 +247,8 @@ Test(light_stability, lamp_in_a_closed_cupboard, .timeout = 120) {
         double power[2] = {0, 0};
         for (int e = 0; e < s.element_count; e++)
             power[inside_cupboard(&lit->mesh, e)] += lit->mesh.elements[e].area * sum3(s.radiosity[e]);
-        double most = i == 0 ? 0.04 * sum3(s.emitted) : 0;
+        // Measured: 2.3 %.
+        double most = i == 0 ? 0.03 * sum3(s.emitted) : 0;
         printf("walls of %g m: %g W outside, of %g emitted\n", i * 0.02, power[0], sum3(s.emitted));
         cr_expect_leq(power[0], most, "walls of %g m: %g W outside, of %g emitted", i * 0.02, power[0],
                       sum3(s.emitted));
@@ -238,7 +267,8 @@ Test(light_stability, lamp_in_a_cupboard_ajar, .timeout = 120) {
     BakedErrors out = check_traced("cupboard ajar, outside", lit, &s, EAST, FLOOR, 24, 200000);
     cr_expect_lt(fabs(out.sum - 1), 4 * out.sum_error + 0.05);
     BakedErrors in = check_traced("cupboard ajar, inside", lit, &s, CUPBOARD + 4, CUPBOARD + 9, 20, 50000);
-    cr_expect_lt(in.gathered_most, 0.05);
+    // The noise of the truth, and elements beside the lamp, which count as even; measured: 1.9 % together.
+    cr_expect_lt(in.gathered_most, 4 * in.truth + 0.015);
     lit_free(lit);
 }
 
@@ -255,8 +285,9 @@ Test(light_stability, lamp_like_a_wire, .timeout = 120) {
     baked_solve(lit, &s);
     check_balance(lit, &s);
     BakedErrors e = check_traced("1 m x 1 mm", lit, &s, 0, SIDES, 40, 100000);
-    cr_expect_lt(e.gathered_most, 0.015);
-    cr_expect_lt(e.shown_rms, 0.03);
+    // The noise of the truth, four standard errors; and of light between corners what its bend is off, measured as 1 %.
+    cr_expect_lt(e.gathered_most, 4 * e.truth);
+    cr_expect_lt(e.shown_rms, 0.02);
     lit_free(lit);
 }
 
@@ -277,7 +308,8 @@ Test(light_stability, ten_thousand_lamps, .timeout = 900) {
     check_balance(lit, &s);
     printf("%d lamps: %d elements, %lld shots\n", side * side, s.element_count, report.shots);
     BakedErrors e = check_traced("many lamps", lit, &s, 0, SIDES, 30, 50000);
-    cr_expect_lt(e.gathered_most, 0.05);
+    // The noise of the truth, four standard errors.
+    cr_expect_lt(e.gathered_most, 4 * e.truth);
     lit_free(lit);
 }
 

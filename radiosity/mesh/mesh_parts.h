@@ -50,22 +50,7 @@ void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: the cuts of all faces, whose outlines are places by then. False where there are too many to look for.
 bool mesh_find_cuts(MeshBuilder *builder);
 
-// A convex part of an element to be, from the face's origin.
-typedef struct MeshPiece {
-    Vec3 *v;  // [count]
-    int count;
-    int element;   // that it became; -1: none
-    bool covered;  // something stands there, or close before it
-} MeshPiece;
-enum { MESH_MOST_PIECES = 32 };
-// mesh_pieces.c: cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
-int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
-                    MeshPiece *out);
-// The middle of its corners.
-Vec3 mesh_middle(const MeshPiece *piece);
-// The inward sides of a convex polygon about the normal n, but those that are rounding; returns how many. `out` has room for `count`.
-int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out);
-// How far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
+// mesh_squares.c: how far inside a convex polygon about the normal n a point of its plane is, metres; below 0: outside.
 double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point);
 
 // mesh_squares.c: the elements and patches of all faces, whose outlines are places by then. False where squares would be too many.

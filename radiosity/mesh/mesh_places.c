@@ -4,6 +4,17 @@
 
 #include <stdint.h>
 
+// Another point in the same slot of the table, -1: none; and the hash of one's own cube.
+typedef struct PlaceLink {
+    int next;
+    unsigned hash;
+} PlaceLink;
+
+typedef struct PlaceInGrid {
+    Vec3 at;
+    int place;
+} PlaceInGrid;
+
 // Side of the cubes in which points are welded, metres: far above MESH_WELD, so that few lie near a border. The cubes are
 // shifted: coordinates are often whole millimetres.
 static const double WELD_CUBE = 1e-3;

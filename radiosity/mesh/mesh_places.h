@@ -9,17 +9,11 @@
 // below the distance at which two sheets are still told apart (2e-7).
 #define MESH_WELD 1e-7
 
-// Another point in the same slot of the table, -1: none; and the hash of one's own cube.
-typedef struct PlaceLink {
-    int next;
-    unsigned hash;
-} PlaceLink;
-
 typedef struct Places {
     Arena *arena;
     Vec3 *points;
     int count, capacity;
-    PlaceLink *links;  // [count]
+    struct PlaceLink *links;  // [count]
     int link_capacity;
     int *slots;  // [slot_count] a power of two; the last point that came there, -1
     int slot_count;
@@ -29,18 +23,13 @@ void places_start(Places *places, Arena *arena);
 // The place of a point: the first that came within MESH_WELD of it.
 int places_add(Places *places, Vec3 point);
 
-typedef struct PlaceInGrid {
-    Vec3 at;
-    int place;
-} PlaceInGrid;
-
 // Points sorted into cubes of side `size`.
 typedef struct PlaceGrid {
     const Vec3 *points;
     double size, shift;
-    unsigned slot_count;  // a power of two
-    int *first;           // [slot_count + 1] in `sorted`
-    PlaceInGrid *sorted;  // [point_count]
+    unsigned slot_count;         // a power of two
+    int *first;                  // [slot_count + 1] in `sorted`
+    struct PlaceInGrid *sorted;  // [point_count]
 } PlaceGrid;
 
 PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena);

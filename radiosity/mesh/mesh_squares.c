@@ -4,7 +4,425 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/polygon.h"
-#include "radiosity/mesh/mesh_cutting.h"
+#include "radiosity/mesh/mesh_parts.h"
+
+enum { MESH_SEVERAL = -2 };
+
+// A convex part of an element to be, from the face's origin.
+typedef struct MeshPiece {
+    Vec3 *v;  // [count]
+    int count;
+    int element;   // that it became; -1: none
+    bool covered;  // something stands there, or close before it
+} MeshPiece;
+enum { MESH_MOST_PIECES = 32 };
+
+typedef struct MeshCutting {
+    MeshBuilder *builder;
+    Arena *arena;  // of the thread that cuts it
+    int index;
+    const Face *face;
+    bool is_cut;          // something stands on it
+    const Vec3 *outline;  // [count] from the face's origin
+    int count;
+    Vec3 *part, *spare;  // [count + 8] of the part looked at
+    MeshLeaf *leaves;    // [leaf_count]
+    int leaf_count;
+    int *owner;     // [nx * ny] the leaf whose block a square is in
+    int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces,
+    int *code;      // [leaf_count] and what Mesh.squares says of those then
+    int merged;     // slivers that became part of their neighbours
+    double square;  // area of a whole one, m^2
+    // What leaves are cut into: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
+    MeshPiece *pieces;
+    int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
+} MeshCutting;
+
+// ---- elements that something stands on in part, cut into what is open and what is covered.
+
+// Nothing thinner is cut off, metres.
+static const double THIN = 1e-3;
+// Two that look so much against each other, as a cosine, are two sides of one place.
+static const double OPPOSITE = 0.99;
+
+// A cut through a vertex, but for rounding, leaves an edge there that runs anywhere.
+static bool is_rounding(Vec3 edge) { return vec3_dot(edge, edge) < MESH_WELD * MESH_WELD; }
+
+// The direction inwards from a side of a polygon about the normal n; false: the side is rounding.
+static bool inwards_of(const Vec3 *v, int count, int side, Vec3 n, Vec3 *out) {
+    Vec3 edge = vec3_sub(v[side + 1 < count ? side + 1 : 0], v[side]);
+    if (is_rounding(edge)) return false;
+    *out = vec3_normalize(vec3_cross(n, edge));
+    return true;
+}
+
+// The inward sides of a convex polygon about the normal n, but those that are rounding; returns how many. `out` has room for `count`.
+static int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out) {
+    int sides = 0;
+    Vec3 inwards;
+    for (int i = 0; i < count; i++)
+        if (inwards_of(v, count, i, n, &inwards)) out[sides++] = (Plane){inwards, vec3_dot(inwards, v[i])};
+    return sides;
+}
+
+double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
+    double least = INFINITY;
+    Vec3 inwards;
+    for (int i = 0; i < count; i++)
+        if (inwards_of(v, count, i, n, &inwards))
+            least = fmin(least, vec3_dot(inwards, vec3_sub(point, v[i])));
+    return least;
+}
+
+// How long a line is within a convex polygon, metres.
+static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
+    double t0 = 0, t1 = 1;
+    for (int i = 0; i < count; i++) {
+        Vec3 edge = vec3_sub(v[i + 1 < count ? i + 1 : 0], v[i]);
+        if (is_rounding(edge)) continue;
+        Vec3 inwards = vec3_cross(n, edge);
+        double from = vec3_dot(inwards, vec3_sub(cut->from, v[i])),
+               to = vec3_dot(inwards, vec3_sub(cut->to, v[i]));
+        if (from <= 0 && to <= 0) return 0;
+        if (from < 0) t0 = fmax(t0, from / (from - to));
+        if (to < 0) t1 = fmin(t1, from / (from - to));
+    }
+    return t1 <= t0 ? 0 : (t1 - t0) * vec3_length(vec3_sub(cut->to, cut->from));
+}
+
+// Are parts of the polygon on both sides, thick enough to count?
+static bool crosses(Plane plane, const Vec3 *v, int count) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        double d = plane_distance(plane, v[i]);
+        low = fmin(low, d);
+        high = fmax(high, d);
+    }
+    return low < -THIN && high > THIN;
+}
+
+static MeshPiece half(const MeshPiece *piece, Plane keep, Arena *arena) {
+    MeshPiece out = {.v = ARENA_ARRAY(arena, Vec3, piece->count + 1), .element = -1};
+    out.count = polygon_clip(piece->v, piece->count, keep, 0, out.v);
+    return out;
+}
+
+static double distance_to(const MeshCut *cut, Vec3 point) {
+    Vec3 along = vec3_sub(cut->to, cut->from), off = vec3_sub(point, cut->from);
+    double t = vec3_dot(along, off) / vec3_dot(along, along);
+    return vec3_length(vec3_sub(off, vec3_scale(along, fmin(fmax(t, 0), 1))));
+}
+
+// Cuts as near to a point as any that is farther than some distance.
+typedef struct Nearest {
+    const MeshCut *cuts[16];  // the first so many
+    int count;
+    double distance;
+} Nearest;
+
+static Nearest nearest_beyond(const MeshBuilder *builder, int face, Vec3 point, double beyond) {
+    Nearest n = {.distance = INFINITY};
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        if (vec3_dot(cut->open, cut->open) == 0) continue;
+        double distance = distance_to(cut, point);
+        if (distance <= beyond || distance > n.distance + THIN) continue;
+        if (distance < n.distance - THIN) n.count = 0;
+        n.distance = fmin(n.distance, distance);
+        if (n.count < (int)(sizeof n.cuts / sizeof *n.cuts)) n.cuts[n.count++] = cut;
+    }
+    return n;
+}
+
+// Does another one there look the other way? Of two boxes side by side, or of a wall without thickness, that says nothing.
+static bool is_answered(const Nearest *n, const MeshCut *cut) {
+    for (int i = 0; i < n->count; i++) {
+        double facing = vec3_dot(vec3_normalize(n->cuts[i]->open), vec3_normalize(cut->open));
+        if (facing < -OPPOSITE) return true;
+    }
+    return false;
+}
+
+// As the nearest cut has it.
+static bool is_covered(const MeshBuilder *builder, int face, Vec3 point) {
+    for (double beyond = -1;;) {
+        Nearest n = nearest_beyond(builder, face, point, beyond);
+        if (n.count == 0) return false;
+        // At a corner two lines are nearest: what is before either is open.
+        double most = -INFINITY;
+        for (int i = 0; i < n.count; i++) {
+            if (is_answered(&n, n.cuts[i])) continue;
+            most = fmax(most, vec3_dot(n.cuts[i]->open, vec3_sub(point, n.cuts[i]->from)));
+        }
+        if (most > -INFINITY) return most < 0;
+        beyond = n.distance + THIN;
+    }
+}
+
+// ---- pieces
+
+// The middle of its corners.
+static Vec3 mesh_middle(const MeshPiece *piece) {
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
+    return vec3_scale(sum, 1.0 / piece->count);
+}
+
+// Cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
+static int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
+                           MeshPiece *out) {
+    Vec3 n = builder->mesh->faces[face].plane.n;
+    int pieces = 1;
+    out[0] = (MeshPiece){.v = ARENA_ARRAY(arena, Vec3, count), .count = count, .element = -1};
+    memcpy(out[0].v, v, (size_t)count * sizeof *v);
+    for (int i = builder->first_cut[face]; i < builder->first_cut[face + 1]; i++) {
+        const MeshCut *cut = &builder->cuts[i];
+        Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
+        Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
+        // Those that the line itself runs through, not what lies beyond its ends.
+        for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
+            MeshPiece whole = out[k];
+            if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
+                continue;
+            out[k] = half(&whole, before, arena);
+            out[pieces++] = half(&whole, behind, arena);
+        }
+    }
+    for (int k = 0; k < pieces && builder->first_cut[face + 1] > builder->first_cut[face]; k++)
+        out[k].covered = out[k].count >= 3 && is_covered(builder, face, mesh_middle(&out[k]));
+    return pieces;
+}
+
+// ---- which element each square of a face is in: all of a leaf in the leaf's, those of leaves in pieces each in one or on
+// several.
+
+// The inward sides of a piece.
+typedef struct Sides {
+    Plane *plane;
+    int count, element;
+} Sides;
+
+static Sides *list_sides(const MeshPiece *pieces, int count, Vec3 n, Arena *arena) {
+    Sides *sides = ARENA_ARRAY(arena, Sides, count);
+    for (int i = 0; i < count; i++) {
+        sides[i].element = pieces[i].element;
+        if (pieces[i].element < 0) continue;
+        sides[i].plane = ARENA_ARRAY(arena, Plane, pieces[i].count);
+        sides[i].count = mesh_sides(pieces[i].v, pieces[i].count, n, sides[i].plane);
+    }
+    return sides;
+}
+
+// The element that a whole square is in, else `code`.
+static int element_about(const Sides *sides, int count, Vec3 middle, double reach, int code) {
+    for (int i = 0; i < count; i++) {
+        if (sides[i].element < 0) continue;
+        int k = 0;
+        while (k < sides[i].count && plane_distance(sides[i].plane[k], middle) > reach) k++;
+        if (k == sides[i].count) return sides[i].element;
+    }
+    return code;
+}
+
+// Of a leaf in pieces.
+static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *arena) {
+    const Face *face = c->face;
+    MeshBlock b = c->leaves[leaf].block;
+    int code = c->code[leaf], at = c->first_piece[leaf], count = c->first_piece[leaf + 1] - at;
+    bool several = code < -1;
+    Sides *sides = several ? list_sides(c->pieces + at, count, face->plane.n, arena) : NULL;
+    Vec3 x = vec3_scale(face->gx, 1 / vec3_dot(face->gx, face->gx)),
+         y = vec3_scale(face->gy, 1 / vec3_dot(face->gy, face->gy));
+    double reach = 0.5 * vec3_length(vec3_add(x, y));
+    for (int j = b.j0; j <= b.j1; j++) {
+        for (int i = b.i0; i <= b.i1; i++) {
+            Vec3 middle = vec3_add(vec3_scale(x, i + 0.5), vec3_scale(y, j + 0.5));
+            squares[j * face->nx + i] = several ? element_about(sides, count, middle, reach, code) : code;
+        }
+    }
+}
+
+// Which element each square of a face is in, once its elements have numbers; memory of the arena.
+static void mesh_give_squares(const MeshCutting *c, Arena *arena) {
+    const Face *face = c->face;
+    int *squares = c->builder->mesh->squares + face->first_square;
+    for (int i = 0; i < face->nx * face->ny; i++) {
+        int element = c->element[c->owner[i]];
+        squares[i] = element == MESH_SEVERAL ? -1 : element;
+    }
+    for (int k = 0; k < c->leaf_count; k++)
+        if (c->element[k] == MESH_SEVERAL && c->leaves[k].area > 0) give_block(c, k, squares, arena);
+}
+
+// ---- the elements of a face and its patches, as its leaves are: whole, or in pieces where something stands on them.
+
+// Twice the area times the centroid, and twice the area, of a fan about its first corner.
+static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double *area) {
+    for (int i = 1; i + 1 < count; i++) {
+        double twice = vec3_dot(n, vec3_cross(vec3_sub(v[i], v[0]), vec3_sub(v[i + 1], v[0])));
+        Vec3 sum = vec3_add(v[0], vec3_add(v[i], v[i + 1]));
+        *moment = vec3_add(*moment, vec3_scale(sum, twice / 3));
+        *area += twice;
+    }
+}
+
+// A patch that grows by elements.
+typedef struct Growing {
+    Patch patch;
+    Vec3 moment;  // of its area about the face's origin
+    double weight;
+} Growing;
+
+static Growing begin_patch(const MeshCutting *c) {
+    return (Growing){
+        .patch = {.face = c->index, .first_element = c->builder->mesh->element_count, .cell = -1}};
+}
+
+// Notes which element a piece became: -1 where nothing is left once its corners are places.
+static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth, Growing *to) {
+    MeshBuilder *builder = c->builder;
+    Mesh *mesh = builder->mesh;
+    int first = mesh->corner_count;
+    for (int i = 0; i < piece->count; i++) {
+        int place = places_add(&builder->places, vec3_add(c->face->origin, piece->v[i]));
+        if (mesh->corner_count > first && mesh->corners[mesh->corner_count - 1] == place) continue;
+        *ARENA_PUSH(builder->arena, mesh->corners, mesh->corner_count, builder->corner_capacity) = place;
+    }
+    while (mesh->corner_count > first + 1 && mesh->corners[mesh->corner_count - 1] == mesh->corners[first])
+        mesh->corner_count--;
+    if (mesh->corner_count < first + 3) {
+        mesh->corner_count = first;
+        return;
+    }
+    double area = polygon_area(piece->v, piece->count);
+    piece->element = mesh->element_count;
+    *ARENA_PUSH(builder->arena, mesh->elements, mesh->element_count, builder->element_capacity) =
+        (Element){c->index, mesh->patch_count, first, mesh->corner_count - first, depth, area};
+    add_centroid(piece->v, piece->count, c->face->plane.n, &to->moment, &to->weight);
+    to->patch.area += area;
+    to->patch.element_count++;
+}
+
+// `centre` from the face's origin.
+static void finish_patch(MeshCutting *c, Growing *growing, Vec3 centre) {
+    Mesh *mesh = c->builder->mesh;
+    // On the plane even where the polygon bends: an eye there must not see its own face.
+    Vec3 n = c->face->plane.n;
+    centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
+    growing->patch.centre = vec3_add(c->face->origin, centre);
+    *ARENA_PUSH(c->builder->arena, mesh->patches, mesh->patch_count, c->builder->patch_capacity) =
+        growing->patch;
+}
+
+// The patch of leaves first .. end - 1.
+static void add_whole_patch(MeshCutting *c, int first, int end) {
+    Growing patch = begin_patch(c);
+    for (int k = first; k < end; k++) {
+        c->element[k] = -1;
+        if (c->first_piece[k] == c->first_piece[k + 1]) continue;
+        MeshPiece *whole = &c->pieces[c->first_piece[k]];
+        add_piece_element(c, whole, c->leaves[k].depth, &patch);
+        c->element[k] = whole->element;
+    }
+    if (patch.patch.element_count > 0) finish_patch(c, &patch, vec3_scale(patch.moment, 1 / patch.weight));
+}
+
+// ---- leaves in pieces
+
+// The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
+static void finish_cut_patch(MeshCutting *c, Growing *growing) {
+    const Mesh *mesh = c->builder->mesh;
+    const Patch *patch = &growing->patch;
+    if (patch->element_count == 0) return;
+    Vec3 centre = vec3_scale(growing->moment, 1 / growing->weight), best = centre;
+    double nearest = INFINITY;
+    for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        MeshPiece piece = {.v = ARENA_ARRAY(c->arena, Vec3, element->corner_count),
+                           .count = element->corner_count};
+        for (int i = 0; i < piece.count; i++)
+            piece.v[i] = vec3_sub(c->builder->places.points[mesh->corners[element->first_corner + i]],
+                                  c->face->origin);
+        Vec3 middle = mesh_middle(&piece);
+        double away = vec3_length(vec3_sub(middle, centre));
+        if (mesh_inside(piece.v, piece.count, c->face->plane.n, centre) > -MESH_WELD) away = -1;
+        if (away >= nearest) continue;
+        nearest = away;
+        best = away < 0 ? centre : middle;
+    }
+    finish_patch(c, growing, best);
+}
+
+// What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
+static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
+    Growing patch = begin_patch(c);
+    for (int k = first; k < end; k++) {
+        for (int i = c->first_piece[k]; i < c->first_piece[k + 1]; i++) {
+            MeshPiece *piece = &c->pieces[i];
+            if (piece->count < 3 || piece->covered != covered) continue;
+            add_piece_element(c, piece, c->leaves[k].depth, &patch);
+            if (patch.patch.element_count < MESH_MOST_IN_PATCH) continue;
+            finish_cut_patch(c, &patch);
+            patch = begin_patch(c);
+        }
+    }
+    finish_cut_patch(c, &patch);
+}
+
+static void push_shared(MeshCutting *c, int number) {
+    Mesh *mesh = c->builder->mesh;
+    *ARENA_PUSH(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
+}
+
+// Notes which elements the pieces of a leaf became, the largest first; returns the code of its squares.
+static int share_leaf(MeshCutting *c, const MeshPiece *pieces, int piece_count) {
+    Mesh *mesh = c->builder->mesh;
+    int count = 0, at = mesh->shared_count;
+    push_shared(c, 0);
+    for (int i = 0; i < piece_count; i++) {
+        int element = pieces[i].element;
+        if (element < 0) continue;
+        push_shared(c, element);
+        int k = at + ++count;
+        for (; k > at + 1 && mesh->elements[mesh->shared[k - 1]].area < mesh->elements[element].area; k--)
+            mesh->shared[k] = mesh->shared[k - 1];
+        mesh->shared[k] = element;
+    }
+    mesh->shared[at] = count;
+    if (count > 1) return ~at - 1;
+    mesh->shared_count = at;
+    return count == 1 ? mesh->shared[at + 1] : -1;
+}
+
+static void add_cut_patches(MeshCutting *c, int first, int end) {
+    add_patch_of(c, first, end, false);
+    add_patch_of(c, first, end, true);
+    for (int k = first; k < end; k++) {
+        int at = c->first_piece[k];
+        c->element[k] = MESH_SEVERAL;
+        if (c->leaves[k].area > 0) c->code[k] = share_leaf(c, c->pieces + at, c->first_piece[k + 1] - at);
+    }
+}
+
+// The elements and patches that the leaves become: numbers follow each other from face to face.
+static void mesh_add_patches(MeshCutting *c) {
+    Mesh *mesh = c->builder->mesh;
+    Face *face = &mesh->faces[c->index];
+    face->first_square = mesh->square_count;
+    face->first_element = mesh->element_count;
+    face->first_patch = mesh->patch_count;
+    mesh->square_count += face->nx * face->ny;
+    for (int first = 0, end; first < c->leaf_count; first = end) {
+        for (end = first + 1; end < c->leaf_count && c->leaves[end].patch == c->leaves[first].patch;) end++;
+        if (c->is_cut)
+            add_cut_patches(c, first, end);
+        else
+            add_whole_patch(c, first, end);
+    }
+    face->element_count = mesh->element_count - face->first_element;
+    face->patch_count = mesh->patch_count - face->first_patch;
+    mesh->merged_elements += c->merged;
+}
 
 // A part of a square is a sliver below this share of the square: it would receive too few samples to tell its light.
 static const double SLIVER = 0.15;

@@ -3,10 +3,146 @@
 // z / (pi (y^2 + z^2 + 1)^2) on the sides; scaled to sum 1.
 //
 // Departs from them: a pixel is decided by its direction's side of each edge's plane, so nothing is projected or clipped
-// (sampler.h). A hidden-surface method may fill the sides instead (hemicube_hidden.h).
+// (sampler.h). A hidden-surface method may fill the sides instead (below).
+#include <math.h>
+
+#include "radiosity/factors/form_factor.h"
 #include "radiosity/factors/row.h"
+#include "radiosity/factors/sample_grids.h"
 #include "radiosity/factors/sampler.h"
-#include "radiosity/methods/hemicube_hidden.h"
+#include "visibility/hidden/hidden.h"
+
+typedef struct HemicubeHidden HemicubeHidden;
+
+// ---- Cohen & Greenberg's hemicube as they drew it: five pictures of 90 degrees, by any hidden-surface
+// method; of the sides' only the half above the horizon counts.
+
+struct HemicubeHidden {
+    const Mesh *mesh;
+    const HiddenMethod *method;
+    void *prepared;
+    Arena scratch;  // of the method
+    SampleGrid grids[MOST_GRIDS];
+    int grid_count;
+    ItemBuffer buffer;
+    FormFactorSamples samples;   // grid by grid, row by row
+    int *item_of, *stamp, look;  // [face_count] the view's index of a face, where stamp says so
+};
+
+static Scene scene_of(const Mesh *mesh, Arena *arena) {
+    Polygon *polygons = ARENA_ARRAY(arena, Polygon, mesh->face_count + 1);
+    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, mesh->outline_count + 1);
+    for (int i = 0; i < mesh->outline_count; i++) vertices[i] = mesh->vertices[mesh->outline[i]];
+    for (int f = 0; f < mesh->face_count; f++)
+        polygons[f] = (Polygon){.first_vertex = mesh->faces[f].first_vertex,
+                                .vertex_count = mesh->faces[f].vertex_count};
+    return (Scene){.polygons = polygons, .vertices = vertices, .count = mesh->face_count};
+}
+
+static void make_samples(HemicubeHidden *self, Arena *arena) {
+    int most = 0;
+    for (int g = 0; g < self->grid_count; g++) most += self->grids[g].width * self->grids[g].height;
+    FormFactorSamples s = {.x = ARENA_ARRAY(arena, float, most),
+                           .y = ARENA_ARRAY(arena, float, most),
+                           .z = ARENA_ARRAY(arena, float, most),
+                           .weight = ARENA_ARRAY(arena, float, most)};
+    double sum = 0;
+    for (int at = 0, g = 0; g < self->grid_count; g++) {
+        const SampleGrid *grid = &self->grids[g];
+        for (int k = 0; k < grid->width * grid->height; k++, at++) {
+            double w[3], weight = 0;
+            grid->at(grid, k % grid->width, k / grid->width, w, &weight);
+            double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+            s.x[at] = (float)(w[0] / length);
+            s.y[at] = (float)(w[1] / length);
+            s.z[at] = (float)(w[2] / length);
+            s.weight[at] = (float)weight;
+            sum += weight;
+        }
+    }
+    s.count = most;
+    for (int i = 0; i < most; i++) s.weight[i] = (float)((double)s.weight[i] / sum);
+    self->samples = s;
+}
+
+// `method` is the name of one of HIDDEN_METHODS. Draws all faces of the mesh, whatever the view holds.
+static HemicubeHidden *hemicube_hidden_new(const Mesh *mesh, const char *method, int resolution,
+                                           Arena *arena) {
+    HemicubeHidden *self = ARENA_ARRAY(arena, HemicubeHidden, 1);
+    Scene scene = scene_of(mesh, arena);
+    Error error;
+    self->mesh = mesh;
+    self->method = hidden_find(method);
+    CORE_ASSERT(self->method != NULL);
+    self->prepared = self->method->begin(&scene, &self->scratch, &error);
+    CORE_ASSERT(self->prepared != NULL);
+    self->grid_count = grids_of_hemicube(resolution, self->grids);
+    self->buffer =
+        item_buffer_new(arena, resolution, resolution + 1);  // sides of an odd resolution are higher
+    self->item_of = ARENA_ARRAY(arena, int, mesh->face_count + 1);
+    self->stamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
+    make_samples(self, arena);
+    return self;
+}
+
+static void hemicube_hidden_end(HemicubeHidden *self) {
+    if (self->method->end) self->method->end(self->prepared);
+    arena_free(&self->scratch);
+}
+
+static const FormFactorSamples *hemicube_hidden_samples(const HemicubeHidden *self) { return &self->samples; }
+
+// The camera of a grid: its row 0 is the grid's row 0 on top; of a side, which stands upright and is seen from within, rows
+// and columns run the other way.
+static Camera camera_of(const SampleGrid *grid, bool top, const View *view) {
+    double w[3], weight;
+    Camera camera = {.eye = view->eye, .tan_x = 1, .tan_y = 1, .width = grid->width};
+    camera.height = top ? grid->height : 2 * grid->height;
+    if (top) {
+        camera.forward = view->z;
+        camera.right = view->x;
+        camera.up = vec3_scale(view->y, -1);
+        return camera;
+    }
+    // The side looks along the axis in the middle of its lowest row.
+    grid->at(grid, 0, 0, w, &weight);
+    double u = 1 / (double)grid->width - 1, size = 1 + u * u;
+    // (w0, w1) is ahead + u * left, left a quarter turn from ahead.
+    double ahead[2] = {(w[0] + u * w[1]) / size, (w[1] - u * w[0]) / size};
+    camera.forward = vec3_add(vec3_scale(view->x, ahead[0]), vec3_scale(view->y, ahead[1]));
+    camera.up = view->z;
+    camera.right = vec3_cross(camera.forward, camera.up);
+    return camera;
+}
+
+static int item_at(const HemicubeHidden *self, int face) {
+    return face >= 0 && self->stamp[face] == self->look ? self->item_of[face] : -1;
+}
+
+static void hemicube_hidden_items(HemicubeHidden *self, const View *view, int32_t *item,
+                                  FormFactorWork *work) {
+    self->look++;
+    for (int i = 0; i < view->face_count; i++) {
+        self->item_of[view->faces[i].face] = i;
+        self->stamp[view->faces[i].face] = self->look;
+    }
+    for (int g = 0; g < self->grid_count; g++) {
+        const SampleGrid *grid = &self->grids[g];
+        bool top = g == 0;
+        Camera camera = camera_of(grid, top, view);
+        self->buffer.width = camera.width;
+        self->buffer.height = camera.height;
+        Error error;
+        bool drawn = hidden_draw(self->method, self->prepared, &camera, &self->buffer, NULL, &error);
+        CORE_ASSERT(drawn);
+        for (int k = 0; k < grid->width * grid->height; k++) {
+            int i = k % grid->width, j = k / grid->width;
+            int column = top ? i : grid->width - 1 - i, row = top ? j : grid->height - 1 - j;
+            *item++ = item_at(self, self->buffer.item[row * camera.width + column]);
+        }
+    }
+    work->samples += self->samples.count;
+}
 
 typedef struct Hemicube {
     Sampler *sampler;

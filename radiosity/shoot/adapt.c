@@ -9,10 +9,414 @@
 #include <string.h>
 
 #include "engine/core/error.h"
-#include "radiosity/shoot/adapt_trees.h"
+#include "engine/core/parallel.h"
+#include "radiosity/mesh/mesh.h"
 #include "radiosity/shoot/sky.h"
 
-// For the first solution.
+// Light on the elements of a mesh that has splits.
+typedef struct AdaptField {
+    const Mesh *mesh;
+    const double *light;  // [element_count]
+    double (*slope)[2];   // [element_count] its change along the face's grid, a metre
+    double (*error)
+        [2];  // [element_count] integral of the square of what its constant does not tell, by either slope
+} AdaptField;
+
+// How deep elements are to be where those of the mesh are, [element_count], so that about `most` tell the light with the
+// least sum of squares; none smaller than `smallest` metres, nor more than `deeper` times split beyond those that there are.
+// `halves`: squares, which those of the mesh must be, may be cut into rectangles.
+typedef struct AdaptLimits {
+    double most, smallest;
+    int deeper;
+    bool halves;
+} AdaptLimits;
+
+// ---- how deep quadtrees over a lit mesh are worth being: of all their prunings that which tells the light best with so
+// many elements.
+//
+// What a constant does not tell of the light within a node is known from the elements below it; of an element it is guessed from
+// the slope of light there, by which each split takes three quarters. A leaf costs the same wherever it is: where the sum of squares
+// and of costs is least, from the leaves upwards, no other tree with as many leaves tells more (Breiman, Friedman, Olshen & Stone
+// 1984, chapter 10: minimal cost-complexity pruning). The cost is found that leaves as many elements as there may be.
+
+// ---- slopes
+
+// What is known of an element's slope along one axis.
+typedef struct Steps {
+    double sum, squares, weight;
+} Steps;
+
+static void add_step(Steps *s, double slope, double weight) {
+    s->sum += slope * weight;
+    s->squares += slope * slope * weight;
+    s->weight += weight;
+}
+
+// Edges of an element along the grid, metres.
+static double edge_along(const Mesh *mesh, const Element *e, int axis) {
+    const Face *face = &mesh->faces[e->face];
+    return axis == 0 ? ldexp(face->root / vec3_length(face->gx), -e->depth.x)
+                     : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
+}
+
+// What is seen of a square: of the elements that light reaches the largest, -1: none. The others are covered.
+static int seen_in(const AdaptField *f, int square) {
+    const Mesh *mesh = f->mesh;
+    int code = mesh->squares[square];
+    if (code >= -1) return code >= 0 && f->light[code] > 0 ? code : -1;
+    const int *several = mesh->shared + ~(code + 1);
+    for (int i = 1; i <= several[0]; i++)
+        if (f->light[several[i]] > 0) return several[i];
+    return -1;
+}
+
+static void add_steps(const AdaptField *f, int here, int there, int axis, Steps (*steps)[2]) {
+    if (here < 0 || there < 0 || here == there) return;
+    const Mesh *mesh = f->mesh;
+    const Element *p = &mesh->elements[here], *q = &mesh->elements[there];
+    double apart = 0.5 * (edge_along(mesh, p, axis) + edge_along(mesh, q, axis));
+    double slope = (f->light[there] - f->light[here]) / apart;
+    add_step(&steps[here][axis], slope, 1);
+    add_step(&steps[there][axis], slope, 1);
+}
+
+static void find_steps(const AdaptField *f, const Face *face, Steps (*steps)[2]) {
+    for (int j = 0; j < face->ny; j++) {
+        for (int i = 0; i < face->nx; i++) {
+            int at = face->first_square + j * face->nx + i, here = seen_in(f, at);
+            if (i + 1 < face->nx) add_steps(f, here, seen_in(f, at + 1), 0, steps);
+            if (j + 1 < face->ny) add_steps(f, here, seen_in(f, at + face->nx), 1, steps);
+        }
+    }
+}
+
+static void take_steps(const AdaptField *f, int e, const Steps steps[2]) {
+    const Mesh *mesh = f->mesh;
+    for (int axis = 0; axis < 2; axis++) {
+        const Steps *s = &steps[axis];
+        if (s->weight == 0) continue;
+        double edge = edge_along(mesh, &mesh->elements[e], axis);
+        f->slope[e][axis] = s->sum / s->weight;
+        f->error[e][axis] = mesh->elements[e].area * s->squares / s->weight * edge * edge / 12;
+    }
+}
+
+// Faces that a thread takes at a time: light on one says nothing of the next.
+enum { FACES_A_GROUP = 64 };
+
+static int group_count(const Mesh *mesh) { return (mesh->face_count + FACES_A_GROUP - 1) / FACES_A_GROUP; }
+
+static int end_of_group(const Mesh *mesh, int group) {
+    int end = (group + 1) * FACES_A_GROUP;
+    return end < mesh->face_count ? end : mesh->face_count;
+}
+
+typedef struct Measuring {
+    const AdaptField *field;
+    Steps (*steps)[2];  // [element_count]
+} Measuring;
+
+static void measure_group(void *context, int group, int thread) {
+    (void)thread;
+    const Measuring *m = context;
+    const Mesh *mesh = m->field->mesh;
+    for (int k = group * FACES_A_GROUP; k < end_of_group(mesh, group); k++) {
+        const Face *face = &mesh->faces[k];
+        find_steps(m->field, face, m->steps);
+        for (int e = face->first_element; e < face->first_element + face->element_count; e++)
+            take_steps(m->field, e, m->steps[e]);
+    }
+}
+
+static AdaptField adapt_field(const Mesh *mesh, const double *light, Arena *arena) {
+    AdaptField f = {mesh, light, arena_alloc(arena, (size_t)mesh->element_count, sizeof *f.slope),
+                    arena_alloc(arena, (size_t)mesh->element_count, sizeof *f.error)};
+    Arena scratch = {0};
+    Measuring m = {&f, arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *m.steps)};
+    parallel_for(parallel_threads(mesh->options.threads), group_count(mesh), measure_group, &m);
+    arena_free(&scratch);
+    return f;
+}
+
+// ---- trees
+
+// What a constant would tell of the light of some squares.
+typedef struct Moments {
+    double area, mean, error;
+} Moments;
+
+typedef struct Node {
+    int first_child;  // of four, row by row; -1: an element, or nothing
+    int element;      // -1: the face is not there, or has children
+    Moments all;
+    // Errors of its halves, by the axis that is halved, and which; below 0: nothing is there.
+    double half[2][2];
+    double slope_error[2];  // of an element, by the slope along either axis
+    int most;               // how often it may be halved along each
+    // What it is worth. Of an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
+    // halves are halved again.
+    MeshDepth depth;
+    int axis;
+    bool again[2];
+    double count;  // leaves below it
+} Node;
+
+// Those of a group of faces.
+typedef struct Trees {
+    const AdaptField *field;
+    const AdaptLimits *limits;
+    Node *nodes;  // children after their parents
+    int count, capacity;
+    int *roots, root_count, root_capacity;
+    double *below;  // [count] the least sum of squares and costs of each as it was pruned last
+    Arena arena;
+} Trees;
+
+typedef struct Forest {
+    const Mesh *mesh;
+    Trees *groups;  // [group_count]
+    double cost;    // of a leaf, while it is pruned
+} Forest;
+
+static void each_group(Forest *forest, void (*body)(void *context, int group, int thread)) {
+    parallel_for(parallel_threads(forest->mesh->options.threads), group_count(forest->mesh), body, forest);
+}
+
+static Moments join_moments(Moments a, const Moments *b) {
+    if (b->area == 0) return a;
+    double area = a.area + b->area, off = b->mean - a.mean;
+    return (Moments){area, a.mean + off * b->area / area,
+                     a.error + b->error + off * off * a.area * b->area / area};
+}
+
+static const Node *child_of(const Trees *t, const Node *n, int axis, int half, int k) {
+    return &t->nodes[n->first_child + (axis == 0 ? half + 2 * k : 2 * half + k)];
+}
+
+typedef struct Block {
+    int i, j, side;
+} Block;
+
+// The deepest element that is seen in a block of squares, -1: none.
+static int deepest_in(const AdaptField *field, const Face *face, Block b) {
+    const Mesh *mesh = field->mesh;
+    int best = -1;
+    for (int j = b.j; j < b.j + b.side; j++) {
+        for (int i = b.i; i < b.i + b.side; i++) {
+            int e = seen_in(field, face->first_square + j * face->nx + i);
+            if (e >= 0 && (best < 0 || mesh->elements[e].depth.x > mesh->elements[best].depth.x)) best = e;
+        }
+    }
+    return best;
+}
+
+static int most_splits(const Trees *t, const Element *e) {
+    const Mesh *mesh = t->field->mesh;
+    double edge = sqrt(edge_along(mesh, e, 0) * edge_along(mesh, e, 1));
+    int splits = 0;
+    while (splits < t->limits->deeper && e->depth.x + splits < MESH_DEEPEST &&
+           ldexp(edge, -splits - 1) >= t->limits->smallest)
+        splits++;
+    return splits;
+}
+
+static void fill_node(Trees *t, int at, const Face *face, Block b, int depth) {
+    const Mesh *mesh = t->field->mesh;
+    int element = deepest_in(t->field, face, b);
+    t->nodes[at] = (Node){.first_child = -1, .element = element};
+    if (element < 0) return;
+    if (b.side == 1 || mesh->elements[element].depth.x <= depth) {
+        const double *error = t->field->error[element];
+        t->nodes[at].all =
+            (Moments){mesh->elements[element].area, t->field->light[element], error[0] + error[1]};
+        t->nodes[at].most = most_splits(t, &mesh->elements[element]);
+        memcpy(t->nodes[at].slope_error, error, sizeof t->nodes[at].slope_error);
+        return;
+    }
+    int first = t->count, half = b.side / 2;
+    for (int k = 0; k < 4; k++) *ARENA_PUSH(&t->arena, t->nodes, t->count, t->capacity) = (Node){0};
+    Node sum = {.first_child = first, .element = -1};
+    for (int k = 0; k < 4; k++) {
+        fill_node(t, first + k, face, (Block){b.i + k % 2 * half, b.j + k / 2 * half, half}, depth + 1);
+        sum.all = join_moments(sum.all, &t->nodes[first + k].all);
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        for (int side = 0; side < 2; side++) {
+            Moments whole =
+                join_moments(child_of(t, &sum, axis, side, 0)->all, &child_of(t, &sum, axis, side, 1)->all);
+            sum.half[axis][side] = whole.area > 0 ? whole.error : -1;
+        }
+    }
+    t->nodes[at] = sum;
+}
+
+static void plant(void *context, int group, int thread) {
+    (void)thread;
+    const Forest *forest = context;
+    const Mesh *mesh = forest->mesh;
+    Trees *t = &forest->groups[group];
+    for (int f = group * FACES_A_GROUP; f < end_of_group(mesh, group); f++) {
+        const Face *face = &mesh->faces[f];
+        for (int j = 0; j < face->ny; j += face->root) {
+            for (int i = 0; i < face->nx; i += face->root) {
+                *ARENA_PUSH(&t->arena, t->roots, t->root_count, t->root_capacity) = t->count;
+                *ARENA_PUSH(&t->arena, t->nodes, t->count, t->capacity) = (Node){0};
+                fill_node(t, t->count - 1, face, (Block){i, j, face->root}, 0);
+            }
+        }
+    }
+    t->below = ARENA_ARRAY(&t->arena, double, t->count);
+}
+
+// ---- pruning
+
+// Each time it is halved along an axis, what the slope there left untold falls to a quarter.
+static double prune_element(const Trees *t, Node *n, double cost) {
+    static const double QUARTERS[MESH_DEEPEST + 1] = {1,         1.0 / 4,    1.0 / 16,  1.0 / 64,
+                                                      1.0 / 256, 1.0 / 1024, 1.0 / 4096};
+    double best = INFINITY;
+    for (int x = 0; x <= n->most; x++) {
+        for (int y = x > 0 ? x - 1 : 0; y <= x + 1 && y <= n->most; y++) {
+            if (!t->limits->halves && x != y) continue;
+            double count = (double)(1 << (x + y));
+            double sum = n->slope_error[0] * QUARTERS[x] + n->slope_error[1] * QUARTERS[y] + cost * count;
+            if (sum >= best) continue;
+            best = sum;
+            n->depth = (MeshDepth){(unsigned char)x, (unsigned char)y};
+            n->count = count;
+        }
+    }
+    return best;
+}
+
+// The half of a square: one, or its two squares.
+static double prune_half(const Trees *t, const Node *n, int axis, int half, double cost, bool *again,
+                         double *count) {
+    const Node *child[2] = {child_of(t, n, axis, half, 0), child_of(t, n, axis, half, 1)};
+    double split = t->below[child[0] - t->nodes] + t->below[child[1] - t->nodes];
+    bool there = n->half[axis][half] >= 0;
+    double whole = there ? n->half[axis][half] + cost : 0;
+    *again = !t->limits->halves || split < whole;
+    *count = *again ? child[0]->count + child[1]->count : there;
+    return *again ? split : whole;
+}
+
+// Returns the least sum of squares and costs of a node whose children are pruned.
+static double prune_node(const Trees *t, Node *n, double cost) {
+    n->count = 0;
+    if (n->first_child < 0) return n->element < 0 ? 0 : prune_element(t, n, cost);
+    double best = n->all.error + cost;
+    n->axis = -1;
+    n->count = n->all.area > 0;
+    for (int axis = 0; axis < (t->limits->halves ? 2 : 1); axis++) {
+        bool again[2];
+        double sum = 0, count[2];
+        for (int half = 0; half < 2; half++)
+            sum += prune_half(t, n, axis, half, cost, &again[half], &count[half]);
+        if (sum >= best) continue;
+        best = sum;
+        n->axis = axis;
+        n->again[0] = again[0];
+        n->again[1] = again[1];
+        n->count = count[0] + count[1];
+    }
+    return best;
+}
+
+static void prune_group(void *context, int group, int thread) {
+    (void)thread;
+    const Forest *forest = context;
+    const Trees *t = &forest->groups[group];
+    for (int i = t->count - 1; i >= 0; i--) t->below[i] = prune_node(t, &t->nodes[i], forest->cost);
+}
+
+// Returns how many leaves are left.
+static double prune(Forest *forest, double cost) {
+    forest->cost = cost;
+    each_group(forest, prune_group);
+    double count = 0;
+    for (int g = 0; g < group_count(forest->mesh); g++) {
+        const Trees *t = &forest->groups[g];
+        for (int r = 0; r < t->root_count; r++) count += t->nodes[t->roots[r]].count;
+    }
+    return count;
+}
+
+// Costs between which the one is that leaves as many elements as there may be, of the largest error of a root; what share of them is
+// near enough; and after how many tries it is, anyway.
+static const double LEAST_COST = 1e-12, NEAR_ENOUGH = 0.998;
+enum { MOST_TRIES = 24 };
+// A guess lies so far inside what is known, as a share, that each narrows it from either side.
+static const double INSIDE = 0.05;
+
+// So that there are at most so many. Counts go about as powers of costs: guesses lie on the line between what is known, as logarithms.
+static void prune_to(Forest *forest, double limit) {
+    double high = 0, most = fmax(limit, 1);
+    for (int g = 0; g < group_count(forest->mesh); g++) {
+        const Trees *t = &forest->groups[g];
+        for (int i = 0; i < t->count; i++) high = fmax(high, t->nodes[i].all.error);
+    }
+    double low = LEAST_COST * high, many = prune(forest, low);
+    if (many <= most) return;
+    double few = prune(forest, high);
+    for (int i = 0; i < MOST_TRIES && few < NEAR_ENOUGH * most; i++) {
+        double along = few > 0 ? log(many / most) / log(many / few) : 0.5;
+        double guess = low * pow(high / low, fmin(fmax(along, INSIDE), 1 - INSIDE));
+        double count = prune(forest, guess);
+        *(count > most ? &low : &high) = guess;
+        *(count > most ? &many : &few) = count;
+    }
+    prune(forest, high);
+}
+
+static void give_depth(const Trees *t, const Node *n, MeshDepth depth, MeshDepth *out) {
+    for (int k = 0; n->first_child >= 0 && k < 4; k++)
+        give_depth(t, &t->nodes[n->first_child + k], depth, out);
+    if (n->element < 0) return;
+    MeshDepth *wanted = &out[n->element];
+    if (depth.x > wanted->x) wanted->x = depth.x;
+    if (depth.y > wanted->y) wanted->y = depth.y;
+}
+
+static void take_depths(const Trees *t, const Node *n, int depth, MeshDepth *out) {
+    unsigned char own = (unsigned char)depth, deeper = (unsigned char)(depth + 1);
+    if (n->first_child < 0) {
+        give_depth(t, n, (MeshDepth){(unsigned char)(own + n->depth.x), (unsigned char)(own + n->depth.y)},
+                   out);
+    } else if (n->axis < 0) {
+        give_depth(t, n, (MeshDepth){own, own}, out);
+    } else {
+        MeshDepth half = n->axis == 0 ? (MeshDepth){deeper, own} : (MeshDepth){own, deeper};
+        for (int h = 0; h < 2; h++) {
+            for (int k = 0; k < 2; k++) {
+                const Node *child = child_of(t, n, n->axis, h, k);
+                if (n->again[h])
+                    take_depths(t, child, depth + 1, out);
+                else
+                    give_depth(t, child, half, out);
+            }
+        }
+    }
+}
+
+static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limits, Arena *arena) {
+    Arena scratch = {0};
+    int groups = group_count(field->mesh);
+    Forest forest = {.mesh = field->mesh, .groups = ARENA_ARRAY(&scratch, Trees, groups)};
+    for (int g = 0; g < groups; g++) forest.groups[g] = (Trees){.field = field, .limits = limits};
+    each_group(&forest, plant);
+    prune_to(&forest, limits->most);
+    MeshDepth *depth = ARENA_ARRAY(arena, MeshDepth, field->mesh->element_count);
+    for (int g = 0; g < groups; g++) {
+        Trees *t = &forest.groups[g];
+        for (int r = 0; r < t->root_count; r++) take_depths(t, &t->nodes[t->roots[r]], 0, depth);
+        arena_free(&t->arena);
+    }
+    arena_free(&scratch);
+    return depth;
+}
+
+// Of the first solution.
 static const double FIRST_RESIDUAL = 0.25;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
@@ -22,7 +426,7 @@ static const double FIRST_LOOKS = 1.6e7, LAMP_LOOKS = 3e6, SMALL_FILE = 1e6;
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Elements are not more often split than so below their patch.
 enum { MOST_BELOW_PATCH = 2 };
-// Lamp detail of the pilot solution, which only tells where shadows are.
+// Of what is only to tell where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
 static const double PATCH_EDGE = 1.5;
@@ -66,7 +470,7 @@ static double reflectance_of(const Mesh *mesh, int element) {
     return (double)(rho.r + rho.g + rho.b) / 3;
 }
 
-// The light of all channels, from the part that is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
+// Of all channels, from what is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
 static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
     const Material *m = mesh_material(mesh, mesh->elements[element].face);
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
@@ -114,7 +518,7 @@ static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Me
     return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
 }
 
-// The light after two reflections, on patches of two by two elements.
+// What the reflected light of reflected light looks like, on patches of two by two elements.
 static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
     MeshOptions rough = *options;
@@ -138,7 +542,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     return true;
 }
 
-// The side of the square that an element is, or is cut from, metres.
+// Of the square that an element is, or is cut from, metres.
 static double root_edge(const Mesh *mesh, int element) {
     const Face *face = &mesh->faces[mesh->elements[element].face];
     return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
@@ -179,7 +583,7 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
     double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch,
            root = root_edge(mesh, element);
     double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
-    // For lamps, each of which shoots with more detail, a quarter of the root at least.
+    // Of lamps, of which each shoots with more detail, a quarter of the root at least.
     if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
     int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;

@@ -11,9 +11,181 @@
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
+#include "engine/core/polygon.h"
+#include "radiosity/factors/form_factor.h"
 #include "radiosity/factors/row.h"
 #include "radiosity/factors/sampler.h"
-#include "radiosity/shoot/sky_openings.h"
+
+typedef struct SkyOpening {
+    int inside, outside;   // cells
+    Plane plane;           // n points inside
+    const Vec3 *vertices;  // [count] in CellGraph.portal_vertices
+    int count;
+} SkyOpening;
+
+typedef struct SkyPiece {
+    int opening;
+    Vec3 centre;
+    double area;  // m^2
+} SkyPiece;
+
+typedef struct SkyOpenings {
+    SkyOpening *openings;  // [count]
+    SkyPiece *pieces;      // [piece_count] opening after opening
+    int count, piece_count;
+} SkyOpenings;
+
+// Openings of more corners are not taken.
+enum { SKY_CORNERS = 64 };
+
+// ---- portals of which one side alone is outdoors, cut by a grid in their planes: each piece is seen from, and sees,
+// as from its middle.
+
+// Side of a piece aimed at, metres: small to the distance of what stands near a window; and how many pieces there are before
+// they become larger.
+static const double PIECE = 0.2;
+static const double MOST_PIECES = 50000;
+
+static bool sky_is_outdoors(const CellGraph *graph, int cell) {
+    return vis_region(graph, cell)->kind == REGION_OUTDOORS;
+}
+
+static Vec3 centre_of(const Vec3 *v, int count) {
+    Vec3 sum = {0, 0, 0};
+    double area = 0;
+    for (int i = 1; i + 1 < count; i++) {
+        Vec3 a = vec3_sub(v[i], v[0]), b = vec3_sub(v[i + 1], v[0]);
+        double twice = vec3_length(vec3_cross(a, b));
+        sum = vec3_add(sum, vec3_scale(vec3_add(a, b), twice / 3));
+        area += twice;
+    }
+    return area > 0 ? vec3_add(v[0], vec3_scale(sum, 1 / area)) : v[0];
+}
+
+// What of a polygon lies from `low` to `high` along x. `out` has room for count + 2.
+static int strip(const Vec3 *polygon, int count, Vec3 x, double low, double high, Vec3 *out) {
+    Vec3 part[SKY_CORNERS];
+    int left = polygon_clip(polygon, count, (Plane){x, low}, 0, part);
+    return left < 3 ? 0 : polygon_clip(part, left, (Plane){vec3_scale(x, -1), -high}, 0, out);
+}
+
+static void extent(const Vec3 *polygon, int count, Vec3 x, double *low, double *high) {
+    *low = INFINITY, *high = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        *low = fmin(*low, vec3_dot(x, polygon[i]));
+        *high = fmax(*high, vec3_dot(x, polygon[i]));
+    }
+}
+
+static void cut_opening(SkyOpenings *out, int opening, double size, Arena *arena, int *capacity) {
+    const SkyOpening *o = &out->openings[opening];
+    Vec3 x, y, corner = o->vertices[0], polygon[SKY_CORNERS], column[SKY_CORNERS], piece[SKY_CORNERS];
+    CORE_ASSERT(o->count + 4 < SKY_CORNERS);
+    view_axes(o->plane.n, &x, &y);
+    // About a corner, so that far from the origin no digits are lost.
+    for (int i = 0; i < o->count; i++) polygon[i] = vec3_sub(o->vertices[i], corner);
+    double left, right, low, high;
+    extent(polygon, o->count, x, &left, &right);
+    int columns = (int)fmax(ceil((right - left) / size), 1);
+    for (int i = 0; i < columns; i++) {
+        double from = left + (right - left) * i / columns, to = left + (right - left) * (i + 1) / columns;
+        int in_column = strip(polygon, o->count, x, from, to, column);
+        if (in_column < 3) continue;
+        extent(column, in_column, y, &low, &high);
+        int rows = (int)fmax(ceil((high - low) / size), 1);
+        for (int j = 0; j < rows; j++) {
+            int count = strip(column, in_column, y, low + (high - low) * j / rows,
+                              low + (high - low) * (j + 1) / rows, piece);
+            double area = count < 3 ? 0 : polygon_area(piece, count);
+            if (area < MAPS_SMALLEST_AREA) continue;
+            *ARENA_PUSH(arena, out->pieces, out->piece_count, *capacity) =
+                (SkyPiece){opening, vec3_add(corner, centre_of(piece, count)), area};
+        }
+    }
+}
+
+static SkyOpenings sky_openings(const CellGraph *graph, Arena *arena) {
+    SkyOpenings out = {.openings = ARENA_ARRAY(arena, SkyOpening, graph->portal_count + 1)};
+    double area = 0;
+    int capacity = 0;
+    for (int p = 0; p < graph->portal_count; p++) {
+        const Portal *portal = &graph->portals[p];
+        bool first = sky_is_outdoors(graph, portal->cell[0]),
+             second = sky_is_outdoors(graph, portal->cell[1]);
+        if (first == second) continue;
+        Plane plane = portal->plane;  // towards cell[0]
+        if (first) plane = (Plane){vec3_scale(plane.n, -1), -plane.d};
+        const Vec3 *vertices = graph->portal_vertices + portal->first_vertex;
+        area += polygon_area(vertices, portal->vertex_count);
+        out.openings[out.count++] =
+            (SkyOpening){portal->cell[first], portal->cell[!first], plane, vertices, portal->vertex_count};
+    }
+    double size = fmax(PIECE, sqrt(area / MOST_PIECES));
+    for (int o = 0; o < out.count; o++) cut_opening(&out, o, size, arena, &capacity);
+    return out;
+}
+
+// ---- where light that came in by one opening leaves by another: from there on it is that of whatever opening it comes
+// in by next.
+
+// Openings nearer than this to a piece's middle are its own plane, metres.
+static const double ON_PLANE = 1e-6;
+
+// An opening from a piece's middle, in the view's axes.
+typedef struct Exit {
+    Plane plane;        // n to the middle's side
+    const Plane *edge;  // [count] inside of all
+    int count;
+} Exit;
+
+static bool make_exit(const View *view, const SkyOpening *o, Plane *edge, Exit *out) {
+    double off = vec3_dot(o->plane.n, vec3_sub(view->eye, o->vertices[0]));
+    if (off < ON_PLANE) return false;  // it leads in, from here
+    Vec3 last = {0, 0, 0}, sum = {0, 0, 0};
+    bool above = false;
+    for (int i = 0; i <= o->count; i++) {
+        Vec3 v = vec3_sub(o->vertices[i % o->count], view->eye);
+        Vec3 p = {vec3_dot(view->x, v), vec3_dot(view->y, v), vec3_dot(view->z, v)};
+        if (i > 0) edge[i - 1].n = vec3_cross(last, p);
+        if (i < o->count) sum = vec3_add(sum, p);
+        above = above || p.z > 0;
+        last = p;
+    }
+    for (int i = 0; i < o->count; i++)
+        if (vec3_dot(edge[i].n, sum) < 0) edge[i].n = vec3_scale(edge[i].n, -1);
+    Vec3 n = o->plane.n;
+    n = vec3(vec3_dot(view->x, n), vec3_dot(view->y, n), vec3_dot(view->z, n));
+    *out = (Exit){{n, -off}, edge, o->count};
+    return above;
+}
+
+static bool leaves_by(const Exit *exit, Vec3 w, double distance) {
+    double slope = vec3_dot(exit->plane.n, w);
+    // Met at exit->plane.d / slope; both are below 0.
+    if (slope >= 0 || exit->plane.d < slope * (distance - ON_PLANE)) return false;
+    for (int i = 0; i < exit->count; i++)
+        if (vec3_dot(exit->edge[i].n, w) < 0) return false;
+    return true;
+}
+
+// Of what samples see from the middle of a piece of an opening, inwards, forgets (-1) what lies behind another opening.
+static void sky_end_at_exits(const SkyOpenings *openings, const StabForest *forest, int opening,
+                             const View *view, const FormFactorSamples *samples, int32_t *item) {
+    const SkyOpening *own = &openings->openings[opening];
+    for (int k = 0; k < openings->count; k++) {
+        const SkyOpening *o = &openings->openings[k];
+        Plane edge[SKY_CORNERS];
+        Exit exit;
+        if (k == opening || !vis_sees(forest, own->inside, o->inside) || !make_exit(view, o, edge, &exit))
+            continue;
+        for (int i = 0; i < samples->count; i++) {
+            if (item[i] < 0) continue;
+            const ViewFace *f = &view->faces[item[i]];
+            Vec3 along = {(double)samples->x[i], (double)samples->y[i], (double)samples->z[i]};
+            if (leaves_by(&exit, along, f->d / vec3_dot(f->n, along))) item[i] = -1;
+        }
+    }
+}
 
 // Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
@@ -112,7 +284,7 @@ static double height_of(const View *view, const FormFactorSamples *samples, int 
 
 // ---- elements outdoors
 
-static Vec3 centre_of(const Mesh *mesh, const Element *element) {
+static Vec3 element_middle(const Mesh *mesh, const Element *element) {
     const int *corner = mesh->corners + element->first_corner;
     Vec3 first = mesh->vertices[corner[0]], sum = {0, 0, 0};
     double area = 0;
@@ -143,7 +315,7 @@ static int cell_before(const Shine *s, Vec3 eye, Vec3 normal, int hint) {
 }
 
 static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patch_cell) {
-    Vec3 eye = centre_of(s->mesh, &s->mesh->elements[e]);
+    Vec3 eye = element_middle(s->mesh, &s->mesh->elements[e]);
     int cell = cell_before(s, eye, normal, patch_cell);
     s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
     if (s->looks[e]) s->share[e] = sky_share(s, w, eye, normal, cell);

@@ -5,23 +5,16 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-// Where a fine element has its light from: nodes of the stand-in near it that look the same way.
-enum { FINE_SOURCES = 6 };
-typedef struct FineSource {
-    int node[FINE_SOURCES];
-    float share[FINE_SOURCES];  // sum 1, or all 0: nothing is known
-} FineSource;
-
 typedef struct FineMesh {
     const Mesh *light;  // the mesh that light was found on
     Mesh
         mesh;  // the same where nothing stands in; else its own faces and the fine ones, in order of polygons
-    bool same;            // it is
-    int *element;         // [mesh.element_count] that of `light`, or -1 - k: sources[k]
-    int *patch;           // [mesh.patch_count] that of `light`, or -1 - e: as that element has it
-    int *corner;          // [mesh.corner_count] that of `light`; -1: of a fine element
-    Nodes nodes;          // of `light`
-    FineSource *sources;  // [source_count]
+    bool same;                   // it is
+    int *element;                // [mesh.element_count] that of `light`, or -1 - k: sources[k]
+    int *patch;                  // [mesh.patch_count] that of `light`, or -1 - e: as that element has it
+    int *corner;                 // [mesh.corner_count] that of `light`; -1: of a fine element
+    Nodes nodes;                 // of `light`
+    struct FineSource *sources;  // [source_count]
     int source_count;
 } FineMesh;
 

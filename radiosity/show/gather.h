@@ -2,8 +2,15 @@
 #ifndef RADIOSITY_GATHER_H
 #define RADIOSITY_GATHER_H
 
-#include "radiosity/show/gather_near.h"
+#include "radiosity/shoot/shoot.h"
 #include "radiosity/show/reconstruct.h"
+
+// What is near, and how long to walk.
+typedef struct NearOptions {
+    double reach;  // elements are near within so many times their size; 0: none is
+    double error;  // standard error to be content with, of all light but that of lamps in sight
+    int blocks;    // of 1021 walks, at most
+} NearOptions;
 
 // How light is gathered.
 typedef struct GatherOptions {

@@ -7,6 +7,470 @@
 // each block of walks: blocks are independent.
 #include "radiosity/truth/path_walk.h"
 
+#include <float.h>
+#include <stdlib.h>
+
+#include "engine/core/polygon.h"
+#include "visibility/hidden/embree_device.h"
+
+typedef struct PathLightPoint {
+    int face;
+    Vec3 point;
+    double density;  // of choosing it, 1/m^2
+} PathLightPoint;
+
+// ---- the faces of a mesh as triangles that share the mesh's vertices, those of neighbours on their edges included:
+// so Embree's robust mode (Woop, Benthin & Wald 2013, Watertight Ray/Triangle Intersection) lets nothing through between them.
+//
+// Shares its geometry with the solver, and nothing else. Floats cannot tell faces apart that lie within micrometres of each
+// other: where faces share a plane, a second ray looks at that plane alone, and takes the face that is to be seen.
+
+// Metres, for buildings of tens of metres: twenty roundings of a float there.
+static const double OFF = 2e-5;
+// And for larger ones, of half their size.
+static const double OFF_RELATIVE = 16 * (double)FLT_EPSILON;
+// So far points are drawn from the edge of their face to its middle, of the way: a start that a rounding carries past the next
+// wall would be outside the room.
+static const double FROM_EDGE = 1e-5;
+// Faces nearer than this lie in one place, metres; and the sine of the angle between them.
+static const double SAME_PLACE = 1e-5;
+static const double SAME_WAY = 1e-5;
+// The least cosine for which the width of the look at a contested plane is exact.
+static const double GRAZING = 1e-3;
+
+struct Embree {
+    RTCDevice device;
+    RTCScene scene;
+};
+
+// ---- faces in one place
+
+typedef struct PlaneKey {
+    double distance;  // metres, of the plane turned so that of its two sides one is chosen
+    int face;
+} PlaneKey;
+
+static int by_distance(const void *a, const void *b) {
+    const PlaneKey *p = a, *q = b;
+    if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+    return p->face - q->face;
+}
+
+static bool is_turned(Vec3 n) {
+    static const double NONE = 1e-3;
+    if (fabs(n.x) > NONE) return n.x < 0;
+    return fabs(n.y) > NONE ? n.y < 0 : n.z < 0;
+}
+
+static bool along_axis(double low, double high, double other_low, double other_high) {
+    double both = fmin(high, other_high) - fmax(low, other_low);
+    bool flat = high - low < SAME_PLACE && other_high - other_low < SAME_PLACE;
+    return both > (flat ? -SAME_PLACE : SAME_PLACE);
+}
+
+// Of faces of one plane: neighbours that only touch do not.
+static bool may_overlap(Box a, Box b) {
+    return along_axis(a.min.x, a.max.x, b.min.x, b.max.x) && along_axis(a.min.y, a.max.y, b.min.y, b.max.y) &&
+           along_axis(a.min.z, a.max.z, b.min.z, b.max.z);
+}
+
+static bool are_parallel(Vec3 a, Vec3 b) { return vec3_length(vec3_cross(a, b)) < SAME_WAY; }
+
+static void find_contested(PathScene *scene, const Box *boxes) {
+    const Mesh *mesh = scene->mesh;
+    Arena scratch = {0};
+    PlaneKey *keys = ARENA_ARRAY(&scratch, PlaneKey, mesh->face_count);
+    for (int f = 0; f < mesh->face_count; f++) {
+        double d = scene->distances[f];
+        keys[f] = (PlaneKey){is_turned(mesh->faces[f].plane.n) ? -d : d, f};
+    }
+    qsort(keys, (size_t)mesh->face_count, sizeof *keys, by_distance);
+    for (int i = 0; i < mesh->face_count; i++) {
+        int f = keys[i].face;
+        for (int k = i + 1; k < mesh->face_count && keys[k].distance < keys[i].distance + SAME_PLACE; k++) {
+            int g = keys[k].face;
+            if (!may_overlap(boxes[f], boxes[g]) ||
+                !are_parallel(mesh->faces[f].plane.n, mesh->faces[g].plane.n))
+                continue;
+            scene->contested[f] = scene->contested[g] = true;
+        }
+    }
+    arena_free(&scratch);
+}
+
+// ---- made once
+
+static Box look_at_faces(PathScene *scene, Arena *scratch) {
+    const Mesh *mesh = scene->mesh;
+    Box all = box_empty(), *boxes = ARENA_ARRAY(scratch, Box, mesh->face_count);
+    for (int i = 0; i < mesh->vertex_count; i++) all = box_add(all, mesh->vertices[i]);
+    scene->origin = vec3_lerp(all.min, all.max, 0.5);
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        Vec3 sum = {0, 0, 0};
+        boxes[f] = box_empty();
+        for (int i = 0; i < face->vertex_count; i++) {
+            Vec3 v = vec3_sub(mesh->vertices[mesh->outline[face->first_vertex + i]], scene->origin);
+            sum = vec3_add(sum, v);
+            boxes[f] = box_add(boxes[f], v);
+        }
+        scene->centres[f] = vec3_scale(sum, 1.0 / face->vertex_count);
+        scene->distances[f] = vec3_dot(face->plane.n, vec3_sub(face->origin, scene->origin));
+    }
+    find_contested(scene, boxes);
+    return all;
+}
+
+static void put_vertices(const PathScene *scene, RTCGeometry geometry) {
+    const Mesh *mesh = scene->mesh;
+    float *at = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                        3 * sizeof *at, (size_t)mesh->vertex_count);
+    for (int i = 0; i < mesh->vertex_count; i++) {
+        Vec3 v = vec3_sub(mesh->vertices[i], scene->origin);
+        *at++ = (float)v.x;
+        *at++ = (float)v.y;
+        *at++ = (float)v.z;
+    }
+}
+
+static void put_triangles(PathScene *scene, RTCGeometry geometry, Arena *arena) {
+    const Mesh *mesh = scene->mesh;
+    Arena scratch = {0};
+    int count = mesh->outline_count - 2 * mesh->face_count;
+    scene->face_of = ARENA_ARRAY(arena, int, count + 1);
+    unsigned *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof *index, (size_t)count);
+    Vec3 *corners = ARENA_ARRAY(&scratch, Vec3, mesh->outline_count);
+    int *triangle = ARENA_ARRAY(&scratch, int, 3 * mesh->outline_count), *face_of = scene->face_of;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const int *outline = mesh->outline + mesh->faces[f].first_vertex;
+        int n = mesh->faces[f].vertex_count;
+        for (int i = 0; i < n; i++) corners[i] = vec3_sub(mesh->vertices[outline[i]], scene->origin);
+        polygon_triangulate(corners, n, triangle);
+        for (int i = 0; i < 3 * (n - 2); i++) *index++ = (unsigned)outline[triangle[i]];
+        for (int i = 0; i < n - 2; i++) *face_of++ = f;
+    }
+    arena_free(&scratch);
+}
+
+PathScene *path_scene_new(const Mesh *mesh, Arena *arena) {
+    Arena scratch = {0};
+    PathScene *scene = ARENA_ARRAY(arena, PathScene, 1);
+    scene->mesh = mesh;
+    scene->centres = ARENA_ARRAY(arena, Vec3, mesh->face_count);
+    scene->distances = ARENA_ARRAY(arena, double, mesh->face_count);
+    scene->contested = ARENA_ARRAY(arena, bool, mesh->face_count);
+    Box all = look_at_faces(scene, &scratch);
+    arena_free(&scratch);
+    scene->off = fmax(OFF, OFF_RELATIVE * vec3_length(vec3_sub(all.max, scene->origin)));
+    struct Embree *embree = scene->embree = ARENA_ARRAY(arena, struct Embree, 1);
+    embree->device = embree_device_new();
+    embree->scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(embree->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    put_vertices(scene, geometry);
+    put_triangles(scene, geometry, arena);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(embree->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(embree->scene);
+    return scene;
+}
+
+void path_scene_end(PathScene *scene) {
+    rtcReleaseScene(scene->embree->scene);
+    rtcReleaseDevice(scene->embree->device);
+}
+
+// ---- rays
+
+static struct RTCRayHit ray_of(Vec3 from, Vec3 along, double near, double far) {
+    return (struct RTCRayHit){.ray = {.org_x = (float)from.x,
+                                      .org_y = (float)from.y,
+                                      .org_z = (float)from.z,
+                                      .dir_x = (float)along.x,
+                                      .dir_y = (float)along.y,
+                                      .dir_z = (float)along.z,
+                                      .tnear = (float)near,
+                                      .tfar = (float)far,
+                                      .mask = ~0u},
+                              .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+}
+
+// A look at one plane.
+typedef struct Look {
+    struct RTCIntersectContext context;  // first: Embree knows it
+    const PathScene *scene;
+    Vec3 along;
+    int plane;  // the face met first
+    int face;   // the one to be seen, so far
+} Look;
+
+static bool is_front(const PathScene *scene, int face, Vec3 along) {
+    return vec3_dot(scene->mesh->faces[face].plane.n, along) < 0;
+}
+
+static void choose(const struct RTCFilterFunctionNArguments *args) {
+    Look *look = (Look *)args->context;
+    const PathScene *scene = look->scene;
+    int face = scene->face_of[((const struct RTCHit *)args->hit)->primID];  // rays come one at a time
+    args->valid[0] = 0;                                                     // goes on to the next
+    Vec3 n = scene->mesh->faces[look->plane].plane.n;
+    double beside = vec3_dot(n, scene->centres[face]) - scene->distances[look->plane];
+    if (fabs(beside) > SAME_PLACE || !are_parallel(n, scene->mesh->faces[face].plane.n)) return;
+    bool front = is_front(scene, face, look->along), best = is_front(scene, look->face, look->along);
+    if (front != best ? front : face < look->face) look->face = face;
+}
+
+// Of the faces where a ray meets the plane of one.
+static int seen_of(const PathScene *scene, Vec3 from, Vec3 along, int face, double at) {
+    double cosine = fabs(vec3_dot(scene->mesh->faces[face].plane.n, along));
+    double wide = 2 * SAME_PLACE / fmax(cosine, GRAZING);
+    struct RTCRayHit ray = ray_of(from, along, fmax(at - wide, 0), at + wide);
+    Look look = {.scene = scene, .along = along, .plane = face, .face = face};
+    rtcInitIntersectContext(&look.context);
+    look.context.filter = choose;
+    rtcIntersect1(scene->embree->scene, &look.context, &ray);
+    return look.face;
+}
+
+PathHit path_scene_trace(const PathScene *scene, Vec3 from, Vec3 along) {
+    struct RTCRayHit ray = ray_of(from, along, 0, INFINITY);
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene->embree->scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return (PathHit){.face = -1};
+    double at = (double)ray.ray.tfar;
+    PathHit hit = {.face = scene->face_of[ray.hit.primID]};
+    if (scene->contested[hit.face]) hit.face = seen_of(scene, from, along, hit.face, at);
+    hit.front = is_front(scene, hit.face, along);
+    Vec3 n = scene->mesh->faces[hit.face].plane.n, p = vec3_add(from, vec3_scale(along, at));
+    hit.point = vec3_sub(p, vec3_scale(n, vec3_dot(n, p) - scene->distances[hit.face]));
+    return hit;
+}
+
+Vec3 path_scene_before(const PathScene *scene, int face, Vec3 point) {
+    Vec3 inwards = vec3_lerp(point, scene->centres[face], FROM_EDGE);
+    return path_scene_off(scene, inwards, scene->mesh->faces[face].plane.n);
+}
+
+// ---- a binary tree over the faces that emit. At each node one goes on with a probability in proportion to the power
+// of either side over the square of its distance (Conty Estevez & Kulla 2018, Importance Sampling of Many Lights, without
+// their bounds of orientation); what lies below the horizon of the place, or turns its back, has none.
+
+// Lights of one leaf, which are weighed one by one: most homes have no more.
+enum { LEAF_LIGHTS = 16 };
+// The least cosine of a light's direction that counts: a large light's corner may be turned more than its middle.
+static const double LEAST_COSINE = 0.05;
+
+typedef struct PathLight {
+    int face, node;           // its leaf
+    int first, corner_count;  // in PathLights.corners
+    Vec3 centre, n;
+    Box box;
+    double power, area, radius2;  // W, m^2, m^2
+} PathLight;
+
+typedef struct LightNode {
+    Box box;
+    Vec3 centre;
+    double power, radius2;
+    int parent, child[2];  // -1: a leaf
+    int first, count;      // of a leaf, lights
+} LightNode;
+
+struct PathLights {
+    const Mesh *mesh;
+    PathLight *lights;
+    LightNode *nodes;
+    Vec3 *corners;
+    int *of_face;  // [face_count] -1: emits nothing
+    int count, node_count;
+};
+
+// ---- made once
+
+static double exitance_of(const Mesh *mesh, int face) {
+    Rgb e = mesh_material(mesh, face)->emission;
+    return (double)e.r + (double)e.g + (double)e.b;
+}
+
+static PathLight light_of(const PathScene *scene, int face, int first, Vec3 *corners) {
+    const Mesh *mesh = scene->mesh;
+    const Face *f = &mesh->faces[face];
+    PathLight light = {.face = face,
+                       .first = first,
+                       .corner_count = f->vertex_count,
+                       .centre = scene->centres[face],
+                       .n = f->plane.n,
+                       .box = box_empty()};
+    for (int i = 0; i < f->vertex_count; i++) {
+        Vec3 v = vec3_sub(mesh->vertices[mesh->outline[f->first_vertex + i]], scene->origin);
+        corners[first + i] = v;
+        light.box = box_add(light.box, v);
+    }
+    light.area = polygon_area(corners + first, f->vertex_count);
+    light.power = light.area * exitance_of(mesh, face);
+    Vec3 half = vec3_scale(vec3_sub(light.box.max, light.box.min), 0.5);
+    light.radius2 = vec3_dot(half, half);
+    return light;
+}
+
+static int by_centre(const void *a, const void *b, void *axis) {
+    const PathLight *p = a, *q = b;
+    double x = vec3_component(p->centre, *(int *)axis), y = vec3_component(q->centre, *(int *)axis);
+    return x != y ? (x < y ? -1 : 1) : p->face - q->face;
+}
+
+static int make_node(PathLights *lights, int first, int count, int parent) {
+    int index = lights->node_count++;
+    LightNode *node = &lights->nodes[index];
+    *node =
+        (LightNode){.box = box_empty(), .parent = parent, .child = {-1, -1}, .first = first, .count = count};
+    for (int i = first; i < first + count; i++) {
+        node->box = box_union(node->box, lights->lights[i].box);
+        node->power += lights->lights[i].power;
+    }
+    Vec3 size = vec3_sub(node->box.max, node->box.min);
+    node->centre = vec3_lerp(node->box.min, node->box.max, 0.5);
+    node->radius2 = 0.25 * vec3_dot(size, size);
+    if (count <= LEAF_LIGHTS) {
+        for (int i = first; i < first + count; i++) lights->lights[i].node = index;
+        return index;
+    }
+    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    qsort_r(lights->lights + first, (size_t)count, sizeof *lights->lights, by_centre, &axis);
+    int low = make_node(lights, first, count / 2, index);
+    int high = make_node(lights, first + count / 2, count - count / 2, index);
+    lights->nodes[index].child[0] = low;
+    lights->nodes[index].child[1] = high;
+    return index;
+}
+
+// Points in the scene's coordinates.
+static PathLights *path_lights_new(const PathScene *scene, Arena *arena) {
+    const Mesh *mesh = scene->mesh;
+    PathLights *lights = ARENA_ARRAY(arena, PathLights, 1);
+    lights->mesh = mesh;
+    lights->of_face = ARENA_ARRAY(arena, int, mesh->face_count);
+    int corners = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        lights->of_face[f] = -1;
+        if (!(exitance_of(mesh, f) > 0)) continue;
+        lights->count++;
+        corners += mesh->faces[f].vertex_count;
+    }
+    lights->lights = ARENA_ARRAY(arena, PathLight, lights->count + 1);
+    lights->nodes = ARENA_ARRAY(arena, LightNode, 2 * lights->count + 1);
+    lights->corners = ARENA_ARRAY(arena, Vec3, corners + 1);
+    for (int f = 0, i = 0, first = 0; f < mesh->face_count; f++) {
+        if (!(exitance_of(mesh, f) > 0)) continue;
+        lights->lights[i] = light_of(scene, f, first, lights->corners);
+        first += lights->lights[i++].corner_count;
+    }
+    make_node(lights, 0, lights->count, -1);
+    for (int i = 0; i < lights->count; i++) lights->of_face[lights->lights[i].face] = i;
+    return lights;
+}
+
+// ---- weights
+
+// Is all of a box below the horizon?
+static bool is_below(Box box, const PathPlace *place) {
+    Vec3 n = place->normal, p = place->point;
+    Vec3 top = {n.x > 0 ? box.max.x : box.min.x, n.y > 0 ? box.max.y : box.min.y,
+                n.z > 0 ? box.max.z : box.min.z};
+    return vec3_dot(n, vec3_sub(top, p)) <= 0;
+}
+
+static double node_weight(const LightNode *node, const PathPlace *place) {
+    if (is_below(node->box, place)) return 0;
+    Vec3 to = vec3_sub(node->centre, place->point);
+    return node->power / (vec3_dot(to, to) + node->radius2);
+}
+
+static double light_weight(const PathLight *light, const PathPlace *place) {
+    Vec3 to = vec3_sub(light->centre, place->point);
+    double behind = vec3_dot(light->n, to);
+    if (behind >= 0 || is_below(light->box, place)) return 0;
+    double d2 = vec3_dot(to, to) + light->radius2, d = sqrt(d2);
+    double from = fmax(vec3_dot(place->normal, to) / d, LEAST_COSINE);
+    return light->power * from * fmax(-behind / d, LEAST_COSINE) / d2;
+}
+
+// The probability of the first child.
+static double first_share(const PathLights *lights, const LightNode *node, const PathPlace *place) {
+    double low = node_weight(&lights->nodes[node->child[0]], place);
+    double high = node_weight(&lights->nodes[node->child[1]], place);
+    return low + high > 0 ? low / (low + high) : 0.5;
+}
+
+static double weigh_leaf(const PathLights *lights, const LightNode *node, const PathPlace *place,
+                         double weight[LEAF_LIGHTS]) {
+    double sum = 0;
+    for (int i = 0; i < node->count; i++)
+        sum += weight[i] = light_weight(&lights->lights[node->first + i], place);
+    return sum;
+}
+
+// ---- choosing
+
+// Uniform over the triangles between the first corner and each edge.
+static Vec3 point_of(const PathLights *lights, const PathLight *light, double u, double v) {
+    const Vec3 *c = lights->corners + light->first;
+    double left = u * light->area, area = 0;
+    int last = light->corner_count - 2, i = 1;
+    for (; i <= last; i++) {
+        area = 0.5 * vec3_length(vec3_cross(vec3_sub(c[i], c[0]), vec3_sub(c[i + 1], c[0])));
+        if (left < area || i == last) break;
+        left -= area;
+    }
+    double along = area > 0 ? fmin(left / area, 1) : 0, far = sqrt(v);
+    return vec3_lerp(c[0], vec3_lerp(c[i], c[i + 1], along), far);
+}
+
+// `u` are in [0, 1). False: no light could reach the place by this choice.
+static bool path_lights_choose(const PathLights *lights, const PathPlace *place, const double u[3],
+                               PathLightPoint *out) {
+    if (lights->count == 0) return false;
+    const LightNode *node = lights->nodes;
+    double at = u[0], probability = 1, weight[LEAF_LIGHTS];
+    while (node->child[0] >= 0) {
+        double share = first_share(lights, node, place);
+        bool first = at < share;
+        at = first ? at / share : (at - share) / (1 - share);
+        probability *= first ? share : 1 - share;
+        node = &lights->nodes[node->child[!first]];
+    }
+    double sum = weigh_leaf(lights, node, place, weight), left = at * sum;
+    if (!(sum > 0)) return false;
+    int i = 0;
+    while (i + 1 < node->count && left >= weight[i]) left -= weight[i++];
+    if (!(weight[i] > 0)) return false;
+    const PathLight *light = &lights->lights[node->first + i];
+    *out = (PathLightPoint){light->face, point_of(lights, light, u[1], u[2]),
+                            probability * weight[i] / sum / light->area};
+    return true;
+}
+
+// The density with which points of an emitting face are chosen, 1/m^2.
+static double path_lights_density(const PathLights *lights, const PathPlace *place, int face) {
+    int index = lights->of_face[face];
+    if (index < 0) return 0;
+    const PathLight *light = &lights->lights[index];
+    double weight[LEAF_LIGHTS], sum = weigh_leaf(lights, &lights->nodes[light->node], place, weight);
+    double own = weight[index - lights->nodes[light->node].first];
+    if (!(own > 0)) return 0;
+    double probability = own / sum;
+    for (int at = light->node; lights->nodes[at].parent >= 0; at = lights->nodes[at].parent) {
+        const LightNode *parent = &lights->nodes[lights->nodes[at].parent];
+        double share = first_share(lights, parent, place);
+        probability *= parent->child[0] == at ? share : 1 - share;
+    }
+    return probability / light->area;
+}
+
 enum { MULTIPLIER = 76 };  // of the lattice
 
 PathWorld path_world(const Mesh *mesh, const double sky[3], Arena *arena) {

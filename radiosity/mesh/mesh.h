@@ -99,9 +99,9 @@ typedef struct Mesh {
     int lost_patches;     // of which no part lies in a cell
 } Mesh;
 
-// `vertices` are the graph's as the doors stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
 // An edge for a building's elements: about 60,000 of them, 0.15 to 0.33 m. Small homes are told in detail, large buildings in time.
 double mesh_fitting_element(const CellGraph *graph);
+// `vertices` are the graph's as the doors stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
 // Fails, with a sentence, where nothing is left to receive light.
 bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error);

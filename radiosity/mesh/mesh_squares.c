@@ -33,7 +33,7 @@ typedef struct MeshCutting {
     int *code;      // [leaf_count] and what Mesh.squares says of those then
     int merged;     // slivers that became part of their neighbours
     double square;  // area of a whole one, m^2
-    // What leaves are cut into: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
+    // The pieces into which leaves are cut: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
     MeshPiece *pieces;
     int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;
@@ -224,7 +224,7 @@ static int element_about(const Sides *sides, int count, Vec3 middle, double reac
     return code;
 }
 
-// Of a leaf in pieces.
+// A leaf in pieces.
 static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *arena) {
     const Face *face = c->face;
     MeshBlock b = c->leaves[leaf].block;
@@ -353,7 +353,7 @@ static void finish_cut_patch(MeshCutting *c, Growing *growing) {
     finish_patch(c, growing, best);
 }
 
-// What is covered has a patch of its own, which nothing open shoots from. Of very many pieces there are several.
+// Covered pieces have a patch of their own, from which nothing open shoots; very many pieces have several.
 static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
     Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {

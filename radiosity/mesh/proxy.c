@@ -46,7 +46,7 @@ static const double LEAST_TURNED = 0.35;
 static const double THIN = 0.05;
 // Planes are one where their normals are this near, 1 - cosine, and they are this share of the tolerance apart.
 static const double SAME_WAY = 1e-4, SAME_PLACE = 0.02;
-// Of harms alike the shorter edge goes first: a metre of edge counts as so many of harm.
+// Among equal harms the shorter edge goes first: a metre of edge counts as so many of harm.
 static const double LENGTH_WEIGHT = 1e-3;
 // A corner that would stand for more planes stays: the time it takes to ask them all.
 enum { MOST_PLANES = 160 };
@@ -148,7 +148,7 @@ static bool keeps_shapes(const Work *w, int u, int v) {
     return true;
 }
 
-// What both have as a neighbour must be the third corner of a triangle on their edge: otherwise a tube closes or two sheets fold
+// A neighbour of both must be the third corner of a triangle on their edge: otherwise a tube closes or two sheets fold
 // into one.
 static bool keeps_topology(Work *w, int u, int v) {
     int around[MOST_NEIGHBOURS], count = neighbours_of(w, v, around), common = 0, opposite = 0;
@@ -474,7 +474,7 @@ static ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *tri
         memcpy(m.polygons[i].corner, t->corner, sizeof t->corner);
         for (int k = 0; k < 3; k++) {
             Edge *e = edge_at(&m, t->corner[k], t->corner[(k + 1) % 3]);
-            // Of sheets in one place the first.
+            // Among sheets in one place the first counts.
             if (e->polygon < 0) *e = (Edge){t->corner[k], t->corner[(k + 1) % 3], i};
         }
     }

@@ -367,7 +367,7 @@ static int turns(const ScanAxis *axis, const ScanLine *line, const ScanSpan *spa
     Vec3 q = axis->across;
     double qx = q.x * line->y, qz = q.z * line->y, t = -q.y * line->radius2;
     double a = qx * span->from.x + qz * span->from.z + t, b = qx * span->to.x + qz * span->to.z + t;
-    // Of one sign at both ends, and curved away from 0 between them.
+    // One sign at both ends, and curved away from 0 between them.
     if (a * b > 0 && a * qz >= 0) return 0;
     return scan_roots(qx, qz, t, line, span->from, span->to, turn);
 }

@@ -34,14 +34,14 @@ typedef struct AdaptLimits {
 // ---- how deep quadtrees over a lit mesh are worth being: of all their prunings that which tells the light best with so
 // many elements.
 //
-// What a constant does not tell of the light within a node is known from the elements below it; of an element it is guessed from
+// The light within a node that a constant does not tell is known from the elements below it; of an element it is guessed from
 // the slope of light there, by which each split takes three quarters. A leaf costs the same wherever it is: where the sum of squares
 // and of costs is least, from the leaves upwards, no other tree with as many leaves tells more (Breiman, Friedman, Olshen & Stone
 // 1984, chapter 10: minimal cost-complexity pruning). The cost is found that leaves as many elements as there may be.
 
 // ---- slopes
 
-// What is known of an element's slope along one axis.
+// Facts about an element's slope along one axis.
 typedef struct Steps {
     double sum, squares, weight;
 } Steps;
@@ -59,7 +59,7 @@ static double edge_along(const Mesh *mesh, const Element *e, int axis) {
                      : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
 }
 
-// What is seen of a square: of the elements that light reaches the largest, -1: none. The others are covered.
+// The element that stands for a square: the largest that light reaches, -1: none. The others are covered.
 static int seen_in(const AdaptField *f, int square) {
     const Mesh *mesh = f->mesh;
     int code = mesh->squares[square];
@@ -140,7 +140,7 @@ static AdaptField adapt_field(const Mesh *mesh, const double *light, Arena *aren
 
 // ---- trees
 
-// What a constant would tell of the light of some squares.
+// The light of some squares as a constant would tell it.
 typedef struct Moments {
     double area, mean, error;
 } Moments;
@@ -153,7 +153,7 @@ typedef struct Node {
     double half[2][2];
     double slope_error[2];  // of an element, by the slope along either axis
     int most;               // how often it may be halved along each
-    // What it is worth. Of an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
+    // Its worth. For an element, how often it is halved along each axis. Else, which axis is halved first, -1: none, and which
     // halves are halved again.
     MeshDepth depth;
     int axis;
@@ -416,7 +416,7 @@ static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limit
     return depth;
 }
 
-// Of the first solution.
+// For the first solution.
 static const double FIRST_RESIDUAL = 0.25;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
@@ -426,7 +426,7 @@ static const double FIRST_LOOKS = 1.6e7, LAMP_LOOKS = 3e6, SMALL_FILE = 1e6;
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Elements are not more often split than so below their patch.
 enum { MOST_BELOW_PATCH = 2 };
-// Of what is only to tell where shadows are.
+// Lamp detail of the pilot solution, which only tells where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
 static const double PATCH_EDGE = 1.5;
@@ -470,7 +470,7 @@ static double reflectance_of(const Mesh *mesh, int element) {
     return (double)(rho.r + rho.g + rho.b) / 3;
 }
 
-// Of all channels, from what is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
+// The light of all channels, from the part that is reflected: surfaces of all colours count alike, but nothing is seen on black ones.
 static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
     const Material *m = mesh_material(mesh, mesh->elements[element].face);
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
@@ -518,7 +518,7 @@ static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Me
     return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
 }
 
-// What the reflected light of reflected light looks like, on patches of two by two elements.
+// The light after two reflections, on patches of two by two elements.
 static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
     MeshOptions rough = *options;
@@ -542,7 +542,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     return true;
 }
 
-// Of the square that an element is, or is cut from, metres.
+// The side of the square that an element is, or is cut from, metres.
 static double root_edge(const Mesh *mesh, int element) {
     const Face *face = &mesh->faces[mesh->elements[element].face];
     return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
@@ -583,7 +583,7 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
     double usual = a->patch_edge * mesh->options.element * mesh->options.per_patch,
            root = root_edge(mesh, element);
     double edge = usual * pow(fmax(light / a->mean, DARK), -0.25);
-    // Of lamps, of which each shoots with more detail, a quarter of the root at least.
+    // For lamps, each of which shoots with more detail, a quarter of the root at least.
     if (mesh_emits(mesh, mesh->elements[element].face)) edge = fmax(edge, root / 2);
     int depth = (int)lround(log2(root / edge));
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;

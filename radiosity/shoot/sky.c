@@ -62,7 +62,7 @@ static Vec3 centre_of(const Vec3 *v, int count) {
     return area > 0 ? vec3_add(v[0], vec3_scale(sum, 1 / area)) : v[0];
 }
 
-// What of a polygon lies from `low` to `high` along x. `out` has room for count + 2.
+// The part of a polygon from `low` to `high` along x. `out` has room for count + 2.
 static int strip(const Vec3 *polygon, int count, Vec3 x, double low, double high, Vec3 *out) {
     Vec3 part[SKY_CORNERS];
     int left = polygon_clip(polygon, count, (Plane){x, low}, 0, part);
@@ -168,7 +168,7 @@ static bool leaves_by(const Exit *exit, Vec3 w, double distance) {
     return true;
 }
 
-// Of what samples see from the middle of a piece of an opening, inwards, forgets (-1) what lies behind another opening.
+// Forgets (-1) faces behind another opening among those that samples see from the middle of a piece of an opening, inwards.
 static void sky_end_at_exits(const SkyOpenings *openings, const StabForest *forest, int opening,
                              const View *view, const FormFactorSamples *samples, int32_t *item) {
     const SkyOpening *own = &openings->openings[opening];

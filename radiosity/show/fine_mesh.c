@@ -54,7 +54,7 @@ static const Material *face_material(const Mesh *mesh, const Nodes *nodes, int n
     return mesh_material(mesh, mesh->elements[nodes->element[nodes->first[node]]].face);
 }
 
-// What is black does not tell how much light falls on it.
+// A black surface does not tell how much light falls on it.
 static bool tells(const Material *m) {
     return m->reflectance.r > 0 || m->reflectance.g > 0 || m->reflectance.b > 0;
 }
@@ -119,7 +119,7 @@ static void rgb3(Rgb c, double out[3]) {
     out[2] = (double)c.b;
 }
 
-// What must have fallen on a place that reflects so much; of channels that it does not reflect, the mean of the others.
+// The light that must have fallen on a place that reflects so much; for channels that it does not reflect, the mean of the others.
 static void irradiance_of(const Material *m, const double reflected[3], double out[3]) {
     double rho[3], sum = 0;
     int count = 0;
@@ -161,7 +161,7 @@ static void reflected_by(const Lighting *l, int element, double out[3]) {
     }
 }
 
-// What nodes of the light's mesh reflect.
+// The reflectance at nodes of the light's mesh.
 static double (*node_light(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
     int count = fine->nodes.count;
     double(*out)[3] = arena_alloc(arena, (size_t)count + 1, sizeof *out);

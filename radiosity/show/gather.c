@@ -169,7 +169,7 @@ static void near_gatherer_look(NearGatherer *self, Vec3 eye, Vec3 normal) {
     self->crowded = is_eye_crowded(self);
 }
 
-// Of the point looked from: is this element one that is walked to?
+// For the point looked from: is this element one that is walked to?
 static bool near_gatherer_is_near(NearGatherer *self, int element) {
     if (self->known[element] / 2 != self->look) {
         const Mesh *mesh = self->world.mesh;

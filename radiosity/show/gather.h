@@ -5,7 +5,7 @@
 #include "radiosity/shoot/shoot.h"
 #include "radiosity/show/reconstruct.h"
 
-// What is near, and how long to walk.
+// The reach of near elements, and the length of walks.
 typedef struct NearOptions {
     double reach;  // elements are near within so many times their size; 0: none is
     double error;  // standard error to be content with, of all light but that of lamps in sight

@@ -340,7 +340,7 @@ static void add_shares(const VertexLight *light, const Element *e, const int cor
     }
 }
 
-// Of a triangle's corners, in which the point is, or to which it is nearest.
+// The corners of the triangle in which the point is, or to which it is nearest.
 static void find_shares(const Mesh *mesh, const Element *e, const int *triangle, Vec3 point, int best[3],
                         double share[3]) {
     const int *corners = mesh->corners + e->first_corner;

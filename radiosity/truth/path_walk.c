@@ -68,7 +68,7 @@ static bool along_axis(double low, double high, double other_low, double other_h
     return both > (flat ? -SAME_PLACE : SAME_PLACE);
 }
 
-// Of faces of one plane: neighbours that only touch do not.
+// Faces of one plane overlap; neighbours that only touch do not.
 static bool may_overlap(Box a, Box b) {
     return along_axis(a.min.x, a.max.x, b.min.x, b.max.x) && along_axis(a.min.y, a.max.y, b.min.y, b.max.y) &&
            along_axis(a.min.z, a.max.z, b.min.z, b.max.z);
@@ -223,7 +223,7 @@ static void choose(const struct RTCFilterFunctionNArguments *args) {
     if (front != best ? front : face < look->face) look->face = face;
 }
 
-// Of the faces where a ray meets the plane of one.
+// Among the faces where a ray meets the plane of one.
 static int seen_of(const PathScene *scene, Vec3 from, Vec3 along, int face, double at) {
     double cosine = fabs(vec3_dot(scene->mesh->faces[face].plane.n, along));
     double wide = 2 * SAME_PLACE / fmax(cosine, GRAZING);

@@ -27,7 +27,7 @@ typedef struct PathHit {
     bool front;  // its front was met
     Vec3 point;  // on its plane
 } PathHit;
-// Of faces in one place that is met which turns its front to the ray, then the lower in the mesh, as for form factors.
+// Among faces in one place the ray meets the one that turns its front to it, then the lower in the mesh, as for form factors.
 // May be called by many threads.
 PathHit path_scene_trace(const PathScene *scene, Vec3 from, Vec3 along);
 

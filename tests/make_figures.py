@@ -202,7 +202,7 @@ def results():
          number(verified["mismatched_pixels"]), "`enfilade walk build/maps/house.plan --offscreen frames --verify --random 500`"],
         ["visible pairs of cells that are missed", f"{sum(int(r['misses']) for r in pairs)} of {sum(int(r['proven_pairs']) for r in pairs):,}",
          f"`enfilade bench visibility {paths}`"],
-        ["polygons in view of a shot of light, of 30 and 1,000 rooms", shot("portals"), "`make bench bench=rooms`"],
+        ["polygons in view of a shot of light, of 30 and 1,000 rooms", shot("stab"), "`make bench bench=rooms`"],
         ["the same, nothing culled", shot("none"), "`make bench bench=rooms`"],
         ["CPU time of a bake of an office of 66 rooms, culled and not", f"{number(bake['cpu_s'], 2)} s and {number(none['cpu_s'], 2)} s",
          "`enfilade bake build/maps/office-plain.plan`, then with `--no-cull`"],
@@ -260,7 +260,7 @@ def by_name(name):
     if name == "rooms":
         return generic_table(name, [("building", "building"), ("polygons", "polygons"), ("method", "method"), ("culling", "culling"),
                                     ("polygons looked at", "faces_drawn"), ("elements reached", "elements_drawn"), ("a shot, ms", "ms_a_shot")],
-                             lambda r: r["culling"] in ("none", "depth", "portals"))
+                             lambda r: r["culling"] in ("none", "depth", "stab"))
     if name == "radiosity":
         return generic_table(name, [("table", "table"), ("scene", "building"), ("method", "method"), ("culling", "culling"), ("elements", "elements"),
                                     ("shots", "shots"), ("elements drawn a shot", "elements_drawn"), ("mean error, %", "error_percent"),

@@ -16,12 +16,12 @@ int beam_planes(const Winding *source, const Winding *pass, double epsilon, Sepa
     return count + winding_tangents(pass, source, -1, KEEP_EDGES, epsilon, out + count);
 }
 
-Separator beam_side(const Way *way, int side, const Way *other, double epsilon) {
+Separator beam_side(const WayShape *way, int side, const WayShape *other, double epsilon) {
     Plane plane = way->facet.plane;
     return (Separator){vec3_scale(plane.n, side), side * plane.d - way_doubt(way, other), epsilon};
 }
 
-int beam_ball(const Way *way, const Separator *planes, int count, uint64_t *cutting) {
+int beam_ball(const WayShape *way, const Separator *planes, int count, uint64_t *cutting) {
     *cutting = 0;
     for (int i = 0; i < count; i++) {
         // The slack's measure bounds the normal's length from above (separator_of).
@@ -35,8 +35,8 @@ int beam_ball(const Way *way, const Separator *planes, int count, uint64_t *cutt
 }
 
 bool beam_narrow(const WayGraph *ways, const Beam *first, const Beam *from, int way, uint64_t cutting,
-                 Beam *out, BeamWork *work) {
-    const Way *here = &ways->ways[way], *start = &ways->ways[first->way];
+                 Beam *out, ChainWork *work) {
+    const WayShape *here = &ways->ways[way], *start = &ways->ways[first->way];
     out->way = way;
     way_winding(here, &out->pass);
     work->clips++;

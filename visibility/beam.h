@@ -18,11 +18,6 @@ typedef struct Beam {
     int plane_count;
 } Beam;
 
-// Counts of work, for tables.
-typedef struct BeamWork {
-    long long clips, separators;
-} BeamWork;
-
 // The chain of one way, from whose whole portal lines go everywhere: without planes.
 void beam_begin(const WayGraph *ways, int way, Beam *out);
 
@@ -31,15 +26,15 @@ int beam_planes(const Winding *source, const Winding *pass, double epsilon, Sepa
 
 // A quick answer by the ball around the way's portal: -1 outside one of the half-spaces, +1 inside all of them, else 0,
 // and which of them cut it.
-int beam_ball(const Way *way, const Separator *planes, int count, uint64_t *cutting);
+int beam_ball(const WayShape *way, const Separator *planes, int count, uint64_t *cutting);
 
 // The chain of `from` goes on through `way`: what is left of its portal, and of the source through which it is seen. Only
 // the planes of `cutting` (beam_ball) are tried. `first` is the beam of the chain's first way. False when nothing is left.
 // The planes of `out` are not made.
 bool beam_narrow(const WayGraph *ways, const Beam *first, const Beam *from, int way, uint64_t cutting,
-                 Beam *out, BeamWork *work);
+                 Beam *out, ChainWork *work);
 
 // The half-space on the given side of a way's portal (+1 in front), to clip the portal of `other`.
-Separator beam_side(const Way *way, int side, const Way *other, double epsilon);
+Separator beam_side(const WayShape *way, int side, const WayShape *other, double epsilon);
 
 #endif

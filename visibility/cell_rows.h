@@ -12,6 +12,7 @@
 
 enum { CELL_BLOCK_WORDS = 8, CELL_BLOCK = 64 * CELL_BLOCK_WORDS };
 
+// Read only once it is made: any number of threads. The blocks live in the arena of the call that made them.
 typedef struct CellRows {
     // [cell_count * blocks] cells CELL_BLOCK * k and on of row i: CELL_BLOCK_WORDS words, shared or of this row alone
     const uint64_t **block;

@@ -17,8 +17,8 @@ typedef struct Cell {
     int region;  // -1 where the building has none
     // The plan polygon in CellGraph.plan, counter-clockwise; vertices may be collinear.
     int first_edge, edge_count;
-    int first_face, face_count;        // in CellGraph.faces; none of a prism
-    int first_contact, contact_count;  // in CellGraph.contacts
+    int first_face, face_count;  // in CellGraph.faces; none of a prism
+    int first_way, way_count;    // in CellGraph.ways
     double z0, z1;
     Box box;
     bool outdoors;  // of a building without regions: it reaches the border of what is built
@@ -34,10 +34,10 @@ typedef struct Portal {
     int door;          // opening whose closed leaf fills it, else -1
 } Portal;
 
-// One way out of a cell.
-typedef struct Contact {
+// A directed portal: one way out of a cell.
+typedef struct Way {
     int portal, cell;  // `cell` lies beyond
-} Contact;
+} Way;
 
 // The squares of side `size` that cover a cell's plan (Oki 2.2); square (i, j) has index first_square + j*nx + i.
 typedef struct CellMesh {
@@ -48,15 +48,16 @@ typedef struct CellMesh {
 
 // All that is drawn: the building's polygons and the surfaces of the cells, as one list. Index order is draw
 // order; among coincident surfaces the lowest index is seen.
+// Read only once it is made: any number of threads. It lives in the arena of the call that made it; its building outlives it.
 typedef struct CellGraph {
     const Building *building;
     Cell *cells;
     Vec2 *plan;
     Plane *faces;  // pointing into their cells
-    Contact *contacts;
+    Way *ways;
     Portal *portals;
     Vec3 *portal_vertices;
-    int cell_count, plan_count, face_count, contact_count, portal_count, portal_vertex_count;
+    int cell_count, plan_count, face_count, way_count, portal_count, portal_vertex_count;
     // Objects: first the building's own (same indices), then the surfaces of each cell and the closed leaves.
     Object *objects;
     Polygon *polygons;
@@ -119,6 +120,7 @@ typedef struct StabNode {
 
 // The tree of cell c is nodes[root[c]] .. nodes[root[c + 1] - 1], the first being c itself; a cell whose tree was
 // too large has one node only and bounded[c] set: its visible set holds all the same.
+// Read only once it is made: any number of threads. It lives in the arena of the call that made it, and holds no pointer to the graph.
 typedef struct StabForest {
     StabNode *nodes;
     int *root;                          // [cell_count + 1]
@@ -167,15 +169,29 @@ static inline bool vis_is_glass(const CellGraph *graph, int polygon) {
     return graph->building->materials[graph->polygons[polygon].material].alpha < 1;
 }
 
-typedef enum VisMethod {
-    VIS_NONE,     // nothing culled
-    VIS_FRUSTUM,  // objects against the view volume alone
-    VIS_PORTALS,  // portals clipped at run time, no trees (Luebke & Georges 1995)
-    VIS_PLAN,     // stab trees, horizontal clipping only (Oki)
-    VIS_STAB,     // stab trees, three-dimensional portal clipping
-    VIS_METHODS
-} VisMethod;
-extern const char *const VIS_METHOD_NAMES[VIS_METHODS];
+// The work of following chains of portals, for tables: the same on any number of threads.
+typedef struct ChainWork {
+    long long chains;      // sequences of portals followed
+    long long clips;       // portals clipped by planes
+    long long separators;  // separating planes made
+    long long given_up;    // searches that became too long: what was in doubt then counts as seen
+} ChainWork;
+
+// Ways to leave out of a view what it does not show.
+typedef enum Culling {
+    CULL_NONE,       // nothing is left out
+    CULL_FRUSTUM,    // objects outside the view volume
+    CULL_PORTALS,    // portals clipped at run time, no trees (Luebke & Georges 1995)
+    CULL_PLAN,       // stab trees, horizontal clipping only (Oki 3.1)
+    CULL_STAB,       // stab trees, portals clipped in three dimensions
+    QUERY_CULLINGS,  // vis_query takes those before
+    // Those of views of form factors alone (viewer_look):
+    CULL_DEPTH = QUERY_CULLINGS,  // what the depths of faces drawn before hide
+    CULL_CELLS,                   // what no cell of the stab tree holds
+    CULLINGS
+} Culling;
+extern const char
+    *const CULLING_NAMES[CULLINGS];  // "none", "frustum", "portals", "plan", "stab", "depth", "cells"
 
 // Where to look from, and what of the view is kept.
 typedef struct Eye {
@@ -193,12 +209,13 @@ typedef struct VisibleCell {
     double distance;  // from the eye to its nearest portal as it was reached, metres; 0 for the eye's cell
 } VisibleCell;
 
-// The memory of a query, sized once for a graph.
+// The memory of a query, sized once for a graph. One thread's at a time; it lives in the arena of vis_query_new, and the graph and the
+// forest outlive it.
 typedef struct VisQuery VisQuery;
-// All memory is taken here. Graph and forest must outlive it; one thread may use it at a time.
+// All memory is taken here.
 VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
 
-// The visible set, and the work of finding it.
+// The visible set, and the work of finding it. It lies in the query, until this is asked again.
 typedef struct VisResult {
     const VisibleCell *cells;  // near to far
     const int *objects;        // to draw, increasing; those whose door state hides them are left out
@@ -212,6 +229,6 @@ typedef struct VisResult {
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
 // sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
 // cell, from vis_locate, or -1.
-VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, VisMethod method);
+VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, Culling culling);
 
 #endif

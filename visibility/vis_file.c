@@ -30,7 +30,7 @@ static uint64_t geometry_hash(const CellGraph *graph) {
     hash = file_hash(graph->faces, (size_t)graph->face_count * sizeof *graph->faces, hash);
     for (int p = 0; p < graph->portal_count; p++)
         hash = file_hash(&graph->portals[p].plane, sizeof graph->portals[p].plane, hash);
-    hash = file_hash(graph->contacts, (size_t)graph->contact_count * sizeof *graph->contacts, hash);
+    hash = file_hash(graph->ways, (size_t)graph->way_count * sizeof *graph->ways, hash);
     return file_hash(graph->portal_vertices,
                      (size_t)graph->portal_vertex_count * sizeof *graph->portal_vertices, hash);
 }

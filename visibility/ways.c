@@ -21,12 +21,12 @@ static void surround(Plane plane, const Vec3 *corners, int count, Vec3 out[4]) {
     }
 }
 
-static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena, Way *way) {
+static void set_way(const CellGraph *graph, Vec3 origin, int index, Arena *arena, WayShape *way) {
     const Portal *portal = &graph->portals[index / 2];
     bool back = index % 2;
     const Vec3 *given = graph->portal_vertices + portal->first_vertex;
     int count = portal->vertex_count;
-    *way = (Way){.from = portal->cell[back], .to = portal->cell[!back], .coarse = count > MOST_CORNERS};
+    *way = (WayShape){.from = portal->cell[back], .to = portal->cell[!back], .coarse = count > MOST_CORNERS};
     // The portal is counter-clockwise seen from cell[0]: its normal points against way 2 p.
     Vec3 *corners = ARENA_ARRAY(arena, Vec3, count);
     int distinct = 0;
@@ -76,13 +76,13 @@ void ways_build(const CellGraph *graph, Arena *arena, WayGraph *out) {
                       .way_count = ways,
                       .words = (cells + 63) / 64,
                       .scale = work_scale(graph->building),
-                      .ways = ARENA_ARRAY(arena, Way, ways),
+                      .ways = ARENA_ARRAY(arena, WayShape, ways),
                       .first = ARENA_ARRAY(arena, int, cells + 1),
                       .list = ARENA_ARRAY(arena, int, ways),
                       .boxes = ARENA_ARRAY(arena, Box, cells)};
     for (int c = 0; c < cells; c++) out->boxes[c] = box_empty();
     for (int i = 0; i < ways; i++) {
-        Way *way = &out->ways[i];
+        WayShape *way = &out->ways[i];
         set_way(graph, origin, i, arena, way);
         out->first[way->from + 1]++;
         for (int k = 0; k < way->corner_count; k++)
@@ -110,7 +110,7 @@ bool way_is_segment(const CellGraph *graph, int way, double epsilon) {
 
 // Does any corner of `way` lie on the given side of `plane` (+1 in front, -1 behind), by more than `slack`? One does if
 // their middle does.
-static bool reaches(const Way *way, Plane plane, int side, double slack) {
+static bool reaches(const WayShape *way, Plane plane, int side, double slack) {
     if (side * plane_distance(plane, way->facet.middle) > slack) return true;
     for (int i = 0; i < way->corner_count; i++) {
         if (side * plane_distance(plane, way->corners[i]) > slack) return true;
@@ -121,7 +121,7 @@ static bool reaches(const Way *way, Plane plane, int side, double slack) {
 long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) {
     // For all floods together; a try takes 10 ns.
     static const double TRIES = 5e7;
-    const Way *first = &graph->ways[way];
+    const WayShape *first = &graph->ways[way];
     long long tried = 0, most = ways_work(graph, TRIES) / graph->way_count;
     int depth = 0;
     stack[depth++] = first->to;
@@ -133,7 +133,7 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack) 
         // With cells left on the stack the flood is known to take too long before a cell of thousands of ways is done.
         for (int i = graph->first[cell]; i < graph->first[cell + 1] && !all; i++) {
             int index = graph->list[i];
-            const Way *next = &graph->ways[index];
+            const WayShape *next = &graph->ways[index];
             if (index == (way ^ 1) || row_has(row, next->to)) continue;
             tried++;
             all = tried > most && depth > 0;

@@ -7,19 +7,20 @@
 #include "visibility/vis.h"
 #include "visibility/winding.h"
 
-// Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse, way ^ 1) comes back.
-typedef struct Way {
+// The shape of a way, as searches take it. Way 2 p crosses portal p from its cell[0] to its cell[1], way 2 p + 1 (its reverse,
+// way ^ 1) comes back.
+typedef struct WayShape {
     int from, to;
     Facet facet;          // of the portal, normal into `to`
     const Vec3 *corners;  // [corner_count] counter-clockwise about the normal
     int corner_count;
     bool coarse;    // the portal has more corners than a winding should: these are of a rectangle around it
     double radius;  // around the facet's middle
-} Way;
+} WayShape;
 
 // Coordinates are relative to the middle of the building, so that one far from the origin loses no digits twice.
 typedef struct WayGraph {
-    Way *ways;       // [way_count]
+    WayShape *ways;  // [way_count]
     int *first;      // [cell_count + 1] the ways out of cell c are list[first[c]] ..
     int *list;       // [way_count]
     Box *boxes;      // [cell_count] of a cell's portals: whatever enters or leaves a cell does so within it
@@ -50,14 +51,14 @@ long long ways_flood(const WayGraph *graph, int way, uint64_t *row, int *stack);
 // Is the portal a segment in plan: upright, with all its corners on the line between its ends, within `epsilon` metres?
 bool way_is_segment(const CellGraph *graph, int way, double epsilon);
 
-static inline void way_winding(const Way *way, Winding *out) {
+static inline void way_winding(const WayShape *way, Winding *out) {
     out->facet = way->facet;
     out->count = way->corner_count;
     memcpy(out->p, way->corners, (size_t)way->corner_count * sizeof *out->p);
 }
 
 // How far the plane of `way` may be off where `other` is, metres.
-static inline double way_doubt(const Way *way, const Way *other) {
+static inline double way_doubt(const WayShape *way, const WayShape *other) {
     return facet_doubt(&way->facet, other->facet.middle) + way->facet.tilt * other->radius;
 }
 

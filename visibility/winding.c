@@ -95,7 +95,7 @@ static bool keeps_all(Vec3 a, Separator s, const Winding *other) {
     return true;
 }
 
-int winding_tangents(const Winding *edges, const Winding *other, int side, WindingKeep keep, double epsilon,
+int winding_tangents(const Winding *edges, const Winding *other, int side, int keep, double epsilon,
                      Separator *out) {
     bool ahead[WINDING_MAX];
     int ahead_count = 0, count = 0, corner = 0;

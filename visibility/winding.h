@@ -42,14 +42,14 @@ Vec3 winding_middle(const Winding *w);
 // no hair-thin edges arise, and the error is the slack, outwards. A winding whose corners are used up stays as it is.
 bool winding_clip(Winding *w, Separator keep);
 
-typedef enum WindingKeep { KEEP_OTHER, KEEP_EDGES } WindingKeep;
+enum { KEEP_OTHER, KEEP_EDGES };
 
 // The planes that contain an edge of `edges` and touch `other`, with the two on different sides (tangent separators,
 // O(n m)). A line through both crosses each of them between the two, so beyond `other` it stays on the side of `other`,
 // and before `edges`, coming towards it, on that of `edges`: `keep` says which. `side` is +1 when `other` lies forward of
 // `edges`, -1 when it lies behind. Returns how many were written, at most edges->count. An edge too short to tell its
 // direction, or without such a plane, gives none.
-int winding_tangents(const Winding *edges, const Winding *other, int side, WindingKeep keep, double epsilon,
+int winding_tangents(const Winding *edges, const Winding *other, int side, int keep, double epsilon,
                      Separator *out);
 
 #endif

@@ -9,11 +9,6 @@
 
 #define APP_VERSION "0.1.0"
 
-typedef struct AppCommand {
-    const char *name, *summary;
-    int (*run)(int argc, char **argv);  // argv[0] is the command's name
-} AppCommand;
-
 int cmd_info(int argc, char **argv);
 int cmd_vis(int argc, char **argv);
 int cmd_plan(int argc, char **argv);

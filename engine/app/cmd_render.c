@@ -152,7 +152,7 @@ static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *
 // Where so much of all surfaces emits shadows have no edges: rays would bring noise alone.
 static const double MOST_EMITTING = 0.25;
 
-static StillDirect fitting_direct(const Mesh *mesh) {
+static int fitting_direct(const Mesh *mesh) {
     double emitting = 0, all = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         all += mesh->elements[e].area;

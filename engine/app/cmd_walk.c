@@ -11,9 +11,14 @@
 #include "engine/walk/walk_window.h"
 
 typedef struct Arguments {
-    WalkOptions walk;      // off-screen
-    WindowOptions window;  // parts that both share are in `walk` until all is read
-    WalkLoad load;
+    WalkOptions walk;  // off-screen
+    // Those of the window; parts that both share are in `walk` until all is read.
+    struct {
+        SessionOptions session;
+        DisplayOptions display;
+        double scale;  // pixels to a point; 0: the screen's own
+    } window;
+    SceneOptions load;
     const char *file;
     int size[2];
     bool json, sized, off_screen, toured, bake, no_bake, no_vsync;
@@ -22,9 +27,9 @@ typedef struct Arguments {
 #define AT(field) offsetof(Arguments, field)
 static const Option ROWS[] = {
     {.type = OPTION_HEADING, .help = "In both:"},
-    OPTION_MAP(AT(load.scene.map)),
+    OPTION_MAP(AT(load.map)),
     OPTION_MEMORY(
-        AT(load.scene.memory),
+        AT(load.memory),
         "what fits the file to open it, then three quarters of the machine's; OpenGL's own is not counted"),
     {.name = "size",
      .value = "WxH",
@@ -44,7 +49,7 @@ static const Option ROWS[] = {
     {.name = "light",
      .value = "FILE.rad",
      .type = OPTION_TEXT,
-     .at = AT(load.scene.light),
+     .at = AT(load.light),
      .help = "the light that `enfilade bake` stored (default: FILE with the suffix .rad, or the light that "
              "`enfilade bake "
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
@@ -58,9 +63,9 @@ static const Option ROWS[] = {
     {.name = "culling",
      .value = "NAME",
      .type = OPTION_NAME,
-     .at = AT(walk.method),
-     .names = VIS_METHOD_NAMES,
-     .name_count = VIS_METHODS,
+     .at = AT(walk.culling),
+     .names = CULLING_NAMES,
+     .name_count = QUERY_CULLINGS,
      .help = "how objects that cannot be seen are left out: @ (default stab)"},
     {.name = "doors",
      .value = "STATE",
@@ -284,7 +289,7 @@ static bool check_folder(const Arguments *a, const Building *b, Arena *arena, Er
         !file_check(arena_format(arena, "%s/frame-00000.png", a->walk.folder), 0, error))
         return false;
     // How many pictures there will be is not known yet: each name that one may have counts.
-    const char *read[] = {a->file, a->load.scene.light, a->walk.replay};
+    const char *read[] = {a->file, a->load.light, a->walk.replay};
     DIR *folder = opendir(a->walk.folder);
     bool good = true;
     for (struct dirent *entry; good && folder && (entry = readdir(folder));) {
@@ -325,7 +330,7 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
     SessionOptions *session = &a->window.session;
     session->file = a->file;
     session->replay = a->walk.replay;
-    session->method = a->walk.method;
+    session->culling = a->walk.culling;
     session->full_screen = a->window.display.full_screen;
     session->false_colour = a->walk.false_colour;
     if (a->walk.look != WALK_LOOKS) session->look = a->walk.look;
@@ -335,7 +340,7 @@ static bool open_window(Arguments *a, Arena *arena, Error *error) {
         a->window.display.width = a->size[0];
         a->window.display.height = a->size[1];
     }
-    return walk_window(&a->window, &loader, arena, error);
+    return walk_window(session, &a->window.display, a->window.scale, &loader, arena, error);
 }
 
 static void print_walk_help(void) {
@@ -346,14 +351,14 @@ static void print_walk_help(void) {
 }
 
 static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
-    SceneOptions *load = &a->load.scene;
+    SceneOptions *load = &a->load;
     const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
-    a->load.bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
+    bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
     load->work = "walking";
     load->find_light = !a->walk.verify;
-    load->lamps = a->load.bakes ? SCENE_LAMPS_ALL : load->find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
+    load->lamps = bakes ? SCENE_LAMPS_ALL : load->find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
     if (!a->off_screen) return open_window(a, arena, error);
     if (a->walk.verify) a->walk.width = 640, a->walk.height = 360;
     if (a->sized) a->walk.width = a->size[0], a->walk.height = a->size[1];
@@ -363,8 +368,8 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
 
 int cmd_walk(int argc, char **argv) {
     Arguments a = {.walk = walk_default_options(),
-                   .window = window_default_options(),
-                   .load = {.scene = app_scene_options()}};
+                   .window = {.session = session_default_options(), .display = display_default_options()},
+                   .load = app_scene_options()};
     bool help = false;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;

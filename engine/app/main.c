@@ -21,6 +21,11 @@ static int cmd_bench(int argc, char **argv) {
                     strerror(errno));
 }
 
+typedef struct AppCommand {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);  // argv[0] is the command's name
+} AppCommand;
+
 static const AppCommand COMMANDS[] = {
     {"info", "what is in a building: rooms, cells, portals, doors, what was not enclosed", cmd_info},
     {"vis", "make cells, portals and stab trees, and store them", cmd_vis},

@@ -9,23 +9,6 @@
 // Exit codes.
 enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2 };
 
-// The type of an option's value, and of the field of the command's arguments that takes it.
-typedef enum OptionType {
-    OPTION_FLAG,       // bool; there is no value
-    OPTION_TEXT,       // const char *
-    OPTION_INT,        // int, low to high
-    OPTION_SEED,       // uint64_t, low to high
-    OPTION_NUMBER,     // double, low to high
-    OPTION_DEGREES,    // double, radians; low to high degrees
-    OPTION_MEGABYTES,  // size_t, bytes; low to high megabytes
-    OPTION_SIZE,       // int[2], pixels: WxH, low to high each
-    OPTION_POINT,      // Vec3, metres: X,Y,Z
-    OPTION_SKY,        // double[3], W/m^2/sr: L or R,G,B, low to high each
-    OPTION_NAME,       // int: the index of one of `names`
-    OPTION_OTHER,      // as `take` does
-    OPTION_HEADING,    // no option: a line of the help
-} OptionType;
-
 // One option: a row of the table.
 typedef struct Option {
     // Without the dashes; of one letter for -o.
@@ -34,7 +17,22 @@ typedef struct Option {
     const char *value;
     // One sentence without a full stop. `@` stands for the values allowed, which the row knows.
     const char *help;
-    OptionType type;
+    // The type of an option's value, and of the field of the command's arguments that takes it.
+    enum {
+        OPTION_FLAG,       // bool; there is no value
+        OPTION_TEXT,       // const char *
+        OPTION_INT,        // int, low to high
+        OPTION_SEED,       // uint64_t, low to high
+        OPTION_NUMBER,     // double, low to high
+        OPTION_DEGREES,    // double, radians; low to high degrees
+        OPTION_MEGABYTES,  // size_t, bytes; low to high megabytes
+        OPTION_SIZE,       // int[2], pixels: WxH, low to high each
+        OPTION_POINT,      // Vec3, metres: X,Y,Z
+        OPTION_SKY,        // double[3], W/m^2/sr: L or R,G,B, low to high each
+        OPTION_NAME,       // int: the index of one of `names`
+        OPTION_OTHER,      // as `take` does
+        OPTION_HEADING,    // no option: a line of the help
+    } type;
     // Where the value goes: an offset in the command's arguments.
     size_t at;
     double low, high;

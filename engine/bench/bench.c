@@ -6,8 +6,11 @@
 
 #include "engine/core/file.h"
 
+const Culling BENCH_CULLING[BENCH_CULLINGS] = {CULL_NONE, CULL_DEPTH, CULL_CELLS, CULL_PLAN, CULL_STAB};
+
 bool bench_table(const BenchArguments *a, const char *head,
-                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
+                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error),
+                 bool (*each)(const char *file, const BenchArguments *arguments, Text *csv, Error *error),
                  Error *error) {
     Arena arena = {0};
     Text csv = {.arena = &arena};

@@ -107,13 +107,16 @@ typedef struct Bench {
 #define BENCH_PICTURES(text)                                                                                 \
     { .name = "pictures", .value = "DIR", .type = OPTION_TEXT, .at = BENCH_AT(pictures), .help = text }
 
-// Adds the rows of one building to the table, and prints them.
-typedef bool BenchFile(const char *file, const BenchArguments *arguments, Text *csv, Error *error);
-// A table: its head, the rows of `first` (NULL: none), and those of each file; on standard output, and whole to
-// arguments->csv, if that is given.
+// A table: its head, the rows of `first` (NULL: none), and those of each file, which `each` adds and prints; on standard output, and
+// whole to arguments->csv, if that is given.
 bool bench_table(const BenchArguments *arguments, const char *head,
-                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error), BenchFile *each,
+                 bool (*first)(const BenchArguments *arguments, Text *csv, Error *error),
+                 bool (*each)(const char *file, const BenchArguments *arguments, Text *csv, Error *error),
                  Error *error);
+
+// Ways to cull views of form factors that tables compare.
+enum { BENCH_CULLINGS = 5 };
+extern const Culling BENCH_CULLING[BENCH_CULLINGS];
 
 // The building's name in the CSV: without its folder.
 const char *bench_name(const char *file);

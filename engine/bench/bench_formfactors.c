@@ -103,7 +103,7 @@ typedef struct Run {
     const FormFactorMethod *method;
     const char *hidden;  // that fills the hemicube's sides; NULL: none
     char name[40];
-    ViewCulling culling;
+    Culling culling;
     int resolution;
     double ms, look_ms, l1;
     FormFactorWork work;  // of all shooters once
@@ -209,7 +209,7 @@ static bool on_front(const ShotBench *b, const Run *run) {
 static void add_formfactors_row(const ShotBench *b, const Run *run, Text *table) {
     double n = b->shooter_count;
     text_append(table, "%s,%s,%d,%s,%d,%.4f,%.4f,%.5f,%.1f,%.1f,%.0f,%.0f,%lld,%d\n", bench_name(b->file),
-                run->name, run->resolution, VIEW_CULLING_NAMES[run->culling], b->shooter_count, run->ms,
+                run->name, run->resolution, CULLING_NAMES[run->culling], b->shooter_count, run->ms,
                 run->look_ms, run->l1, (double)run->work.faces_drawn / n,
                 (double)run->work.elements_drawn / n, (double)run->work.samples / n,
                 (double)run->work.tests / n, b->reference.rays, on_front(b, run));
@@ -217,7 +217,7 @@ static void add_formfactors_row(const ShotBench *b, const Run *run, Text *table)
 
 // ---- what to run
 
-static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, ViewCulling culling,
+static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, Culling culling,
                      Arena *arena) {
     const BenchArguments *a = b->arguments;
     for (int r = 0; r < a->resolution_count; r++) {
@@ -243,10 +243,11 @@ static void choose_runs(ShotBench *b, Arena *arena) {
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
         const FormFactorMethod *method = FORM_FACTOR_METHODS[m];
         if (!bench_listed(a->methods, method->name)) continue;
-        for (int c = 0; c < VIEW_CULLINGS; c++) {
+        for (int i = 0; i < BENCH_CULLINGS; i++) {
+            Culling c = BENCH_CULLING[i];
             // Rays are culled by their own tree.
-            if (method->whole_mesh ? c == CULL_NOTHING : bench_listed(a->cullings, VIEW_CULLING_NAMES[c]))
-                add_runs(b, method, NULL, (ViewCulling)c, arena);
+            if (method->whole_mesh ? c == CULL_NONE : bench_listed(a->cullings, CULLING_NAMES[c]))
+                add_runs(b, method, NULL, c, arena);
         }
     }
     // Hidden-surface methods draw all there is.
@@ -254,7 +255,7 @@ static void choose_runs(ShotBench *b, Arena *arena) {
         char name[40];
         snprintf(name, sizeof name, "hemicube-%s", HIDDEN_METHODS[h]->name);
         if (bench_listed(a->methods, name))
-            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NOTHING, arena);
+            add_runs(b, form_factor_method("hemicube"), HIDDEN_METHODS[h]->name, CULL_NONE, arena);
     }
 }
 
@@ -269,7 +270,7 @@ static void print_runs(const ShotBench *b, Text *table) {
 
 // The time a method takes to an error, on the straight line between its points in logarithms; beyond them, along the
 // nearest two. Negative: it has less than two points.
-static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCulling culling, double l1) {
+static double ms_at(const ShotBench *b, const FormFactorMethod *method, Culling culling, double l1) {
     const Run *low = NULL, *high = NULL;
     for (int i = 0; i + 1 < b->run_count; i++) {
         const Run *p = &b->runs[i], *q = &b->runs[i + 1];
@@ -283,7 +284,7 @@ static double ms_at(const ShotBench *b, const FormFactorMethod *method, ViewCull
     return exp(log(low->ms) + t * (log(high->ms) - log(low->ms)));
 }
 
-static const Run *find_run(const ShotBench *b, const char *method, int resolution, ViewCulling culling) {
+static const Run *find_run(const ShotBench *b, const char *method, int resolution, Culling culling) {
     for (int i = 0; i < b->run_count; i++)
         if (strcmp(b->runs[i].name, method) == 0 && b->runs[i].resolution == resolution &&
             b->runs[i].culling == culling)
@@ -293,25 +294,25 @@ static const Run *find_run(const ShotBench *b, const char *method, int resolutio
 
 // How much faster each method is at the error of Embree's hemicube of 100 rays a side.
 static void print_ratios(const ShotBench *b) {
-    const Run *goal = find_run(b, "ray-hemicube", 100, CULL_NOTHING);
+    const Run *goal = find_run(b, "ray-hemicube", 100, CULL_NONE);
     if (!goal) return;
     double best = goal->ms;
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
-        double ms = FORM_FACTOR_METHODS[m]->whole_mesh
-                        ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NOTHING, goal->l1)
-                        : -1;
+        double ms =
+            FORM_FACTOR_METHODS[m]->whole_mesh ? ms_at(b, FORM_FACTOR_METHODS[m], CULL_NONE, goal->l1) : -1;
         if (ms > 0 && ms < best) best = ms;
     }
     fprintf(stderr,
             "%s: at the error of ray-hemicube 100, L1 %.4f (%.3f ms a shot, the best rays %.3f ms):\n",
             bench_name(b->file), goal->l1, goal->ms, best);
     for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
-        for (int c = 0; c < VIEW_CULLINGS; c++) {
-            double ms = ms_at(b, FORM_FACTOR_METHODS[m], (ViewCulling)c, goal->l1);
+        for (int i = 0; i < BENCH_CULLINGS; i++) {
+            Culling c = BENCH_CULLING[i];
+            double ms = ms_at(b, FORM_FACTOR_METHODS[m], c, goal->l1);
             if (ms <= 0) continue;
             fprintf(stderr,
                     "  %-22s %-8s %8.3f ms a shot: %5.2f times as fast as that, %5.2f as the best rays\n",
-                    FORM_FACTOR_METHODS[m]->name, VIEW_CULLING_NAMES[c], ms, goal->ms / ms, best / ms);
+                    FORM_FACTOR_METHODS[m]->name, CULLING_NAMES[c], ms, goal->ms / ms, best / ms);
         }
     }
 }
@@ -363,11 +364,11 @@ static int take_cullings(const char *text, void *arguments, Error *error) {
     ((BenchArguments *)arguments)->cullings = text;
     while (*text) {
         int length = (int)strcspn(text, ","), i = 0;
-        while (i < VIEW_CULLINGS && ((int)strlen(VIEW_CULLING_NAMES[i]) != length ||
-                                     strncmp(text, VIEW_CULLING_NAMES[i], (size_t)length) != 0))
+        while (i < BENCH_CULLINGS && ((int)strlen(CULLING_NAMES[BENCH_CULLING[i]]) != length ||
+                                      strncmp(text, CULLING_NAMES[BENCH_CULLING[i]], (size_t)length) != 0))
             i++;
-        if (i == VIEW_CULLINGS) {
-            error_set(error, "none, depth, cells, plan, portals, with commas between them");
+        if (i == BENCH_CULLINGS) {
+            error_set(error, "none, depth, cells, plan, stab, with commas between them");
             return APP_BAD_USE;
         }
         text += length + (text[length] == ',');
@@ -388,7 +389,7 @@ static const Option ROWS[] = {
      .value = "A,..",
      .type = OPTION_OTHER,
      .take = take_cullings,
-     .help = "of none, depth, cells, plan, portals (default none,depth,portals)"},
+     .help = "of none, depth, cells, plan, stab (default none,depth,stab)"},
     {.name = "shooters",
      .value = "N",
      .type = OPTION_INT,

@@ -162,7 +162,7 @@ static bool hidden_views_building(const char *file, const BenchArguments *a, int
             Scene list = same ? whole->views[0].scene : (Scene){0};
             if (!same) {
                 int cell = vis_locate(&scene->graph, at->eye, -1);
-                VisResult seen = vis_query(query, &eye, cell, NULL, k == 0 ? VIS_NONE : VIS_STAB);
+                VisResult seen = vis_query(query, &eye, cell, NULL, k == 0 ? CULL_NONE : CULL_STAB);
                 list = scene_of(&scene->graph, &seen, arena);
             }
             if (curved) list = subdivided(&scene->graph, list, &camera, arena, &polygons, &seconds);

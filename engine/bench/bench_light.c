@@ -6,16 +6,361 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "engine/bench/light_scene.h"
+#include "engine/app/bake_probes.h"
+#include "engine/bench/bench.h"
 #include "engine/core/clock.h"
 #include "engine/core/draw.h"
 #include "engine/core/parallel.h"
+#include "engine/core/random.h"
 #include "engine/draw/false_colour.h"
 #include "engine/draw/image.h"
+#include "engine/scene/bake_mesh.h"
+#include "radiosity/shoot/adapt.h"
 #include "radiosity/shoot/shoot.h"
+#include "radiosity/shoot/sky.h"
+#include "radiosity/show/final_gather.h"
+#include "radiosity/show/fine_mesh.h"
 #include "radiosity/show/reconstruct.h"
+#include "radiosity/truth/path_tracer.h"
 #include "radiosity/truth/path_walk.h"
 #include "visibility/hidden/hidden.h"
+
+typedef struct LightPoint {
+    Vec3 place, normal;
+    int polygon;                      // of the graph
+    double truth[3], standard_error;  // irradiance, W/m^2 a channel; of the sum of the channels
+    double scale;                     // of relative errors, W/m^2
+} LightPoint;
+
+typedef struct LightPoints {
+    LightPoint *points;  // [count]
+    int count;
+    double mean;  // irradiance, W/m^2, the sum of the channels
+    long long paths;
+    double seconds;  // of path tracing, all cores
+} LightPoints;
+
+// The standard error of the truth is a share of the irradiance at the point, or of a hundredth of the mean of all points where
+// that is more, so that points in the dark do not decide; or of the mean.
+typedef enum LightTruth { LIGHT_TRUTH_EACH, LIGHT_TRUTH_MEAN } LightTruth;
+
+static inline double light_point_irradiance(const LightPoint *p) {
+    return p->truth[0] + p->truth[1] + p->truth[2];
+}
+
+typedef struct LightScene {
+    const char *file;
+    const BenchArguments *arguments;
+    LoadedScene scene;
+    float *doors;    // [opening_count] as drawn
+    Vec3 *vertices;  // the graph's, with the doors there
+    LightPoints points;
+} LightScene;
+
+// How to bake, and what came of it.
+typedef struct LightBake {
+    MeshOptions options;
+    AdaptOptions adapt;
+    RadOptions rad;
+    int gather;  // resolution of a final gather at all vertices; 0: none
+    Mesh mesh;
+    RadSolution solution;
+    RadReport report;
+    const FineMesh *fine;  // what is shown, and its light
+    RadSolution shown;
+    double mesh_seconds, seconds;  // all is `seconds`
+    double work_seconds;           // of all threads
+} LightBake;
+
+// Compared with the truth are the light that a point gathers, as `bake --probe` does, and the solution itself where
+// the point lies, (B - E) / rho, of the element there and between its corners, which is what a walk shows.
+enum { LIGHT_GATHERED, LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_COMPARED };
+extern const char *const LIGHT_COMPARED_NAMES[LIGHT_COMPARED];
+
+typedef struct LightErrors {
+    double *off[LIGHT_COMPARED];  // [points.count] W/m^2, signed; NAN where there is nothing to compare
+    double gather_seconds;
+} LightErrors;
+
+// ---- points spread by area over the elements of patches that look into rooms; path tracing in two rounds, the first
+// of which tells how bright the building is.
+
+// Beyond so many paths a point stays as uncertain as it is.
+static const long long MOST_PATHS = 4000000;
+// Points with less light than this share of the mean are measured against it.
+static const double DARK = 0.01;
+// A face nearer than this lies against a point, metres.
+static const double TOUCHING = 0.001;
+// Tries for each point.
+enum { TRIES = 1000 };
+
+static bool is_indoors(const Mesh *mesh, const Element *element) {
+    int cell = mesh->patches[element->patch].cell;
+    return cell >= 0 && vis_region(mesh->graph, cell)->kind != REGION_OUTDOORS;
+}
+
+// Evenly over a convex element, in triangles about its first corner.
+static Vec3 point_in(const Mesh *mesh, const Element *element, Random *random) {
+    const int *corner = mesh->corners + element->first_corner;
+    Vec3 first = mesh->vertices[corner[0]];
+    double left = random_unit(random) * element->area;
+    for (int i = 1;; i++) {
+        Vec3 a = vec3_sub(mesh->vertices[corner[i]], first);
+        Vec3 b = vec3_sub(mesh->vertices[corner[i + 1]], first);
+        double area = 0.5 * vec3_length(vec3_cross(a, b));
+        bool last = i + 2 == element->corner_count;
+        if (left > area && !last) {
+            left -= area;
+            continue;
+        }
+        double along = random_unit(random), far = sqrt(random_unit(random));
+        return vec3_add(first, vec3_scale(vec3_lerp(a, b, along), far));
+    }
+}
+
+// The first element up to which the areas exceed `at`.
+static int element_up_to(const double *up_to, int count, double at) {
+    int low = 0, high = count - 1;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (up_to[middle] > at)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+// Evenly over the fronts of what stands in rooms, by area, but where backs alone are before them, or another front lies against
+// them: nobody sees that. Fails where there are none.
+static bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *arena, LightPoints *out,
+                                Error *error) {
+    Arena scratch = {0};
+    double area = 0, *up_to = ARENA_ARRAY(&scratch, double, mesh->element_count);
+    for (int e = 0; e < mesh->element_count; e++) {
+        if (is_indoors(mesh, &mesh->elements[e])) area += mesh->elements[e].area;
+        up_to[e] = area;
+    }
+    Random random = {seed};
+    PathTracer *tracer = path_tracer_new(mesh, NULL, &scratch);
+    *out = (LightPoints){.points = ARENA_ARRAY(arena, LightPoint, count)};
+    for (int i = 0; i < count * TRIES && out->count < count && area > 0; i++) {
+        int e = element_up_to(up_to, mesh->element_count, random_unit(&random) * area);
+        const Face *face = &mesh->faces[mesh->elements[e].face];
+        LightPoint point = {.place = point_in(mesh, &mesh->elements[e], &random),
+                            .normal = face->plane.n,
+                            .polygon = face->polygon};
+        if (path_tracer_open(tracer, point.place, point.normal, TOUCHING) > 0)
+            out->points[out->count++] = point;
+    }
+    path_tracer_end(tracer);
+    arena_free(&scratch);
+    if (out->count == count) return true;
+    return error_set(error, "%s: has no surface in a room that light could reach",
+                     mesh->graph->building->source);
+}
+
+static void take_results(LightPoints *points, const PathResult *results) {
+    double sum = 0;
+    points->paths = 0;
+    for (int i = 0; i < points->count; i++) {
+        LightPoint *p = &points->points[i];
+        const double *e = results[i].standard_error;
+        memcpy(p->truth, results[i].irradiance, sizeof p->truth);
+        // The channels scatter together.
+        p->standard_error = e[0] + e[1] + e[2];
+        points->paths += results[i].paths;
+        sum += light_point_irradiance(p);
+    }
+    points->mean = sum / points->count;
+    for (int i = 0; i < points->count; i++)
+        points->points[i].scale = fmax(light_point_irradiance(&points->points[i]), DARK * points->mean);
+}
+
+static void light_points_trace(const Mesh *mesh, const double sky[3], LightTruth kind, double error,
+                               uint64_t seed, LightPoints *points) {
+    Arena scratch = {0};
+    double begin = clock_seconds();
+    PathTracer *tracer = path_tracer_new(mesh, sky, &scratch);
+    PathQuery *queries = ARENA_ARRAY(&scratch, PathQuery, points->count);
+    PathResult *results = ARENA_ARRAY(&scratch, PathResult, points->count);
+    for (int i = 0; i < points->count; i++)
+        queries[i] = (PathQuery){
+            .point = points->points[i].place, .normal = points->points[i].normal, .seed = seed + (uint64_t)i};
+    path_tracer_irradiance(tracer, queries, points->count, 0, results);
+    take_results(points, results);
+    int asked = 0, *which = ARENA_ARRAY(&scratch, int, points->count);
+    PathResult *again = ARENA_ARRAY(&scratch, PathResult, points->count);
+    for (int i = 0; i < points->count; i++) {
+        const LightPoint *p = &points->points[i];
+        double most = error * (kind == LIGHT_TRUTH_MEAN ? points->mean : p->scale);
+        if (kind == LIGHT_TRUTH_MEAN && p->standard_error <= most) continue;
+        which[asked] = i;
+        queries[asked] = queries[i];
+        queries[asked].absolute_error = most;
+        queries[asked++].most_paths = MOST_PATHS;
+    }
+    path_tracer_irradiance(tracer, queries, asked, 0, again);
+    for (int i = 0; i < asked; i++) results[which[i]] = again[i];
+    take_results(points, results);
+    path_tracer_end(tracer);
+    points->seconds = clock_seconds() - begin;
+    arena_free(&scratch);
+}
+
+// ---- a building for the benches of light: read, lit by path tracing at random points, baked, and compared there.
+
+const char *const LIGHT_COMPARED_NAMES[LIGHT_COMPARED] = {"gather", "element", "vertex"};
+
+// Edge of the elements that points are chosen on, metres: a mesh of their own, so that they stay where they are whatever the
+// default becomes.
+static const double CHOSEN_ON = 1;
+
+static bool make_points(LightScene *s, LightTruth kind, Arena *arena, Error *error) {
+    Arena scratch = {0};
+    MeshOptions options = mesh_default_options();
+    options.element = CHOSEN_ON;
+    Mesh mesh;
+    const BenchArguments *a = s->arguments;
+    bool good = mesh_build(&s->scene.graph, s->vertices, s->doors, &options, &scratch, &mesh, error) &&
+                light_points_choose(&mesh, a->points, a->seed, arena, &s->points, error);
+    if (good) {
+        light_points_trace(&mesh, a->sky, kind, a->error, a->seed, &s->points);
+        fprintf(stderr, "%s: %lld paths to %d points in %.1f s, mean irradiance %.4g W/m^2\n",
+                bench_name(s->file), s->points.paths, s->points.count, s->points.seconds, s->points.mean);
+    }
+    arena_free(&scratch);
+    return good;
+}
+
+// Its points are chosen, `kind` says how well each is to be known.
+static bool light_scene_open(const char *file, const BenchArguments *a, LightTruth kind, Arena *arena,
+                             LightScene *out, Error *error) {
+    *out = (LightScene){.file = file, .arguments = a};
+    SceneOptions options = a->load;
+    options.lamps = SCENE_LAMPS_ALL;
+    if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
+        return false;
+    out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
+    out->vertices = bake_vertices(&out->scene.graph, out->doors, arena);
+    return make_points(out, kind, arena, error);
+}
+
+// ---- a bake
+
+// The options that `enfilade bake` has without any.
+static void light_bake_defaults(const LightScene *scene, LightBake *out) {
+    *out = (LightBake){
+        .options = mesh_default_options(), .adapt = adapt_default_options(), .rad = rad_default_options()};
+    out->options.element = mesh_fitting_element(&scene->scene.graph);
+    out->rad.residual = 0;
+    out->rad.form_factor.resolution = 0;
+    memcpy(out->adapt.sky, scene->arguments->sky, sizeof out->adapt.sky);
+}
+
+// At all vertices: what is between corners then tells.
+static void gather_vertices(const LightScene *s, LightBake *bake, Arena *arena) {
+    Arena scratch = {0};
+    VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
+    GatherScene scene = {&bake->mesh, &s->scene.forest, s->doors, &bake->solution, &light};
+    GatherOptions options = gather_default_options();
+    options.resolution = bake->gather;
+    final_gather(&scene, &options, 0, NULL, arena, &bake->solution);
+    arena_free(&scratch);
+}
+
+static bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error *error) {
+    const CellGraph *graph = &s->scene.graph;
+    AdaptScene lit = {graph, s->vertices, &s->scene.forest, s->doors};
+    Mesh *mesh = &bake->mesh;
+    const double *sky = s->arguments->sky, begin = clock_seconds(), worked = clock_work_seconds();
+    bake->options.proxies = proxies_find(graph, s->vertices, bake->options.proxy, arena);
+    bool good = bake->adapt.share > 0
+                    ? adapt_mesh(&lit, &bake->options, &bake->adapt, &bake->rad, NULL, arena, mesh, error)
+                    : mesh_build(graph, s->vertices, s->doors, &bake->options, arena, mesh, error);
+    if (!good || !rad_start_dark(mesh, arena, &bake->solution, error)) return false;
+    bake->mesh_seconds = clock_seconds() - begin;
+    rad_fit(mesh, &bake->rad);
+    if (sky[0] + sky[1] + sky[2] > 0)
+        rad_shine(mesh, &s->scene.forest, s->doors, &bake->rad, sky, NULL, &bake->solution);
+    bake->report = rad_shoot(mesh, &s->scene.forest, s->doors, &bake->rad, NULL, &bake->solution);
+    if (bake->gather > 0) gather_vertices(s, bake, arena);
+    bake->fine = fine_mesh_new(mesh, arena);
+    bake->shown = fine_light(bake->fine, &bake->solution, arena);
+    bake->seconds = clock_seconds() - begin;
+    bake->work_seconds = clock_work_seconds() - worked;
+    return true;
+}
+
+// ---- errors
+
+// Irradiance from what is reflected; channels that are not count as right.
+static double irradiance_of(const LightPoint *p, const Material *m, const double b[3]) {
+    const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+    const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
+    double sum = 0;
+    for (int c = 0; c < 3; c++) sum += rho[c] > 0 ? (b[c] - (double)e[c]) / (double)rho[c] : p->truth[c];
+    return sum;
+}
+
+static bool reflects(const Material *m) {
+    return m->reflectance.r > 0 || m->reflectance.g > 0 || m->reflectance.b > 0;
+}
+
+static void gather_points(const LightScene *s, const LightBake *bake, int gathering, LightErrors *out) {
+    Arena scratch = {0};
+    Probes probes = {ARENA_ARRAY(&scratch, Probe, gathering + 1), gathering, gathering};
+    for (int i = 0; i < gathering; i++)
+        probes.probes[i] = (Probe){.place = s->points.points[i].place, .normal = s->points.points[i].normal};
+    double begin = clock_seconds();
+    GatherScene scene = {&bake->fine->mesh, &s->scene.forest, s->doors, &bake->shown, NULL};
+    if (gathering > 0) bake_probes_gather(&scene, &probes);
+    out->gather_seconds = clock_seconds() - begin;
+    for (int i = 0; i < gathering; i++) {
+        const double *h = probes.probes[i].irradiance;
+        out->off[LIGHT_GATHERED][i] = h[0] + h[1] + h[2] - light_point_irradiance(&s->points.points[i]);
+    }
+    arena_free(&scratch);
+}
+
+// The first so many points gather.
+static LightErrors light_errors(const LightScene *s, const LightBake *bake, int gathering, Arena *arena) {
+    LightErrors out = {0};
+    Arena scratch = {0};
+    const Mesh *mesh = &bake->fine->mesh;
+    VertexLight field = reconstruct_light(mesh, &bake->shown, &scratch);
+    for (int what = 0; what < LIGHT_COMPARED; what++)
+        out.off[what] = ARENA_ARRAY(arena, double, s->points.count);
+    for (int i = 0; i < s->points.count; i++) {
+        const LightPoint *p = &s->points.points[i];
+        int face = mesh->face_of[p->polygon];
+        const Material *m = mesh_material(mesh, face);
+        const double *own = bake->shown.radiosity[mesh_element_at(mesh, face, p->place)];
+        double light[3], truth = light_point_irradiance(p);
+        reconstruct_at(mesh, &field, face, p->place, light);
+        out.off[LIGHT_GATHERED][i] = NAN;
+        out.off[LIGHT_OF_ELEMENT][i] = reflects(m) ? irradiance_of(p, m, own) - truth : NAN;
+        out.off[LIGHT_BETWEEN_CORNERS][i] = reflects(m) ? irradiance_of(p, m, light) - truth : NAN;
+    }
+    arena_free(&scratch);
+    gather_points(s, bake, gathering < s->points.count ? gathering : s->points.count, &out);
+    return out;
+}
+
+// The scatter of the truth itself is no error of ours.
+static double light_errors_rms(const LightScene *s, const double *off) {
+    double squares = 0, scatter = 0;
+    int count = 0;
+    for (int i = 0; i < s->points.count; i++) {
+        double uncertain = s->points.points[i].standard_error;
+        if (isnan(off[i])) continue;
+        squares += off[i] * off[i];
+        scatter += uncertain * uncertain;
+        count++;
+    }
+    return count > 0 && s->points.mean > 0 ? 100 * sqrt(fmax(squares - scatter, 0) / count) / s->points.mean
+                                           : 0;
+}
 
 typedef struct ErrorPicture {
     const Mesh *mesh;
@@ -30,8 +375,6 @@ typedef struct ErrorPictureFound {
 
 // Ends of the scale, relative: what is farther off looks as if it were so far.
 static const double ENDS = 0.2;
-// Pixels with less light than this share of the mean of all are measured against it.
-static const double DARK = 0.01;
 // 4,084 walks a pixel leave a few per cent of noise. A path tracer's query takes eight times as many to know its own error.
 enum { BLOCKS = 4 };
 static const uint8_t NOTHING = 96;  // grey
@@ -69,9 +412,10 @@ static void look_through_pixels(const ErrorPicture *e, const Camera *camera, con
     p->place = ARENA_ARRAY(&p->arena, PathPlace, p->count);
     for (int i = 0; i < p->count; i++) {
         Vec3 along = camera_ray(camera, i % camera->width + 0.5, i / camera->width + 0.5);
-        PathHit hit = path_scene_trace(scene, vec3_sub(camera->eye, scene->origin), vec3_normalize(along));
+        PathHit hit =
+            path_scene_trace(scene, vec3_sub(camera->eye, path_scene_origin(scene)), vec3_normalize(along));
         if (hit.face < 0 || !hit.front || mesh_emits(e->mesh, hit.face)) continue;
-        double shown = shown_at(e, &field, hit.face, vec3_add(hit.point, scene->origin));
+        double shown = shown_at(e, &field, hit.face, vec3_add(hit.point, path_scene_origin(scene)));
         if (shown < 0) continue;  // reflects nothing in some channel: what arrives there is not shown
         p->pixel[p->seen] = i;
         p->shown[p->seen] = shown;
@@ -90,7 +434,7 @@ static void trace_pixel(void *context, int index, int thread) {
         double light[3] = {0, 0, 0};
         for (numbers.path = 0; numbers.path < PATH_BLOCK; numbers.path++) {
             double weight[3] = {1, 1, 1};
-            path_walk(t->world, t->pixels->place[index], &numbers, 0, NULL, weight, light);
+            path_walk(t->world, t->pixels->place[index], &numbers, 0, NULL, NULL, weight, light);
         }
         double mean = (light[0] + light[1] + light[2]) / PATH_BLOCK;
         sum += mean;
@@ -178,7 +522,7 @@ static bool error_picture(const ErrorPicture *e, const Camera *camera, const cha
     return good;
 }
 
-static const char HEAD[] =
+static const char LIGHT_HEAD[] =
     "building,configuration,element_m,per_patch,culling,row_mb,residual,resolution,elements,patches,shots,"
     "rows_made,bake_seconds,probe_seconds,"
     "gather_median,gather_rms,gather_p90,gather_max,gather_lit_median,gather_lit_rms,gather_mean_rms,"
@@ -188,7 +532,7 @@ static const char HEAD[] =
 
 // ---- ways to bake
 
-typedef struct Way {
+typedef struct LightWay {
     const char *name;
     double element;  // metres; 0, and so on: the default
     int per_patch;
@@ -199,9 +543,9 @@ typedef struct Way {
     double share;         // of elements that a mesh without splits has; below 0: no splits
     double reach, close;  // below 0: none
     int gather;           // resolution of a final gather at all vertices; 0: none
-} Way;
+} LightWay;
 
-static const Way WAYS[] = {
+static const LightWay WAYS[] = {
     {.name = "default"},
     {.name = "even", .share = -1},
     {.name = "even-uncut", .share = -1, .close = -1},
@@ -264,7 +608,7 @@ static void print_ways(void) {
     }
 }
 
-static void apply(const Way *way, LightBake *bake) {
+static void apply(const LightWay *way, LightBake *bake) {
     MeshOptions *mesh = &bake->options;
     RadOptions *rad = &bake->rad;
     if (way->share != 0) bake->adapt.share = fmax(way->share, 0);
@@ -273,7 +617,7 @@ static void apply(const Way *way, LightBake *bake) {
     if (way->proxy != 0) mesh->proxy = fmax(way->proxy, 0);
     if (way->element > 0) mesh->element = way->element;
     if (way->per_patch > 0) mesh->per_patch = way->per_patch;
-    if (way->unculled) rad->culling = CULL_NOTHING;
+    if (way->unculled) rad->culling = CULL_NONE;
     if (way->keeps_no_rows) rad->row_bytes = 0;
     if (way->residual > 0) rad->residual = way->residual;
     if (way->resolution > 0) rad->form_factor.resolution = way->resolution;
@@ -329,7 +673,7 @@ static double truth_error(const LightPoints *points, int *dark) {
 
 // ---- what is written
 
-static void print_worst(const LightScene *s, const Way *way, int what, const double *off) {
+static void print_worst(const LightScene *s, const LightWay *way, int what, const double *off) {
     enum { WORST = 3 };
     const CellGraph *graph = &s->scene.graph;
     const LightPoint *points = s->points.points;
@@ -357,11 +701,11 @@ static void print_worst(const LightScene *s, const Way *way, int what, const dou
     }
 }
 
-static void add_light_row(const LightScene *s, const Way *way, const LightBake *bake,
+static void add_light_row(const LightScene *s, const LightWay *way, const LightBake *bake,
                           const LightErrors *errors, Text *csv) {
     size_t before = csv->size;
     text_append(csv, "%s,%s,%g,%d,%s,%zu,%g,%d,%d,%d,%lld,%lld,%.4f,%.4f", bench_name(s->file), way->name,
-                bake->options.element, bake->options.per_patch, VIEW_CULLING_NAMES[bake->rad.culling],
+                bake->options.element, bake->options.per_patch, CULLING_NAMES[bake->rad.culling],
                 bake->rad.row_bytes >> 20, bake->rad.residual, bake->rad.form_factor.resolution,
                 bake->mesh.element_count, bake->mesh.patch_count, bake->report.shots, bake->report.rows_made,
                 bake->seconds, errors->gather_seconds);
@@ -382,7 +726,7 @@ static void add_light_row(const LightScene *s, const Way *way, const LightBake *
 }
 
 // From the first stored viewpoint, or where one begins.
-static bool draw_errors(const LightScene *s, const Way *way, const LightBake *bake, Error *error) {
+static bool draw_errors(const LightScene *s, const LightWay *way, const LightBake *bake, Error *error) {
     const BenchArguments *a = s->arguments;
     const Building *building = &s->scene.building;
     Viewpoint v = {.eye = building->start, .yaw = building->start_yaw, .fov = 75 * M_PI / 180};
@@ -397,7 +741,7 @@ static bool draw_errors(const LightScene *s, const Way *way, const LightBake *ba
     return true;
 }
 
-static bool bench_way(const LightScene *s, const Way *way, Text *csv, Error *error) {
+static bool bench_way(const LightScene *s, const LightWay *way, Text *csv, Error *error) {
     Arena arena = {0};
     LightBake bake;
     light_bake_defaults(s, &bake);
@@ -426,10 +770,10 @@ static bool measure_light(const BenchArguments *a, Error *error) {
     BenchArguments own = *a;
     if (own.points == 0) own.points = 100;
     if (own.error == 0) own.error = 0.003;
-    return bench_table(&own, HEAD, NULL, light_of_file, error);
+    return bench_table(&own, LIGHT_HEAD, NULL, light_of_file, error);
 }
 
-static const Option ROWS[] = {
+static const Option LIGHT_ROWS[] = {
     BENCH_METHODS("some of the ways below (default: all)"),
     BENCH_POINTS("100"),
     BENCH_ERROR("standard error of the truth, relative, @ (default 0.003)"),
@@ -452,9 +796,141 @@ const Bench BENCH_LIGHT = {
         "how right a bake is at random points, against path tracing, and what it costs, by ways to bake; "
         "percent of the irradiance there, or of a hundredth of the mean where that is more; gather_: as "
         "--probe gathers it, element_ and vertex_: of the solution where the point lies, (B - E) / rho",
-    BENCH_OPTIONS(ROWS),
+    BENCH_OPTIONS(LIGHT_ROWS),
     .run = measure_light,
     .is_method = is_light_method,
     .print_methods = print_ways,
+    .files = BENCH_LIT_FILES,
+};
+
+// ---- what adaptive meshes save: elements against error, from coarse to fine, of even meshes, of even ones that are cut
+// where things stand on their faces, and of those that are cut and as fine as their light asks; and how many elements an even
+// mesh would need for the same error.
+//
+// The error is that of the field: the root of the mean square, over all surfaces, of what the irradiance is off, of its mean
+// (against path tracing at random points, evenly by area). Of what elements hold, of what is shown between their corners, and of
+// what the first points gather.
+
+static const char MESHES_HEAD[] =
+    "building,mesh,element_m,elements,patches,mesh_seconds,bake_seconds,element_rms,vertex_rms,gather_rms,"
+    "of_even_element,of_even_vertex,of_even_gather,points,points_gathering,truth_error\n";
+
+// Edges of elements, of what fits the building. Even meshes go on to where the others' errors are.
+static const double SCALES[] = {4, 2.8, 2, 1.4, 1, 0.7};
+enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES, MOST_GATHERING = 100 };
+
+enum { EVEN, CUT, ADAPTIVE, KINDS };
+static const struct {
+    const char *name;
+    int scales;
+} KIND[KINDS] = {{"even", SCALE_COUNT}, {"cut", SCALE_COUNT - 1}, {"adaptive", SCALE_COUNT - 1}};
+
+typedef struct Size {
+    double elements, rms[LIGHT_COMPARED];
+} Size;
+
+typedef struct Curve {
+    Size sizes[SCALE_COUNT];  // ever more elements
+    int count;
+} Curve;
+
+// How many elements the curve takes for that error, between its sizes as powers of each other; 0: outside of them.
+static double elements_at(const Curve *curve, int what, double rms) {
+    for (int i = curve->count - 1; i > 0; i--) {
+        const Size *coarse = &curve->sizes[i - 1], *fine = &curve->sizes[i];
+        double high = coarse->rms[what], low = fine->rms[what];
+        if (!(rms >= low && rms <= high && high > low)) continue;
+        double along = log(rms / high) / log(low / high);
+        return coarse->elements * pow(fine->elements / coarse->elements, along);
+    }
+    return 0;
+}
+
+static void add_meshes_row(const LightScene *s, const LightBake *bake, int kind, const Size *size,
+                           const Curve *even, Text *csv) {
+    size_t before = csv->size;
+    text_append(csv, "%s,%s,%g,%d,%d,%.4f,%.4f", bench_name(s->file), KIND[kind].name, bake->options.element,
+                bake->mesh.element_count, bake->mesh.patch_count, bake->mesh_seconds, bake->seconds);
+    static const int ORDER[] = {LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_GATHERED};
+    for (int k = 0; k < LIGHT_COMPARED; k++) text_append(csv, ",%.4f", size->rms[ORDER[k]]);
+    for (int k = 0; k < LIGHT_COMPARED; k++) {
+        double like = kind != EVEN ? elements_at(even, ORDER[k], size->rms[ORDER[k]]) : 0;
+        if (like > 0)
+            text_append(csv, ",%.3f", size->elements / like);
+        else
+            text_append(csv, ",");
+    }
+    const LightPoints *points = &s->points;
+    double squares = 0;
+    for (int i = 0; i < points->count; i++)
+        squares += points->points[i].standard_error * points->points[i].standard_error;
+    text_append(csv, ",%d,%d,%.4f\n", points->count,
+                points->count < MOST_GATHERING ? points->count : MOST_GATHERING,
+                100 * sqrt(squares / points->count) / points->mean);
+    fputs(csv->data + before, stdout);
+    fflush(stdout);
+}
+
+static bool bench_size(const LightScene *s, int kind, double scale, Curve *curves, Text *csv, Error *error) {
+    Arena arena = {0};
+    LightBake bake;
+    light_bake_defaults(s, &bake);
+    bake.options.element *= scale;
+    bake.adapt.few = 0;
+    if (kind == EVEN) bake.options.close = 0;
+    if (kind != ADAPTIVE) bake.adapt.share = 0;
+    bool good = light_bake(s, &arena, &bake, error);
+    if (good) {
+        LightErrors errors = light_errors(s, &bake, MOST_GATHERING, &arena);
+        Curve *curve = &curves[kind];
+        Size *size = &curve->sizes[curve->count++];
+        size->elements = bake.mesh.element_count;
+        for (int what = 0; what < LIGHT_COMPARED; what++)
+            size->rms[what] = light_errors_rms(s, errors.off[what]);
+        add_meshes_row(s, &bake, kind, size, &curves[EVEN], csv);
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static bool meshes_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+    Arena arena = {0};
+    LightScene s;
+    Curve curves[KINDS] = {0};
+    bool good = light_scene_open(file, a, LIGHT_TRUTH_MEAN, &arena, &s, error);
+    for (int kind = 0; kind < KINDS; kind++)
+        for (int i = 0; i < KIND[kind].scales && good; i++)
+            good = bench_size(&s, kind, SCALES[i], curves, csv, error);
+    arena_free(&arena);
+    return good;
+}
+
+static bool measure_meshes(const BenchArguments *a, Error *error) {
+    BenchArguments own = *a;
+    if (own.points == 0) own.points = 500;
+    if (own.error == 0) own.error = 0.03;
+    return bench_table(&own, MESHES_HEAD, NULL, meshes_of_file, error);
+}
+
+static const Option MESHES_ROWS[] = {
+    BENCH_POINTS("500"),
+    BENCH_ERROR("standard error of the truth, of the mean irradiance, @ (default 0.03)"),
+    BENCH_SEED("of points and paths"),
+    BENCH_SKY,
+    BENCH_CSV,
+};
+
+const Bench BENCH_MESHES = {
+    .name = "meshes",
+    .about =
+        "what adaptive meshes save: elements against error, from coarse to fine, of even meshes, of even "
+        "ones "
+        "cut where things stand (cut) and of those that `enfilade bake` makes (adaptive); the root of the "
+        "mean square, over all surfaces, of the error of the irradiance, percent of its mean: element_: as "
+        "elements hold it, vertex_: between corners, gather_: of the first 100 points; of_even_: elements, "
+        "of "
+        "those that an even mesh needs for the same error",
+    BENCH_OPTIONS(MESHES_ROWS),
+    .run = measure_meshes,
     .files = BENCH_LIT_FILES,
 };

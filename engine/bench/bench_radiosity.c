@@ -216,7 +216,7 @@ typedef struct OkiBench {
 static int list_visible(const OkiBench *b, const ViewPoint *from, int side) {
     Eye eye = {.position = from->eye, .on_surface = true};
     eye.frustum_count = element_buffer_frustum(b->buffer, side, eye.frustum);
-    VisResult result = vis_query(b->query, &eye, from->cell, NULL, VIS_PLAN);
+    VisResult result = vis_query(b->query, &eye, from->cell, NULL, CULL_PLAN);
     int count = 0;
     for (int i = 0; i < result.object_count; i++) {
         const Object *object = &b->scene->graph.objects[result.objects[i]];
@@ -310,8 +310,8 @@ typedef struct RoomBench {
     int *faces;
 } RoomBench;
 
-static void doi_elements(RoomBench *b, const char *table, ElementBufferKind kind, int shots,
-                         const double *reference, double *light, Text *csv, Arena *arena) {
+static void doi_elements(RoomBench *b, const char *table, int kind, int shots, const double *reference,
+                         double *light, Text *csv, Arena *arena) {
     const Mesh *mesh = &b->room->mesh;
     Shots out = {.table = table,
                  .building = "room",
@@ -359,7 +359,7 @@ static void doi_faces(RoomBench *b, const char *table, const char *method, int r
         int patch = bench_room_brightest(&state);
         ViewPoint from = point_of(mesh, patch);
         double at = clock_thread_seconds();
-        const View *view = viewer_look(viewer, &from, CULL_NOTHING);
+        const View *view = viewer_look(viewer, &from, CULL_NONE);
         double looked = clock_thread_seconds();
         const Row *row = form_factor_row(rows, view);
         out.visibility += looked - at;
@@ -388,7 +388,7 @@ static bool bench_doi(const char *table, int elements, int per_patch, int shots,
         double *reference = ARENA_ARRAY(&arena, double, count), *light = ARENA_ARRAY(&arena, double, count);
         doi_faces(&b, table, "hemisphere", 1000, shots, NULL, reference, NULL, &arena);
         for (int kind = 0; kind < 2 && good; kind++) {
-            doi_elements(&b, table, (ElementBufferKind)kind, shots, reference, light, csv, &arena);
+            doi_elements(&b, table, kind, shots, reference, light, csv, &arena);
             if (pictures)
                 good = bench_room_picture(
                     &room, light,

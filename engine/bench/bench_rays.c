@@ -24,7 +24,7 @@ static const double SAME_HIT = 1e-3;
 
 typedef enum Kind { PICTURE, ANYWHERE, BETWEEN, KINDS } Kind;
 static const char *const KIND_NAMES[KINDS] = {"picture", "anywhere", "between"};
-typedef enum Way { OWN, GRID, EMBREE, WAYS } Way;
+typedef enum Caster { OWN, GRID, EMBREE, WAYS } Caster;
 static const char *const WAY_NAMES[WAYS] = {"own", "grid", "embree"};
 
 typedef struct TreeBench {
@@ -137,18 +137,18 @@ static void make_tree_rays(const CellGraph *g, Kind kind, Ray *rays) {
 
 // ---- rounds
 
-static double first_of(const TreeBench *b, Way way, const Ray *ray) {
+static double first_of(const TreeBench *b, Caster way, const Ray *ray) {
     if (way == EMBREE) return embree_first(b, ray);
     SurfaceHit hit = way == OWN ? surface_tree_first(&b->tree, ray) : surface_grid_first(&b->grid, ray);
     return hit.item < 0 ? INFINITY : hit.at.t;
 }
 
-static bool blocked_of(const TreeBench *b, Way way, const Ray *ray) {
+static bool blocked_of(const TreeBench *b, Caster way, const Ray *ray) {
     if (way == EMBREE) return embree_blocked(b, ray);
     return way == OWN ? surface_tree_blocked(&b->tree, ray) : surface_grid_blocked(&b->grid, ray);
 }
 
-static double round_of(const TreeBench *b, Way way, Kind kind, const Ray *rays, double *met) {
+static double round_of(const TreeBench *b, Caster way, Kind kind, const Ray *rays, double *met) {
     double start = clock_thread_seconds();
     if (kind == BETWEEN)
         for (int i = 0; i < TREE_COUNT; i++) met[i] = blocked_of(b, way, &rays[i]) ? 1 : INFINITY;
@@ -163,7 +163,7 @@ static void add_tree_rows(const TreeBench *b, const char *scene, Kind kind, cons
     for (int way = 0; way < WAYS; way++) least[way] = INFINITY;
     for (int round = 0; round < TREE_ROUNDS; round++)
         for (int way = 0; way < WAYS; way++)
-            least[way] = fmin(least[way], round_of(b, (Way)way, kind, rays, met[way]));
+            least[way] = fmin(least[way], round_of(b, (Caster)way, kind, rays, met[way]));
     for (int way = 0; way < WAYS; way++) {
         int hits = 0, differ = 0;
         for (int i = 0; i < TREE_COUNT; i++) {
@@ -316,10 +316,10 @@ typedef struct Roots {
 } Roots;
 
 static bool is_confirmed(const BezierPatch *whole, const Ray *ray, const RayHit *hit, bool *grazes) {
-    PatchPoint at = bezier_patch_point(&whole->pieces[0].net, hit->u, hit->v);
-    Vec3 p = vec3_add(at.p, whole->centre), q = vec3_add(ray->origin, vec3_scale(ray->direction, hit->t));
+    Vec3 p = bezier_patch_at(whole, hit->u, hit->v);
+    Vec3 q = vec3_add(ray->origin, vec3_scale(ray->direction, hit->t));
     *grazes = fabs(vec3_dot(hit->normal, ray->direction)) < GRAZING;
-    return vec3_length(vec3_sub(p, q)) < CONFIRMED * whole->size;
+    return vec3_length(vec3_sub(p, q)) < CONFIRMED * bezier_patch_size(whole);
 }
 
 static void add_root(Roots *roots, double t, double same) {
@@ -341,7 +341,7 @@ static void compare(Shooter *shooters, int count, const BezierPatch *whole, cons
         for (int i = 0; i < found[m]; i++) {
             bool near = false;
             if (is_confirmed(whole, ray, &hits[m][i], &near))
-                add_root(&truth, hits[m][i].t, SAME * whole->size);
+                add_root(&truth, hits[m][i].t, SAME * bezier_patch_size(whole));
             else
                 made_up[m]++;
             grazes |= near;
@@ -349,7 +349,7 @@ static void compare(Shooter *shooters, int count, const BezierPatch *whole, cons
     }
     for (int m = 0; m < count && !grazes; m++) {
         Roots own = {.count = 0};
-        for (int i = 0; i < found[m]; i++) add_root(&own, hits[m][i].t, SAME * whole->size);
+        for (int i = 0; i < found[m]; i++) add_root(&own, hits[m][i].t, SAME * bezier_patch_size(whole));
         int twice = found[m] - own.count, right = own.count - made_up[m];
         shooters[m].roots += truth.count;
         shooters[m].made_up += made_up[m] + twice;
@@ -406,9 +406,9 @@ static void bench_patch(int index, const BenchArguments *a, Text *csv) {
     shape.trim_count = 0;
     untrimmed.shapes = &shape;
     const BezierPatch *whole = bezier_patch_new(&untrimmed, &shape, true, &arena);
-    make_rays(whole->box, a->seed + 1, rays, TRUTH_RAYS);
+    make_rays(bezier_patch_box(whole), a->seed + 1, rays, TRUTH_RAYS);
     for (int i = 0; i < TRUTH_RAYS; i++) compare(shooters, count, whole, &rays[i]);
-    measure_all(shooters, count, whole->box, a->seed, csv);
+    measure_all(shooters, count, bezier_patch_box(whole), a->seed, csv);
     arena_free(&arena);
 }
 

@@ -39,7 +39,7 @@ typedef struct Pass {
 } Pass;
 
 // The same patches for all cullings, anywhere in the building.
-static Pass run_pass(const RoomsBench *b, ViewCulling culling, uint64_t seed) {
+static Pass run_pass(const RoomsBench *b, Culling culling, uint64_t seed) {
     Random random = {seed};
     Pass pass = {0};
     FormFactorWork before = form_factor_work(b->rows);
@@ -61,7 +61,7 @@ static Pass run_pass(const RoomsBench *b, ViewCulling culling, uint64_t seed) {
     return pass;
 }
 
-static void add_rooms_row(const RoomsBench *b, const char *method, ViewCulling culling, uint64_t seed,
+static void add_rooms_row(const RoomsBench *b, const char *method, Culling culling, uint64_t seed,
                           Text *csv) {
     Pass best = {.seconds = INFINITY, .shots = 1};
     double begin = clock_thread_seconds();
@@ -72,7 +72,7 @@ static void add_rooms_row(const RoomsBench *b, const char *method, ViewCulling c
     size_t before = csv->size;
     text_append(csv, "%s,%d,%d,%d,%d,%s,%s,%d,%.4f,%.4f,%.1f,%.1f\n", bench_name(b->file),
                 count_rooms(&b->scene.building), b->scene.graph.cell_count, b->mesh.face_count,
-                b->mesh.element_count, method, VIEW_CULLING_NAMES[culling], best.shots,
+                b->mesh.element_count, method, CULLING_NAMES[culling], best.shots,
                 1e3 * best.seconds / best.shots, 1e3 * best.look_seconds / best.shots,
                 (double)best.faces / best.shots, (double)best.elements / best.shots);
     fputs(csv->data + before, stdout);
@@ -92,7 +92,8 @@ static bool rooms_of_file(const char *file, const BenchArguments *a, Text *csv, 
     for (int m = 0; m < 2 && good; m++) {
         FormFactorOptions form_factor = form_factor_default_options();
         b.rows = form_factor_new(form_factor_method(METHODS[m]), &b.mesh, &form_factor, &arena);
-        for (int c = 0; c < VIEW_CULLINGS; c++) add_rooms_row(&b, METHODS[m], (ViewCulling)c, a->seed, csv);
+        for (int c = 0; c < BENCH_CULLINGS; c++)
+            add_rooms_row(&b, METHODS[m], BENCH_CULLING[c], a->seed, csv);
         form_factor_end(b.rows);
     }
     arena_free(&arena);

@@ -265,7 +265,7 @@ typedef struct MethodRun {
     double seconds;  // to stop after; 0: when done
     double cpu_seconds, wall_seconds, peak_mb;
     long long refuted;
-    PairWork work;
+    ChainWork work;
     bool stopped, has_proofs;
     uint64_t *seen, *checked;  // [cell_count * words] in shared memory, too
 } MethodRun;

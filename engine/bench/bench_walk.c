@@ -24,13 +24,13 @@ typedef struct Watch {
 } Watch;
 
 // Draws one frame; what it took and showed is added to the sums, if there are any.
-static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMethod method, Sums *sums,
+static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling culling, Sums *sums,
                  Error *error) {
     Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->size[0], a->size[1]);
     Eye eye = walk_eye(&camera);
     w->cell = vis_locate(&w->scene.graph, at->eye, w->cell);
     double start = clock_seconds();
-    VisResult v = vis_query(w->query, &eye, w->cell, NULL, method);
+    VisResult v = vis_query(w->query, &eye, w->cell, NULL, culling);
     double asked = clock_seconds();
     if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||
         !walk_renderer_finish_scene(w->renderer, error))
@@ -49,14 +49,14 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, VisMeth
 
 // Frames taken evenly over the tour, each after the one before it in the tour, as a walk shows them: what that left in the
 // caches is part of what the next one costs. The first of all, which has none before it, comes twice.
-static bool measure_method(Watch *w, const BenchArguments *a, VisMethod method, Sums *out, Error *error) {
+static bool measure_culling(Watch *w, const BenchArguments *a, Culling culling, Sums *out, Error *error) {
     *out = (Sums){0};
     int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;
     w->cell = -1;
     for (int i = 0; i < taken; i++) {
         const TourFrame *at = &w->path.frames[(long)i * count / taken];
         const TourFrame *before = at > w->path.frames ? at - 1 : at;
-        if (!draw(w, before, a, method, NULL, error) || !draw(w, at, a, method, out, error)) return false;
+        if (!draw(w, before, a, culling, NULL, error) || !draw(w, at, a, culling, out, error)) return false;
     }
     return true;
 }
@@ -75,12 +75,12 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     watch.renderer = walk_renderer_new(graph, arena, error);
     if (!watch.renderer) return false;
     bool good = true;
-    for (int m = 0; m < VIS_METHODS && good; m++) {
+    for (int m = 0; m < QUERY_CULLINGS && good; m++) {
         Sums s;
-        good = measure_method(&watch, a, (VisMethod)m, &s, error);
+        good = measure_culling(&watch, a, (Culling)m, &s, error);
         if (!good) break;
         double n = s.frames;
-        printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), VIS_METHOD_NAMES[m], s.frames,
+        printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), CULLING_NAMES[m], s.frames,
                graph->polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n, 1e3 * s.frame / n,
                s.portals / n, s.objects / n);
         fflush(stdout);
@@ -128,7 +128,7 @@ static const Option ROWS[] = {
 const Bench BENCH_WALK = {
     .name = "walk",
     .about =
-        "each culling method along the auto tour of each building: polygons drawn, cells seen, time of the "
+        "each way of culling along the auto tour of each building: polygons drawn, cells seen, time of the "
         "query and of the whole frame",
     BENCH_OPTIONS(ROWS),
     .run = measure_walk,

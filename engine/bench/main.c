@@ -85,7 +85,7 @@ static int run_bench(const Bench *bench, int argc, char **argv) {
                         .steps = 100000,
                         .seed = 1,
                         .samples = 12,
-                        .cullings = "none,depth,portals",
+                        .cullings = "none,depth,stab",
                         .resolutions = {50, 71, 100, 141, 200},
                         .resolution_count = 5,
                         .shooters = 60,

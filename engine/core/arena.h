@@ -9,7 +9,7 @@
 // Memory of an arena.
 typedef struct ArenaBlock ArenaBlock;
 
-// Start with {0}. Not shared between threads.
+// Start with {0}. One thread takes from it at a time. Whatever lies in it ends with arena_free.
 typedef struct Arena {
     ArenaBlock *head;
     size_t used;  // bytes handed out, for reports

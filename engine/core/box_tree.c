@@ -4,6 +4,12 @@
 
 #include <stdlib.h>
 
+// A node over the items order[first] .. order[first + count - 1]; depth-first, `next` is the one after its subtree.
+typedef struct BoxNode {
+    Box box;
+    int first, count, next;
+} BoxNode;
+
 enum { LEAF = 4 };  // boxes to a leaf: fewer make more nodes than they save tests
 
 typedef struct Builder {
@@ -160,7 +166,7 @@ static void swap_items(BoxItem *a, BoxItem *b) {
     *b = t;
 }
 
-int box_split(BoxItem *items, int count, BoxSplit way) {
+int box_split(BoxItem *items, int count, int way) {
     Box centres = box_empty();
     for (int i = 0; i < count; i++) centres = box_add(centres, items[i].centre);
     Bins best_bins = {0};

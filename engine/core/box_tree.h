@@ -7,17 +7,11 @@
 #include "engine/core/arena.h"
 #include "engine/core/vec.h"
 
-// A node over the items order[first] .. order[first + count - 1]; depth-first, `next` is the one after its subtree.
-typedef struct BoxNode {
-    Box box;
-    int first, count, next;
-} BoxNode;
-
 // A balanced binary tree, see box_tree_build.
 typedef struct BoxTree {
     const Box *boxes;  // [count] as given; the caller keeps them
     int *order;        // [count] their indices, leaf by leaf
-    BoxNode *nodes;
+    struct BoxNode *nodes;
     int count, node_count;
 } BoxTree;
 
@@ -45,16 +39,17 @@ typedef struct BoxItem {
 double box_half_area(Box box);  // of its surface; 0 where it is empty
 Box box_of_items(const BoxItem *items, int count);
 
-typedef enum BoxSplit {
+// Ways to part boxes.
+enum {
     BOX_SPLIT_ANY_AXIS,
     // Along the axis on which the centres lie farthest apart alone: the tree is made in three fifths of the time.
     BOX_SPLIT_LONGEST,
     // Half of them, as they come.
     BOX_SPLIT_HALVES
-} BoxSplit;
+};
 
 // Puts those first that the cheapest split parts from the others; returns how many, 1 .. count - 1 of two or more. Half, as they
 // come, where there is no telling them apart.
-int box_split(BoxItem *items, int count, BoxSplit way);
+int box_split(BoxItem *items, int count, int way);
 
 #endif

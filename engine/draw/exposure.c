@@ -19,16 +19,16 @@ typedef struct Sum {
 
 static void add_element_exposure(const LitMesh *lit, const LitLight *light, const Camera *camera, Vec3 eye,
                                  Vec3 n, int element, Sum *sum) {
-    const LitSpot *spot = &lit->spot[element];
+    const float *spot = lit->spot[element];
     double b = (double)light->luminous[element];
     if (!(b > 0)) return;
-    Vec3 way = vec3_sub(vec3((double)spot->place[0], (double)spot->place[1], (double)spot->place[2]), eye);
+    Vec3 way = vec3_sub(vec3((double)spot[0], (double)spot[1], (double)spot[2]), eye);
     double ahead = vec3_dot(way, camera->forward);
     if (ahead <= 0 || fabs(vec3_dot(way, camera->right)) > camera->tan_x * ahead ||
         fabs(vec3_dot(way, camera->up)) > camera->tan_y * ahead)
         return;
     // The angle of a disc seen from its axis, as good as exact; bounded where the eye is near.
-    double r2 = vec3_dot(way, way), area = (double)spot->area;
+    double r2 = vec3_dot(way, way), area = (double)spot[3];
     double angle = area * fabs(vec3_dot(way, n)) / (sqrt(r2) * (r2 + area));
     double weight = angle * sqrt(b);
     sum->weight += weight;

@@ -69,7 +69,7 @@ static void count_all(LitMesh *lit, Arena *arena) {
     lit->source = ARENA_ARRAY(arena, int, vertices + 1);
     lit->index = ARENA_ARRAY(arena, unsigned, indices + 1);
     lit->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
-    lit->spot = ARENA_ARRAY(arena, LitSpot, lit->mesh->element_count + 1);
+    lit->spot = arena_alloc(arena, (size_t)(lit->mesh->element_count + 1), sizeof *lit->spot);
 }
 
 static void triangulate(const LitMesh *lit, const Vec3 *v, int count, int vertex, int index) {
@@ -82,8 +82,11 @@ static void put_spot(const LitMesh *lit, int element, const Vec3 *v, int count) 
     Vec3 sum = vec3(0, 0, 0);
     for (int i = 0; i < count; i++) sum = vec3_add(sum, v[i]);
     Vec3 middle = vec3_sub(vec3_scale(sum, 1.0 / count), lit->origin);
-    lit->spot[element] = (LitSpot){{(float)middle.x, (float)middle.y, (float)middle.z},
-                                   (float)lit->mesh->elements[element].area};
+    float *spot = lit->spot[element];
+    spot[0] = (float)middle.x;
+    spot[1] = (float)middle.y;
+    spot[2] = (float)middle.z;
+    spot[3] = (float)lit->mesh->elements[element].area;
 }
 
 // `whole`: the polygon is drawn as one.

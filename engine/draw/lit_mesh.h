@@ -11,11 +11,6 @@ typedef struct LitVertex {
     int32_t material, emits;  // in Building; 0 or 1
 } LitVertex;
 
-// An element as the eye's exposure takes it.
-typedef struct LitSpot {
-    float place[3], area;  // its middle; m^2
-} LitSpot;
-
 // The graph's polygons in their order; of leaves, which move, polygons whole. What the mesh lacks (glass) has no vertices.
 typedef struct LitMesh {
     const Mesh *mesh;
@@ -24,8 +19,8 @@ typedef struct LitMesh {
     LitVertex *vertex;                // leaves as when closed
     int *source;                      // [vertex_count] in Mesh.corners; of leaves the face, as -1 - face
     unsigned *index;
-    Plane *plane;   // [polygon_count]
-    LitSpot *spot;  // [element_count]
+    Plane *plane;      // [polygon_count]
+    float (*spot)[4];  // [element_count] as the eye's exposure takes it: the middle; the area, m^2
 } LitMesh;
 
 // A state of the light.

@@ -288,7 +288,7 @@ static int mesh_polygon(WalkMesh *mesh, int polygon, int at) {
     return at + count;
 }
 
-static int add_object(WalkMesh *mesh, int object, WalkPart part, Vec3 eye, int at) {
+static int add_object(WalkMesh *mesh, int object, int part, Vec3 eye, int at) {
     const Object *o = &mesh->graph->objects[object];
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
@@ -299,7 +299,7 @@ static int add_object(WalkMesh *mesh, int object, WalkPart part, Vec3 eye, int a
     return at;
 }
 
-static int list_part(WalkMesh *mesh, WalkPart part, Vec3 eye, const int *objects, int count, int at) {
+static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int count, int at) {
     int chosen = 0;
     for (int i = 0; i < count; i++) {
         int o = objects[i];
@@ -319,7 +319,7 @@ static int list_part(WalkMesh *mesh, WalkPart part, Vec3 eye, const int *objects
 void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count) {
     int at = 0;
     for (int part = 0; part < WALK_PARTS; part++)
-        at = mesh->end[part] = list_part(mesh, (WalkPart)part, eye, objects, count, at);
+        at = mesh->end[part] = list_part(mesh, part, eye, objects, count, at);
     glBindVertexArray(mesh->array);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)at * sizeof *mesh->list), mesh->list,
@@ -334,7 +334,7 @@ void walk_mesh_bind(const WalkMesh *mesh) {
     glBindTexture(GL_TEXTURE_2D, mesh->atlas_texture);
 }
 
-void walk_mesh_draw(const WalkMesh *mesh, WalkPart part) {
+void walk_mesh_draw(const WalkMesh *mesh, int part) {
     int first = part > 0 ? mesh->end[part - 1] : 0, count = mesh->end[part] - first;
     if (count == 0) return;
     glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *mesh->list));

@@ -19,17 +19,17 @@ Vec3 walk_mesh_origin(const WalkMesh *mesh);
 // what has moved since the last time; nothing else costs.
 void walk_mesh_pose(WalkMesh *mesh, const float *door_open);
 
-typedef enum WalkPart {
+enum {
     WALK_THINGS,    // polygons of the building, nearest object first
     WALK_SURFACES,  // of cells, nearest first, without those that face away
     WALK_PANES,     // glass, farthest object first
     WALK_PARTS
-} WalkPart;
+};
 
 // Makes the draw list of these objects for an eye. Then each part can be drawn any number of times.
 void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_count);
 void walk_mesh_bind(const WalkMesh *mesh);  // its vertices and textures
-void walk_mesh_draw(const WalkMesh *mesh, WalkPart part);
+void walk_mesh_draw(const WalkMesh *mesh, int part);
 // The edges of these objects' polygons, as lines; leaves the draw list alone.
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count);
 

@@ -4,14 +4,236 @@
 #include "engine/draw/walk_renderer.h"
 
 #include <glad/gl.h>
+#include <math.h>
+#include <stdbool.h>
 
-#include "engine/draw/lit_look.h"
+#include "engine/core/error.h"
+#include "engine/core/vec.h"
+#include "engine/draw/false_colour.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shaders.h"
-#include "engine/draw/walk_targets.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
+
+typedef struct LitLook {
+    unsigned lit, numbers;  // programs
+    unsigned scale;         // of false colours, a texture
+} LitLook;
+
+// The light to be seen.
+typedef struct LitTone {
+    double exposure;       // radiosities are multiplied by it, m^2/W
+    FalseColour quantity;  // instead, if it is one
+} LitTone;
+
+// Each look draws to its own, made when first asked for in a size.
+typedef enum WalkTarget {
+    WALK_TARGET_FINAL,      // colour alone: what is shown and read
+    WALK_TARGET_FAST,       // the same colour, with depth
+    WALK_TARGET_FINE,       // colour and depth, several samples a pixel
+    WALK_TARGET_DEPTH,      // depth alone, a texture
+    WALK_TARGET_OCCLUSION,  // open share and distance, a texture, coarser
+    WALK_TARGET_BLUR,       // the open share smoothed, a texture, as coarse
+    WALK_TARGETS
+} WalkTarget;
+
+typedef struct WalkTargets {
+    unsigned frame[WALK_TARGETS];    // framebuffer objects, 0: not made
+    unsigned texture[WALK_TARGETS];  // of those with one
+    unsigned fast_depth, fine_colour, fine_depth;
+    int width, height;
+} WalkTargets;
+
+// ---- programs, their uniforms, and the scale of false colours as a texture.
+
+static unsigned make_scale(void) {
+    enum { COLOURS = 256 };
+    uint8_t texels[COLOURS][4];
+    unsigned texture;
+    for (int i = 0; i < COLOURS; i++) {
+        Rgb c = false_colour_at((i + 0.5) / COLOURS);
+        texels[i][0] = (uint8_t)lrintf(255 * c.r);
+        texels[i][1] = (uint8_t)lrintf(255 * c.g);
+        texels[i][2] = (uint8_t)lrintf(255 * c.b);
+        texels[i][3] = 255;
+    }
+    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
+    glGenTextures(1, &texture);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOURS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return texture;
+}
+
+static bool lit_look_new(LitLook *out, Error *error) {
+    *out = (LitLook){.lit = gl_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, error)};
+    if (out->lit) out->numbers = gl_program(WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT, error);
+    if (!out->numbers) return false;
+    glUseProgram(out->numbers);
+    glUniform1i(glGetUniformLocation(out->numbers, "materials"), WALK_UNIT_LAMPS);
+    glUniform1i(glGetUniformLocation(out->numbers, "scale"), WALK_UNIT_FREE);
+    out->scale = make_scale();
+    return true;
+}
+
+static void lit_look_free(LitLook *look) {
+    glDeleteProgram(look->lit);
+    glDeleteProgram(look->numbers);
+    glDeleteTextures(1, &look->scale);
+}
+
+static void set_number(unsigned program, const char *name, double x) {
+    glUniform1f(glGetUniformLocation(program, name), (float)x);
+}
+
+static void set_named_vector(unsigned program, const char *name, double x, double y, double z) {
+    glUniform3f(glGetUniformLocation(program, name), (float)x, (float)y, (float)z);
+}
+
+// Everything drawn from here on is shaded so. `clip` [16] by columns; `eye` relative to the mesh's origin; `fade` as of
+// walk_lit.h; `range` of the quantity.
+static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange range, const float *clip,
+                         Vec3 eye, double fade) {
+    bool numbers = tone->quantity != FALSE_COLOUR_OFF;
+    unsigned program = numbers ? look->numbers : look->lit;
+    glUseProgram(program);
+    glUniformMatrix4fv(glGetUniformLocation(program, "clip"), 1, GL_FALSE, clip);
+    set_named_vector(program, "eye", eye.x, eye.y, eye.z);
+    set_number(program, "fade", fade);
+    if (!numbers) {
+        set_number(program, "exposure", tone->exposure);
+        return;
+    }
+    double weights[3];
+    false_colour_weights(tone->quantity, weights);
+    set_named_vector(program, "weights", weights[0], weights[1], weights[2]);
+    glUniform1i(glGetUniformLocation(program, "arriving"), tone->quantity != FALSE_COLOUR_RADIOSITY);
+    set_number(program, "low", range.low);
+    set_number(program, "octaves", log2(range.high / range.low));
+    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
+    glBindTexture(GL_TEXTURE_2D, look->scale);
+}
+
+// ---- framebuffer objects by need: a window in the fast look never pays for the fine one's samples.
+
+#define FINE_SAMPLES 4
+// Ambient occlusion is smooth: it is computed for each second pixel each way.
+#define COARSE 2
+
+static int coarse(int pixels) { return (pixels + COARSE - 1) / COARSE; }
+
+static void walk_targets_free(WalkTargets *t) {
+    unsigned buffers[] = {t->fast_depth, t->fine_colour, t->fine_depth};
+    glDeleteFramebuffers(WALK_TARGETS, t->frame);
+    glDeleteTextures(WALK_TARGETS, t->texture);
+    glDeleteRenderbuffers(3, buffers);
+    *t = (WalkTargets){0};
+}
+
+// Starts anew when the size is another one.
+static bool walk_targets_resize(WalkTargets *t, int width, int height, Error *error) {
+    if (t->width == width && t->height == height) return true;
+    walk_targets_free(t);
+    int most = 0;
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
+    if (width < 1 || height < 1 || width > most || height > most)
+        return error_set(error, "OpenGL: an image of %d x %d pixels (1 to %d each)", width, height, most);
+    t->width = width;
+    t->height = height;
+    return true;
+}
+
+typedef struct TextureKind {
+    int internal;
+    unsigned format, type, attachment;
+    int filter;
+    bool coarse;
+} TextureKind;
+
+static const TextureKind TEXTURES[WALK_TARGETS] = {
+    // Asked for in a software window's own order of bytes: showing it is then a plain copy there, a sixth of the time.
+    // A sized format would be laid out in the order of its name.
+    [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
+                           false},
+    [WALK_TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT,
+                           GL_NEAREST, false},
+    [WALK_TARGET_OCCLUSION] = {GL_RG32F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_NEAREST, true},
+    [WALK_TARGET_BLUR] = {GL_R32F, GL_RED, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_LINEAR, true},
+};
+
+static void make_texture(WalkTargets *t, WalkTarget which) {
+    const TextureKind *kind = &TEXTURES[which];
+    glGenTextures(1, &t->texture[which]);
+    glBindTexture(GL_TEXTURE_2D, t->texture[which]);
+    glTexImage2D(GL_TEXTURE_2D, 0, kind->internal, kind->coarse ? coarse(t->width) : t->width,
+                 kind->coarse ? coarse(t->height) : t->height, 0, kind->format, kind->type, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, kind->filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, kind->filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+static void attach_buffer(unsigned *buffer, unsigned attachment, unsigned format, int samples,
+                          const WalkTargets *t) {
+    glGenRenderbuffers(1, buffer);
+    glBindRenderbuffer(GL_RENDERBUFFER, *buffer);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, t->width, t->height);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, *buffer);
+}
+
+static void attach_texture(const WalkTargets *t, WalkTarget which) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, TEXTURES[which].attachment, GL_TEXTURE_2D, t->texture[which], 0);
+}
+
+static void attach(WalkTargets *t, WalkTarget which) {
+    int samples = 0;
+    switch (which) {
+    case WALK_TARGET_FAST:
+        attach_texture(t, WALK_TARGET_FINAL);
+        attach_buffer(&t->fast_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, 0, t);
+        break;
+    case WALK_TARGET_FINE:
+        glGetIntegerv(GL_MAX_SAMPLES, &samples);
+        if (samples > FINE_SAMPLES) samples = FINE_SAMPLES;
+        attach_buffer(&t->fine_colour, GL_COLOR_ATTACHMENT0, GL_RGBA8, samples, t);
+        attach_buffer(&t->fine_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples, t);
+        break;
+    default:
+        attach_texture(t, which);
+    }
+    if (which == WALK_TARGET_DEPTH) {
+        glDrawBuffer(GL_NONE);
+        glReadBuffer(GL_NONE);
+    }
+}
+
+static bool make(WalkTargets *t, WalkTarget which, Error *error) {
+    if (which == WALK_TARGET_FAST && !t->frame[WALK_TARGET_FINAL] && !make(t, WALK_TARGET_FINAL, error))
+        return false;
+    if (which != WALK_TARGET_FAST && which != WALK_TARGET_FINE) make_texture(t, which);
+    glGenFramebuffers(1, &t->frame[which]);
+    glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
+    attach(t, which);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+        return gl_check("making a frame", error);
+    error_set(error, "OpenGL: no frame of %d x %d pixels", t->width, t->height);
+    // Not to be taken for made the next time.
+    walk_targets_free(t);
+    return false;
+}
+
+// Binds a frame for drawing, with its viewport; makes it first where that is still to do.
+static bool walk_targets_bind(WalkTargets *t, WalkTarget which, Error *error) {
+    if (!t->frame[which] && !make(t, which, error)) return false;
+    bool is_coarse = TEXTURES[which].coarse;
+    glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
+    glViewport(0, 0, is_coarse ? coarse(t->width) : t->width, is_coarse ? coarse(t->height) : t->height);
+    return true;
+}
 
 // Nearer than this nothing is drawn, metres: less than a head's distance from any wall; depth, a float of 1 - near/z,
 // is then good to a fifth of a millimetre at 10 m.

@@ -125,16 +125,16 @@ static bool portal_shows(const CellGraph *graph, int portal, double z) {
     return figure_portal(graph, portal, z, ends);
 }
 
-// Which contact of the cell is the portal?
-static int contact_of(const CellGraph *graph, int cell, int portal) {
+// Which way of the cell is the portal?
+static int way_of(const CellGraph *graph, int cell, int portal) {
     const Cell *c = &graph->cells[cell];
-    for (int i = 0; i < c->contact_count; i++) {
-        if (graph->contacts[c->first_contact + i].portal == portal) return i;
+    for (int i = 0; i < c->way_count; i++) {
+        if (graph->ways[c->first_way + i].portal == portal) return i;
     }
     return 0;
 }
 
-// The steps of the tree, each once: those from a cell's contact i to its contact j are at first[cell] + i * contacts
+// The steps of the tree, each once: those from a cell's way i to its way j are at first[cell] + i * ways
 // + j, and last come the ways out of the root.
 static TreeStep *tree_steps(const PlanDrawing *d, int *count) {
     const CellGraph *graph = d->view->graph;
@@ -143,18 +143,17 @@ static TreeStep *tree_steps(const PlanDrawing *d, int *count) {
     int *first = ARENA_ARRAY(d->scratch, int, graph->cell_count + 1);
     int *depth = ARENA_ARRAY(d->scratch, int, end - root);
     for (int c = 0; c < graph->cell_count; c++) {
-        first[c + 1] = first[c] + graph->cells[c].contact_count * graph->cells[c].contact_count;
+        first[c + 1] = first[c] + graph->cells[c].way_count * graph->cells[c].way_count;
     }
-    *count = first[graph->cell_count] + graph->cells[d->view->cell].contact_count;
+    *count = first[graph->cell_count] + graph->cells[d->view->cell].way_count;
     TreeStep *steps = ARENA_ARRAY(d->scratch, TreeStep, *count + 1);
     for (int n = root + 1; n < end; n++) {
         const StabNode *node = &forest->nodes[n], *parent = &forest->nodes[node->parent];
         depth[n - root] = depth[node->parent - root] + 1;
-        int out = contact_of(graph, parent->cell, node->portal),
-            contacts = graph->cells[parent->cell].contact_count;
+        int out = way_of(graph, parent->cell, node->portal), ways = graph->cells[parent->cell].way_count;
         int at = node->parent == root
                      ? first[graph->cell_count] + out
-                     : first[parent->cell] + contact_of(graph, parent->cell, parent->portal) * contacts + out;
+                     : first[parent->cell] + way_of(graph, parent->cell, parent->portal) * ways + out;
         if (steps[at].depth && steps[at].depth <= depth[n - root]) continue;
         steps[at] = (TreeStep){parent->portal, node->portal, depth[n - root]};
     }

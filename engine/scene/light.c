@@ -121,12 +121,12 @@ LightBaker light_baker(LoadedScene *scene, Arena *arena) {
 // ---- loading a building to walk through
 
 bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
-    WalkLoad *load = context;
+    SceneOptions *load = context;
     LoadedScene *scene = ARENA_ARRAY(arena, LoadedScene, 1);
-    if (!scene_load(path, &load->scene, arena, scene, error) || !scene_has_walls(scene, error)) return false;
+    if (!scene_load(path, load, arena, scene, error) || !scene_has_walls(scene, error)) return false;
     *out = (WalkScene){.scene = scene, .graph = &scene->graph, .forest = &scene->forest};
-    if (!light_find(scene, load->scene.light != NULL, arena, &out->light, error)) return false;
-    if (!out->light && load->bakes) out->baker = light_baker(scene, arena);
-    load->scene.gentle = true;
+    if (!light_find(scene, load->light != NULL, arena, &out->light, error)) return false;
+    if (!out->light && load->lamps == SCENE_LAMPS_ALL) out->baker = light_baker(scene, arena);
+    load->gentle = true;
     return true;
 }

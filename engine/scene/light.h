@@ -55,14 +55,8 @@ typedef struct WalkScene {
     LightBaker baker;
 } WalkScene;
 
-// How a building is loaded to walk through: stab trees, light, or a baker for it.
-typedef struct WalkLoad {
-    SceneOptions scene;
-    // Light is baked where there is none.
-    bool bakes;
-} WalkLoad;
-
-// `context` is a WalkLoad. After the first building its memory is asked for gently, for there is one to go on with.
+// Loads a building to walk through: stab trees, light, or a baker for it, where there is no light and all lamps were asked for
+// (SCENE_LAMPS_ALL). `context` is a SceneOptions. After the first building its memory is asked for gently, for there is one to go on with.
 bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
 
 #endif

@@ -5,14 +5,6 @@
 
 #include "visibility/vis.h"
 
-// Which lights get faces that emit (lamp_faces.h).
-typedef enum SceneLamps {
-    SCENE_LAMPS_NONE,
-    SCENE_LAMPS_ALL,
-    // All where the building has stored light, else none.
-    SCENE_LAMPS_IF_LIT,
-} SceneLamps;
-
 // How a building is loaded. Strings and arrays last as long as the scene.
 typedef struct SceneOptions {
     VisOptions vis;
@@ -20,7 +12,13 @@ typedef struct SceneOptions {
     bool fresh;
     // Store the stab trees in the cache.
     bool keep;
-    SceneLamps lamps;
+    // Which lights get faces that emit (lamp_faces.h).
+    enum {
+        SCENE_LAMPS_NONE,
+        SCENE_LAMPS_ALL,
+        // All where the building has stored light, else none.
+        SCENE_LAMPS_IF_LIT,
+    } lamps;
     // One of a file that holds several maps; NULL: the first.
     const char *map;
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.

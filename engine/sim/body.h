@@ -25,6 +25,7 @@
 // How much nearer than its radius rounding may bring it, metres.
 #define BODY_TOLERANCE 1e-6
 
+// A person as a capsule of plan radius BODY_RADIUS. A plain value: one thread moves it, copies are bodies of their own.
 typedef struct Body {
     Vec3 foot;      // where the axis meets what it stands on
     double height;  // from there up, as low as it ducks here
@@ -35,6 +36,7 @@ typedef struct Body {
 } Body;
 
 // The corners of the way of a foot, for those who check it.
+// The caller owns the points.
 typedef struct BodyTrace {
     Vec3 *points;  // [capacity]
     int count, capacity;
@@ -42,6 +44,8 @@ typedef struct BodyTrace {
 } BodyTrace;
 
 // The solids and doors among which bodies walk, and counts of the work.
+// One thread's at a time, for any number of bodies. It lives in the arena of body_world; the graph, `door_open` and `trace` are the
+// caller's and outlive it.
 typedef struct BodyWorld {
     const CellGraph *graph;
     Obstacles *obstacles;

@@ -172,7 +172,7 @@ static bool part_step(const Doors *d, int opening, int part, float share, PartSt
     return door_part(b, opening, part, (double)share, &out->to);
 }
 
-static DoorHalt halted(const Doors *d, int opening, float share, const Body *body) {
+static int halted(const Doors *d, int opening, float share, const Body *body) {
     for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
         PartStep s;
         if (!part_step(d, opening, i, share, &s)) continue;

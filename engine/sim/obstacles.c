@@ -16,7 +16,7 @@ static const double SQUARE = 0.25;
 enum { ENTRIES_PER_POLYGON = 32, LEAST_ENTRIES = 1 << 16, MOST_SQUARES = 1024 };  // along a side
 // The upright share of a normal below which nobody stands on a polygon: slopes of more than 45 degrees, and walls.
 static const double STEEP = 0.7;
-// A way that comes this near a portal touches it, metres: far above rounding at the edge of the allowed world (1e-8),
+// A path that comes this near a portal touches it, metres: far above rounding at the edge of the allowed world (1e-8),
 // far below the grid of the plan.
 static const double TOUCH = 1e-6;
 
@@ -163,7 +163,7 @@ static void build_boxes(Obstacles *o, Arena *arena) {
     }
 }
 
-// Nobody enters windows, and doors without leaves bar the contact of their halves.
+// Nobody enters windows, and doors without leaves bar the way of their halves.
 static void mark_openings(Obstacles *o, Arena *arena) {
     const CellGraph *graph = o->graph;
     const Building *b = graph->building;
@@ -216,16 +216,16 @@ Obstacles *obstacles_new(const CellGraph *graph, Arena *arena) {
 
 // ---- which cells
 
-// A way in plan, and how near it something must come, metres; `box` holds all of that.
-typedef struct Way {
+// A path in plan, and how near it something must come, metres; `box` holds all of that.
+typedef struct Path {
     Vec2 from, to;
     double reach;
     Box box;
-} Way;
+} Path;
 
-static Way make_way(Vec3 from, Vec3 to, double reach) {
+static Path make_path(Vec3 from, Vec3 to, double reach) {
     Box box = box_grow(box_add(box_add(box_empty(), from), to), reach);
-    return (Way){vec2(from.x, from.y), vec2(to.x, to.y), reach, box};
+    return (Path){vec2(from.x, from.y), vec2(to.x, to.y), reach, box};
 }
 
 static double point_to_edge(Vec2 p, Vec2 a, Vec2 b) {
@@ -244,19 +244,19 @@ static double edge_to_edge(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
                 fmin(point_to_edge(c, a, b), point_to_edge(d, a, b)));
 }
 
-static bool touches(const Obstacles *o, int portal, const Way *way) {
+static bool touches(const Obstacles *o, int portal, const Path *path) {
     const Portal *p = &o->graph->portals[portal];
-    if (!box_overlap(o->portal_box[portal], way->box)) return false;
-    if (!p->horizontal) return edge_to_edge(way->from, way->to, p->left, p->right) <= way->reach;
+    if (!box_overlap(o->portal_box[portal], path->box)) return false;
+    if (!p->horizontal) return edge_to_edge(path->from, path->to, p->left, p->right) <= path->reach;
     // In plan, outside one edge by more than the reach is away from it all.
     const Vec3 *v = o->graph->portal_vertices + p->first_vertex;
     double turn = p->plane.n.z > 0 ? 1 : -1;  // counter-clockwise from above, or from below
     for (int i = 0; i < p->vertex_count; i++) {
         Vec3 a = v[i], b = v[(i + 1) % p->vertex_count];
         Vec2 edge = vec2(b.x - a.x, b.y - a.y), at = vec2(a.x, a.y);
-        double out = fmax(turn * vec2_cross(edge, vec2_sub(way->from, at)),
-                          turn * vec2_cross(edge, vec2_sub(way->to, at)));
-        if (out < -way->reach * vec2_length(edge)) return false;
+        double out = fmax(turn * vec2_cross(edge, vec2_sub(path->from, at)),
+                          turn * vec2_cross(edge, vec2_sub(path->to, at)));
+        if (out < -path->reach * vec2_length(edge)) return false;
     }
     return true;
 }
@@ -314,26 +314,26 @@ static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *
 }
 
 // Its surfaces, and its portals that nobody passes; the others lead on.
-static void add_cell(Obstacles *o, int cell, const float *door_open, const Way *way) {
+static void add_cell(Obstacles *o, int cell, const float *door_open, const Path *path) {
     const CellGraph *graph = o->graph;
     for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
         const Object *object = &graph->objects[i];
         o->wall_tests += object->polygon_count;
         for (int p = 0; p < object->polygon_count; p++)
-            add_obstacle_polygon(o, object->first_polygon + p, &way->box);
+            add_obstacle_polygon(o, object->first_polygon + p, &path->box);
     }
-    for (int i = 0; i < graph->cells[cell].contact_count; i++) {
-        Contact contact = graph->contacts[graph->cells[cell].first_contact + i];
-        if (!touches(o, contact.portal, way)) continue;
-        const Portal *p = &graph->portals[contact.portal];
-        int door = o->bare_door[contact.portal];
+    for (int i = 0; i < graph->cells[cell].way_count; i++) {
+        Way way = graph->ways[graph->cells[cell].first_way + i];
+        if (!touches(o, way.portal, path)) continue;
+        const Portal *p = &graph->portals[way.portal];
+        int door = o->bare_door[way.portal];
         bool closed = door >= 0 && door_open && door_open[door] == 0;
         // A closed door is met from either side: once is enough.
-        if (o->shut[contact.cell] || (closed && o->cell_seen[contact.cell] != o->serial)) {
+        if (o->shut[way.cell] || (closed && o->cell_seen[way.cell] != o->serial)) {
             add_barrier(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
-                        o->portal_box[contact.portal]);
+                        o->portal_box[way.portal]);
         }
-        if (!o->shut[contact.cell]) reach_cell(o, contact.cell);
+        if (!o->shut[way.cell]) reach_cell(o, way.cell);
     }
 }
 
@@ -357,16 +357,16 @@ static void add_items(Obstacles *o, const float *door_open, const Box *near) {
 
 Gathered obstacles_gather(Obstacles *o, const float *door_open, int cell, Vec2 at, double radius,
                           Band heights) {
-    Way way = {at,
-               at,
-               radius,
-               {{at.x - radius, at.y - radius, heights.z0}, {at.x + radius, at.y + radius, heights.z1}}};
+    Path path = {at,
+                 at,
+                 radius,
+                 {{at.x - radius, at.y - radius, heights.z0}, {at.x + radius, at.y + radius, heights.z1}}};
     begin_cell(o, cell);
-    for (int i = 0; i < o->cell_count; i++) add_cell(o, o->cells[i], door_open, &way);
-    add_items(o, door_open, &way.box);
+    for (int i = 0; i < o->cell_count; i++) add_cell(o, o->cells[i], door_open, &path);
+    add_items(o, door_open, &path.box);
     for (int i = 0; i < 4; i++) {
         Box box = box_of_vertices(o->border[i], 4);
-        if (box_overlap(box, way.box)) add_barrier(o, o->border[i], 4, box);
+        if (box_overlap(box, path.box)) add_barrier(o, o->border[i], 4, box);
     }
     return (Gathered){o->solids, o->solid_count, o->wall_tests, o->object_tests};
 }
@@ -375,13 +375,13 @@ int obstacles_cross(Obstacles *o, int cell, Vec3 from, Vec3 to) {
     int end = vis_locate(o->graph, to, cell);
     if (end < 0 || end == cell) return end;
     if (o->shut[end]) return -1;
-    Way way = make_way(from, to, TOUCH);
+    Path path = make_path(from, to, TOUCH);
     begin_cell(o, cell);
     for (int i = 0; i < o->cell_count; i++) {
         const Cell *c = &o->graph->cells[o->cells[i]];
-        for (int k = 0; k < c->contact_count; k++) {
-            Contact contact = o->graph->contacts[c->first_contact + k];
-            if (!o->shut[contact.cell] && touches(o, contact.portal, &way)) reach_cell(o, contact.cell);
+        for (int k = 0; k < c->way_count; k++) {
+            Way way = o->graph->ways[c->first_way + k];
+            if (!o->shut[way.cell] && touches(o, way.portal, &path)) reach_cell(o, way.cell);
         }
         if (o->cell_seen[end] == o->serial) return end;
     }

@@ -7,9 +7,11 @@
 #include "visibility/vis.h"
 
 // Sized once for a graph: nothing is allocated afterwards, and no list can be full.
+// One thread's at a time; it lives in the arena of obstacles_new, and the graph outlives it.
 typedef struct Obstacles Obstacles;
 Obstacles *obstacles_new(const CellGraph *graph, Arena *arena);
 
+// The solids about a body. They lie in the Obstacles that were asked.
 typedef struct Gathered {
     const Solid *solids;  // [solid_count] until the next call
     int solid_count;

@@ -52,8 +52,11 @@ Recording *recording_new(const Building *building, Arena *arena) {
 }
 
 static void add_door(Recording *r, int opening, float open) {
-    *ARENA_PUSH(r->arena, r->doors, r->door_count, r->door_capacity) =
-        (RecordedDoor){r->frame_count, opening, open};
+    int at = r->door_count;
+    (void)ARENA_PUSH(r->arena, r->doors, r->door_count, r->door_capacity);
+    r->doors[at].frame = r->frame_count;
+    r->doors[at].opening = opening;
+    r->doors[at].open = open;
     r->door_open[opening] = open;
 }
 

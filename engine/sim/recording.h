@@ -15,19 +15,17 @@
 // Frames of one path at most: four hours, up to 90 MB in memory.
 #define RECORDING_LONGEST (4 * 3600 * RECORDING_TICKS)
 
-// A door that stands otherwise from `frame` on.
-typedef struct RecordedDoor {
-    int frame, opening;
-    float open;  // see Leaf
-} RecordedDoor;
-
 typedef struct Recording {
     Arena *arena;
     const char *building;  // the name of its file, without folders
     uint64_t hash;         // of that file
     TourFrame *frames;
-    RecordedDoor *doors;  // in order of their frames
-    float *door_open;     // [opening_count] in the last frame
+    // Doors that stand otherwise from `frame` on, in order of their frames.
+    struct {
+        int frame, opening;
+        float open;  // see Leaf
+    } * doors;
+    float *door_open;  // [opening_count] in the last frame
     int opening_count, frame_count, door_count, frame_capacity, door_capacity;
 } Recording;
 

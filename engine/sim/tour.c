@@ -1,5 +1,5 @@
 // tour.c - a tour of every cell that a person can reach. From where it stands it goes to the nearest place not yet
-// seen, by Dijkstra's shortest way through the portals that a person passes; cells it crosses on the way are seen.
+// seen, by Dijkstra's shortest path through the portals that a person passes; cells it crosses on the path are seen.
 // Cells are convex, so straight lines between the crossings stay in free space (not clear of furniture).
 #include "engine/sim/tour.h"
 
@@ -37,9 +37,9 @@ typedef struct Guide {
     int *room;                // [room_count] one for all the regions that a reader cut a room into (room_of)
     unsigned char *looked;    // by room, a turn was made there
     int *largest;             // by room, its largest cell, where the turn is made
-    int *from;                // [cell_count] the contact by which the shortest way enters, -1
+    int *from;                // [cell_count] the way by which the shortest path enters, -1
     double *cost;             // [cell_count]
-    Vec3 *at;                 // [cell_count] where the shortest way stands in the cell
+    Vec3 *at;                 // [cell_count] where the shortest path stands in the cell
     int *heap, *heap_slot;    // [cell_count]
     int heap_count;
     Vec3 eye;
@@ -144,7 +144,7 @@ static Vec3 centre_of_cell(const Guide *g, int cell) {
     return vec3(centre.x, centre.y, z);
 }
 
-// Where the way from `here` towards `there` crosses the portal: as straight as a person's breadth allows.
+// Where the path from `here` towards `there` crosses the portal: as straight as a person's breadth allows.
 static Vec3 portal_crossing(const Guide *g, const Portal *portal, Vec3 here, Vec3 there) {
     Box box = portal_box(g->graph, portal);
     if (portal->horizontal) {
@@ -154,10 +154,10 @@ static Vec3 portal_crossing(const Guide *g, const Portal *portal, Vec3 here, Vec
         }
         return vec3_scale(middle, 1.0 / portal->vertex_count);
     }
-    Vec2 along = vec2_sub(portal->right, portal->left), way = vec2(there.x - here.x, there.y - here.y);
-    double length = vec2_length(along), across = vec2_cross(along, way);
+    Vec2 along = vec2_sub(portal->right, portal->left), path = vec2(there.x - here.x, there.y - here.y);
+    double length = vec2_length(along), across = vec2_cross(along, path);
     double margin = fmin(TOUR_SHOULDER / length, 0.45), t = 0.5;
-    if (across != 0) t = vec2_cross(vec2_sub(vec2(here.x, here.y), portal->left), way) / across;
+    if (across != 0) t = vec2_cross(vec2_sub(vec2(here.x, here.y), portal->left), path) / across;
     t = fmin(fmax(t, margin), 1 - margin);
     Vec2 p = vec2_add(portal->left, vec2_scale(along, t));
     double floor = (g->graph->cells[portal->cell[0]].z0 + g->graph->cells[portal->cell[1]].z0) / 2;
@@ -187,9 +187,9 @@ static void turn_by(Guide *g, double angle) {
 }
 
 static void go_to(Guide *g, Vec3 place) {
-    Vec3 way = vec3_sub(place, g->eye), start = g->eye;
-    double length = vec3_length(way);
-    if (hypot(way.x, way.y) > TOUR_STILL) turn_by(g, wrap(atan2(way.y, way.x) - g->yaw));
+    Vec3 path = vec3_sub(place, g->eye), start = g->eye;
+    double length = vec3_length(path);
+    if (hypot(path.x, path.y) > TOUR_STILL) turn_by(g, wrap(atan2(path.y, path.x) - g->yaw));
     int steps = (int)ceil(length / g->options->step - 1e-9);
     for (int i = 1; i <= steps; i++) {
         g->eye = i == steps ? place : vec3_lerp(start, place, (double)i / steps);
@@ -228,10 +228,10 @@ static int take_cheapest(Guide *g) {
 
 static bool is_outer_step(const Guide *g, int cell, const Portal **door) {
     const Cell *c = &g->graph->cells[cell];
-    for (int i = 0; i < c->contact_count; i++) {
-        const Contact *contact = &g->graph->contacts[c->first_contact + i];
-        const Portal *portal = &g->graph->portals[contact->portal];
-        if (kind_of(g->graph, contact->cell) == REGION_OPENING && g->passable[contact->portal]) {
+    for (int i = 0; i < c->way_count; i++) {
+        const Way *way = &g->graph->ways[c->first_way + i];
+        const Portal *portal = &g->graph->portals[way->portal];
+        if (kind_of(g->graph, way->cell) == REGION_OPENING && g->passable[way->portal]) {
             *door = portal;
             return true;
         }
@@ -261,15 +261,15 @@ static int find_target(Guide *g) {
         int cell = take_cheapest(g);
         if (is_target(g, cell)) return cell;
         const Cell *c = &graph->cells[cell];
-        for (int i = 0; i < c->contact_count; i++) {
-            int contact = c->first_contact + i, next = graph->contacts[contact].cell;
-            const Portal *portal = &graph->portals[graph->contacts[contact].portal];
-            if (!g->path->reachable[next] || !g->passable[graph->contacts[contact].portal]) continue;
+        for (int i = 0; i < c->way_count; i++) {
+            int way = c->first_way + i, next = graph->ways[way].cell;
+            const Portal *portal = &graph->portals[graph->ways[way].portal];
+            if (!g->path->reachable[next] || !g->passable[graph->ways[way].portal]) continue;
             Vec3 at = portal_crossing(g, portal, g->at[cell], centre_of_cell(g, next));
             double cost = g->cost[cell] + vec3_length(vec3_sub(at, g->at[cell]));
             if (cost >= g->cost[next]) continue;
             g->cost[next] = cost;
-            g->from[next] = contact;
+            g->from[next] = way;
             g->at[next] = at;
             reach_cell(g, next);
         }
@@ -298,17 +298,17 @@ static void look_back(Guide *g, const Portal *door) {
 }
 
 static void walk_to(Guide *g, int target) {
-    int *way = ARENA_ARRAY(g->arena, int, g->graph->cell_count + 1), count = 0;
+    int *path = ARENA_ARRAY(g->arena, int, g->graph->cell_count + 1), count = 0;
     for (int c = target; g->from[c] >= 0;) {
-        way[count++] = g->from[c];
-        const Portal *portal = &g->graph->portals[g->graph->contacts[g->from[c]].portal];
+        path[count++] = g->from[c];
+        const Portal *portal = &g->graph->portals[g->graph->ways[g->from[c]].portal];
         c = portal->cell[0] == c ? portal->cell[1] : portal->cell[0];
     }
     for (int i = count - 1; i >= 0; i--) {
-        const Contact *contact = &g->graph->contacts[way[i]];
-        Vec3 there = i > 0 ? g->at[g->graph->contacts[way[i - 1]].cell] : centre_of_cell(g, target);
-        go_to(g, portal_crossing(g, &g->graph->portals[contact->portal], g->eye, there));
-        enter(g, contact->cell);
+        const Way *way = &g->graph->ways[path[i]];
+        Vec3 there = i > 0 ? g->at[g->graph->ways[path[i - 1]].cell] : centre_of_cell(g, target);
+        go_to(g, portal_crossing(g, &g->graph->portals[way->portal], g->eye, there));
+        enter(g, way->cell);
     }
     RegionKind kind = kind_of(g->graph, target);
     const Portal *door;
@@ -410,7 +410,7 @@ static void interpolate(const TourOptions *options, Arena *arena, const Viewpoin
     double turn = wrap(b->yaw - a->yaw);
     double steps = fmax(vec3_length(vec3_sub(b->eye, a->eye)) / options->step, fabs(turn) / options->turn);
     steps = ceil(fmax(steps, fabs(b->pitch - a->pitch) / options->turn) - 1e-9);
-    // Coordinates are checked, so this many frames are a very long way, not a fault.
+    // Coordinates are checked, so this many frames are a very long path, not a fault.
     int count = steps < 1e6 ? (int)steps : 1000000;
     for (int i = 1; i <= count; i++) {
         double t = (double)i / count;

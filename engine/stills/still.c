@@ -89,7 +89,7 @@ static double expose(const StillSource *source, const Camera *camera, double sto
     VisQuery *query = vis_query_new(mesh->graph, source->forest, &scratch);
     Eye eye = walk_eye(camera);
     VisResult seen =
-        vis_query(query, &eye, vis_locate(mesh->graph, camera->eye, -1), source->light->door_open, VIS_STAB);
+        vis_query(query, &eye, vis_locate(mesh->graph, camera->eye, -1), source->light->door_open, CULL_STAB);
     Exposure exposure = {.stops = stops};
     exposure_adapt(&exposure, exposure_meter(lit, &light, camera, seen.objects, seen.object_count),
                    light.level, 0);

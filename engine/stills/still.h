@@ -6,15 +6,16 @@
 #include "engine/scene/walk_light.h"
 #include "engine/stills/whitted.h"
 
-typedef enum StillDirect { STILL_BAKED, STILL_RAYS, STILL_DIRECTS } StillDirect;
+// Light straight from lamps: as it was baked, or by rays.
+enum { STILL_BAKED, STILL_RAYS, STILL_DIRECTS };
 extern const char *const STILL_DIRECT_NAMES[STILL_DIRECTS];
 
 typedef struct StillOptions {
-    int samples;         // of a pixel, 1 .. 4096
-    int depth;           // 1 .. 64
-    int threads;         // 0: all cores; the picture is the same on any number
-    StillDirect direct;  // light straight from lamps
-    StillTree tree;
+    int samples;   // of a pixel, 1 .. 4096
+    int depth;     // 1 .. 64
+    int threads;   // 0: all cores; the picture is the same on any number
+    int direct;    // light straight from lamps: STILL_BAKED, STILL_RAYS
+    int tree;      // STILL_TREE_OWN ..
     double stops;  // brighter by so many powers of two
 } StillOptions;
 StillOptions still_default_options(void);

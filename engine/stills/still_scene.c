@@ -9,6 +9,13 @@ const char *const STILL_TREE_NAMES[STILL_TREES] = {"own", "grid"};
 // this share of the area's power of 3/2: two sheets back to back have none.
 static const double CLOSED = 1e-4, FLAT = 1e-9;
 
+struct StillRays {
+    RaySurfaces surfaces;
+    SurfaceTree tree;
+    SurfaceGrid grid;
+    int kind;  // STILL_TREE_OWN ..
+};
+
 static bool is_glass(const Material *m) { return m->alpha < 1; }
 
 SurfaceHit still_rays_first(const StillRays *rays, const Ray *ray) {
@@ -21,13 +28,15 @@ bool still_rays_blocked(const StillRays *rays, const Ray *ray) {
                                          : surface_tree_blocked(&rays->tree, ray);
 }
 
-static void make_rays(StillRays *rays, const RaySource *source, StillTree kind, Arena *arena) {
+static StillRays *make_rays(const RaySource *source, int kind, Arena *arena) {
+    StillRays *rays = ARENA_ARRAY(arena, StillRays, 1);
     rays->kind = kind;
     rays->surfaces = ray_surfaces_new(source, arena);
     if (kind == STILL_TREE_GRID)
         rays->grid = surface_grid_new(&rays->surfaces, arena);
     else
         rays->tree = surface_tree_new(&rays->surfaces, arena);
+    return rays;
 }
 
 // ---- which polygons
@@ -162,7 +171,7 @@ static void put_surfaces(StillScene *scene, const Parts *parts, const RaySource 
     }
 }
 
-StillScene *still_scene_new(const Mesh *mesh, const float *door_open, StillTree kind, Arena *arena) {
+StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, Arena *arena) {
     StillScene *scene = ARENA_ARRAY(arena, StillScene, 1);
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
@@ -176,9 +185,9 @@ StillScene *still_scene_new(const Mesh *mesh, const float *door_open, StillTree 
     RaySource all = source_of(scene, &parts, door_open, WANT_ALL, &scratch);
     RaySource opaque = source_of(scene, &parts, door_open, WANT_OPAQUE, &scratch);
     RaySource facets = source_of(scene, &parts, door_open, WANT_FACETS, &scratch);
-    make_rays(&scene->all, &all, kind, arena);
-    make_rays(&scene->opaque, &opaque, kind, arena);
-    make_rays(&scene->facets, &facets, kind, arena);
+    scene->all = make_rays(&all, tree, arena);
+    scene->opaque = make_rays(&opaque, tree, arena);
+    scene->facets = make_rays(&facets, tree, arena);
     put_surfaces(scene, &parts, &all, arena);
     scene->facet_face = ARENA_ARRAY(arena, int, facets.list_count + 1);
     for (int i = 0; i < facets.list_count; i++) scene->facet_face[i] = mesh->face_of[facets.list[i]];
@@ -200,7 +209,7 @@ Media still_scene_media(const StillScene *scene, Vec3 point) {
     Media outwards = {0}, media = {0};
     Ray ray = {point, vec3_normalize(LOOK_OUT), 0, INFINITY};
     for (int i = 0; i < LOOKS && scene->body_count > 0; i++) {
-        SurfaceHit hit = still_rays_first(&scene->all, &ray);
+        SurfaceHit hit = still_rays_first(scene->all, &ray);
         if (hit.item < 0) break;
         const StillSurface *s = &scene->surfaces[hit.item];
         ray.near = hit.at.t + STILL_NEAR;

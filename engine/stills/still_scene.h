@@ -6,7 +6,8 @@
 #include "radiosity/mesh/mesh.h"
 #include "visibility/rays/ray_surfaces.h"
 
-typedef enum StillTree { STILL_TREE_OWN, STILL_TREE_GRID, STILL_TREES } StillTree;
+// The hierarchy or the grid that rays go through.
+enum { STILL_TREE_OWN, STILL_TREE_GRID, STILL_TREES };
 extern const char *const STILL_TREE_NAMES[STILL_TREES];
 
 // The surface met there.
@@ -19,26 +20,21 @@ typedef struct StillSurface {
 } StillSurface;
 
 // Some of the surfaces, and what finds them.
-typedef struct StillRays {
-    RaySurfaces surfaces;
-    SurfaceTree tree;
-    SurfaceGrid grid;
-    StillTree kind;
-} StillRays;
+typedef struct StillRays StillRays;
 
 typedef struct StillScene {
     const Mesh *mesh;
     Vec3 *vertices;          // of the graph, where doors stand
-    StillRays all;           // what is seen
-    StillRays opaque;        // what hides lamps: all but glass
-    StillRays facets;        // the polygons of shapes, which have light
-    StillSurface *surfaces;  // [all.surfaces.count]
-    int *facet_face;         // [facets.surfaces.count] in the mesh, -1: none
+    StillRays *all;          // what is seen
+    StillRays *opaque;       // what hides lamps: all but glass
+    StillRays *facets;       // the polygons of shapes, which have light
+    StillSurface *surfaces;  // one for each of `all`
+    int *facet_face;         // of each of `facets`, in the mesh, -1: none
     int body_count;
 } StillScene;
 
 // `door_open` [opening_count] as the mesh was made with; NULL: as drawn.
-StillScene *still_scene_new(const Mesh *mesh, const float *door_open, StillTree kind, Arena *arena);
+StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, Arena *arena);
 
 // The shape's polygons, in the graph.
 int still_first_polygon(const CellGraph *graph, const CurvedShape *shape);

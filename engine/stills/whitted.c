@@ -140,7 +140,7 @@ static void follow_ray(Trace *t, const Path *path, double out[3]) {
         add_light(out, t->w->light->mean, 1, CLEAR);
         return;
     }
-    SurfaceHit hit = still_rays_first(&t->w->scene->all, &path->ray);
+    SurfaceHit hit = still_rays_first(t->w->scene->all, &path->ray);
     t->work->rays++;
     if (hit.item < 0) {
         t->work->escaped++;

@@ -9,7 +9,7 @@
 // Keys are places on the keyboard, named after what an American one prints there: so W A S D lie under the hand on
 // every layout, and digits need no shift. Capitals, digits, blank and -=[];',./\` are their ASCII codes (those of the
 // keypad too), other keys have names.
-typedef enum DisplayKey {
+enum {
     DISPLAY_KEY_ESCAPE = 128,
     DISPLAY_KEY_ENTER,
     DISPLAY_KEY_TAB,
@@ -46,7 +46,7 @@ typedef enum DisplayKey {
     DISPLAY_BUTTON_RIGHT,
     DISPLAY_BUTTON_MIDDLE,
     DISPLAY_KEYS
-} DisplayKey;
+};
 
 typedef enum DisplayEventKind {
     DISPLAY_KEY_PRESSED,   // `key`, once for a press however long it is held
@@ -63,7 +63,7 @@ typedef enum DisplayEventKind {
 
 typedef struct DisplayEvent {
     DisplayEventKind kind;
-    int key;  // DisplayKey
+    int key;  // a character, or DISPLAY_KEY_ESCAPE .. DISPLAY_KEYS - 1
     double x, y;
 } DisplayEvent;
 

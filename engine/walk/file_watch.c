@@ -1,38 +1,36 @@
 // file_watch.c - polls with stat: works on every file system, and once a frame costs nothing to speak of.
 #include "engine/walk/file_watch.h"
 
-#include <sys/stat.h>
+static bool is_there(const struct stat *file) { return file->st_nlink > 0; }
 
-static int64_t nanoseconds(struct timespec t) { return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec; }
-
-static FileStamp stamp_of(const char *path) {
-    struct stat info;
-    if (stat(path, &info) != 0) return (FileStamp){.exists = false};
-    return (FileStamp){.exists = true,
-                       .device = info.st_dev,
-                       .inode = info.st_ino,
-                       .size = info.st_size,
-                       .modified = nanoseconds(info.st_mtim),
-                       .changed = nanoseconds(info.st_ctim)};
+static struct stat look_at(const char *path) {
+    struct stat file;
+    return stat(path, &file) == 0 ? file : (struct stat){0};
 }
 
-static bool stamps_equal(const FileStamp *a, const FileStamp *b) {
-    return a->exists == b->exists && a->device == b->device && a->inode == b->inode && a->size == b->size &&
-           a->modified == b->modified && a->changed == b->changed;
+static bool times_equal(struct timespec a, struct timespec b) {
+    return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
+}
+
+// Editors write in place or put a new file under the old name.
+static bool is_same(const struct stat *a, const struct stat *b) {
+    return is_there(a) == is_there(b) && a->st_dev == b->st_dev && a->st_ino == b->st_ino &&
+           a->st_size == b->st_size && times_equal(a->st_mtim, b->st_mtim) &&
+           times_equal(a->st_ctim, b->st_ctim);
 }
 
 FileWatch file_watch_begin(const char *path) {
-    FileStamp stamp = stamp_of(path);
-    return (FileWatch){.path = path, .known = stamp, .seen = stamp};
+    struct stat file = look_at(path);
+    return (FileWatch){.path = path, .known = file, .seen = file};
 }
 
-FileState file_watch_look(FileWatch *watch, double now) {
-    FileStamp stamp = stamp_of(watch->path);
-    if (!stamps_equal(&stamp, &watch->seen)) {
-        watch->seen = stamp;
+int file_watch_look(FileWatch *watch, double now) {
+    struct stat file = look_at(watch->path);
+    if (!is_same(&file, &watch->seen)) {
+        watch->seen = file;
         watch->since = now;
     }
-    if (stamps_equal(&watch->seen, &watch->known) || now - watch->since < FILE_WATCH_STILL) return FILE_SAME;
+    if (is_same(&watch->seen, &watch->known) || now - watch->since < FILE_WATCH_STILL) return FILE_SAME;
     watch->known = watch->seen;
-    return watch->known.exists ? FILE_CHANGED : FILE_GONE;
+    return is_there(&watch->known) ? FILE_CHANGED : FILE_GONE;
 }

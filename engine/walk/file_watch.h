@@ -3,27 +3,21 @@
 #define WALK_FILE_WATCH_H
 
 #include <stdbool.h>
-#include <stdint.h>
-
-// Facts that tell one state of a file from another. Editors write in place or put a new file under the old name.
-typedef struct FileStamp {
-    bool exists;
-    uint64_t device, inode;
-    int64_t size, modified, changed;  // bytes; nanoseconds
-} FileStamp;
+#include <sys/stat.h>
 
 typedef struct FileWatch {
-    const char *path;  // the caller's
-    FileStamp known;   // as last reported
-    FileStamp seen;    // as last found
-    double since;      // when `seen` was first found, seconds
+    const char *path;   // the caller's
+    struct stat known;  // as last reported; all 0: it was not there
+    struct stat seen;   // as last found
+    double since;       // when `seen` was first found, seconds
 } FileWatch;
 
-typedef enum FileState {
+// The answers of file_watch_look.
+enum {
     FILE_SAME,
     FILE_CHANGED,  // and has been still for FILE_WATCH_STILL: said once for a change
     FILE_GONE      // for as long: said once. When it comes back it has changed
-} FileState;
+};
 
 // A file that is being written is not read: it must have been still for so long, seconds. Longer than an editor or an
 // exporter pauses between two writes, shorter than anybody waits.
@@ -32,6 +26,6 @@ typedef enum FileState {
 // Takes the file as it is now for known: begin before reading it, so that no change is missed.
 FileWatch file_watch_begin(const char *path);
 // `now`: seconds of any clock that only goes forward.
-FileState file_watch_look(FileWatch *watch, double now);
+int file_watch_look(FileWatch *watch, double now);
 
 #endif

@@ -25,7 +25,7 @@ struct LightThread {
     Arena arena;  // of the bake
     Error error;
     atomic_bool stop;
-    atomic_int done, end;  // thousandths; LightEnd
+    atomic_int done, end;  // thousandths; LIGHT_UNDER_WAY ..
     // Parts that are handed over. The lock is held for moments only.
     pthread_mutex_t lock;
     pthread_cond_t received;
@@ -126,7 +126,7 @@ void light_thread_received(LightThread *t) {
 }
 
 double light_thread_done(const LightThread *t) { return atomic_load(&t->done) / 1000.0; }
-LightEnd light_thread_end(const LightThread *t) { return (LightEnd)atomic_load(&t->end); }
+int light_thread_end(const LightThread *t) { return atomic_load(&t->end); }
 
 const char *light_thread_note(const LightThread *t) {
     return light_thread_end(t) == LIGHT_UNDER_WAY ? "" : t->error.text;

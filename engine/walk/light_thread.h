@@ -18,12 +18,12 @@ const LitLight *light_thread_light(LightThread *thread);
 void light_thread_received(LightThread *thread);  // it was copied: the thread may fill the one before it anew
 double light_thread_done(const LightThread *thread);  // 0 .. 1
 
-typedef enum LightEnd {
+enum {
     LIGHT_UNDER_WAY,
     LIGHT_READY,   // the last state is the whole solution
     LIGHT_FAILED,  // there is none; or it was stopped
-} LightEnd;
-LightEnd light_thread_end(const LightThread *thread);
+};
+int light_thread_end(const LightThread *thread);
 // A sentence for the user after the end; "": none.
 const char *light_thread_note(const LightThread *thread);
 

@@ -16,7 +16,7 @@ static const double USUAL_FOV = 75 * M_PI / 180;
 
 SessionOptions session_default_options(void) {
     return (SessionOptions){
-        .pictures = ".", .doors = WALK_DOORS_DRAWN, .method = VIS_STAB, .look = WALK_LOOKS};
+        .pictures = ".", .doors = WALK_DOORS_DRAWN, .culling = CULL_STAB, .look = WALK_LOOKS};
 }
 
 // By software the fine look takes a tenth of a second.
@@ -45,7 +45,7 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
                    .arena = arena,
                    .person = {.cell = -1},
                    .fov = USUAL_FOV,
-                   .method = options->method,
+                   .culling = options->culling,
                    .false_colour = options->false_colour,
                    .plan = true,
                    .statistics = true,
@@ -115,9 +115,7 @@ static void watch_file(Session *s) {
 
 // ---- time
 
-static double held(const Session *s, Held more, Held less) {
-    return (s->held[more] > 0) - (s->held[less] > 0);
-}
+static double held(const Session *s, int more, int less) { return (s->held[more] > 0) - (s->held[less] > 0); }
 
 static void tick(Session *s) {
     const double seconds = 1.0 / SESSION_TICKS;

@@ -22,7 +22,7 @@ typedef struct SessionOptions {
     const char *pictures;  // folder for screenshots and recorded paths; made when the first is written
     const char *trace;     // a file that gets a JSON line ten times a second, or NULL
     WalkDoors doors;
-    VisMethod method;
+    Culling culling;
     WalkLook look;  // WALK_LOOKS: what the OpenGL at hand can do, and baked once there is light
     FalseColour false_colour;
     bool full_screen;  // to begin with

@@ -13,7 +13,7 @@ static void ask(Session *s, const Camera *camera) {
     if (s->frozen && s->visible.objects) return;
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
-    s->visible = vis_query(s->shown->query, &eye, s->person.cell, s->shown->doors.open, s->method);
+    s->visible = vis_query(s->shown->query, &eye, s->person.cell, s->shown->doors.open, s->culling);
     smooth(&s->query_us, 1e6 * (clock_seconds() - start));
 }
 
@@ -36,7 +36,7 @@ static void draw_hud(Session *s, int width, int height, double scale) {
     const Person *p = &s->person;
     int storey = session_storey(s), door = session_door(s);
     arena_reset(&s->frame_arena);
-    HudFigures figures = {.method = VIS_METHOD_NAMES[s->method],
+    HudFigures figures = {.method = CULLING_NAMES[s->culling],
                           .cells_visible = s->visible.cell_count,
                           .cell_count = graph->cell_count,
                           .polygons_drawn = s->visible.polygon_count,

@@ -61,14 +61,14 @@ static void freeze(Session *s, int key) {
 
 static void change_method(Session *s, int key) {
     (void)key;
-    s->method = (VisMethod)((s->method + 1) % VIS_METHODS);
-    session_say(s, false, "culling: %s", VIS_METHOD_NAMES[s->method]);
+    s->culling = (Culling)((s->culling + 1) % QUERY_CULLINGS);
+    session_say(s, false, "culling: %s", CULLING_NAMES[s->culling]);
 }
 
 static void stop_culling(Session *s, int key) {
     (void)key;
-    s->method = s->method == VIS_NONE ? VIS_STAB : VIS_NONE;
-    session_say(s, false, "culling: %s", VIS_METHOD_NAMES[s->method]);
+    s->culling = s->culling == CULL_NONE ? CULL_STAB : CULL_NONE;
+    session_say(s, false, "culling: %s", CULLING_NAMES[s->culling]);
 }
 
 static void show_wireframe(Session *s, int key) {
@@ -156,7 +156,7 @@ static void leave(Session *s, int key) {
 
 static const struct {
     int key;
-    Held held;
+    int held;
 } HELD[] = {{'W', HELD_FORWARD},
             {'S', HELD_BACK},
             {'A', HELD_LEFT},

@@ -10,7 +10,7 @@ static const double STOP = 0.5;
 
 static void tell_end(Session *s) {
     Shown *shown = s->shown;
-    LightEnd end = light_thread_end(shown->baking);
+    int end = light_thread_end(shown->baking);
     if (end == LIGHT_UNDER_WAY || shown->told) return;
     shown->told = true;
     const char *note = light_thread_note(shown->baking);

@@ -52,7 +52,7 @@ bool session_light_arriving(const Session *s) {
 int session_flags(const Session *s, const char **out) {
     int count = 0;
     if (s->frozen) out[count++] = "frozen";
-    if (s->method != VIS_STAB) out[count++] = VIS_METHOD_NAMES[s->method];
+    if (s->culling != CULL_STAB) out[count++] = CULLING_NAMES[s->culling];
     if (s->person.flying) out[count++] = "flight";
     if (s->wireframe) out[count++] = "wireframe";
     if (s->stab_tree) out[count++] = "stab tree";

@@ -18,7 +18,7 @@
 enum { SESSION_PERIODS = 256 };
 
 // Keys that are held, not struck.
-typedef enum Held {
+enum {
     HELD_FORWARD,
     HELD_BACK,
     HELD_LEFT,
@@ -29,7 +29,7 @@ typedef enum Held {
     HELD_TURN_RIGHT,
     HELD_HURRY,
     HELD_KEYS
-} Held;
+};
 
 // A building and everything that was made of it: swapped as a whole when the file is read again.
 typedef struct Shown {
@@ -54,7 +54,7 @@ struct Session {
     Person person;
     double fov;           // horizontal, radians
     int held[HELD_KEYS];  // how many keys for it are down
-    VisMethod method;
+    Culling culling;
     WalkLook look;
     WalkLook sketched;  // the look until there is light
     bool look_chosen;   // no longer changed by itself

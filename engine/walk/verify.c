@@ -165,8 +165,8 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
     return true;
 }
 
-bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const float *door_open,
-                       VisMethod method, VerifyFrame *out, Error *error) {
+bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const float *door_open, Culling culling,
+                       VerifyFrame *out, Error *error) {
     *out = (VerifyFrame){.missing = -1};
     if (!gl_context_use(v->context, error)) return false;
     make_images(v, camera->width, camera->height);
@@ -175,7 +175,7 @@ bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const floa
     pose(v);
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
-    out->visible = vis_query(v->query, &eye, cell, door_open, method);
+    out->visible = vis_query(v->query, &eye, cell, door_open, culling);
     out->query_seconds = clock_seconds() - start;
     for (int i = 0; i < out->visible.object_count; i++) v->drawn[out->visible.objects[i]] = v->frame;
     if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, true, error) ||

@@ -23,7 +23,7 @@ typedef struct VerifyFrame {
 // Opaque polygons are compared first, then, with these as background, glass drawn as if it were opaque.
 // `door_open` as for vis_query.
 bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const float *door_open,
-                       VisMethod method, VerifyFrame *out, Error *error);
+                       Culling culling, VerifyFrame *out, Error *error);
 
 // [vertex_count] of the graph, with the leaves of doors as they stood in the last frame.
 const Vec3 *walk_verify_vertices(const WalkVerify *verify);

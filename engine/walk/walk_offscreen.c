@@ -23,7 +23,7 @@ WalkOptions walk_default_options(void) {
                          .height = 540,
                          .every = 1,
                          .seed = 1,
-                         .method = VIS_STAB,
+                         .culling = CULL_STAB,
                          .look = WALK_FINE,
                          .path = tour_default_options()};
 }
@@ -119,7 +119,7 @@ static bool compare_rays(Walk *w, const Camera *camera, const float *door_open, 
 static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *door_open, Frame *out,
                          Error *error) {
     VerifyFrame v;
-    if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->method, &v, error)) return false;
+    if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->culling, &v, error)) return false;
     *out = (Frame){
         v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0};
     long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
@@ -153,7 +153,7 @@ static bool draw_legend(Walk *w, Error *error) {
 static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) {
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
-    *out = (Frame){.visible = vis_query(w->query, &eye, w->cell, w->door_open, w->options->method),
+    *out = (Frame){.visible = vis_query(w->query, &eye, w->cell, w->door_open, w->options->culling),
                    .missing = -1};
     double asked = clock_seconds();
     walk_renderer_pose(w->renderer, w->door_open);

@@ -20,7 +20,7 @@ typedef struct WalkOptions {
     int raycast;            // so many of the verified frames, spread evenly, also against rays
     uint64_t seed;          // of random views and random doors
     WalkDoors doors;
-    VisMethod method;
+    Culling culling;
     WalkLook look;
     const WalkLight *light;  // for WALK_BAKED, or NULL
     FalseColour false_colour;

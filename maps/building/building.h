@@ -188,13 +188,6 @@ typedef struct Note {
     int first_point, point_count;  // a leak's path from the room to the hole and out, in Building.points
 } Note;
 
-typedef enum BuildingForm {
-    FORM_REGIONS,  // prisms of free space, furniture in them
-    FORM_SOUP,     // polygons in objects, and doors told by name; no regions, no storeys
-    FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
-    BUILDING_FORMS
-} BuildingForm;
-
 // A convex planar polygon in Building.vertices through which two given cells touch; counter-clockwise seen from cell[0].
 typedef struct GivenPortal {
     int cell[2];
@@ -202,8 +195,14 @@ typedef struct GivenPortal {
 } GivenPortal;
 
 // All of it. Arrays may be NULL where their counts are 0.
+// Read only once it is made: any number of threads. Its arrays live in the arena of the call that read it, or are its maker's.
 typedef struct Building {
-    BuildingForm form;
+    enum {
+        FORM_REGIONS,  // prisms of free space, furniture in them
+        FORM_SOUP,     // polygons in objects, and doors told by name; no regions, no storeys
+        FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
+        BUILDING_FORMS
+    } form;
     const char *source;  // the path it was read from
     const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
     uint64_t hash;    // of the file's content, and of `map`

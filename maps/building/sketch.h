@@ -62,6 +62,8 @@ typedef struct SketchCutout {
     const char *place;
 } SketchCutout;
 
+// A plan as drawn, for maps_enclose. One thread's; the arrays live in the caller's arena, and are not needed after maps_enclose, but for
+// the names.
 typedef struct Sketch {
     SketchWall *walls;
     SketchRoom *rooms;

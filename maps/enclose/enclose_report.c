@@ -125,12 +125,12 @@ void indoor_report(Enclosure *e) {
 // ---- leaks: where rooms lie open to the outdoors, and the way from the room through the gap out. Each room is looked at by its own
 // gaps and faces, since plans that lie open in many places are no rarity.
 
-typedef struct Way {
+typedef struct LeakSearch {
     int *from;     // [face_count] half-edge that led into a face, -1: start
     int *reached;  // [face_count] by the search of this number
     int *queue;
     int search;
-} Way;
+} LeakSearch;
 
 typedef enum Ground { GROUND_ROOM, GROUND_AIR } Ground;
 
@@ -140,7 +140,8 @@ static bool belongs(const Spot *spot, Ground ground, int id) {
 
 // Breadth-first from face to face over one ground, until `goal` (a face, or -1: the edge of the world).
 // Returns the face reached there, or -1.
-static int find_way(const Plan *p, const Spot *spots, Way *way, int start, int goal, Ground ground, int id) {
+static int find_way(const Plan *p, const Spot *spots, LeakSearch *way, int start, int goal, Ground ground,
+                    int id) {
     int head = 0, tail = 0;
     way->search++;
     way->reached[start] = way->search;
@@ -166,7 +167,7 @@ static Vec2 middle_of_edge(const Plan *p, int h) {
 }
 
 // Appends the middles of the edges crossed on the way to `face`, the first crossed first.
-static void push_way(Enclosure *e, const Way *way, int face) {
+static void push_way(Enclosure *e, const LeakSearch *way, int face) {
     const Plan *p = &e->pass.plan;
     int count = 0;
     for (int f = face; way->from[f] >= 0; f = half_left(p, way->from[f])) way->queue[count++] = way->from[f];
@@ -242,7 +243,7 @@ static void find_largest(const Plan *p, const Spot *spots, int *largest, int ids
 }
 
 // `start`: a face of the space.
-static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Gap gap, Way *way) {
+static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Gap gap, LeakSearch *way) {
     const Plan *p = &e->pass.plan;
     int id = spots[start].indoor, in = half_left(p, gap.half), out = half_right(p, gap.half);
     bool room = id < e->sketch->room_count;
@@ -272,9 +273,9 @@ void leaks_report(Enclosure *e) {
     Slit *slits = ARENA_ARRAY(a, Slit, 2 * p->edge_count);
     int *largest = ARENA_ARRAY(a, int, ids), *parent = ARENA_ARRAY(a, int, p->vertex_count);
     double *length = ARENA_ARRAY(a, double, p->vertex_count);
-    Way way = {.from = ARENA_ARRAY(a, int, p->face_count),
-               .reached = ARENA_ARRAY(a, int, p->face_count),
-               .queue = ARENA_ARRAY(a, int, p->face_count)};
+    LeakSearch way = {.from = ARENA_ARRAY(a, int, p->face_count),
+                      .reached = ARENA_ARRAY(a, int, p->face_count),
+                      .queue = ARENA_ARRAY(a, int, p->face_count)};
     for (int storey = 0; storey < e->b->storey_count; storey++) {
         const Spot *spots = e->pass.spots + (size_t)storey * (size_t)p->face_count;
         int count = find_slits(p, spots, slits);

@@ -341,15 +341,15 @@ static void add_camera(Gltf *g, const GltfItem *node, const double m[12]) {
 static const char INSTANCES[] = "EXT_mesh_gpu_instancing";
 
 // Affine, row by row: x' = m[0] x + m[1] y + m[2] z + m[3], and so on.
-typedef struct Way {
+typedef struct Placing {
     double m[12];
-} Way;
+} Placing;
 
 // (x, y, z) with y up becomes (x, -z, y).
-static const Way UPRIGHT = {{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}};
+static const Placing UPRIGHT = {{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}};
 
-static Way joined(const Way *a, const Way *b) {
-    Way out;
+static Placing joined(const Placing *a, const Placing *b) {
+    Placing out;
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 4; c++) {
             double sum = c == 3 ? a->m[4 * r + 3] : 0;
@@ -359,18 +359,18 @@ static Way joined(const Way *a, const Way *b) {
     return out;
 }
 
-static Vec3 moved(const Way *w, Vec3 v) {
+static Vec3 moved(const Placing *w, Vec3 v) {
     const double *m = w->m;
     return vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3], m[4] * v.x + m[5] * v.y + m[6] * v.z + m[7],
                 m[8] * v.x + m[9] * v.y + m[10] * v.z + m[11]);
 }
 
-static bool mirrors(const Way *w) {
+static bool mirrors(const Placing *w) {
     const double *m = w->m;
     return vec3_dot(vec3_cross(vec3(m[0], m[4], m[8]), vec3(m[1], m[5], m[9])), vec3(m[2], m[6], m[10])) < 0;
 }
 
-static bool read_matrix(Gltf *g, const GltfItem *node, Way *out) {
+static bool read_matrix(Gltf *g, const GltfItem *node, Placing *out) {
     double c[16];
     if (!gltf_numbers(g, node, "matrix", 16, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, c)) return false;
     for (int i = 0; i < 12; i++) out->m[i] = c[4 * (i % 4) + i / 4];
@@ -393,7 +393,7 @@ static bool read_turn(Gltf *g, const GltfItem *node, double r[9]) {
     return true;
 }
 
-static bool read_way(Gltf *g, const GltfItem *node, Way *out) {
+static bool read_way(Gltf *g, const GltfItem *node, Placing *out) {
     if (json_object_get(node->json, "matrix")) return read_matrix(g, node, out);
     double t[3] = {0, 0, 0}, s[3] = {1, 1, 1}, r[9];
     gltf_numbers(g, node, "translation", 3, -GLTF_MAX_NUMBER, GLTF_MAX_NUMBER, t);
@@ -406,7 +406,7 @@ static bool read_way(Gltf *g, const GltfItem *node, Way *out) {
     return true;
 }
 
-static bool place_face(Gltf *g, const GltfItem *node, const Way *way, const SoupMesh *mesh,
+static bool place_face(Gltf *g, const GltfItem *node, const Placing *way, const SoupMesh *mesh,
                        const SoupFace *face) {
     Vec3 ring[SOUP_MAX_CORNERS];
     bool mirrored = mirrors(way);
@@ -429,7 +429,7 @@ static bool place_face(Gltf *g, const GltfItem *node, const Way *way, const Soup
     return true;
 }
 
-static bool place_mesh(Gltf *g, const GltfItem *node, const Way *way) {
+static bool place_mesh(Gltf *g, const GltfItem *node, const Placing *way) {
     int index = gltf_index(g, node, "mesh", "meshes");
     if (g->failed) return false;
     if (index < 0) return true;
@@ -507,7 +507,7 @@ static bool find_roots(Gltf *g, int count, const int *parent, int *roots, int *r
 
 typedef struct Waiting {
     int node;
-    Way above;
+    Placing above;
 } Waiting;
 
 static bool place_tree(Gltf *g, int root, Waiting *stack) {
@@ -516,9 +516,9 @@ static bool place_tree(Gltf *g, int root, Waiting *stack) {
     while (waiting > 0) {
         Waiting at = stack[--waiting];
         GltfItem node = gltf_item(g, "nodes", at.node);
-        Way own;
+        Placing own;
         if (g->failed || !read_way(g, &node, &own)) return false;
-        Way way = joined(&at.above, &own);
+        Placing way = joined(&at.above, &own);
         if (!place_mesh(g, &node, &way)) return false;
         add_light(g, &node, way.m);
         add_camera(g, &node, way.m);

@@ -62,7 +62,7 @@ typedef struct Waiting {
 typedef struct Subtraction {
     const AnalyticOccluder *occluder;
     int occluder_count, rank;
-    AnalyticPiece *piece;
+    void (*piece)(void *context, const Vec3 *polygon, int count);
     void *context;
     long long cuts;
     Vec3 *corner;
@@ -159,7 +159,8 @@ static void subtract(Subtraction *s) {
 }
 
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
-                           int occluder_count, AnalyticPiece *piece, void *context) {
+                           int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
+                           void *context) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
     Subtraction s;
     s.occluder = occluder, s.occluder_count = occluder_count, s.rank = rank;

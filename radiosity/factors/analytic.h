@@ -24,12 +24,11 @@ typedef struct AnalyticOccluder {
 // the origin in its plane.
 bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, AnalyticOccluder *out);
 
-// Takes a convex piece of what is left in sight.
-typedef void AnalyticPiece(void *context, const Vec3 *polygon, int count);
-// Hands out what the occluders leave of a convex polygon, seen from the origin. `rank` as in AnalyticOccluder;
+// Hands `piece` the convex parts that the occluders leave of a convex polygon, seen from the origin. `rank` as in AnalyticOccluder;
 // occluders of the same rank are the polygon itself and hide nothing. Returns how many cuts were made.
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
-                           int occluder_count, AnalyticPiece *piece, void *context);
+                           int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
+                           void *context);
 // The same, summed.
 double analytic_point_visible(const Vec3 *polygon, int count, const AnalyticOccluder *occluder,
                               int occluder_count);

@@ -30,7 +30,7 @@ typedef struct Side {
 
 struct ElementBuffer {
     const Mesh *mesh;
-    ElementBufferKind kind;
+    int kind;  // ELEMENT_HEMICUBE, ELEMENT_HEMISPHERE
     Vec3 eye;
     int side_count;
     Side side[ELEMENT_MOST_SIDES];
@@ -59,7 +59,7 @@ static void weigh(ElementBuffer *self) {
     }
 }
 
-ElementBuffer *element_buffer_new(const Mesh *mesh, ElementBufferKind kind, int resolution, Arena *arena) {
+ElementBuffer *element_buffer_new(const Mesh *mesh, int kind, int resolution, Arena *arena) {
     ElementBuffer *self = ARENA_ARRAY(arena, ElementBuffer, 1);
     self->mesh = mesh;
     self->kind = kind;

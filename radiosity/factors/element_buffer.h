@@ -5,16 +5,16 @@
 
 #include "radiosity/factors/row.h"
 
-typedef enum ElementBufferKind {
+enum {
     ELEMENT_HEMICUBE,   // Cohen & Greenberg 1985: five sides
     ELEMENT_HEMISPHERE  // Doi & Itoh: one base disc
-} ElementBufferKind;
+};
 
 enum { ELEMENT_MOST_SIDES = 5 };
 
 typedef struct ElementBuffer ElementBuffer;
 
-ElementBuffer *element_buffer_new(const Mesh *mesh, ElementBufferKind kind, int resolution, Arena *arena);
+ElementBuffer *element_buffer_new(const Mesh *mesh, int kind, int resolution, Arena *arena);
 int element_buffer_sides(const ElementBuffer *self);
 // Empties the buffers for a point.
 void element_buffer_start(ElementBuffer *self, const ViewPoint *from);

@@ -56,20 +56,18 @@ static inline int form_factor_rank(const ViewFace *face) {
     return face->d > 0 ? face->face + back : face->face;
 }
 
-// A method at work in one thread: its tables and buffers.
+// A method at work: its tables and buffers. One thread's at a time; form_factor_end gives back what is not in the arena.
 typedef struct FormFactor FormFactor;
-
-// A method's promise about the faces that it sees along a direction.
-typedef enum FormFactorTruth {
-    FORM_FACTOR_EXACT,  // the nearest face, edges and depth decided in doubles
-    FORM_FACTOR_FLOAT,  // the same within the rounding of floats
-    FORM_FACTOR_GUESS   // wrong where its rule fails
-} FormFactorTruth;
 
 // A method: a row of the table.
 typedef struct FormFactorMethod {
     const char *name, *summary;
-    FormFactorTruth truth;
+    // A method's promise about the faces that it sees along a direction.
+    enum {
+        FORM_FACTOR_EXACT,  // the nearest face, edges and depth decided in doubles
+        FORM_FACTOR_FLOAT,  // the same within the rounding of floats
+        FORM_FACTOR_GUESS   // wrong where its rule fails
+    } truth;
     bool projective;
     bool
         whole_mesh;  // sees all faces of the mesh, by a tree of its own: of a view it needs the eye and the axes

@@ -2,9 +2,684 @@
 //
 // The boxes stand in for bounds of faces: a great circle's extent on the disc or the cube needs care (extrema on arcs, on
 // the rim), while the sign of a form over a box of directions is three multiplications, and serves any set of directions.
-#include <math.h>
+#include "radiosity/factors/sampler.h"
 
-#include "radiosity/factors/sampler_part.h"
+#include <math.h>
+#include <string.h>
+
+#include "engine/core/lanes.h"
+#include "radiosity/factors/row.h"
+#include "radiosity/mesh/lines.h"
+
+enum { GROUP_SIDE = 4, GROUP_BLOCKS = GROUP_SIDE * GROUP_SIDE };
+
+// 8 rows of 8 directions. Where they are flat - over a plane, as those of the disc -, x is that of the column and y that of
+// the row, and less memory is asked for.
+typedef struct SampleBlock {
+    Lane z[SAMPLER_BLOCK], rows, columns, x[SAMPLER_BLOCK], y[SAMPLER_BLOCK];
+} SampleBlock;
+
+// The depths seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
+typedef struct ItemBlock {
+    Lane near[SAMPLER_BLOCK];
+    LaneInt face[SAMPLER_BLOCK];
+} ItemBlock;
+
+// For each of eight things, the box about its directions, as middle and half its size, and the least 1 / distance seen
+// in it. The boxes are larger than their directions by what the rounding of a form can amount to.
+typedef struct SampleBoxes {
+    Lane x, y, z, half_x, half_y, half_z;
+    Lane far;
+} SampleBoxes;
+
+// dot((x, y, z), w) as floats, and the sizes of the three.
+typedef struct Form {
+    float x, y, z, unused;
+    float abs_x, abs_y, abs_z, unused_abs;
+} Form;
+
+typedef struct GridForm {
+    float x, y, z;
+} GridForm;
+
+// The square that a direction meets, or
+enum { NOTHING = -1, BACK = -2, MANY = -3 };
+
+// A view's eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
+// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
+typedef struct ViewFrame {
+    Four x, y, z, stay, cross;
+    Vec3 eye;
+} ViewFrame;
+
+static inline Four view_frame_of(const ViewFrame *frame, Vec3 v) {
+    return frame->x * v.x + frame->y * v.y + frame->z * v.z;
+}
+
+// In the samples' axes.
+static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
+    return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
+}
+
+// Where on a face a direction meets it: column dot(column, w) * distance, row alike.
+typedef struct FaceGrid {
+    GridForm column, row;
+    int first_square, nx, ny;
+    int one;  // what all of the face is, MANY: look where
+} FaceGrid;
+
+struct Sampler {
+    const Mesh *mesh;
+    FaceLines outlines;
+    double cosine, sine;         // of the turn of the samples' axes from the view's
+    SampleBlock *blocks;         // [block_count]
+    ItemBlock *items, *nothing;  // as blocks; before anything is drawn
+    unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
+    float *weights;              // [.. * 64] 0 where there is no sample
+    SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
+    int group_count, block_count;
+    int *first_block;      // [group_count] of its blocks that have samples: these alone are kept
+    unsigned short *used;  // [group_count] bit i: box i has samples
+    FormFactorSamples samples;
+    bool flat;   // all blocks are
+    bool equal;  // all weights are the same: samples are counted
+    // The view at hand.
+    ViewFrame frame;
+    int *grid_stamp;        // [face_count]
+    int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
+    int *view_index;        // [face_count] of the faces in view
+    FaceGrid *grids;        // [face_count]
+    Form *edges;            // [most_edges] of the face under way: a direction is inside where none is below 0
+    const Form **crossing;  // [most_edges] those that cross a block
+    unsigned *crossed;      // [most_edges]
+    int stamp;
+};
+
+typedef struct SamplerView {
+    const Sampler *sampler;
+    const View *view;
+} SamplerView;
+
+// The samples' axes.
+static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec3 *y) {
+    *x = vec3_add(vec3_scale(view->x, s->cosine), vec3_scale(view->y, s->sine));
+    *y = vec3_sub(vec3_scale(view->y, s->cosine), vec3_scale(view->x, s->sine));
+}
+
+// ---- which of two faces is seen along a direction where floats do not tell their distances apart: along the line
+// where they meet, and where they lie in one plane.
+//
+// Behind a wall without thickness the ceiling of the next room ends on the wall. A direction within a rounding of that line
+// is held by both, at one distance, and must never see the ceiling, or light leaks through the wall. The ceiling is the farther
+// one as soon as one looks at where both really are: inside their edges. So the direction is moved a hair's breadth inwards
+// from the edges that pass it by, of either face, and there the distances are compared, in doubles.
+
+// A direction is moved so far, radians, from each edge that passes it by: well above the rounding of an edge's form, 4e-7, which
+// may have put it on the wrong side, less than anything one looks at.
+static const double INWARDS = 1e-5;
+// And these are the edges: all that it could be moved across.
+static const double AT_EDGE = 4e-5;
+// Faces nearer to each other than this lie in one plane, metres: above the noise of coordinates 1,000 km from the origin, below
+// sheets 2e-7 apart (analytic.c).
+static const double ONE_PLANE = 1e-8;
+// A face's 1 / distance errs by so much of the sum of its coefficients: three products and sums of floats, and their factors'
+// own rounding; twice, of the two that are compared.
+static const float ROUNDING = 8 * 0x1p-24f;
+// A face as near as this, metres, or nearer, is asked nothing finer: else all would be tied.
+static const float NEAREST = 1e-3f;
+
+// Rounding may change a face's 1 / distance and those drawn with it by this much, 1/m.
+static float sampler_tie_within(const Form *near) {
+    return ROUNDING * fminf(near->abs_x + near->abs_y + near->abs_z, 1 / NEAREST);
+}
+
+static const ViewFace *view_face(const SamplerView *of, int face) {
+    return &of->view->faces[of->sampler->view_index[face]];
+}
+
+// Among faces in one place the one that turns its front to the eye is seen, then the lower.
+static bool is_first(const ViewFace *a, const ViewFace *b) {
+    return form_factor_rank(a) < form_factor_rank(b);
+}
+
+// Is the first face seen where the two lie in one plane (1), the other (-1), or do they not (0)?
+static int sampler_tie_of_planes(const SamplerView *of, int face, int other) {
+    const ViewFace *a = view_face(of, face), *b = view_face(of, other);
+    for (int i = 0; i < b->vertex_count; i++)
+        if (fabs(vec3_dot(a->n, of->view->vertices[b->first_vertex + i]) - a->d) > ONE_PLANE) return 0;
+    return is_first(a, b) ? 1 : -1;
+}
+
+// A vertex of an edge, from the eye, in the view's axes.
+static Vec3 mesh_vertex_of(const SamplerView *of, const ViewFace *face, int name) {
+    const View *view = of->view;
+    if (name >= 0) return view->vertices[face->first_vertex + name];
+    Vec3 off = vec3_sub(of->sampler->mesh->vertices[~name], view->eye);
+    return vec3(vec3_dot(view->x, off), vec3_dot(view->y, off), vec3_dot(view->z, off));
+}
+
+// The sum of the normals, inwards, of those edges of a face that pass by w, all in the view's axes.
+static Vec3 inwards_from_edges(const SamplerView *of, const ViewFace *face, Vec3 w) {
+    const FaceLines *o = &of->sampler->outlines;
+    double side = face->d > 0 ? 1 : -1;
+    Vec3 sum = {0, 0, 0};
+    for (int i = o->first_edge[face->face]; i < o->first_edge[face->face + 1]; i++) {
+        Vec3 p = mesh_vertex_of(of, face, o->edges[i].from), q = mesh_vertex_of(of, face, o->edges[i].to);
+        Vec3 n = vec3_normalize(vec3_cross(p, q));
+        if (side * vec3_dot(n, w) < AT_EDGE) sum = vec3_add(sum, vec3_scale(n, side));
+    }
+    return sum;
+}
+
+// Is the first face seen along w (in the samples' axes), which both hold?
+static bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w) {
+    const ViewFace *a = view_face(of, face), *b = view_face(of, other);
+    const Sampler *s = of->sampler;
+    Vec3 at = vec3(w.x * s->cosine - w.y * s->sine, w.x * s->sine + w.y * s->cosine, w.z);
+    Vec3 inwards = vec3_add(inwards_from_edges(of, a, at), inwards_from_edges(of, b, at));
+    at = vec3_add(at, vec3_scale(inwards, INWARDS));
+    double nearer = vec3_dot(a->n, at) / a->d - vec3_dot(b->n, at) / b->d;
+    return nearer != 0 ? nearer > 0 : is_first(a, b);
+}
+
+// ---- finds the face seen along each direction.
+//
+// A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
+// at 1 / distance = dot(n, w) / d, which is linear in w (design.md). The forms are made in doubles from the eye; they are
+// floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
+// falls between them; a direction right on it is in both, and depth or the lower number decides.
+//
+// Faces that floats cannot tell apart along a direction are told apart in doubles.
+//
+// Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
+// its edges do not reach, and over what lies wholly behind things already seen.
+
+// How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
+#define NEAREST_MARGIN 1e-3
+
+// A face on its way through the hierarchy.
+typedef struct Drawing {
+    Form near;
+    float nearest;  // 1 / distance of nowhere on the face is above this
+    float tie;      // 1 / distances that differ by less may be the same, or the other way round
+    int face;
+    bool by_depth;  // what lies behind what was drawn is passed over
+    const SamplerView *of;
+    const Form *edges;  // [edge_count]
+    int edge_count, crossing_count;
+    unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
+    const Form **
+        crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
+} Drawing;
+
+static ViewFrame frame_of(const Sampler *s, const View *view) {
+    Vec3 x = view->x, y = view->y, z = view->z;
+    return (ViewFrame){.x = {x.x, y.x, z.x, 0},
+                       .y = {x.y, y.y, z.y, 0},
+                       .z = {x.z, y.z, z.z, 0},
+                       .stay = {s->cosine, s->cosine, 1, 0},
+                       .cross = {s->sine, -s->sine, 0, 0},
+                       .eye = view->eye};
+}
+
+static inline Form form_of(Four v) {
+    typedef float FourFloats __attribute__((vector_size(16)));
+    typedef int32_t FourInts __attribute__((vector_size(16)));
+    union {
+        Form form;
+        FourFloats part[2];
+    } u;
+    u.part[0] = __builtin_convertvector(v, FourFloats);
+    u.part[1] = (FourFloats)((FourInts)u.part[0] & 0x7fffffff);
+    return u.form;
+}
+
+// 1 / distance.
+static inline Form near_form(const ViewFrame *frame, const ViewFace *face) {
+    Four n = {face->n.x, face->n.y, face->n.z, 0};
+    return form_of(view_frame_turned(frame, n) * (1 / face->d));
+}
+
+// How many faces ahead memory is asked for: where a face's edges are, then the edges.
+enum { AHEAD = 8, FAR_AHEAD = 16 };
+
+static inline void fetch_ahead(const Sampler *s, const View *view, int at) {
+    const FaceLines *o = &s->outlines;
+    if (at + FAR_AHEAD < view->face_count)
+        __builtin_prefetch(&o->first_edge[view->faces[at + FAR_AHEAD].face]);
+    if (at + AHEAD < view->face_count)
+        __builtin_prefetch(&o->edges[o->first_edge[view->faces[at + AHEAD].face]]);
+}
+
+// From the eye, as the view has it, to the last bit; the fourth number is any.
+static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec3 *own, int name) {
+    Four v;
+    if (name >= 0) {
+        memcpy(&v, own + name, sizeof v);
+        return v;
+    }
+    Vec3 off = vec3_sub(s->mesh->vertices[~name], frame->eye);
+    return view_frame_of(frame, off);
+}
+
+// For each edge the plane through it and the eye, in the samples' axes; its length says nothing.
+static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *view, const ViewFace *face) {
+    const FaceLines *o = &s->outlines;
+    int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
+    const Vec3 *own = view->vertices + face->first_vertex;
+    double side = face->d > 0 ? 1 : -1;  // seen from behind, edges go counter-clockwise
+    for (int i = 0; i < count; i++) {
+        const FaceEdge *edge = &o->edges[first + i];
+        Four p = vertex_of(s, frame, own, edge->from), q = vertex_of(s, frame, own, edge->to);
+        Four turn_p = __builtin_shufflevector(p, p, 1, 2, 0, 3),
+             turn_q = __builtin_shufflevector(q, q, 1, 2, 0, 3);
+        Four n = p * turn_q - turn_p * q;
+        s->edges[i] = form_of(view_frame_turned(frame, __builtin_shufflevector(n, n, 1, 2, 0, 3)) * side);
+    }
+    return count;
+}
+
+// A bound for the whole face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
+// of a plane that is seen edge-on.
+static float nearest_of(const View *view, const ViewFace *face) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Vec3 sum = {0, 0, 0};
+    for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, v[i]);
+    double least = INFINITY;
+    for (int i = 0; i < face->vertex_count; i++) {
+        double along = vec3_dot(sum, v[i]);
+        least = along < least ? along : least;
+    }
+    double length = vec3_length(sum), away = fabs(face->d);
+    if (least > away * length) away = least / length;
+    return (float)((1 + NEAREST_MARGIN) / away);
+}
+
+// ---- boxes
+
+// A form's value in the middle of each box, and how far it may be from that anywhere in it.
+static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->x), b->x,
+                             lane_multiply_add(lane_of(f->y), b->y, lane_of(f->z) * b->z));
+}
+static inline Lane spread_in(const SampleBoxes *b, const Form *f) {
+    return lane_multiply_add(lane_of(f->abs_x), b->half_x,
+                             lane_multiply_add(lane_of(f->abs_y), b->half_y, lane_of(f->abs_z) * b->half_z));
+}
+
+static inline LaneInt boxes_before(const SampleBoxes *b, const Drawing *d) {
+    Lane nearest = lane_least(middle_in(b, &d->near) + spread_in(b, &d->near), lane_of(d->nearest));
+    return (nearest + d->tie >= b->far) & (nearest > 0);
+}
+
+static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, LaneInt *crossed) {
+    Lane middle = middle_in(b, edge), spread = spread_in(b, edge);
+    *crossed = middle <= spread;
+    return middle + spread >= 0;
+}
+
+// Picks those of sixteen boxes that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
+    LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
+    if (lane_mask(low | high) == 0) return 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        LaneInt crossed_low, crossed_high;
+        low &= boxes_at_edge(&b[0], &d->edges[e], &crossed_low);
+        high &= boxes_at_edge(&b[1], &d->edges[e], &crossed_high);
+        d->crossed[e] = lane_mask(crossed_low) | lane_mask(crossed_high) << LANES;
+    }
+    return lane_mask(low) | lane_mask(high) << LANES;
+}
+
+// The edges that cross box i.
+static inline int choose_edges(const Drawing *d, int i) {
+    int count = 0;
+    for (int e = 0; e < d->edge_count; e++) {
+        d->crossing[count] = &d->edges[e];
+        count += (int)(d->crossed[e] >> i & 1);
+    }
+    return count;
+}
+
+// ---- directions
+
+// A form's values along row 0, 1, .. of a block.
+static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool flat) {
+    Lane across = lane_of(f->x) * (flat ? b->columns : b->x[row]);
+    Lane y = flat ? lane_of(((const float *)&b->rows)[row]) : b->y[row];
+    return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
+}
+
+// Among the directions of a row that see another face as near, those that see this one all the same.
+static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
+    LaneInt wins = {0};
+    for (unsigned left = lane_mask(tied); left;) {
+        int other = before[__builtin_ctz(left)];
+        unsigned same = lane_mask(before == lane_int_of(other)) & left;
+        left &= ~same;
+        // Mostly the two lie in one plane, and what holds for one direction holds for all.
+        int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
+        for (; same; same &= same - 1) {
+            int i = __builtin_ctz(same);
+            Vec3 w = vec3((double)b->x[row][i], (double)b->y[row][i], (double)b->z[row][i]);
+            wins[i] = all > 0 || (all == 0 && sampler_tie_along(d->of, d->face, other, w)) ? -1 : 0;
+        }
+    }
+    return wins;
+}
+
+// Decides the places that a drawn block left open. The depth seen stays as near, by less than a tie.
+static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                             const LaneInt outside[SAMPLER_BLOCK]) {
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        Lane value = lane_least(form_at(&d->near, b, row, false), lane_of(d->nearest));
+        LaneInt before = items->face[row];
+        LaneInt tied = ~outside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
+        if (lane_mask(tied) == 0) continue;
+        LaneInt wins = settle_row(d, b, row, tied, before);
+        items->near[row] = lane_choose(wins, value, items->near[row]);
+        items->face[row] = lane_choose_int(wins, lane_int_of(d->face), before);
+    }
+}
+
+// Places inside the face, where it is nearer than the depth there, see it from now on. Returns the least 1 / distance now seen in the
+// block.
+static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
+                                const LaneInt outside[SAMPLER_BLOCK], bool flat) {
+    Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
+    LaneInt face = lane_int_of(d->face), open = {0};
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        Lane value = lane_least(form_at(&d->near, b, row, flat), nearest), old = items->near[row];
+        Lane nearer = value - old;
+        LaneInt in = ~outside[row] & (nearer > d->tie);  // the sign of `outside` alone tells
+        open |= ~outside[row] & (lane_abs(nearer) <= d->tie);
+        Lane now = lane_choose(in, value, old);
+        items->near[row] = now;
+        items->face[row] = lane_choose_int(in, face, items->face[row]);
+        far = lane_least(far, now);
+    }
+    if (__builtin_expect(lane_mask(open) != 0, 0)) settle(b, items, d, outside);
+    return lane_least_of(far);
+}
+
+// A direction is inside where no form is below 0: no sign bit is set.
+static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far,
+                              bool flat) {
+    LaneInt outside[SAMPLER_BLOCK], all = ~(LaneInt){0};
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] = (LaneInt){0};
+    for (int e = 0; e < d->crossing_count; e++) {
+        Form edge = *d->crossing[e];
+        LANE_UNROLL
+        for (int row = 0; row < SAMPLER_BLOCK; row++) outside[row] |= lane_bits(form_at(&edge, b, row, flat));
+    }
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) all &= outside[row];
+    if (lane_mask(all) != 0xff) *far = draw_inside(b, items, d, outside, flat);
+}
+
+// Returns how many blocks were looked at.
+static inline int draw_group(Sampler *s, int group, Drawing *d) {
+    SampleBoxes *boxes = &s->block_boxes[group * 2];
+    unsigned reached = boxes_reached(boxes, d), used = s->used[group];
+    int count = __builtin_popcount(reached);
+    for (; reached; reached &= reached - 1) {
+        unsigned bit = reached & -reached;
+        int i = __builtin_ctz(reached), block = s->first_block[group] + __builtin_popcount(used & (bit - 1));
+        float unused = 0, *far = d->by_depth ? (float *)&boxes[i / LANES].far + i % LANES : &unused;
+        d->crossing_count = choose_edges(d, i);
+        if (s->flat)
+            draw_block(&s->blocks[block], &s->items[block], d, far, true);
+        else
+            draw_block(&s->blocks[block], &s->items[block], d, far, false);
+    }
+    return count;
+}
+
+static void draw_face(Sampler *s, Drawing *d, FormFactorWork *work) {
+    for (int first = 0; first < s->group_count; first += 2 * LANES) {
+        SampleBoxes *groups = &s->group_boxes[first / LANES];
+        for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
+            int i = __builtin_ctz(reached), group = first + i;
+            int blocks = draw_group(s, group, d);
+            if (blocks == 0) continue;
+            work->tests += blocks * SAMPLER_BLOCK * LANES;
+            if (!d->by_depth) continue;
+            const SampleBoxes *boxes = &s->block_boxes[group * 2];
+            groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+        }
+    }
+}
+
+static void clear(Sampler *s) {
+    memcpy(s->items, s->nothing, (size_t)s->block_count * sizeof *s->items);
+    Lane none = lane_of(INFINITY);
+    for (int k = 0; k < s->group_count * 2; k++)
+        s->block_boxes[k].far = lane_choose(s->block_boxes[k].half_x > 0, (Lane){0}, none);
+    for (int k = 0; k * LANES < s->group_count; k++)
+        s->group_boxes[k].far = lane_choose(s->group_boxes[k].half_x > 0, (Lane){0}, none);
+}
+
+void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
+    s->stamp++;
+    clear(s);
+    s->frame = frame_of(s, view);
+    SamplerView of = {s, view};
+    float tie = 0;
+    for (int i = 0; i < view->face_count; i++) {
+        const ViewFace *face = &view->faces[i];
+        s->view_index[face->face] = i;
+        fetch_ahead(s, view, i);
+        Form near = near_form(&s->frame, face);
+        tie = fmaxf(tie, sampler_tie_within(&near));
+        Drawing d = {.near = near,
+                     .nearest = nearest_of(view, face),
+                     .tie = tie,
+                     .by_depth = view->by_depth,
+                     .of = &of,
+                     .edges = s->edges,
+                     .edge_count = make_edges(s, &s->frame, view, face),
+                     .crossed = s->crossed,
+                     .crossing = s->crossing,
+                     .face = face->face};
+        draw_face(s, &d, work);
+    }
+    work->samples += s->samples.count;
+}
+
+// ---- what was drawn, as items or as shares of elements: of a direction w that sees a face, column and row in the
+// face's grid are linear in w over dot(n, w) / d, so that an element is found by one division (design.md: "find the element
+// under a sample from where it hits its polygon").
+
+void sampler_items(const Sampler *self, int32_t *item) {
+    for (int row = 0; row < self->block_count * SAMPLER_BLOCK; row++) {
+        const int32_t *face = (const int32_t *)&self->items[row / SAMPLER_BLOCK].face[row % SAMPLER_BLOCK];
+        for (unsigned mask = self->masks[row]; mask; mask &= mask - 1) {
+            int seen = face[__builtin_ctz(mask)];
+            *item++ = seen < 0 ? -1 : self->view_index[seen];
+        }
+    }
+}
+
+static GridForm grid_form(const Sampler *s, Vec3 v) {
+    Four turned = view_frame_turned(&s->frame, view_frame_of(&s->frame, v));
+    return (GridForm){(float)turned[0], (float)turned[1], (float)turned[2]};
+}
+
+static const FaceGrid NO_FACE = {.one = NOTHING};
+
+static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
+    FaceGrid *grid = &s->grids[face];
+    if (s->grid_stamp[face] == s->stamp) return grid;
+    s->grid_stamp[face] = s->stamp;
+    const Face *f = &s->mesh->faces[face];
+    const ViewFace *seen = &view->faces[s->view_index[face]];
+    // The plane's point along w is w / dot(n / d, w) from the eye.
+    Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
+    Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
+    Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
+    *grid = (FaceGrid){.column = grid_form(s, column),
+                       .row = grid_form(s, row),
+                       .first_square = f->first_square,
+                       .nx = f->nx,
+                       .ny = f->ny,
+                       .one = seen->d > 0 ? BACK : s->lone[face]};
+    return grid;
+}
+
+static inline Lane grid_form_at(GridForm f, const SampleBlock *b, int row) {
+    return lane_multiply_add(lane_of(f.x), b->x[row],
+                             lane_multiply_add(lane_of(f.y), b->y[row], lane_of(f.z) * b->z[row]));
+}
+
+// Eight numbers as whole ones in 0 .. count - 1; 0 in place of one that is no number.
+static inline LaneInt whole(Lane a, Lane most) {
+    return __builtin_convertvector(lane_least(lane_most(a, (Lane){0}), most), LaneInt);
+}
+
+// Puts, where `here` says that a block's directions meet the face, the squares in which they do.
+static inline void meet_face(const FaceGrid *grid, const SampleBlock *b, const Lane distance[SAMPLER_BLOCK],
+                             const LaneInt here[SAMPLER_BLOCK], LaneInt square[SAMPLER_BLOCK]) {
+    Lane last_column = lane_of((float)grid->nx - 0.5f), last_line = lane_of((float)grid->ny - 0.5f);
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        LaneInt column = whole(grid_form_at(grid->column, b, row) * distance[row], last_column);
+        LaneInt line = whole(grid_form_at(grid->row, b, row) * distance[row], last_line);
+        square[row] =
+            lane_choose_int(here[row], line * grid->nx + (column + grid->first_square), square[row]);
+    }
+}
+
+static inline void put_square(int32_t value, const LaneInt here[SAMPLER_BLOCK],
+                              LaneInt square[SAMPLER_BLOCK]) {
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++)
+        square[row] = lane_choose_int(here[row], lane_int_of(value), square[row]);
+}
+
+// The squares, of Mesh.squares, or what there is instead, where a block's directions in `mask` end.
+static inline void find_squares(Sampler *s, const View *view, int block, uint64_t mask,
+                                LaneInt square[SAMPLER_BLOCK]) {
+    const LaneInt *faces = s->items[block].face;
+    Lane distance[SAMPLER_BLOCK];
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) distance[row] = 1 / s->items[block].near[row];
+    for (uint64_t left = mask, seen; left; left &= ~seen) {
+        int at = __builtin_ctzll(left), face = ((const int32_t *)faces)[at];
+        LaneInt here[SAMPLER_BLOCK];
+        seen = 0;
+        LANE_UNROLL
+        for (int row = 0; row < SAMPLER_BLOCK; row++) {
+            here[row] = faces[row] == face;
+            seen |= (uint64_t)lane_mask(here[row]) << (row * LANES);
+        }
+        const FaceGrid *grid = face < 0 ? &NO_FACE : grid_of(s, view, face);
+        if (grid->one == MANY)
+            meet_face(grid, &s->blocks[block], distance, here, square);
+        else
+            put_square(grid->one, here, square);
+    }
+}
+
+// Where the polygon is not, by a rounding or beside a slanted edge: the nearest square that has an element.
+static int element_beside(const Sampler *s, const View *view, int block, int at) {
+    const SampleBlock *b = &s->blocks[block];
+    int row = at / LANES, lane = at % LANES, face = s->items[block].face[row][lane];
+    double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
+    double distance = 1 / (double)s->items[block].near[row][lane];
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
+    Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));
+    return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
+}
+
+// The places `run` of a block.
+static double share_of(const Sampler *s, int block, uint64_t run) {
+    if (s->equal) return __builtin_popcountll(run);
+    double share = 0;
+    for (; run; run &= run - 1)
+        share += (double)s->weights[block * SAMPLER_BLOCK * LANES + __builtin_ctzll(run)];
+    return share;
+}
+
+static void add_beside(const Sampler *s, const View *view, int block, uint64_t run, RowSum *sum) {
+    for (; run; run &= run - 1) {
+        int element = element_beside(s, view, block, __builtin_ctzll(run));
+        row_add(sum, element, share_of(s, block, run & -run));
+    }
+}
+
+static void add_nothing(const Sampler *s, const View *view, int block, uint64_t run, RowSum *sum) {
+    const SampleBlock *b = &s->blocks[block];
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
+    sum->escaped += share_of(s, block, run);
+    for (; run; run &= run - 1) {
+        int at = __builtin_ctzll(run), row = at / LANES, lane = at % LANES;
+        double height = (double)b->x[row][lane] * side.z + (double)b->y[row][lane] * up.z +
+                        (double)b->z[row][lane] * view->z.z;
+        if (height > 0) sum->sky += share_of(s, block, run & -run);
+    }
+}
+
+// A block's directions, neighbours in one square at once.
+static void sum_block(Sampler *s, const View *view, int block, uint64_t mask, RowSum *sum) {
+    LaneInt square[SAMPLER_BLOCK] = {0};
+    find_squares(s, view, block, mask, square);
+    uint64_t ends = 0;
+    LANE_UNROLL
+    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+        LaneInt next = __builtin_shufflevector(square[row], square[row], 1, 2, 3, 4, 5, 6, 7, 7);
+        ends |= (uint64_t)((~lane_mask(square[row] == next) & 0xff) | 1 << (LANES - 1)) << (row * LANES);
+    }
+    for (uint64_t left = ~(uint64_t)0; ends; ends &= ends - 1) {
+        int end = __builtin_ctzll(ends), at = ((const int32_t *)square)[end];
+        uint64_t run = left & (ends ^ (ends - 1)) & mask;
+        left = ~(ends ^ (ends - 1));
+        if (run == 0) continue;
+        double share = share_of(s, block, run);
+        int element = at >= 0 ? s->mesh->squares[at] : -1;
+        if (element >= 0)
+            row_add(sum, element, share);
+        else if (at >= 0)
+            add_beside(s, view, block, run, sum);
+        else if (at == BACK)
+            sum->back += share;
+        else
+            add_nothing(s, view, block, run, sum);
+    }
+}
+
+// Bytes of a table asked for ahead at most.
+enum { MOST_FETCHED = 4096 };
+
+static void fetch(const void *from, size_t bytes) {
+    for (size_t i = 0; i < bytes && i < MOST_FETCHED; i += 64) __builtin_prefetch((const char *)from + i);
+}
+
+// Fetches the data for most of the row while its beginning is on its way: the faces in the corners of the blocks' halves.
+static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
+    for (int at = 0; at < s->block_count * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
+        if (s->masks[at] == 0) continue;
+        int face = s->items[at / SAMPLER_BLOCK].face[at % SAMPLER_BLOCK][__builtin_ctz(s->masks[at])];
+        if (face < 0 || s->grid_stamp[face] == s->stamp) continue;
+        const FaceGrid *grid = grid_of(s, view, face);
+        if (grid->one == BACK) continue;
+        size_t elements = (size_t)s->mesh->faces[face].element_count;
+        fetch(sum->share + s->mesh->faces[face].first_element, elements * sizeof *sum->share);
+        fetch(s->mesh->squares + grid->first_square, (size_t)grid->nx * (size_t)grid->ny * sizeof(int));
+    }
+}
+
+void sampler_row(Sampler *s, const View *view, RowSum *sum) {
+    fetch_faces(s, view, sum);
+    for (int block = 0; block < s->block_count; block++) {
+        uint64_t mask;
+        memcpy(&mask, s->masks + block * SAMPLER_BLOCK, sizeof mask);
+        if (mask) sum_block(s, view, block, mask, sum);
+    }
+}
 
 // Boxes are larger by this than their unit directions: a form's value at a direction or a box's corner is right to a few
 // units in the last place of a float, as a share of the sum of its coefficients.

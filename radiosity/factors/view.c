@@ -10,8 +10,6 @@
 #include "engine/core/error.h"
 #include "engine/core/lanes.h"
 
-const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS] = {"none", "depth", "cells", "plan", "portals"};
-
 // An eye nearer than this to a plane is on it, metres: the rounding of coordinates up to some km; a sheet at 2e-7 stays.
 static const double ON_PLANE = 1e-9;
 // The same for places far from the origin, of the largest coordinate: eight roundings.
@@ -206,11 +204,11 @@ static inline void fetch_ahead(const Viewer *viewer, const int *objects, int lef
     }
 }
 
-static void take_query(const Look *look, int cell, VisMethod method) {
+static void take_query(const Look *look, int cell, Culling culling) {
     Viewer *viewer = look->viewer;
     Eye eye = {.position = look->eye, .frustum_count = 1, .on_surface = true};
     eye.frustum[0] = (Plane){look->z, vec3_dot(look->z, look->eye)};
-    VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, method);
+    VisResult result = vis_query(viewer->query, &eye, cell, viewer->door_open, culling);
     for (int i = 0; i < result.object_count; i++) {
         fetch_ahead(look->viewer, result.objects + i, result.object_count - i);
         take_object(look, result.objects[i]);
@@ -255,8 +253,8 @@ static void list_view(const Look *look) {
     }
 }
 
-const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling) {
-    CORE_ASSERT(culling < VIEW_CULLINGS);
+const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling) {
+    CORE_ASSERT(culling < CULLINGS);
     CORE_ASSERT(from->cell < viewer->mesh->graph->cell_count);
     Look look = {.viewer = viewer, .eye = from->eye, .z = from->normal};
     view_axes(look.z, &look.x, &look.y);
@@ -268,14 +266,14 @@ const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culli
     view->x = look.x;
     view->y = look.y;
     view->z = look.z;
-    view->by_depth = culling != CULL_NOTHING;
+    view->by_depth = culling != CULL_NONE;
     view->vertex_count = viewer->key_count = 0;
-    if (from->cell < 0 || culling == CULL_NOTHING || culling == CULL_DEPTH) {
+    if (from->cell < 0 || culling == CULL_NONE || culling == CULL_DEPTH) {
         for (int f = 0; f < viewer->mesh->face_count; f++) take_face(&look, f);
     } else if (culling == CULL_CELLS) {
         take_cells(&look, from->cell);
     } else {
-        take_query(&look, from->cell, culling == CULL_PLAN ? VIS_PLAN : VIS_STAB);
+        take_query(&look, from->cell, culling);
     }
     list_view(&look);
     return view;

@@ -12,7 +12,7 @@ typedef struct ViewFace {
     double d;                        // dot(n, p) = d on its plane; below 0: the eye is in front of it
 } ViewFace;
 
-// The faces before a point.
+// The faces before a point. They lie in the viewer, until this looks again.
 typedef struct View {
     Vec3 eye, x, y, z;  // building space; x, y, z are unit and right-handed
     // Those with a point above the horizon (z > 0) whose planes do not hold the eye; near to far as their nearest
@@ -30,22 +30,14 @@ typedef struct ViewPoint {
     int cell;  // of the graph, in front of the surface; -1: unknown, nothing is culled
 } ViewPoint;
 
-typedef enum ViewCulling {
-    CULL_NOTHING,  // every face above the horizon is drawn
-    CULL_DEPTH,    // but for what the depths of those before it hide: as all that follow
-    CULL_CELLS,    // faces of the cells in the stab tree (cell-to-cell)
-    CULL_PLAN,     // stab tree and Oki's horizontal angle (section 3.1), squares of the mesh in each cell
-    CULL_PORTALS,  // stab tree, portals clipped in three dimensions
-    VIEW_CULLINGS
-} ViewCulling;
-extern const char *const VIEW_CULLING_NAMES[VIEW_CULLINGS];  // "none", "depth", "cells", "plan", "portals"
-
-// One thread's.
+// A viewer lists the faces before points. It is one thread's at a time, and lives in the arena of viewer_new; mesh and forest outlive
+// it.
 typedef struct Viewer Viewer;
 // `door_open` as for mesh_build. All memory is taken here.
 Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena);
-// Valid until the next look. Allocates nothing.
-const View *viewer_look(Viewer *viewer, const ViewPoint *from, ViewCulling culling);
+// Valid until the next look. Allocates nothing. Of culling: CULL_NONE lists every face above the horizon; with all others the samplers
+// also leave out what the depths of faces drawn before hide, and with CULL_DEPTH this alone; CULL_PLAN takes the squares of each cell.
+const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling);
 // Axes for a normal, the same whenever asked.
 void view_axes(Vec3 normal, Vec3 *x, Vec3 *y);
 

@@ -10,6 +10,7 @@
 // Where a mesh is finer than elsewhere: of each root of each face, in their order, a tree, depth first. Above patches a bit a
 // square: split into four, or not; one that is not is a patch, and the tree of its elements follows: squares halved into rectangles,
 // these into squares again. A bit a node: halved, or not; and of squares that are another, along which axis: 0, x.
+// Read only once they are made; `bits` are the maker's.
 typedef struct MeshSplits {
     int bit_count;
     unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is a patch
@@ -78,7 +79,7 @@ typedef struct Patch {
     Vec3 centre;  // of its area, a point of the polygon; where that is inside a wall, of what is in `cell`
 } Patch;
 
-// All of it.
+// All of it. Read only once it is made: any number of threads. It lives in the arena of the call that made it; its graph outlives it.
 typedef struct Mesh {
     const CellGraph *graph;
     MeshOptions options;

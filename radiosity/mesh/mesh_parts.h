@@ -22,29 +22,9 @@ typedef struct MeshBuilder {
     int laid, cut;  // bits of the splits read so far, by those who lay grids and by those who cut along them
 } MeshBuilder;
 
-// Squares i0 .. i1 by j0 .. j1 of a face, both included.
-typedef struct MeshBlock {
-    int i0, j0, i1, j1;
-} MeshBlock;
-
-// An element to be, before it is cut: what a block of squares holds of the face.
-typedef struct MeshLeaf {
-    MeshBlock block;
-    MeshDepth depth;
-    int patch;    // leaves of one have one number, each its own where they begin
-    double area;  // m^2; 0: none, or joined to another
-} MeshLeaf;
-
-// mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
-int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out);
-// How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
-int mesh_deepest(MeshBuilder *builder, double roots);
-
-// mesh_grid.c: the grid of a face with these corners, places of the builder; and a finer one where cuts cross it, so that only what
-// lies in few small squares takes a search.
+// mesh_squares.c: the grid of a face with these corners, places of the builder.
 void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count);
-void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face);
-// mesh_anchor.c: outlines of faces from their corners, places of the builder; and of all elements, once they are cut.
+// mesh_places.c: outlines of faces from their corners, places of the builder; and of all elements, once they are cut.
 void mesh_anchor_outlines(MeshBuilder *builder, int *corner);
 void mesh_anchor_elements(MeshBuilder *builder);
 // mesh_contacts.c: the cuts of all faces, whose outlines are places by then. False where there are too many to look for.

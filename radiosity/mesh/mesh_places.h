@@ -23,29 +23,4 @@ void places_start(Places *places, Arena *arena);
 // The place of a point: the first that came within MESH_WELD of it.
 int places_add(Places *places, Vec3 point);
 
-// Points sorted into cubes of side `size`.
-typedef struct PlaceGrid {
-    const Vec3 *points;
-    double size, shift;
-    unsigned slot_count;         // a power of two
-    int *first;                  // [slot_count + 1] in `sorted`
-    struct PlaceInGrid *sorted;  // [point_count]
-} PlaceGrid;
-
-PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *arena);
-
-typedef struct PlaceOnEdge {
-    double t;  // 0 at the edge's beginning .. 1
-    int point;
-} PlaceOnEdge;
-
-// The points within MESH_WELD of the edge a -> b but its ends, in order along it; returns how many there are. `found`
-// grows in the arena.
-typedef struct PlacesFound {
-    PlaceOnEdge *found;
-    int count, capacity;
-    Arena *arena;
-} PlacesFound;
-int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *out);
-
 #endif

@@ -2,9 +2,306 @@
 // its outline, where slivers are joined to their neighbours (Cohen & Wallace 1993, chapter 6: elements of even size and good shape).
 #include <string.h>
 
+#include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "engine/core/polygon.h"
 #include "radiosity/mesh/mesh_parts.h"
+
+// Squares i0 .. i1 by j0 .. j1 of a face, both included.
+typedef struct MeshBlock {
+    int i0, j0, i1, j1;
+} MeshBlock;
+
+// An element to be, before it is cut: what a block of squares holds of the face.
+typedef struct MeshLeaf {
+    MeshBlock block;
+    MeshDepth depth;
+    int patch;    // leaves of one have one number, each its own where they begin
+    double area;  // m^2; 0: none, or joined to another
+} MeshLeaf;
+
+// ---- trees over the faces of a mesh: which squares are one element, and which elements shoot together.
+
+// The fate of a node.
+typedef enum Cut { WHOLE, QUARTERS, HALVES } Cut;
+
+// A node of a tree: a square, or the half of one.
+typedef struct Node {
+    int depth, patch;  // of the square; the depth of the patch it is in, -1: above patches
+    int axis;          // that it was halved along, -1: a square.
+} Node;
+static const Node ROOT = {0, -1, -1};
+
+static bool may_split(Node node) {
+    return node.axis >= 0 ||
+           (node.depth < MESH_DEEPEST && (node.patch < 0 || node.depth - node.patch < MESH_IN_PATCH));
+}
+
+static MeshDepth depth_of(Node node) {
+    return (MeshDepth){(unsigned char)(node.depth + (node.axis == 0)),
+                       (unsigned char)(node.depth + (node.axis == 1))};
+}
+
+static MeshBlock half_block(MeshBlock b, int axis, int k) {
+    int middle = axis == 0 ? (b.i0 + b.i1 + 1) / 2 : (b.j0 + b.j1 + 1) / 2;
+    // Below a single square all is as that wants it.
+    if (axis == 0 && b.i0 < b.i1) return k ? (b.i0 = middle, b) : (b.i1 = middle - 1, b);
+    if (axis == 1 && b.j0 < b.j1) return k ? (b.j0 = middle, b) : (b.j1 = middle - 1, b);
+    return b;
+}
+
+// The child k of a block; quarters row by row.
+static MeshBlock part(MeshBlock b, Cut cut, int axis, int k) {
+    return cut == QUARTERS ? half_block(half_block(b, 0, k % 2), 1, k / 2) : half_block(b, axis, k);
+}
+
+// Halves of a square are rectangles, those of a rectangle squares again.
+static Node below(Node node, Cut cut, int axis) {
+    bool square = cut == QUARTERS || node.axis >= 0;
+    return square ? (Node){node.depth + 1, node.patch, -1} : (Node){node.depth, node.patch, axis};
+}
+
+// ---- reading
+
+static bool read_bit(const MeshSplits *splits, int *at) {
+    int i = (*at)++;
+    return i < splits->bit_count && (splits->bits[i / 8] >> i % 8 & 1) != 0;
+}
+
+// One above patches that is not split becomes a patch.
+static Cut read_cut(const MeshSplits *splits, int *at, Node *node, int *axis) {
+    if (!splits->bits) {
+        node->patch = 0;
+        return node->depth < splits->even ? QUARTERS : WHOLE;
+    }
+    if (node->patch < 0) {
+        if (may_split(*node) && read_bit(splits, at)) return QUARTERS;
+        node->patch = node->depth;
+    }
+    if (!may_split(*node) || !read_bit(splits, at)) return WHOLE;
+    *axis = node->axis >= 0 ? 1 - node->axis : read_bit(splits, at);
+    return HALVES;
+}
+
+static int deepest(const MeshSplits *splits, int *at, Node node) {
+    int axis = 0;
+    Cut cut = read_cut(splits, at, &node, &axis);
+    if (cut == WHOLE) return node.depth + (node.axis >= 0);
+    int most = 0;
+    for (int k = 0; k < (cut == QUARTERS ? 4 : 2); k++) {
+        int depth = deepest(splits, at, below(node, cut, axis));
+        most = depth > most ? depth : most;
+    }
+    return most;
+}
+
+// How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
+static int mesh_deepest(MeshBuilder *builder, double roots) {
+    const MeshSplits *splits = builder->mesh->options.splits;
+    if (!splits->bits) return splits->even;
+    int most = 0;
+    for (double i = 0; i < roots && builder->laid < splits->bit_count; i++) {
+        int depth = deepest(splits, &builder->laid, ROOT);
+        most = depth > most ? depth : most;
+    }
+    return most;
+}
+
+// Returns how many leaves there are now. Those of one patch have the number of its first.
+static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch, MeshLeaf *out, int count) {
+    int axis = 0;
+    bool above = node.patch < 0;
+    Cut cut = read_cut(builder->mesh->options.splits, &builder->cut, &node, &axis);
+    if (above && node.patch >= 0) patch = count;
+    if (cut == WHOLE) {
+        out[count] = (MeshLeaf){.block = block, .depth = depth_of(node), .patch = patch};
+        return count + 1;
+    }
+    for (int k = 0; k < (cut == QUARTERS ? 4 : 2); k++)
+        count = list_node(builder, part(block, cut, axis, k), below(node, cut, axis), patch, out, count);
+    return count;
+}
+
+// Without splits: each patch's elements, of as many squares as the grid was made finer.
+static int list_squares(const Face *face, int i0, int j0, int per_patch, int count, MeshLeaf *out) {
+    int first = count, side = face->root / per_patch;
+    for (int j = j0; j < j0 + face->root; j += side)
+        for (int i = i0; i < i0 + face->root; i += side)
+            out[count++] = (MeshLeaf){.block = {i, j, i + side - 1, j + side - 1}, .patch = first};
+    return count;
+}
+
+// mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
+static int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
+    int count = 0;
+    for (int j = 0; j < face->ny; j += face->root) {
+        for (int i = 0; i < face->nx; i += face->root) {
+            MeshBlock root = {i, j, i + face->root - 1, j + face->root - 1};
+            count = builder->mesh->options.splits
+                        ? list_node(builder, root, ROOT, 0, out, count)
+                        : list_squares(face, i, j, builder->mesh->options.per_patch, count, out);
+        }
+    }
+    return count;
+}
+
+// ---- writing
+
+typedef struct Writer {
+    const Mesh *mesh;
+    const Face *face;
+    const unsigned char *patch;
+    const MeshDepth *element;
+    Arena *arena;
+    MeshSplits *out;
+    int capacity;
+} Writer;
+
+static bool write_bit(Writer *w, bool bit) {
+    int at = w->out->bit_count++, bytes = at / 8;
+    if (at % 8 == 0) *ARENA_PUSH(w->arena, w->out->bits, bytes, w->capacity) = 0;
+    if (bit) w->out->bits[at / 8] = (unsigned char)(w->out->bits[at / 8] | 1 << at % 8);
+    return bit;
+}
+
+// The most that is asked for in a block, of its patches and along each axis of its elements.
+typedef struct Wanted {
+    int patch, along[2];
+} Wanted;
+
+static Wanted wanted_in(const Writer *w, MeshBlock b) {
+    Wanted most = {0};
+    for (int j = b.j0; j <= b.j1; j++) {
+        for (int i = b.i0; i <= b.i1; i++) {
+            int e = mesh_square(w->mesh, w->face->first_square + j * w->face->nx + i);
+            if (e < 0) continue;
+            MeshDepth depth = w->element[e];
+            if (w->patch[e] > most.patch) most.patch = w->patch[e];
+            if (depth.x > most.along[0]) most.along[0] = depth.x;
+            if (depth.y > most.along[1]) most.along[1] = depth.y;
+        }
+    }
+    return most;
+}
+
+// Where a square is wanted halved along both axes, the first halving leaves one half whole, where there is one.
+static int first_axis(const Writer *w, MeshBlock b, int depth, const Wanted *wanted) {
+    if (wanted->along[1] <= depth) return 0;
+    if (wanted->along[0] <= depth) return 1;
+    for (int k = 0; k < 2; k++)
+        if (wanted_in(w, half_block(b, 1, k)).along[0] <= depth) return 1;
+    return 0;
+}
+
+static Cut write_cut(Writer *w, MeshBlock b, Node *node, int *axis) {
+    Wanted wanted = wanted_in(w, b);
+    if (node->patch < 0) {
+        if (may_split(*node) && write_bit(w, wanted.patch > node->depth)) return QUARTERS;
+        node->patch = node->depth;
+    }
+    if (!may_split(*node)) return WHOLE;
+    *axis = node->axis >= 0 ? 1 - node->axis : first_axis(w, b, node->depth, &wanted);
+    if (!write_bit(w, wanted.along[*axis] > node->depth)) return WHOLE;
+    if (node->axis < 0) write_bit(w, *axis == 1);
+    return HALVES;
+}
+
+static void write_node(Writer *w, MeshBlock b, Node node) {
+    int axis = 0;
+    Cut cut = write_cut(w, b, &node, &axis);
+    for (int k = 0; cut != WHOLE && k < (cut == QUARTERS ? 4 : 2); k++)
+        write_node(w, part(b, cut, axis, k), below(node, cut, axis));
+}
+
+MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const MeshDepth *element,
+                        Arena *arena) {
+    CORE_ASSERT(mesh->options.splits);
+    Writer w = {mesh, NULL, patch, element, arena, ARENA_ARRAY(arena, MeshSplits, 1), 0};
+    for (int f = 0; f < mesh->face_count; f++) {
+        w.face = &mesh->faces[f];
+        int root = w.face->root;
+        for (int j = 0; j < w.face->ny; j += root)
+            for (int i = 0; i < w.face->nx; i += root)
+                write_node(&w, (MeshBlock){i, j, i + root - 1, j + root - 1}, ROOT);
+    }
+    return w.out;
+}
+
+// ---- the grid that a face is cut along: parallel to its longest edge, about its outline.
+
+// Side of squares on faces that are cut, metres; and how many there may be before they are larger.
+static const double SEARCHED = 0.06;
+static const int MOST_SEARCHED = 1 << 16;
+
+// How much longer than asked for an element's edges may be. Small faces make them shorter on the average.
+static const double LONGEST = 1.15;
+
+// How many patches of an edge length a side takes.
+static int patches_along(double length, double edge) {
+    double patches = ceil(length / (LONGEST * edge));
+    return patches < 1 ? 1 : (int)patches;
+}
+
+double mesh_count_even(const Mesh *mesh) {
+    double edge = mesh->options.element * mesh->options.per_patch, per = mesh->options.per_patch, count = 0;
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        count += per * patches_along(face->nx / vec3_length(face->gx), edge) * per *
+                 patches_along(face->ny / vec3_length(face->gy), edge);
+    }
+    return count;
+}
+
+void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int count) {
+    const Vec3 *points = builder->places.points;
+    Vec3 base = points[corner[0]], x = {0};
+    double longest = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 edge = vec3_sub(points[corner[(i + 1) % count]], points[corner[i]]);
+        double length = vec3_length(edge);
+        // Among edges equally long but for rounding the first.
+        if (length <= longest * (1 + 1e-9)) continue;
+        longest = length;
+        x = edge;
+    }
+    x = vec3_normalize(vec3_sub(x, vec3_scale(face->plane.n, vec3_dot(face->plane.n, x))));
+    Vec3 y = vec3_cross(face->plane.n, x);
+    double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        Vec3 p = vec3_sub(points[corner[i]], base);
+        x0 = fmin(x0, vec3_dot(x, p));
+        x1 = fmax(x1, vec3_dot(x, p));
+        y0 = fmin(y0, vec3_dot(y, p));
+        y1 = fmax(y1, vec3_dot(y, p));
+    }
+    const MeshOptions *options = &builder->mesh->options;
+    double edge = options->element * options->per_patch * (options->splits ? 2 : 1);
+    face->nx = patches_along(x1 - x0, edge);
+    face->ny = patches_along(y1 - y0, edge);
+    face->root = options->per_patch;
+    if (options->splits) face->root = 1 << mesh_deepest(builder, (double)face->nx * face->ny);
+    face->nx *= face->root;
+    face->ny *= face->root;
+    // On the plane, which corners miss where the polygon bends.
+    base = vec3_sub(base, vec3_scale(face->plane.n, vec3_dot(face->plane.n, base) - face->plane.d));
+    face->origin = vec3_add(base, vec3_add(vec3_scale(x, x0), vec3_scale(y, y0)));
+    face->gx = vec3_scale(x, face->nx / (x1 - x0));
+    face->gy = vec3_scale(y, face->ny / (y1 - y0));
+}
+
+static void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face) {
+    if (builder->first_cut[index] == builder->first_cut[index + 1]) return;
+    double side = 1 / fmin(vec3_length(face->gx), vec3_length(face->gy));
+    for (; side > SEARCHED && (long long)face->nx * face->ny < MOST_SEARCHED; side /= 2) {
+        face->nx *= 2;
+        face->ny *= 2;
+        face->root *= 2;
+        face->gx = vec3_scale(face->gx, 2);
+        face->gy = vec3_scale(face->gy, 2);
+    }
+}
+
+// ---- faces in squares
 
 enum { MESH_SEVERAL = -2 };
 

@@ -7,6 +7,7 @@
 // Elements that share an edge are smooth neighbours where they are of one material, nothing stands on the edge, and they lie in
 // one plane or are facets of one curved thing. Those of a vertex that are neighbours, or neighbours of neighbours there, have
 // one node: both ends of a smooth edge look the same from both sides, and each side of a crease has nodes of its own.
+// Read only once they are made: any number of threads. They live in the arena of the call that made them.
 typedef struct Nodes {
     int count;
     int *of_corner;  // [mesh->corner_count]

@@ -17,6 +17,7 @@ enum { PROXY_CORNERS = 12 };
 
 // Objects whose polygons are finer than light is told apart have stand-ins for these polygons; what is large, emits, moves or is
 // glass is as it was.
+// Read only once they are made: any number of threads. They live in the arena of the call that made them.
 typedef struct Proxies {
     double tolerance;   // metres
     Polygon *polygons;  // [polygon_count] by objects, convex, counter-clockwise from the front

@@ -27,7 +27,7 @@ static const double LEAST_INDOORS = 0.01;
 RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
                         .form_factor = form_factor_default_options(),
-                        .culling = CULL_PORTALS,
+                        .culling = CULL_STAB,
                         .lamp_detail = 4,
                         .reach = 2,
                         .residual = 0.001,

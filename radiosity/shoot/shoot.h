@@ -12,7 +12,7 @@ typedef struct RadSolution RadSolution;
 typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
-    ViewCulling culling;
+    Culling culling;
     bool lamps_only;  // only what is emitted is shot, nothing that was reflected
     int lamp_detail;  // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
     double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
@@ -33,7 +33,8 @@ RadOptions rad_default_options(void);
 // Puts, for a residual or a resolution of 0, what fits a mesh: where there are few patches, light may be found more exactly.
 void rad_fit(const Mesh *mesh, RadOptions *options);
 
-// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b.
+// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b. rad_shoot alone writes it, in its caller's thread; between two
+// calls any number of threads may read. It lives in the arena of rad_start or rad_load.
 struct RadSolution {
     int element_count, patch_count;
     double (*radiosity)[3];  // [element_count] B = E + what is reflected of what has arrived so far

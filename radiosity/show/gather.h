@@ -5,20 +5,19 @@
 #include "radiosity/shoot/shoot.h"
 #include "radiosity/show/reconstruct.h"
 
-// The reach of near elements, and the length of walks.
-typedef struct NearOptions {
-    double reach;  // elements are near within so many times their size; 0: none is
-    double error;  // standard error to be content with, of all light but that of lamps in sight
-    int blocks;    // of 1021 walks, at most
-} NearOptions;
-
 // How light is gathered.
 typedef struct GatherOptions {
     const FormFactorMethod *method;  // what the mean of each element counts
     int resolution;                  // of it, 8 .. 2000
-    ViewCulling culling;
+    Culling culling;
     bool exact_lamps;  // what faces emit by closed form, whatever the method
-    NearOptions near;  // reach 0: what is close is looked up as all else is
+    // Walks to what is close.
+    struct {
+        double
+            reach;  // elements are near within so many times their size; 0: what is close is looked up as all else is
+        double error;  // standard error to be content with, of all light but that of lamps in sight
+        int blocks;    // of 1021 walks, at most
+    } near;
 } GatherOptions;
 // As `bake --probe` takes it.
 GatherOptions gather_default_options(void);
@@ -35,7 +34,8 @@ typedef struct GatherScene {
     const VertexLight *light;  // says how light slopes in each element; NULL: not at all
 } GatherScene;
 
-// One thread's.
+// A gatherer finds the light at points. It is one thread's at a time, and lives in the arena of gatherer_new but for what gatherer_end
+// lets go of.
 typedef struct Gatherer Gatherer;
 // All memory is taken here; what `scene` points to must outlive it.
 Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, Arena *arena);

@@ -5,7 +5,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-// W/m^2 a channel.
+// Light at the corners of elements, W/m^2 a channel. Read only once it is made: any number of threads; it lives in the arena of the call.
 typedef struct VertexLight {
     double (*corner)[3];  // [mesh->corner_count] as Mesh.corners; equal for all corners of a node
     double (*face)[3];    // [mesh->face_count] mean by area

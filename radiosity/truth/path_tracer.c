@@ -30,7 +30,7 @@ static void trace_block(const PathTracer *t, const PathQuery *q, const PathPlace
     double mean[4] = {0};
     for (numbers.path = 0; numbers.path < PATH_BLOCK; numbers.path++) {
         double weight[3] = {1, 1, 1};
-        path_walk(&t->world, *place, &numbers, 0, NULL, weight, mean);
+        path_walk(&t->world, *place, &numbers, 0, NULL, NULL, weight, mean);
     }
     mean[3] = mean[0] + mean[1] + mean[2];
     for (int c = 0; c < 4; c++) {
@@ -63,7 +63,7 @@ static void answer(void *context, int index, int thread) {
     const Asked *asked = context;
     const PathTracer *t = asked->tracer;
     const PathQuery *q = &asked->queries[index];
-    Vec3 point = vec3_sub(q->point, t->world.scene->origin);
+    Vec3 point = vec3_sub(q->point, path_scene_origin(t->world.scene));
     PathPlace place = {path_scene_off(t->world.scene, point, q->normal), q->normal};
     Blocks blocks = {0};
     while (!is_enough(q, &blocks)) trace_block(t, q, &place, &blocks);
@@ -83,7 +83,7 @@ void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, 
 
 double path_tracer_open(const PathTracer *t, Vec3 point, Vec3 normal, double near) {
     PathNumbers numbers = path_numbers(0, 0);
-    Vec3 from = path_scene_off(t->world.scene, vec3_sub(point, t->world.scene->origin), normal);
+    Vec3 from = path_scene_off(t->world.scene, vec3_sub(point, path_scene_origin(t->world.scene)), normal);
     int open = 0;
     for (numbers.path = 0; numbers.path < PATH_BLOCK; numbers.path++) {
         double u[PATH_NUMBERS];

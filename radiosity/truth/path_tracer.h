@@ -5,7 +5,8 @@
 
 #include "radiosity/mesh/mesh.h"
 
-// Faces in a hierarchy for rays; may be asked by one caller at a time.
+// Faces in a hierarchy for rays. One caller's at a time, which may ask for several threads; it lives in the arena of path_tracer_new but
+// for what path_tracer_end lets go of, and the mesh outlives it.
 typedef struct PathTracer PathTracer;
 // `sky`: radiance of what lies above the horizon, W/m^2/sr a channel, where nothing is met; NULL: none.
 PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena);

@@ -13,6 +13,17 @@
 #include "engine/core/polygon.h"
 #include "visibility/hidden/embree_device.h"
 
+struct PathScene {
+    const Mesh *mesh;
+    Vec3 origin;        // the middle of the mesh, from which points are
+    double off;         // metres: rays start so far before their surface, lest they meet it
+    Vec3 *centres;      // [face_count] of their corners
+    double *distances;  // [face_count] dot(n, p) on their planes
+    bool *contested;    // [face_count] another face lies in the same place, in part
+    int *face_of;       // [triangle]
+    struct Embree *embree;
+};
+
 typedef struct PathLightPoint {
     int face;
     Vec3 point;
@@ -249,6 +260,12 @@ PathHit path_scene_trace(const PathScene *scene, Vec3 from, Vec3 along) {
     hit.point = vec3_sub(p, vec3_scale(n, vec3_dot(n, p) - scene->distances[hit.face]));
     return hit;
 }
+
+Vec3 path_scene_off(const PathScene *scene, Vec3 point, Vec3 normal) {
+    return vec3_add(point, vec3_scale(normal, scene->off));
+}
+
+Vec3 path_scene_origin(const PathScene *scene) { return scene->origin; }
 
 Vec3 path_scene_before(const PathScene *scene, int face, Vec3 point) {
     Vec3 inwards = vec3_lerp(point, scene->centres[face], FROM_EDGE);
@@ -557,7 +574,8 @@ bool path_reflect(const Material *m, double u, double weight[3]) {
 
 // Follows a direction; false: the path ends there.
 static bool follow_path(const PathWorld *world, PathPlace *place, const double u[PATH_NUMBERS],
-                        const PathEnd *end, double weight[3], double light[3]) {
+                        bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
+                        void *context, double weight[3], double light[3]) {
     Vec3 along = path_direction(place->normal, u[PATH_DIRECTION], u[PATH_DIRECTION + 1]);
     PathHit hit = path_scene_trace(world->scene, place->point, along);
     if (hit.face < 0)
@@ -570,7 +588,7 @@ static bool follow_path(const PathWorld *world, PathPlace *place, const double u
     double cosine = vec3_dot(place->normal, along) / M_PI;
     if (cosine > 0) add_light(light, weight, m->emission, cosine / (asked + cosine));
     double reflected[3];
-    if (end && end->known(end->context, place->point, &hit, reflected)) {
+    if (known && known(context, place->point, &hit, reflected)) {
         for (int c = 0; c < 3; c++) light[c] += weight[c] * reflected[c];
         return false;
     }
@@ -579,13 +597,14 @@ static bool follow_path(const PathWorld *world, PathPlace *place, const double u
     return true;
 }
 
-void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce, const PathEnd *end,
-               double weight[3], double light[3]) {
+void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce,
+               bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
+               void *context, double weight[3], double light[3]) {
     double u[PATH_NUMBERS];
     bool on = true;
     for (; on; bounce++) {
         path_numbers_at(numbers, bounce, u);
         ask_lamp(world, &place, u, weight, light);
-        on = follow_path(world, &place, u, end, weight, light);
+        on = follow_path(world, &place, u, known, context, weight, light);
     }
 }

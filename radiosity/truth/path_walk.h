@@ -7,18 +7,8 @@
 
 // ---- the faces of a mesh as light paths meet them, by Embree in its robust mode
 
-// Points are metres from `origin`, the middle of the mesh: Embree's coordinates are floats.
-typedef struct PathScene {
-    const Mesh *mesh;
-    Vec3 origin;
-    double off;         // metres: rays start so far before their surface, lest they meet it
-    Vec3 *centres;      // [face_count] of their corners
-    double *distances;  // [face_count] dot(n, p) on their planes
-    bool *contested;    // [face_count] another face lies in the same place, in part
-    int *face_of;       // [triangle]
-    struct Embree *embree;
-} PathScene;
-
+// Points are metres from the middle of the mesh: Embree's coordinates are floats.
+typedef struct PathScene PathScene;
 PathScene *path_scene_new(const Mesh *mesh, Arena *arena);
 void path_scene_end(PathScene *scene);
 
@@ -33,9 +23,9 @@ PathHit path_scene_trace(const PathScene *scene, Vec3 from, Vec3 along);
 
 // Where rays from a point of a face start, or of whatever surface has that normal.
 Vec3 path_scene_before(const PathScene *scene, int face, Vec3 point);
-static inline Vec3 path_scene_off(const PathScene *scene, Vec3 point, Vec3 normal) {
-    return vec3_add(point, vec3_scale(normal, scene->off));
-}
+Vec3 path_scene_off(const PathScene *scene, Vec3 point, Vec3 normal);
+// The middle of the mesh.
+Vec3 path_scene_origin(const PathScene *scene);
 
 // ---- walks
 
@@ -75,16 +65,12 @@ void path_numbers_at(PathNumbers *numbers, int bounce, double u[PATH_NUMBERS]);
 // Distributed as cosines are.
 Vec3 path_direction(Vec3 normal, double u, double v);
 
-// Where walks end before their time: at fronts of which one knows what they reflect. Points are the scene's.
-typedef struct PathEnd {
-    bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]);  // W/m^2 a channel
-    void *context;
-} PathEnd;
-
 // Adds the light that arrives at a place by a walk that takes the numbers from `bounce` on, times `weight`, which changes.
-// `end`: NULL, it ends where light is absorbed.
-void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce, const PathEnd *end,
-               double weight[3], double light[3]);
+// `known`: of fronts of which one knows what they reflect, W/m^2 a channel, and where the walk ends before its time; points are the
+// scene's. NULL: it ends where light is absorbed.
+void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce,
+               bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
+               void *context, double weight[3], double light[3]);
 // The part of a walk's weight that a surface leaves; false: absorbed, by Russian roulette.
 bool path_reflect(const Material *material, double u, double weight[3]);
 

@@ -71,7 +71,7 @@ Test(query, allocates_nothing) {
         for (int d = 0; d < b->opening_count; d++) doors[d] = random_unit(&random) < 0.5;
         counting = true;
         int cell = vis_locate(&graph, eye.position, -1);
-        objects += vis_query(query, &eye, cell, doors, (VisMethod)(i % VIS_METHODS)).object_count;
+        objects += vis_query(query, &eye, cell, doors, (Culling)(i % QUERY_CULLINGS)).object_count;
         counting = false;
     }
     cr_assert_gt(objects, 0);

@@ -5,7 +5,7 @@
 #include "engine/core/random.h"
 #include "tests/support/support.h"
 
-// Of every kind that a plan may bring: extended, flat, points, empty, one upon another, and some a long way off.
+// A box of any kind that a plan may bring: extended, flat, points, empty, one upon another, and some a long way off.
 static Box random_box(Random *random) {
     double far = random_index(random, 50) == 0 ? 1e11 : 10;
     // On a grid, so that boxes touch and middles tie.

@@ -36,13 +36,15 @@ static _Noreturn void write_for_ever(const char *path, const char *data) {
         if (!file_write(path, data, LARGE, &error)) _exit(1);
 }
 
-// Proves that a writer that is killed at any moment leaves the whole file, or none, and no other: a file gets its name when it is
-// on disk. Killed 20 times within what eight megabytes take to write; a name is held for some microseconds of that.
+// Proves that a writer that is killed at any moment leaves the whole file, or none: a file gets its name when it is on disk. Killed
+// 20 times within the milliseconds that eight megabytes take to write. For some microseconds of these the file has a name beside the
+// target: a kill in 1,000 may fall there, three in 20 do not, and the next writer sweeps away that one file.
 Test(file, killed_writers_leave_nothing, .timeout = 60) {
     Arena arena = {0};
     const char *folder = support_folder(&arena), *path = arena_format(&arena, "%s/light.rad", folder);
     char *data = arena_alloc(&arena, LARGE, 1);
     memset(data, 'x', LARGE);
+    int beside = 0;
     for (int i = 0; i < 20; i++) {
         pid_t writer = fork();
         if (writer == 0) write_for_ever(path, data);
@@ -54,8 +56,15 @@ Test(file, killed_writers_leave_nothing, .timeout = 60) {
         struct stat info;
         bool there = stat(path, &info) == 0;
         cr_assert(!there || info.st_size == LARGE, "%lld bytes", (long long)info.st_size);
-        cr_expect_eq(files_in(folder), there, "after %d: %d files", i, files_in(folder));
+        int left = files_in(folder) - there;
+        cr_expect_leq(left, 1, "after %d: %d files", i, files_in(folder));
+        beside += left > 0;
+        if (left == 0) continue;
+        Error error;
+        cr_assert(file_write(path, data, LARGE, &error), "%s", error.text);
+        cr_expect_eq(files_in(folder), 1, "after %d the next writer leaves %d files", i, files_in(folder));
     }
+    cr_expect_lt(beside, 3, "%d of 20 leave a file beside", beside);
     arena_free(&arena);
 }
 
@@ -230,7 +239,7 @@ Test(file, rights_stay) {
     as_nobody(write_as_nobody, &(Writing){path, "four", NULL});
     cr_expect_eq(info_of(path).st_mode & 07777, 0622, "0%o", info_of(path).st_mode);
     cr_expect_eq(info_of(path).st_uid, NOBODY);
-    // What the user may not write stays: the file, and one whose folder would take no other.
+    // A file that the user may not write stays: this one, and one whose folder would take no other.
     cr_assert(chown(path, 0, 0) == 0 && chmod(path, 0644) == 0);
     as_nobody(write_as_nobody, &(Writing){path, "five", "a: cannot be written: Permission denied"});
     cr_assert(chmod(path, 0666) == 0 && chmod(folder, 0755) == 0);

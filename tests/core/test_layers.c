@@ -66,7 +66,7 @@ static Layers read_layers(Arena *arena) {
     return layers;
 }
 
-// What is wrong with an include of `name` in quotes by `path`; NULL when nothing is.
+// The fault of an include of `name` in quotes by `path`; NULL when nothing is.
 static const char *fault_of(Arena *arena, const Layers *layers, const char *path, const char *name) {
     int from = layer_of(layers, path), to = layer_of(layers, name);
     if (from < 0) return arena_format(arena, "%s lies in no layer", path);

@@ -55,7 +55,7 @@ _Noreturn static void *hold(void *path) {
     for (;;) pause();
 }
 
-// What the child of `run` does, with a file that it may make.
+// The work of the child of `run`, with a file that it may make.
 typedef void Child(char *path);
 
 static void fail_in_a_loop(char *path) {
@@ -142,7 +142,7 @@ static void fail_at_the_fence(char *path) {
     touch(path);
     memory_set_budget(&budget);
     memory_set_stage("reading");
-    // What libraries take: less than the slack goes, and much more does not.
+    // Libraries take memory too: less than the slack goes, and much more does not.
     char *volatile some = malloc(20 << 20), *volatile more = malloc(100 << 20);
     if (!some || more) _exit(2);
     memory_lower_fence();
@@ -189,7 +189,7 @@ Test(memory, allows_more_for_larger_files) {
     cr_expect(memory_within(&error) && memory_fits((size_t)1 << 40));
 }
 
-// What `enfilade walk` does with a file that has changed: what fits no more is given up with a sentence, and what was there before goes
+// As `enfilade walk` treats a file that has changed: a building that fits no more is given up with a sentence, and the one before goes
 // on. Of all that may be used, three quarters are for it, so that the rest is left to find out.
 Test(memory, gives_up_a_larger_building) {
 #ifdef __SANITIZE_ADDRESS__

@@ -144,7 +144,7 @@ static bool promised(const char *said) {
            strchr(last, '\n')[1] == 0;
 }
 
-// What is to be stored finds no memory for the file: what was found out is not lost for that (derived.h).
+// A result finds no memory for its file, and is not lost for that (file.h).
 static bool unstored(const char *said, int status) {
     const char *at = strstr(said, ": no memory for ");
     return at && strncmp(said, "enfilade: /", 11) == 0 &&
@@ -178,7 +178,7 @@ static void judge(Sweep *s, const Pipeline *p, long nth, int status) {
     arena_free(&arena);
 }
 
-// What is there before: files of the names that will be written, and where a run needs them stab trees and light.
+// The state before a run: files of the names that will be written, and where a run needs them stab trees and light.
 static void prepare(Sweep *s, const Pipeline *p) {
     static const Pipeline LIGHT = {"light", cmd_bake,
                                    "bake % --threads 2 --shots 20 --element 2 --refine 0 -o @/light.rad"};

@@ -89,7 +89,7 @@ static Bytes pack(Arena *arena, const Parts *parts) {
     return home_zip(arena, entries, count);
 }
 
-// What is packed and what is spoilt comes in the place of the first file.
+// The packed and the spoilt parts come in the place of the first file.
 static void make_first(Arena *arena, Parts *parts) {
     TargetFile *first = &parts->files[0];
     if (ends_in(first->path, ".sh3d") && first->content.size <= 1) first->content = pack(arena, parts);
@@ -156,7 +156,7 @@ static bool holds(const VisResult *result, int cell) {
     return false;
 }
 
-// Of a building of prisms: what a straight line from the eye comes through is in view.
+// In a building of prisms every cell that a straight line from the eye comes through is in view.
 static void check_line(Scene *s, const VisResult *result, int cell, Vec3 eye) {
     Trace trace;
     if (!fixture_trace(&s->graph, cell, eye, fixture_direction(&s->random), s->doors, &trace)) return;
@@ -170,10 +170,10 @@ static void look(Scene *s, VisQuery *query, Vec3 position) {
     Eye eye = {.position = position};
     int cell = vis_locate(&s->graph, position, -1);
     bool clear = cell >= 0 && is_clear(&s->graph, cell, position);
-    for (int method = 0; method < VIS_METHODS; method++) {
-        VisResult result = vis_query(query, &eye, cell, s->doors, (VisMethod)method);
-        if (!clear || method < VIS_PORTALS) continue;
-        for (int i = 0; i < result.cell_count && method >= VIS_PLAN; i++)
+    for (int method = 0; method < QUERY_CULLINGS; method++) {
+        VisResult result = vis_query(query, &eye, cell, s->doors, (Culling)method);
+        if (!clear || method < CULL_PORTALS) continue;
+        for (int i = 0; i < result.cell_count && method >= CULL_PLAN; i++)
             demand(vis_sees(&s->forest, cell, result.cells[i].cell), "a query stays in the visible set");
         if (s->building.form == FORM_REGIONS) check_line(s, &result, cell, position);
     }

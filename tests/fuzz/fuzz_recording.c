@@ -17,7 +17,7 @@ static bool can_be_recorded(const Recording *read, const Building *building, Are
 }
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
-    // What does not begin as a path comes behind a good header, which is not found by chance.
+    // An input that does not begin as a path comes behind a good header, which is not found by chance.
     static const char HEAD[] = "enfilade path 1\nbuilding \"fuzz\" 0123456789abcdef\nticks 60\n";
     Building building = {.source = "fuzz.plan", .hash = 0x0123456789abcdefu, .opening_count = 3};
     Arena *arena = target_begin();

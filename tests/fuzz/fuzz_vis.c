@@ -10,8 +10,8 @@ static void walk(const CellGraph *graph, const StabForest *forest, Arena *arena)
     for (int c = 0; c < graph->cell_count; c++) {
         Box box = graph->cells[c].box;
         Eye eye = {.position = vec3_scale(vec3_add(box.min, box.max), 0.5)};
-        for (int method = 0; method < VIS_METHODS; method++)
-            vis_query(query, &eye, vis_locate(graph, eye.position, c), NULL, (VisMethod)method);
+        for (int method = 0; method < QUERY_CULLINGS; method++)
+            vis_query(query, &eye, vis_locate(graph, eye.position, c), NULL, (Culling)method);
     }
 }
 

@@ -15,7 +15,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     const char *fault;
     Bytes content = target_bytes(arena, "", data, size);
     if (!MAPS_READER_WAD.recognise(content)) content = wad_spoilt(arena, data, size);
-    // What many lines cross where they should meet may be refused by the check, as a file is.
+    // A map whose lines cross where they should meet may be refused by the check, as a file is.
     if (target_read(&MAPS_READER_WAD, "fuzz.wad", content, arena, &b) &&
         building_check(&b, arena, &fault, 1) == 0) {
         CellGraph graph;

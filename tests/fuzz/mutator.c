@@ -101,7 +101,7 @@ static void change_word(Text *t) {
     if (other.to > other.from) put(t, span, t->data + other.from, other.to - other.from);
 }
 
-// What a format can say and the text perhaps does not.
+// Adds a statement that the format knows and the text perhaps lacks.
 static void add_statement(Text *t) {
     static const char *const PLAN[] = {
         "ground m height -0.2\n",

@@ -24,7 +24,7 @@ void store_target_start(StoreTarget *t) {
     close(saved);
 }
 
-// What the first byte of an input says of the others.
+// The first byte of an input tells how the others are taken.
 enum { AS_IT_IS, BEHIND_HEAD, CHANGES, KINDS };
 
 static Bytes file_of(const StoreTarget *t, const unsigned char *data, size_t size, Arena *arena) {

@@ -51,7 +51,7 @@ Arena *target_begin(void) {
     return &arena;
 }
 
-// Of builds for libFuzzer (-fsanitize-coverage=inline-8bit-counters): from here to there.
+// The counters of builds for libFuzzer (-fsanitize-coverage=inline-8bit-counters): from here to there.
 extern unsigned char __start___sancov_cntrs[] __attribute__((weak));
 extern unsigned char __stop___sancov_cntrs[] __attribute__((weak));
 

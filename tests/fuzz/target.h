@@ -18,7 +18,7 @@ typedef enum TargetStage {
 } TargetStage;
 void target_count(TargetStage stage);
 
-// What was run so far of this try counts as not run: libFuzzer does not build on the input.
+// The code that this try ran so far counts as not run: libFuzzer does not build on the input.
 void target_forget(void);
 
 // Counts a try, and returns an empty arena for it, which the next try empties again.

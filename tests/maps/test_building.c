@@ -344,7 +344,7 @@ static int random_outline(Random *random, Vec2 *out) {
     }
 }
 
-// What two such have in common, m^2: of the bent room, the two rectangles that it is made of.
+// The area that two such have in common, m^2: of the bent room, the two rectangles that it is made of.
 static double common_area(const Vec2 *a, int a_count, const Vec2 *b, int b_count) {
     if (a_count == 6) {
         const Vec2 low[4] = {a[0], a[1], a[2], {a[0].x, a[2].y}},
@@ -395,7 +395,7 @@ Test(building, check_knows_pairs_of_regions) {
         building_add_material(&arena, &b,
                               (Material){.name = "m", .reflectance = {0.5f, 0.5f, 0.5f}, .alpha = 1});
         *ARENA_PUSH(&arena, b.storeys, b.storey_count, b.storey_capacity) = (Storey){"s", 0, 2.5, 0.2};
-        // Of the second: as the first, above it, and above it with a gap.
+        // The floor of the second: as the first, above it, and above it with a gap.
         static const double FLOORS[] = {0, 0, 1, 2.5, 2.6};
         double floor = FLOORS[random_index(&random, 5)];
         for (int k = 0; k < 2; k++) {
@@ -457,7 +457,7 @@ Test(building, check_names_the_forms) {
     Arena arena = {0};
     for (int i = 0; i < 3; i++) {
         Building b = sound_building(&arena);
-        b.form = (BuildingForm)FORMS[i];
+        b.form = FORMS[i];
         char expected[64];
         snprintf(expected, sizeof expected, "form %d (allowed 0 to 2)", FORMS[i]);
         cr_expect_eq(faults_of(&b, &arena, expected), 1);

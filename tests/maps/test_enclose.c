@@ -511,7 +511,7 @@ Test(enclose, leaves_fill_their_doorways) {
     }
 }
 
-// Of a ray from inside regions to the outline of one: how far it is, metres.
+// The length of a ray from inside regions to the outline of one, metres.
 static double view_in(const Building *b, const Region *r, Vec2 from, double angle) {
     double nearest = INFINITY;
     for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {

@@ -254,7 +254,7 @@ Test(gltf, deep_tree) {
     arena_free(&arena);
 }
 
-// What the fuzzer begins with, which has something of everything.
+// The fuzzer's first document, which has something of everything, is read or refused however it is damaged.
 Test(gltf, survives_damage, .timeout = 300) {
     static const char *const SEEDS[] = {"tests/seeds/room.gltf", "tests/seeds/room.glb"};
     for (size_t i = 0; i < sizeof SEEDS / sizeof *SEEDS; i++) {

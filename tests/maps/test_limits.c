@@ -113,7 +113,7 @@ Test(limits, of_large_files, .timeout = 900) {
     for (int i = 0; i < (int)(sizeof LARGE / sizeof *LARGE); i++) meet(&LARGE[i]);
 }
 
-// What a small glTF file asks for by using a mesh, or an accessor, again and again.
+// A small glTF file asks for much by using a mesh, or an accessor, again and again: that has a limit.
 Test(limits, of_repetition) {
     static const struct {
         const char *kind, *expected;
@@ -321,7 +321,7 @@ Test(limits, of_corners_on_edges) {
     cr_expect(
         strstr(b.notes[0].text, " walls cross so many others that they part no rooms and stand as objects"));
     sscanf(b.notes[0].text, "%d", &objects);
-    // Of two such walls, each has four corners on edges of the other.
+    // Each of two such walls has four corners on edges of the other.
     int taken = WALLS - objects;
     cr_expect(4 * taken * (taken - 1) <= MOST && 4 * (taken + 1) * taken > MOST, "%d walls", taken);
     cr_expect_eq(b.object_count, objects);

@@ -40,7 +40,7 @@ Test(quads, statements) {
     arena_free(&arena);
 }
 
-// What is changed on reading is said: colours above the limit, bent and concave quads, sizes no building has.
+// Changes on reading are noted: colours above the limit, bent and concave quads, sizes no building has.
 Test(quads, changes_are_noted) {
     Arena arena = {0};
     Building b;

@@ -212,7 +212,7 @@ typedef struct OpeningCase {
     double swing;
 } OpeningCase;
 
-// What a piece is and how it turns follows from its size, its sashes, its mirroring and its name.
+// The kind of a piece, and how it turns, follow from its size, its sashes, its mirroring and its name.
 Test(sh3d, kinds_and_swings_of_openings) {
     static const OpeningCase CASES[] = {
         {"name='Door' height='208'", HOME_SASH_LEFT, OPENING_DOOR, false, 0, -M_PI / 2},
@@ -461,7 +461,7 @@ Test(sh3d, leaves_of_doors) {
     }
 }
 
-// Of two leaves on rails the first slides over the second, which stays; a leaf without a height is none but of the frame.
+// The first of two leaves on rails slides over the second, which stays; a leaf without a height is none but of the frame.
 Test(sh3d, leaves_on_rails) {
     static const char MODEL[] = "v -1 0 0\nv 0 0 0\nv 0 2 0\nv -1 2 0\n"
                                 "v 0 0 0.1\nv 1 0 0.1\nv 1 2 0.1\nv 0 2 0.1\nv -1 0 0.1\n"

@@ -368,7 +368,7 @@ Test(sh3d, counts_of_real_homes, .timeout = 60) {
                      name);
         cr_assert_eq(kinds[OBJECT_LAMP], HOMES[i].lamps, "%s: %d lamps", name, kinds[OBJECT_LAMP]);
         cr_assert_eq(h.b.light_count, HOMES[i].lamps - HOMES[i].dark, "%s: %d lights", name, h.b.light_count);
-        // Of the house on the hillside five pieces have none.
+        // Five pieces of the house on the hillside have no model.
         bool models = strstr(name, ".sh3d") && !strstr(name, "hillside");
         cr_assert_eq(home_note(&h, "models are not in the file") < 0, models, "%s: models", name);
         home_free(&h);

@@ -257,7 +257,7 @@ static int merged_count(const Vec3 *v, int vertices, const int *corners, int tri
     return count;
 }
 
-// What must stay apart stays apart: another material, a bend, opposite sides, a concave whole, an edge of three, front
+// Polygons that must stay apart stay apart: another material, a bend, opposite sides, a concave whole, an edge of three, front
 // and back.
 Test(soup_merge, leaves_the_rest) {
     const Vec3 v[] = {{0, 0, 0},    {1, 0, 0},   {1, 1, 0}, {0, 1, 0},

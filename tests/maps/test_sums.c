@@ -274,8 +274,8 @@ static void sum_cells(SumFile *f, const CellGraph *g) {
     Sum cells = {0}, portals = {0}, squares = {0};
     for (int i = 0; i < g->cell_count; i++) {
         const Cell *c = &g->cells[i];
-        int words[] = {c->region,     c->first_edge,    c->edge_count,    c->first_face,
-                       c->face_count, c->first_contact, c->contact_count, c->outdoors};
+        int words[] = {c->region,     c->first_edge, c->edge_count, c->first_face,
+                       c->face_count, c->first_way,  c->way_count,  c->outdoors};
         sum_ints(&cells, words, sizeof words / sizeof *words);
         sum_add2(&cells, vec2(c->z0, c->z1));
         sum_box(&cells, c->box);
@@ -295,7 +295,7 @@ static void sum_cells(SumFile *f, const CellGraph *g) {
         sum_add2(&portals, p->right);
     }
     for (int i = 0; i < g->portal_vertex_count; i++) sum_add3(&portals, g->portal_vertices[i]);
-    for (int i = 0; i < g->contact_count; i++) sum_ints(&portals, &g->contacts[i].portal, 2);
+    for (int i = 0; i < g->way_count; i++) sum_ints(&portals, &g->ways[i].portal, 2);
     for (int i = 0; i < g->cell_count; i++) {
         sum_add2(&squares, g->meshes[i].origin);
         sum_add(&squares, g->meshes[i].size);
@@ -325,7 +325,7 @@ static void sum_trees(SumFile *f, const Seen *s) {
     }
     sum_ints(&trees, s->forest.root, s->forest.cell_count + 1);
     for (int i = 0; i < s->forest.node_count; i++) sum_ints(&trees, &s->forest.nodes[i].cell, 4);
-    // What searching cost tells prunings that became weaker, though nothing is decided otherwise.
+    // The cost of searching tells of prunings that became weaker, though nothing is decided otherwise.
     Sum work = {0};
     sum_add(&work, (double)s->pairs.work.chains);
     sum_add(&work, (double)s->pairs.work.clips);
@@ -359,7 +359,7 @@ static void sum_views(SumFile *f, const Seen *s, int views, Arena *arena) {
     Random random = {17};
     VisQuery *query = vis_query_new(g, &s->forest, arena);
     float *open = ARENA_ARRAY(arena, float, s->building.opening_count + 1);
-    Sum seen[VIS_METHODS] = {{0}}, tested[VIS_METHODS] = {{0}};
+    Sum seen[QUERY_CULLINGS] = {{0}}, tested[QUERY_CULLINGS] = {{0}};
     for (int i = 0; i < views; i++) {
         int cell = random_index(&random, g->cell_count);
         Vec3 at = point_in(g, &random, cell);
@@ -368,8 +368,8 @@ static void sum_views(SumFile *f, const Seen *s, int views, Arena *arena) {
         Eye eye = i % 4 ? walk_eye(&camera) : (Eye){.position = at};
         for (int k = 0; k < s->building.opening_count; k++)
             open[k] = i % 3 == 1 ? 0 : (float)fmax(0, random_between(&random, -1, 1));
-        for (int m = VIS_FRUSTUM; m < VIS_METHODS; m++) {
-            VisResult r = vis_query(query, &eye, cell, i % 3 ? open : NULL, (VisMethod)m);
+        for (int m = CULL_FRUSTUM; m < QUERY_CULLINGS; m++) {
+            VisResult r = vis_query(query, &eye, cell, i % 3 ? open : NULL, (Culling)m);
             for (int k = 0; k < r.cell_count; k++) {
                 sum_add(&seen[m], r.cells[k].cell);
                 sum_add(&seen[m], r.cells[k].distance);
@@ -381,8 +381,8 @@ static void sum_views(SumFile *f, const Seen *s, int views, Arena *arena) {
             sum_add(&tested[m], r.objects_tested);
         }
     }
-    for (int m = VIS_FRUSTUM; m < VIS_METHODS; m++) {
-        sums_sum(f, VIS_METHOD_NAMES[m], seen[m]);
+    for (int m = CULL_FRUSTUM; m < QUERY_CULLINGS; m++) {
+        sums_sum(f, CULLING_NAMES[m], seen[m]);
         sums_sum(f, "tested", tested[m]);
     }
 }

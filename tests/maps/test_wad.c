@@ -136,7 +136,7 @@ Test(wad, doors_block_sight_and_lifts_do_not) {
     for (int state = 0; state < 4; state++) {
         m.doors.open[door] = state % 2 ? 1e-6f : 0;
         m.doors.open[lift] = state / 2 ? 1 : 0;
-        VisResult seen = vis_query(query, &eye, cell, m.doors.open, VIS_STAB);
+        VisResult seen = vis_query(query, &eye, cell, m.doors.open, CULL_STAB);
         bool behind = false;
         for (int i = 0; i < seen.cell_count; i++)
             behind = behind || m.graph.cells[seen.cells[i].cell].region == hall;
@@ -170,7 +170,7 @@ Test(wad, nothing_visible_is_lost) {
         VerifyFrame frame;
         if (!walk_random_view(&m.graph, &random, 120, 80, &view)) continue;
         cr_assert(
-            walk_verify_frame(verify, &view.camera, view.cell, view.door_open, VIS_STAB, &frame, &error),
+            walk_verify_frame(verify, &view.camera, view.cell, view.door_open, CULL_STAB, &frame, &error),
             "%s", error.text);
         cr_expect(frame.missing_polygons == 0 && frame.mismatched_pixels == 0,
                   "seed %llu, view %d (%s): %d polygons missing, %d pixels differ", (unsigned long long)seed,
@@ -420,7 +420,7 @@ static void set32(Bytes file, long at, long value) {
     set16(file, at + 2, (int)(value >> 16 & 0xFFFF));
 }
 
-// Of the directory's entry with this name.
+// The place of the directory's entry with this name.
 static long entry_of(Bytes file, const char *name) {
     char padded[9] = "";
     strncpy(padded, name, 8);

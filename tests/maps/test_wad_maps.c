@@ -91,9 +91,9 @@ static void check_portals(const Opened *m) {
         for (int side = 0; side < 2; side++) {
             const Cell *cell = &g->cells[portal->cell[side]];
             int told = 0;
-            for (int i = 0; i < cell->contact_count; i++) {
-                const Contact *contact = &g->contacts[cell->first_contact + i];
-                told += contact->portal == p && contact->cell == portal->cell[!side];
+            for (int i = 0; i < cell->way_count; i++) {
+                const Way *way = &g->ways[cell->first_way + i];
+                told += way->portal == p && way->cell == portal->cell[!side];
             }
             cr_assert_eq(told, 1, "%s: cell %d has portal %d %d times", m->building.map, portal->cell[side],
                          p, told);

@@ -23,7 +23,7 @@ static Lit *room(void) {
 typedef struct How {
     double share;
     int threads;
-    ViewCulling culling;
+    Culling culling;
     double element;  // metres; 0: 0.25
 } How;
 
@@ -78,7 +78,7 @@ static int face_at(const Mesh *mesh, Vec3 n, double d) {
 // hardly changes; that they are no more than allowed, and fewer than everywhere so small by far.
 Test(adapt, small_at_shadows_large_where_even) {
     Lit *lit = room();
-    Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_PORTALS, 0});
+    Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_STAB, 0});
     int ground = face_at(&mesh, vec3(0, 0, 1), 0), ceiling = face_at(&mesh, vec3(0, 0, -1), -2.5);
     // By similar triangles, from the lamp's middle: the table's left edge, at x = 1.5, throws its shadow to x = 1.057.
     double at_shadow = INFINITY;
@@ -89,7 +89,7 @@ Test(adapt, small_at_shadows_large_where_even) {
            mesh.patch_count, at_shadow, in_corner);
     cr_expect_lt(at_shadow, 0.14);
     cr_expect_gt(in_corner, 2 * at_shadow);
-    // What is cut along the table is not counted beforehand.
+    // Elements cut along the table are not counted beforehand.
     printf("%.0f without splits\n", mesh_count_even(&mesh));
     cr_expect_lt(mesh.element_count, 0.4 * 1.1 * mesh_count_even(&mesh));
     lit_free(lit);
@@ -195,10 +195,8 @@ static void check_same(const Mesh *a, const Mesh *b) {
 
 // Proves that neither threads nor culling show in the mesh.
 Test(adapt, same_on_any_threads_and_culled) {
-    static const How HOW[] = {{0.3, 1, CULL_PORTALS, 0},
-                              {0.3, 2, CULL_PORTALS, 0},
-                              {0.3, 3, CULL_NOTHING, 0},
-                              {0.3, 2, CULL_CELLS, 0}};
+    static const How HOW[] = {
+        {0.3, 1, CULL_STAB, 0}, {0.3, 2, CULL_STAB, 0}, {0.3, 3, CULL_NONE, 0}, {0.3, 2, CULL_CELLS, 0}};
     Lit *lit = lit_rooms(3);
     Mesh first = adapted(lit, &HOW[0]);
     for (int i = 1; i < 4; i++) {
@@ -212,7 +210,7 @@ Test(adapt, same_on_any_threads_and_culled) {
 // is refused for another.
 Test(adapt, comes_back_from_a_file) {
     Lit *lit = room();
-    Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_PORTALS, 0}), again;
+    Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_STAB, 0}), again;
     RadSolution s, back;
     Error error = {""};
     RadOptions options = rad_default_options();
@@ -245,7 +243,7 @@ Test(adapt, in_the_dark) {
         Lit *lit = room();
         if (!black) lit->building->materials[LIT_LAMP].emission = (Rgb){0, 0, 0};
         for (int m = 0; m < 3 && black; m++) lit->building->materials[m].reflectance = (Rgb){0, 0, 0};
-        Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_PORTALS, 0});
+        Mesh mesh = adapted(lit, &(How){0.4, 0, CULL_STAB, 0});
         for (int f = 0; f < mesh.face_count; f++) {
             const Face *face = &mesh.faces[f];
             cr_assert_eq(face->patch_count, face->nx / face->root * (face->ny / face->root), "face %d", f);

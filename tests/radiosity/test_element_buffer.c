@@ -38,7 +38,7 @@ static double difference(const Row *a, const Row *b) {
 }
 
 // The mean over patches of sum |F - F'|.
-static double compare(Made *m, ElementBufferKind kind, const char *method, int resolution) {
+static double compare(Made *m, int kind, const char *method, int resolution) {
     FormFactorOptions options = form_factor_default_options();
     options.resolution = resolution;
     FormFactor *exact = form_factor_new(form_factor_method(method), &m->mesh, &options, &m->arena);
@@ -57,8 +57,7 @@ static double compare(Made *m, ElementBufferKind kind, const char *method, int r
         for (int s = 0; s < element_buffer_sides(buffer); s++)
             element_buffer_draw(buffer, s, faces, m->mesh.face_count);
         element_buffer_sum(buffer, &sum);
-        total +=
-            difference(row_finish(&sum), form_factor_row(exact, viewer_look(viewer, &from, CULL_NOTHING)));
+        total += difference(row_finish(&sum), form_factor_row(exact, viewer_look(viewer, &from, CULL_NONE)));
         shots++;
     }
     form_factor_end(exact);

@@ -383,7 +383,7 @@ Test(form_factor, lines_as_many_as_a_row_needs) {
     arena_free(&arena);
 }
 
-// What is hidden is hidden: the L1 distance of each method's row to the exact one, the mean over furnished rooms, falls
+// Hidden faces get no share: the L1 distance of each method's row to the exact one, the mean over furnished rooms, falls
 // as resolution grows. Polylines are held to less: their depth is wrong.
 Test(form_factor, rows_converge_to_the_exact_one) {
     for (const FormFactorMethod *const *m = FORM_FACTOR_METHODS; *m; m++) {

@@ -456,7 +456,7 @@ static double most_through_walls(const FormFactorMethod *method, Random *random,
         if (face->polygon >= dark && face->polygon < end) continue;
         ViewPoint from = {patch->centre, face->plane.n, patch->cell};
         for (int culled = 0; culled < 2; culled++) {
-            const View *view = viewer_look(viewer, &from, culled ? CULL_PORTALS : CULL_NOTHING);
+            const View *view = viewer_look(viewer, &from, culled ? CULL_STAB : CULL_NONE);
             double leak = through_walls(lit, form_factor_row(maker, view), dark, end);
             most = fmax(most, leak), *leaks += leak > 0;
         }
@@ -567,7 +567,7 @@ static double sum_of_two(Arena *arena, FormFactor *maker, const ViewFixture *f, 
     return share[0] + share[1];
 }
 
-// Of coincident quads the lower face is seen, whole, whatever the order they are drawn in; turned, so that their planes
+// The lower one of coincident quads is seen, whole, whatever the order they are drawn in; turned, so that their planes
 // are rounded.
 Test(form_factor_stability, coplanar_overlap) {
     EACH_METHOD(m) {

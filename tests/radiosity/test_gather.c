@@ -69,7 +69,7 @@ static double in_sloped_room(double side, bool slopes, const GatherOptions *opti
 Test(gather, slopes_are_seen) {
     Vec3 p = {2, 0.02, 0}, n = {0, 0, 1};
     GatherOptions fast = gather_default_options(), exact = gather_exact_options();
-    // What is looked up is tried here; light that no lamp gave cannot be walked to.
+    // Light that is looked up is tried here; light that no lamp gave cannot be walked to.
     exact.near.reach = 0;
     double truth = in_sloped_room(0.04, false, &exact, p, n);
     double constant = in_sloped_room(0.5, false, &exact, p, n) / truth - 1;
@@ -94,7 +94,7 @@ Test(gather, culling_misses_nothing) {
         lit_shoot(lit, &some, &s);
         GatherScene scene = {mesh, &lit->forest, NULL, &s, NULL};
         GatherOptions culled = gather_exact_options(), all = culled;
-        all.culling = CULL_NOTHING;
+        all.culling = CULL_NONE;
         Gatherer *a = gatherer_new(&scene, &culled, &lit->arena),
                  *b = gatherer_new(&scene, &all, &lit->arena);
         int lit_points = 0;
@@ -254,7 +254,7 @@ Test(gather, near_is_the_same_every_time) {
     Lit *lit = room_with_slit(&s);
     GatherScene scene = {&lit->mesh, &lit->forest, NULL, &s, NULL};
     GatherOptions options = gather_exact_options(), all = options;
-    all.culling = CULL_NOTHING;
+    all.culling = CULL_NONE;
     double one[CLOSE_POINTS][3], unculled[CLOSE_POINTS][3];
     gather_all(&scene, &options, one);
     gather_all(&scene, &all, unculled);

@@ -10,9 +10,9 @@
 static const Vec3 ROOM_LOW = {0, 0, 0}, ROOM_HIGH = {4, 3, 2.5};
 // A room's polygons, as lit_box makes them.
 enum { WEST, EAST, SOUTH, NORTH, FLOOR, CEILING, SIDES };
-// Of the sums of channels of LIT_LAMP, W/m^2.
+// The sum of the channels of LIT_LAMP, W/m^2.
 static const double LAMP = 28;
-// What is emitted is what was absorbed, escaped and is left, but for rounding of sums of a million floats.
+// Emitted light was absorbed, escaped, or is left, but for rounding of sums of a million floats.
 static const double BALANCE = 1e-12;
 
 static void set_reflectance(Lit *lit, int material, float rho) {
@@ -59,7 +59,7 @@ static bool behind_lamp(Vec3 p, Vec3 wall) {
     return at.y > LAMP_Y[0] && at.y < LAMP_Y[1] && at.z > LAMP_Z[0] && at.z < LAMP_Z[1];
 }
 
-// What the wall sends to a point of another, by midpoints: 2 mm squares near the lamp, 2 cm elsewhere.
+// The light that the wall sends to a point of another, by midpoints: 2 mm squares near the lamp, 2 cm elsewhere.
 static double room_irradiance(Vec3 p, Vec3 n, double rho) {
     double sum = 0;
     for (int near = 0; near < 2; near++) {
@@ -102,7 +102,7 @@ Test(light_stability, lamp_a_centimetre_from_a_wall, .timeout = 120) {
     // at least 1 m from the lamp's rim.
     cr_expect_float_eq(power / rho, LAMP * area, GAP * GAP * LAMP * area);
     enum { POINTS = 60 };
-    // Of the wall those that the lamp is before; not its rim, where light falls to nothing within a centimetre and elements are 6.
+    // The points of the wall that the lamp is before; not its rim, where light falls to nothing within a centimetre and elements are 6.
     BakedPoint wall[POINTS];
     for (int i = 0; i < POINTS; i++) {
         double y = LAMP_Y[0] + 0.06 + 0.48 * fmod(0.381966 * i, 1),
@@ -367,7 +367,7 @@ Test(light_stability, light_through_a_key_hole, .timeout = 120) {
         if (count < most / 2 && e % 7 == 0)
             points[count++] = (BakedPoint){.place = p, .normal = lit->mesh.faces[element->face].plane.n};
     }
-    // Of the spot on the wall opposite.
+    // The points of the spot on the wall opposite.
     for (; count < most; count++)
         points[count] =
             (BakedPoint){.place = vec3(8, 1.3 + 0.4 * fmod(0.618034 * count, 1), 1 + 0.4 * count / most),

@@ -151,7 +151,7 @@ static void check_anchors(const Mesh *mesh) {
     }
 }
 
-// Of elements alike, not cut along what stands on them.
+// Elements are alike here, and not cut along the things that stand on them.
 Test(mesh, office_plain_has_the_counts_of_the_reference_figures) {
     Sheets s = {0};
     load(&s, "build/maps/office-plain.plan", 0);

@@ -66,7 +66,7 @@ static int side_of(const Mesh *mesh, const Element *e, const Rectangle *r) {
     return inside;
 }
 
-// What holds of a floor that things with these outlines stand on. Returns the area inside them, m^2.
+// Checks a floor on which things with these outlines stand. Returns the area inside them, m^2.
 static double check_floor(const Lit *lit, const Rectangle *outlines, int count) {
     const Mesh *mesh = &lit->mesh;
     int face = the_floor(lit);
@@ -102,7 +102,7 @@ static double check_floor(const Lit *lit, const Rectangle *outlines, int count) 
     return inside;
 }
 
-static RadOptions options_of(ViewCulling culling) {
+static RadOptions options_of(Culling culling) {
     RadOptions o = rad_default_options();
     o.form_factor.resolution = 60;
     o.residual = 1e-3;
@@ -113,9 +113,9 @@ static RadOptions options_of(ViewCulling culling) {
 // Emitted = absorbed + escaped + unshot, and the same light culled and not; returns it.
 static RadSolution check_light(Lit *lit) {
     RadSolution s, all;
-    RadOptions options = options_of(CULL_PORTALS);
+    RadOptions options = options_of(CULL_STAB);
     lit_shoot(lit, &options, &s);
-    options = options_of(CULL_NOTHING);
+    options = options_of(CULL_NONE);
     lit_shoot(lit, &options, &all);
     cr_assert_eq(memcmp(s.radiosity, all.radiosity, (size_t)s.element_count * sizeof *s.radiosity), 0);
     for (int c = 0; c < 3; c++) {

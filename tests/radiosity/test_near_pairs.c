@@ -35,7 +35,7 @@ static void end(Rows *r) {
 static const Row *row_of(const Rows *r, int patch, bool mended) {
     const Patch *p = &r->lit->mesh.patches[patch];
     ViewPoint from = {p->centre, r->lit->mesh.faces[p->face].plane.n, p->cell};
-    const Row *row = form_factor_row(r->form_factor, viewer_look(r->viewer, &from, CULL_PORTALS));
+    const Row *row = form_factor_row(r->form_factor, viewer_look(r->viewer, &from, CULL_STAB));
     return mended ? near_pairs_row(r->near, patch, row) : row;
 }
 

@@ -76,16 +76,15 @@ static int first_met(const Mesh *mesh, Vec3 eye, Vec3 along, double *distance) {
 static void check_rays(Made *m, uint64_t seed, int patches, int rays) {
     Random random = {seed};
     const Mesh *mesh = &m->mesh;
-    unsigned char *listed[VIEW_CULLINGS];
-    for (int c = 0; c < VIEW_CULLINGS; c++)
-        listed[c] = ARENA_ARRAY(&m->arena, unsigned char, mesh->face_count);
+    unsigned char *listed[CULLINGS];
+    for (int c = 0; c < CULLINGS; c++) listed[c] = ARENA_ARRAY(&m->arena, unsigned char, mesh->face_count);
     int met = 0;
     for (int i = 0; i < patches; i++) {
         int patch = random_index(&random, mesh->patch_count);
         ViewPoint from = point_of(mesh, patch);
         if (from.cell < 0) continue;
-        for (int c = 0; c < VIEW_CULLINGS; c++) {
-            const View *view = viewer_look(m->viewer, &from, (ViewCulling)c);
+        for (int c = 0; c < CULLINGS; c++) {
+            const View *view = viewer_look(m->viewer, &from, (Culling)c);
             memset(listed[c], 0, (size_t)mesh->face_count);
             for (int k = 0; k < view->face_count; k++) listed[c][view->faces[k].face] = 1;
         }
@@ -98,9 +97,9 @@ static void check_rays(Made *m, uint64_t seed, int patches, int rays) {
             int face = first_met(mesh, from.eye, along, &distance);
             if (face < 0) continue;
             met++;
-            for (int c = 0; c < VIEW_CULLINGS; c++)
+            for (int c = 0; c < CULLINGS; c++)
                 cr_expect(listed[c][face], "seed %#llx: patch %d misses face %d at %g m, culling %s",
-                          (unsigned long long)seed, patch, face, distance, VIEW_CULLING_NAMES[c]);
+                          (unsigned long long)seed, patch, face, distance, CULLING_NAMES[c]);
         }
     }
     cr_expect(met > patches * rays / 10, "only %d rays met anything", met);
@@ -144,10 +143,10 @@ Test(radiosity_view, faces_are_the_same_whatever_is_culled) {
     const ViewFace **of_face = ARENA_ARRAY(&m.arena, const ViewFace *, m.mesh.face_count);
     for (int i = 0; i < 200; i++) {
         ViewPoint from = point_of(&m.mesh, random_index(&random, m.mesh.patch_count));
-        const View *all = viewer_look(other, &from, CULL_NOTHING);
+        const View *all = viewer_look(other, &from, CULL_NONE);
         memset(of_face, 0, (size_t)m.mesh.face_count * sizeof *of_face);
         for (int k = 0; k < all->face_count; k++) of_face[all->faces[k].face] = &all->faces[k];
-        const View *some = viewer_look(m.viewer, &from, CULL_PORTALS);
+        const View *some = viewer_look(m.viewer, &from, CULL_STAB);
         for (int k = 0; k < some->face_count; k++) {
             const ViewFace *a = &some->faces[k], *b = of_face[a->face];
             cr_assert(b && a->vertex_count == b->vertex_count && a->d == b->d && vec3_equal(a->n, b->n));
@@ -193,7 +192,7 @@ static const View *look_at_sheet(Arena *arena, Vec3 at, double height, bool besi
     cr_assert(mesh_build(graph, NULL, NULL, &options, arena, mesh, &error), "%s", error.text);
     Viewer *viewer = viewer_new(mesh, forest, NULL, arena);
     ViewPoint from = {vec3_add(at, vec3(beside ? 3 : 0.1, 0.2, 0)), {0, 0, 1}, -1};
-    return viewer_look(viewer, &from, CULL_NOTHING);
+    return viewer_look(viewer, &from, CULL_NONE);
 }
 
 // Sheets as thin as 2e-7 m stay, at the origin, 1 km and 1,000 km off; those in the eye's plane go.

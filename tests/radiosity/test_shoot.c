@@ -162,11 +162,11 @@ Test(shoot, sealed_room_stays_dark) {
         lit_finish(lit, 0.5, 2);
         for (int m = 0; FORM_FACTOR_METHODS[m]; m++) {
             if (GAPS[g] == 0 && FORM_FACTOR_METHODS[m]->truth != FORM_FACTOR_EXACT) continue;
-            for (int culling = 0; culling < VIEW_CULLINGS; culling++) {
+            for (int culling = 0; culling < CULLINGS; culling++) {
                 RadOptions options = options_to(0.02);
                 RadSolution s;
                 options.method = FORM_FACTOR_METHODS[m];
-                options.culling = (ViewCulling)culling;
+                options.culling = (Culling)culling;
                 lit_shoot(lit, &options, &s);
                 double lit_power = 0;
                 for (int e = 0; e < s.element_count; e++) {
@@ -175,7 +175,7 @@ Test(shoot, sealed_room_stays_dark) {
                     if (face->polygon >= dark) lit_power += power * lit->mesh.elements[e].area;
                     cr_assert(face->polygon >= dark || power == 0,
                               "%s, culling %s, gap %g: %g W/m^2 in the dark", options.method->name,
-                              VIEW_CULLING_NAMES[culling], GAPS[g], power);
+                              CULLING_NAMES[culling], GAPS[g], power);
                 }
                 cr_assert_gt(lit_power, 1);
             }
@@ -217,8 +217,8 @@ Test(shoot, is_the_same_however_it_is_done, .timeout = 300) {
             expect_same(first, save(lit, &s), "threads", THREADS[t]);
         }
     }
-    for (int culling = 0; culling < VIEW_CULLINGS; culling++) {
-        options.culling = (ViewCulling)culling;
+    for (int culling = 0; culling < CULLINGS; culling++) {
+        options.culling = (Culling)culling;
         lit_shoot(lit, &options, &s);
         expect_same(first, save(lit, &s), "culling", culling);
     }

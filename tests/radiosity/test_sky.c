@@ -15,7 +15,7 @@
 
 static const double SKY[3] = {10, 20, 30};
 
-static RadOptions options_of(ViewCulling culling, int threads) {
+static RadOptions options_of(Culling culling, int threads) {
     RadOptions options = rad_default_options();
     options.culling = culling;
     options.threads = threads;
@@ -37,7 +37,7 @@ static void check_kept(const RadSolution *s) {
     }
 }
 
-// What is emitted is what was absorbed, what escaped and what is left.
+// Emitted light was absorbed, escaped, or is left.
 static void check_conserved(const Lit *lit, const RadSolution *s) {
     for (int c = 0; c < 3; c++) {
         double left = 0;
@@ -55,7 +55,7 @@ Test(sky, lone_squares) {
     lit_quad(lit, vec3(50, 0, 0), vec3(50, 1, 0), vec3(50, 1, 1), vec3(50, 0, 1), LIT_WALL);
     lit_quad(lit, vec3(0, 50, 0), vec3(0, 51, 0), vec3(1, 51, 0), vec3(1, 50, 0), LIT_WALL);
     lit_finish(lit, 0.5, 2);
-    RadOptions options = options_of(CULL_PORTALS, 1);
+    RadOptions options = options_of(CULL_STAB, 1);
     RadSolution s = shone(lit, &options);
     static const double SHARE[3] = {1, 0.5, 0};
     for (int e = 0; e < lit->mesh.element_count; e++) {
@@ -146,7 +146,7 @@ Test(sky, shade_beside_walls_outdoors) {
                               "model wall\n  box -0.1,-2,0 0.1,2,2 white\nend\nplace wall 8,2\n"
                               "place wall 5.5,-2 angle 60\n",
                               0.5, 4);
-    RadOptions options = options_of(CULL_PORTALS, 1);
+    RadOptions options = options_of(CULL_STAB, 1);
     RadSolution s = shone(lit, &options);
     int shaded = 0, free = 0;
     for (int e = 0; e < lit->mesh.element_count; e += 7) {
@@ -226,7 +226,7 @@ static int errors_of(Lit *lit, const RadSolution *s, double errors[POINTS]) {
     return count;
 }
 
-static RadSolution lit_by_sky(Lit *lit, ViewCulling culling, int threads) {
+static RadSolution lit_by_sky(Lit *lit, Culling culling, int threads) {
     RadOptions options = options_of(culling, threads);
     RadSolution s = shone(lit, &options);
     rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &s);
@@ -237,7 +237,7 @@ static RadSolution lit_by_sky(Lit *lit, ViewCulling culling, int threads) {
 // for random points, a median of 2 %, and that no point is lost in the corners of elements of a quarter of a metre.
 Test(sky, room_with_a_window, .timeout = 300) {
     Lit *lit = room_with_window(1.2, 1.3, 0.25);
-    RadSolution s = lit_by_sky(lit, CULL_PORTALS, 0);
+    RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
     double errors[POINTS];
     int count = errors_of(lit, &s, errors);
     cr_assert_geq(count, point_count() * 5 / 8);
@@ -256,7 +256,7 @@ Test(sky, room_behind_a_room_of_windows, .timeout = 300) {
                          "window v 2.1,1.5 angle 90 width 2.8 sill 0.1 height 2.3\n"
                          "window u 2.9,1.5 angle 90 width 2.8 sill 0.1 height 2.3\n",
                          0.25);
-    RadSolution s = lit_by_sky(lit, CULL_PORTALS, 0);
+    RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
     double errors[POINTS];
     int count = errors_of(lit, &s, errors);
     cr_assert_leq(errors[count / 2], 0.02, "median %.2f %%", 100 * errors[count / 2]);
@@ -274,7 +274,7 @@ Test(sky, box_with_a_hole, .timeout = 300) {
              LIT_WALL);
     lit_box(lit, vec3(1.03, 1.06, 0), vec3(2.04, 1.97, 1), false, LIT_WALL, 1 << 4);
     lit_finish(lit, 0.25, 2);
-    RadSolution s = lit_by_sky(lit, CULL_PORTALS, 0);
+    RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
     double errors[POINTS];
     int count = errors_of(lit, &s, errors);
     cr_assert_geq(count, point_count() * 5 / 8);
@@ -286,14 +286,14 @@ Test(sky, box_with_a_hole, .timeout = 300) {
 // Proves that neither culling nor threads change a bit of it.
 Test(sky, same_culled_and_on_any_number_of_threads) {
     Lit *lit = room_with_window(1.2, 1.3, 0.5);
-    RadOptions one = options_of(CULL_PORTALS, 1);
+    RadOptions one = options_of(CULL_STAB, 1);
     RadSolution first = shone(lit, &one);
-    for (int i = 0; i < VIEW_CULLINGS + 1; i++) {
-        RadOptions options = i < VIEW_CULLINGS ? options_of((ViewCulling)i, 1) : options_of(CULL_PORTALS, 3);
+    for (int i = 0; i < CULLINGS + 1; i++) {
+        RadOptions options = i < CULLINGS ? options_of((Culling)i, 1) : options_of(CULL_STAB, 3);
         RadSolution s = shone(lit, &options);
         size_t size = (size_t)s.element_count * sizeof *s.radiosity;
         cr_assert(memcmp(s.radiosity, first.radiosity, size) == 0, "differs: %s",
-                  i < VIEW_CULLINGS ? VIEW_CULLING_NAMES[i] : "3 threads");
+                  i < CULLINGS ? CULLING_NAMES[i] : "3 threads");
         cr_assert_arr_eq(s.emitted, first.emitted, sizeof s.emitted);
     }
     lit_free(lit);
@@ -303,7 +303,7 @@ Test(sky, same_culled_and_on_any_number_of_threads) {
 // two, what two discs of its area at its depth exchange: the sky above the horizon, seen along the hole, is half of its far end.
 Test(sky, key_hole) {
     Lit *lit = room_with_window(0.02, 0.02, 0.25);
-    RadSolution s = lit_by_sky(lit, CULL_PORTALS, 0);
+    RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
     check_conserved(lit, &s);
     double indoors = s.emitted[1] - s.outdoors[1], opening = 0.02 * 0.02;
     cr_assert_gt(indoors, 0.2 * opening * M_PI * 20 / 2);
@@ -323,8 +323,8 @@ Test(sky, key_hole) {
 // Proves that the file remembers the sky, and that a run that was broken off goes on to the same light.
 Test(sky, is_stored_and_resumed) {
     Lit *lit = room_with_window(1.2, 1.3, 0.5);
-    RadSolution whole = lit_by_sky(lit, CULL_PORTALS, 1), back;
-    RadOptions options = options_of(CULL_PORTALS, 1);
+    RadSolution whole = lit_by_sky(lit, CULL_STAB, 1), back;
+    RadOptions options = options_of(CULL_STAB, 1);
     options.shots = 10;
     RadSolution s = shone(lit, &options);
     rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &s);
@@ -351,7 +351,7 @@ static bool stop_at(void *context, const char *stage, double done) {
 // Proves that daylight heeds whoever asks to stop, outdoors and at the openings, and else is as if nobody had been told of it.
 Test(sky, stops_when_asked) {
     Lit *lit = room_with_window(1, 1, 0.5);
-    RadOptions options = options_of(CULL_PORTALS, 2);
+    RadOptions options = options_of(CULL_STAB, 2);
     double never = 2, at[2] = {0, 0.5};
     RadSolution alone = shone(lit, &options), s;
     Error error = {""};

@@ -58,7 +58,7 @@ int main(void) {
     for (int i = 0; i < 2; i++) {
         EnfEye eye = {.position = {2 + 4.15 * i, 2, 1.6}};
         int cell = enf_vis_locate(&ready.graph, eye.position, -1);
-        EnfVisResult seen = enf_vis_query(query, &eye, cell, NULL, ENF_VIS_STAB);
+        EnfVisResult seen = enf_vis_query(query, &eye, cell, NULL, ENF_CULL_STAB);
         printf("from %s: %d of %d cells\n", enf_vis_region(&ready.graph, cell)->name, seen.cell_count,
                ready.graph.cell_count);
     }

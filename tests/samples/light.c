@@ -23,7 +23,7 @@ int main(int argc, char **argv) {
     printf("light: %d elements, %lld shots, %.1f W of %.1f W absorbed\n", mesh.element_count, report.shots,
            light.absorbed[0], light.emitted[0]);
 
-    // What arrives at points on the floor, W/m^2, red, green and blue: along a line from the start.
+    // The light that arrives at points on the floor, W/m^2, red, green and blue: along a line from the start.
     EnfGatherOptions how = enf_gather_default_options();
     EnfGatherScene scene = {&mesh, &ready.forest, NULL, &light, NULL};
     EnfGatherer *gatherer = enf_gatherer_new(&scene, &how, &arena);

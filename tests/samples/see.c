@@ -19,7 +19,7 @@ int main(int argc, char **argv) {
     EnfEye eye = {.position = building.start};
     EnfVisQuery *query = enf_vis_query_new(&ready.graph, &ready.forest, &arena);
     int cell = enf_vis_locate(&ready.graph, eye.position, -1);
-    EnfVisResult seen = enf_vis_query(query, &eye, cell, NULL, ENF_VIS_STAB);
+    EnfVisResult seen = enf_vis_query(query, &eye, cell, NULL, ENF_CULL_STAB);
     printf("visible: %d of %d cells, %d of %d polygons\n", seen.cell_count, ready.graph.cell_count,
            seen.polygon_count, ready.graph.polygon_count);
     for (int i = 0; i < seen.cell_count; i++) {

@@ -171,7 +171,7 @@ typedef struct Seen {
     Camera camera;
 } Seen;
 
-static Seen view_of(Room *room, Camera camera, StillDirect direct) {
+static Seen view_of(Room *room, Camera camera, int direct) {
     Arena *arena = &room->lit->arena;
     Seen v = {.scene = still_scene_new(&room->lit->mesh, NULL, STILL_TREE_OWN, arena), .camera = camera};
     StillLamps *lamps = direct == STILL_RAYS ? still_lamps_new(v.scene, &room->lit->forest, 16, arena) : NULL;
@@ -219,7 +219,7 @@ Test(whitted, glass_and_mirrors_vanish_in_a_furnace) {
             add_ball(room, vec3(3, 2.5, 1), 0.3, MIRROR);
         }
         room_finish(room);
-        Seen v = view_of(room, camera_at(vec3(2, 0.5, 1.5), vec3(2, 3, 1.3), 96, 72), (StillDirect)direct);
+        Seen v = view_of(room, camera_at(vec3(2, 0.5, 1.5), vec3(2, 3, 1.3), 96, 72), direct);
         double low, high;
         WhittedWork work = {0};
         look(&v, &low, &high, &work);
@@ -263,7 +263,7 @@ Test(whitted, shadows_are_sharp) {
     StillLight light = still_light_new(scene, &room->solution, &room->lamps_only, lamps, arena);
     for (int i = 0; i < 2; i++) {
         Ray ray = {vec3(1 + 2 * i, 2, 2.4), vec3(0, 0, -1), 0, INFINITY};
-        SurfaceHit hit = still_rays_first(&scene->all, &ray);
+        SurfaceHit hit = still_rays_first(scene->all, &ray);
         StillNumbers numbers = {{0.1, 0.2, 0.3}, 0};
         double out[3];
         still_light_at(&light, &ray, &hit, 16, &numbers, out);

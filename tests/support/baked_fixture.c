@@ -9,9 +9,9 @@
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/truth/path_tracer.h"
 
-// Of the mean of all points: what is darker is measured against it.
+// A share of the mean of all points: darker points are measured against it.
 static const double DARK = 0.1;
-// What lies against a point, metres, hides it.
+// A face so near to a point, metres, hides it.
 static const double TOUCHING = 1e-4;
 
 static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
@@ -114,7 +114,7 @@ static double arriving(const Material *m, const double b[3]) {
     return sum;
 }
 
-// Of a point of the mesh: a face that it lies on, that looks its way.
+// The face on which a point of the mesh lies, and which looks its way.
 static int face_at(const Mesh *mesh, const BakedPoint *p) {
     for (int f = 0; f < mesh->face_count; f++) {
         const Face *face = &mesh->faces[f];

@@ -48,9 +48,9 @@ CurvedMesh curved_all(const Building *b, double tolerance, Arena *arena) {
     return all;
 }
 
-typedef struct Way {
+typedef struct Stretch {
     Vec3 a, b;
-} Way;
+} Stretch;
 
 static int compare_points(Vec3 a, Vec3 b) {
     if (a.x != b.x) return a.x < b.x ? -1 : 1;
@@ -59,20 +59,20 @@ static int compare_points(Vec3 a, Vec3 b) {
 }
 
 static int compare_ways(const void *a, const void *b) {
-    const Way *p = a, *q = b;
+    const Stretch *p = a, *q = b;
     int first = compare_points(p->a, q->a);
     return first ? first : compare_points(p->b, q->b);
 }
 
 int curved_find_open(const CurvedMesh *mesh, Arena *arena, Vec3 **ends) {
     int count = mesh->polygon_count ? mesh->first[mesh->polygon_count] : 0, n = 0, open = 0;
-    Way *there = ARENA_ARRAY(arena, Way, count + 1), *back = ARENA_ARRAY(arena, Way, count + 1);
+    Stretch *there = ARENA_ARRAY(arena, Stretch, count + 1), *back = ARENA_ARRAY(arena, Stretch, count + 1);
     for (int i = 0; i < mesh->polygon_count; i++) {
         for (int k = mesh->first[i]; k < mesh->first[i + 1]; k++) {
             Vec3 a = mesh->vertices[k],
                  b = mesh->vertices[k + 1 < mesh->first[i + 1] ? k + 1 : mesh->first[i]];
-            there[n] = (Way){a, b};
-            back[n++] = (Way){b, a};
+            there[n] = (Stretch){a, b};
+            back[n++] = (Stretch){b, a};
         }
     }
     *ends = ARENA_ARRAY(arena, Vec3, 2 * n + 1);

@@ -45,7 +45,7 @@ double draft_region_area(const Building *b, const Region *r);
 double draft_area_of(const Draft *d, RegionKind kind);
 // How many regions hold a point; the last of them in `which`.
 int draft_regions_at(const Draft *d, double x, double y, double z, int *which);
-// Of the one region that holds a point, or -1.
+// The kind of the one region that holds a point, or -1.
 int draft_kind_at(const Draft *d, double x, double y, double z);
 
 #endif

@@ -221,8 +221,8 @@ bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, 
         const Cell *here = &graph->cells[cell];
         Vec3 hit = vec3_add(from, vec3_scale(direction, exit_distance(graph, here, from, direction)));
         int through = -1;
-        for (int i = here->first_contact; i < here->first_contact + here->contact_count && through < 0; i++) {
-            const Portal *portal = &graph->portals[graph->contacts[i].portal];
+        for (int i = here->first_way; i < here->first_way + here->way_count && through < 0; i++) {
+            const Portal *portal = &graph->portals[graph->ways[i].portal];
             if (fabs(plane_distance(portal->plane, hit)) > 1e-7) continue;
             double inside = inside_by(graph->portal_vertices + portal->first_vertex, portal->vertex_count,
                                       portal->plane.n, hit);
@@ -231,14 +231,14 @@ bool fixture_trace(const CellGraph *graph, int cell, Vec3 from, Vec3 direction, 
                 return false;
             if (inside > 0) through = i;
         }
-        int portal = through >= 0 ? graph->contacts[through].portal : -1;
+        int portal = through >= 0 ? graph->ways[through].portal : -1;
         bool shut = portal >= 0 && graph->portals[portal].door >= 0 && door_open &&
                     !door_open[graph->portals[portal].door];
         out->hit = hit;
         if (through < 0 || shut) return true;
         if (out->count == 256) return false;
         out->portals[out->count - 1] = portal;
-        cell = graph->contacts[through].cell;
+        cell = graph->ways[through].cell;
         out->cells[out->count++] = cell;
     }
 }
@@ -293,8 +293,8 @@ double fixture_uncovered(const CellGraph *g, int c) {
         open += vec2_length(vec2_sub(b, a)) * (cell->z1 - cell->z0);
         open += vec2_cross(vec2_sub(a, p[0]), vec2_sub(b, p[0]));  // half of it, below and above
     }
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &g->portals[g->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &g->portals[g->ways[i].portal];
         open -= polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
     }
     for (int i = g->surface_first[c]; i < g->surface_first[c + 1]; i++) {
@@ -304,7 +304,7 @@ double fixture_uncovered(const CellGraph *g, int c) {
     return open;
 }
 
-// What the exact tests of sightlines look at.
+// The point as the exact tests of sightlines take it.
 static Vec2 exact(Vec2 p) {
     return vec2(p.x == maps_snap(p.x) ? nearbyint(p.x * 1000) : p.x * 1000,
                 p.y == maps_snap(p.y) ? nearbyint(p.y * 1000) : p.y * 1000);

@@ -32,7 +32,7 @@ Vec3 fixture_point(const CellGraph *graph, Random *random, int cell);  // inside
 Vec3 fixture_direction(Random *random);                                // uniform on the sphere
 
 double fixture_region_area(const Building *building, const Region *region);  // of its outline, m^2
-// Of a prism's boundary, what neither portals nor surfaces cover, m^2; below 0 where they overlap.
+// The area of a prism's boundary that neither portals nor surfaces cover, m^2; below 0 where they overlap.
 double fixture_uncovered(const CellGraph *graph, int cell);
 int fixture_dents(const CellGraph *graph);  // corners where a cell bends inwards, by the exact sign alone
 

@@ -7,7 +7,7 @@
 // The room of soups.h, y up: 8 positions in single precision, then 36 indices of u16.
 enum { GLTF_POSITIONS = 96, GLTF_INDICES = 72, GLTF_BYTES = GLTF_POSITIONS + GLTF_INDICES };
 
-// What a document of the room is made of; a test replaces what it is about.
+// The parts of a document of the room; a test replaces those that it is about.
 typedef struct GltfDocument {
     const char *asset, *head, *scene, *nodes, *mesh, *accessors, *views, *buffer;
 } GltfDocument;

@@ -24,7 +24,7 @@ typedef struct HiddenSlack {
 typedef struct HiddenJudge HiddenJudge;
 HiddenJudge *hidden_judge_new(const Scene *scene, Arena *arena);
 
-// Of pixel (i, j), where one method sees polygon a and another b (-1: nothing).
+// The excuse of pixel (i, j), where one method sees polygon a and another b (-1: nothing).
 HiddenExcuse hidden_excuse(const HiddenJudge *judge, const Camera *camera, int i, int j, int a, int b,
                            HiddenSlack slack);
 

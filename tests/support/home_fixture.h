@@ -38,7 +38,7 @@ Home home_of_zip(const HomeEntry *entries, int count);  // its Home.xml, with wh
     "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 #define HOME_WEDGE_LIBRARY "newmtl skin\nKd 1 0 0\n"
 
-// Of a door, hinged at the left of its opening or at the right.
+// The sash of a door, hinged at the left of its opening or at the right.
 #define HOME_SASH_LEFT "<sash xAxis='0.05' yAxis='0.5' width='0.9' startAngle='0' endAngle='-1.5707964'/>"
 #define HOME_SASH_RIGHT                                                                                      \
     "<sash xAxis='0.95' yAxis='0.5' width='0.9' startAngle='3.1415927' endAngle='4.712389'/>"

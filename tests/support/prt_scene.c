@@ -22,7 +22,7 @@ CellGraph *prt_scene(Arena *arena, const char *text) {
     return graph;
 }
 
-// What is convex or flat stays so under a shear.
+// A shear: under it convex polygons stay convex, and flat ones flat.
 static Vec3 tilted(Vec3 v) {
     static const double UNITS = 32;  // a metre
     return vec3_scale(vec3(v.x + 0.11 * v.y + 0.17 * v.z, v.y - 0.13 * v.z, v.z + 0.07 * v.x + 0.05 * v.y),

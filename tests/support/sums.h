@@ -10,7 +10,7 @@
 #include "engine/core/arena.h"
 #include "engine/core/vec.h"
 
-// Of numbers in their order: two that change places change the sum.
+// A sum of numbers in their order: two that change places change the sum.
 typedef struct Sum {
     int count;
     double sum;   // of the numbers, each with a weight of its own, 1 .. 2

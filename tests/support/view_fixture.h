@@ -32,7 +32,7 @@ void view_fixture_box(Arena *arena, ViewFixture *f, Vec3 low, Vec3 high, int cut
 // A closed room of 4 x 3 x 2.5 m and `boxes` closed boxes that stand about in it, turned and shifted.
 ViewFixture *view_fixture_room(Arena *arena, Random *random, int cuts, int boxes, Vec3 shift);
 
-// What the eye sees, in the order and with the rules of viewer_look; nothing is culled.
+// The faces that the eye sees, in the order and with the rules of viewer_look; nothing is culled.
 View *view_fixture_look(Arena *arena, const ViewFixture *f, Vec3 eye, Vec3 normal);
 // From a random point of a random face, a hair's breadth from no edge.
 View *view_fixture_look_about(Arena *arena, const ViewFixture *f, Random *random);

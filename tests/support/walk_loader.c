@@ -5,7 +5,7 @@
 
 bool walk_loader_lit(void *context, const char *path, Arena *arena, WalkScene *out, Error *error) {
     (void)context;
-    WalkLoad load = {.scene = scene_default_options(), .bakes = true};
-    load.scene.lamps = SCENE_LAMPS_ALL;
+    SceneOptions load = scene_default_options();
+    load.lamps = SCENE_LAMPS_ALL;
     return walk_scene_load(&load, path, arena, out, error);
 }

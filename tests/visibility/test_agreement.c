@@ -26,7 +26,7 @@ static void know(const char *path, Known *k) {
     cr_assert(vis_build_forest(&k->graph, &options, NULL, &k->arena, &k->forest));
 }
 
-// What is proven is in the trees' sets, and those leave out nothing but pairs that the matrix left undecided.
+// Proven pairs are in the trees' sets, and those leave out nothing but pairs that the matrix left undecided.
 static void check_sets(const char *path, const Known *k) {
     const PairSet *set = &k->set;
     for (int i = 0; i < set->cell_count; i++) {
@@ -65,7 +65,7 @@ static void check_query(const char *path, const Known *k) {
     for (int n = 0; n < 400; n++) {
         int cell = random_index(&random, k->graph.cell_count);
         Eye eye = {.position = fixture_point(&k->graph, &random, cell)};
-        VisResult result = vis_query(query, &eye, cell, NULL, VIS_STAB);
+        VisResult result = vis_query(query, &eye, cell, NULL, CULL_STAB);
         if (result.eye_cell < 0) continue;  // at a wall
         for (int i = 0; i < result.cell_count; i++) {
             cr_assert(vis_sees(&k->forest, cell, result.cells[i].cell),

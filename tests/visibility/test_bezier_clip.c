@@ -8,7 +8,7 @@
 #include "tests/support/support.h"
 #include "visibility/rays/curved_rays.h"
 
-// Of a hit's place, of the patch's size.
+// The error of a hit's place, of the patch's size.
 #define EXACT 1e-9
 
 typedef struct Bench {

@@ -95,7 +95,7 @@ Test(bezier_trim, rectangles, .timeout = 60) {
         for (int i = 0; i < 30; i++) {
             double width = random_between(&random, 0.005, 0.1);
             Vec2 low = {random_unit(&random), random_unit(&random)}, high = {low.x + width, low.y + width};
-            TrimState state = trim_state(trim, low, high);
+            int state = trim_state(trim, low, high);
             decided[state]++;
             for (int k = 0; k < 20 && state != TRIM_SOME_KEPT; k++) {
                 Vec2 at = {random_between(&random, low.x, high.x), random_between(&random, low.y, high.y)};

@@ -27,7 +27,7 @@ static const struct {
               {"drum", CURVED_CONE, true, 1}};
 enum { SOLID_COUNT = sizeof SOLIDS / sizeof *SOLIDS };
 
-// Of any size from 1 mm to 100 m, turned, every other one a mirror image, up to a kilometre from the origin.
+// A shape of any size from 1 mm to 100 m, turned, every other one a mirror image, up to a kilometre from the origin.
 static CurvedShape random_solid(int kind, Random *random) {
     CurvedShape s = {.kind = SOLIDS[kind].kind, .top = SOLIDS[kind].top, .disc = {true, true}};
     Vec3 x = random_unit_vector(random), y = vec3_normalize(vec3_cross(x, random_unit_vector(random)));

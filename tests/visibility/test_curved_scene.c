@@ -17,7 +17,7 @@ static Camera camera_at(double distance) {
     return camera_look(vec3(4, 2 - distance, 1.1), M_PI / 2, -0.1, 1.0, WIDTH, HEIGHT);
 }
 
-// What the picture shows: the shape under each pixel, or -1 - the polygon of what is none.
+// Draws: under each pixel the shape, or -1 - the polygon where there is no shape.
 static void draw(const char *method, const CurvedScene *scene, const Camera *camera, int *seen,
                  float *depth) {
     Arena arena = {0};

@@ -106,7 +106,7 @@ static bool edge_on(const Scene *scene, int item, Vec3 eye) {
 // About 100 roundings of a float, for a plane seen at a grazing angle.
 static float tie_of(float z, float seen_z) { return 1e-5f * fminf(z, seen_z); }
 
-// What a rasteriser may see at a pixel instead: what lies within a 128th of a pixel (it rounds vertices to a 256th).
+// May a rasteriser see this item at a pixel instead? It may see all that lies within a 128th of a pixel (it rounds vertices to a 256th).
 static bool excused(const RayScene *rays, const Camera *camera, int i, int j, int item, float z,
                     float seen_z) {
     float tie = tie_of(z, seen_z);

@@ -10,7 +10,7 @@
 #include "tests/support/soup_fixture.h"
 #include "tests/support/support.h"
 
-// What a method must tell apart: one of our own; one in floats, whose edges lie on a grid of 1/256 pixel (OpenGL), or which
+// How exactly a method tells things apart: one of our own; one in floats, whose edges lie on a grid of 1/256 pixel (OpenGL), or which
 // takes any of those that tie (Embree).
 static const HiddenSlack EXACT = {1e-6, 1e-9, 1.1 * HIDDEN_EDGE_ON, true};
 static const HiddenSlack FLOAT = {1 / 128.0, 1e-5, 1e-5, false};
@@ -22,7 +22,7 @@ typedef struct Tally {
     long pixels, excused[HIDDEN_EXCUSES], wrong, wrong_depths;
 } Tally;
 
-// Of a polygon so far off its plane, metres: what the rounding of its place does grows as that shrinks.
+// Are two depths of a polygon the same, seen from `height` metres off its plane? The effect of rounding grows as that shrinks.
 static bool same_depth(float a, float b, double height, bool exact) {
     double share = exact ? EXACT_DEPTH : FLOAT_DEPTH + FLOAT_PLACE / height;
     return a == b || (double)fabsf(a - b) <= share * (double)fabsf(b);
@@ -89,7 +89,7 @@ static void compare_scene(const Scene *scene, const Camera *cameras, int count, 
     arena_free(&arena);
 }
 
-// Of a method's pixels so many may be excluded: a sample of a picture rarely lies on an edge to a millionth.
+// So many of a method's pixels may be excluded: a sample of a picture rarely lies on an edge to a millionth.
 static const double EXACT_EXCLUDED = 1e-5, FLOAT_EXCLUDED = 0.05;
 
 static void report(const char *what, const Tally tally[MOST_METHODS]) {
@@ -97,7 +97,7 @@ static void report(const char *what, const Tally tally[MOST_METHODS]) {
         const Tally *t = &tally[m];
         if (t->pixels == 0) continue;
         double most_excused = HIDDEN_METHODS[m]->truth == HIDDEN_EXACT ? EXACT_EXCLUDED : FLOAT_EXCLUDED;
-        // Of copies Embree takes any.
+        // Embree takes any of several copies.
         long excused = t->excused[EXCUSE_EDGE] + t->excused[EXCUSE_CROSSING] +
                        (HIDDEN_METHODS[m]->truth == HIDDEN_EXACT ? t->excused[EXCUSE_TIE] : 0);
         cr_log_info("%-9s %-14s %ld pixels, excluded: %ld at edges, %ld at crossings, %ld ties; wrong: %ld, "

@@ -219,7 +219,7 @@ Test(hidden_input, inside_a_wall, .timeout = 60) {
     }
 }
 
-// What the lecture says of sorting by centroids: it fails where a large polygon's centroid is nearer than a small one that
+// Sorting by centroids fails as the lecture says: where a large polygon's centroid is nearer than a small one that
 // lies behind it; the exact methods do not. And rings: cut, by those that cut.
 Test(hidden_input, centroids_fail) {
     Arena arena = {0};

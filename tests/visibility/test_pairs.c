@@ -60,7 +60,7 @@ static int asymmetries(const uint64_t *rows, int cells) {
     return wrong;
 }
 
-// What holds of any result: symmetric; a proven pair is a seen one; all witnesses stand the second walk, and come once a pair in order.
+// Every result is sound: symmetric; a proven pair is a seen one; all witnesses stand the second walk, and come once a pair in order.
 static void expect_sound(const CellGraph *graph, const PairMethod *method, const PairSet *set) {
     Arena scratch = {0};
     int cells = graph->cell_count;
@@ -80,7 +80,7 @@ static void expect_sound(const CellGraph *graph, const PairMethod *method, const
     arena_free(&scratch);
 }
 
-// Of methods that only ever add a constraint the later one sees no more. Index into PAIR_METHODS by name.
+// Methods that only ever add a constraint to another see no more than that one. Index into PAIR_METHODS by name.
 static const char *const TIGHTER[][2] = {
     {"flood", "plan"}, {"plan", "height"}, {"flood", "flow"}, {"flow", "proof"}};
 
@@ -132,7 +132,7 @@ Test(pairs, nothing_known_is_missed, .timeout = 300) {
         pairs_unite(known, graph->cell_count, samples.proven);
     }
     expect_samples_seen(graph, &samples, &arena);
-    // Of tilted cells `height` may see what `plan` excludes: neither knows slopes.
+    // Among tilted cells `height` may see pairs that `plan` excludes: neither knows slopes.
     if (known_by_others) expect_ordered(graph, &arena);
     PairSet best = find(graph, pair_method("proof"), 2, NULL, &arena);
     PairFigures f = pairs_compare(best.seen, samples.proven, graph->cell_count);
@@ -405,7 +405,7 @@ Test(pairs, ways_are_portals_both_ways) {
         cr_assert(ways.way_count == 2 * g->portal_count && ways.cell_count == g->cell_count);
         cr_assert_lt(vec3_length(vec3_sub(ways.origin, vec3_lerp(g->box.min, g->box.max, 0.5))), 1e-12);
         for (int w = 0; w < ways.way_count; w++) {
-            const Way *way = &ways.ways[w];
+            const WayShape *way = &ways.ways[w];
             const Portal *portal = &g->portals[w / 2];
             cr_assert(way->from == portal->cell[w % 2] && way->to == portal->cell[1 - w % 2]);
             cr_assert_eq(way->corner_count, portal->vertex_count);
@@ -472,7 +472,7 @@ Test(pairs, tangents_are_all_there_are) {
         Winding edges = random_winding(&random, 0),
                 other = random_winding(&random, random_between(&random, 0.5, 6));
         int side = n % 2 ? 1 : -1, count = 0, ahead = 0;
-        WindingKeep keep = n / 2 % 2 ? KEEP_OTHER : KEEP_EDGES;
+        int keep = n / 2 % 2 ? KEEP_OTHER : KEEP_EDGES;
         Separator out[WINDING_MAX];
         if (n % 3 == 0) edges.facet.bend = 1e-3, edges.facet.tilt = 0.05;
         int given = winding_tangents(&edges, &other, side, keep, EPSILON, out);

@@ -123,13 +123,13 @@ static bool follow(const CellGraph *g, Line *line) {
         Vec3 p = vec3_add(line->from, vec3_scale(line->way, at));
         const Cell *here = &g->cells[cell];
         int next = -1;
-        for (int i = here->first_contact; i < here->first_contact + here->contact_count; i++) {
-            const Portal *portal = &g->portals[g->contacts[i].portal];
+        for (int i = here->first_way; i < here->first_way + here->way_count; i++) {
+            const Portal *portal = &g->portals[g->ways[i].portal];
             if (fabs(plane_distance(portal->plane, p)) > DOUBTFUL || is_closed(portal, line->doors)) continue;
             int inside = soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count,
                                              p, 2 * DOUBTFUL);
             if (inside < 0) return false;
-            if (inside > 0 && leaves_at(g, g->contacts[i].cell, line, at) > 0) next = g->contacts[i].cell;
+            if (inside > 0 && leaves_at(g, g->ways[i].cell, line, at) > 0) next = g->ways[i].cell;
         }
         cell = next;
     }
@@ -143,8 +143,8 @@ static bool pierce(const CellGraph *g, int cell, Line *line) {
         line->cells[line->count++] = cell;
         const Cell *here = &g->cells[cell];
         int next = -1;
-        for (int i = here->first_contact; i < here->first_contact + here->contact_count; i++) {
-            const Portal *portal = &g->portals[g->contacts[i].portal];
+        for (int i = here->first_way; i < here->first_way + here->way_count; i++) {
+            const Portal *portal = &g->portals[g->ways[i].portal];
             double side = portal->cell[0] == cell ? -1 : 1,
                    rate = side * vec3_dot(portal->plane.n, line->way);
             double t = -side * plane_distance(portal->plane, line->from) / rate;
@@ -154,7 +154,7 @@ static bool pierce(const CellGraph *g, int cell, Line *line) {
             int inside =
                 soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count, p, 4e-3);
             if (inside < 0) return false;
-            if (inside > 0) next = g->contacts[i].cell;
+            if (inside > 0) next = g->ways[i].cell;
         }
         cell = next;
     }
@@ -188,8 +188,7 @@ static Vec3 in_portal(const CellGraph *g, const Portal *portal, Random *random) 
 // On a portal of a cell, or 1e-9 m before or behind it.
 static Vec3 at_portal(const CellGraph *g, int cell, Random *random) {
     const Cell *c = &g->cells[cell];
-    const Portal *portal =
-        &g->portals[g->contacts[c->first_contact + random_index(random, c->contact_count)].portal];
+    const Portal *portal = &g->portals[g->ways[c->first_way + random_index(random, c->way_count)].portal];
     Vec3 p = in_portal(g, portal, random);
     return vec3_add(p, vec3_scale(portal->plane.n, 1e-9 * (random_index(random, 3) - 1)));
 }
@@ -235,22 +234,22 @@ static unsigned char *reachable(const Made *m, Vec3 eye, Arena *arena) {
 }
 
 // All cells that lines from the eye enter are found, and none but those that the eye's cell may see.
-static void check_eye(Made *m, int cell, Vec3 position, VisMethod method, bool given, Random *random,
+static void check_eye(Made *m, int cell, Vec3 position, Culling culling, bool given, Random *random,
                       Tally *tally) {
     const CellGraph *g = &m->graph;
     Eye eye = {.position = position};
-    VisResult result = vis_query(m->query, &eye, cell, m->doors, method);
+    VisResult result = vis_query(m->query, &eye, cell, m->doors, culling);
     tally->eyes++;
     tally->outside += result.eye_cell < 0;
     if (result.eye_cell < 0) return;  // all is drawn
-    for (int i = 0; i < result.cell_count && method != VIS_PORTALS; i++)
+    for (int i = 0; i < result.cell_count && culling != CULL_PORTALS; i++)
         cr_assert(may_see(m, cell, position, result.cells[i].cell), "cell %d is not in the visible set of %d",
                   result.cells[i].cell, cell);
     Arena scratch = {0};
     const unsigned char *reached = reachable(m, position, &scratch);
     for (int i = 0; i < result.cell_count; i++)
         cr_assert(reached[result.cells[i].cell], "%s: cell %d is found from %d behind closed doors",
-                  VIS_METHOD_NAMES[method], result.cells[i].cell, cell);
+                  CULLING_NAMES[culling], result.cells[i].cell, cell);
     for (int c = 0; c < g->cell_count; c++) tally->shut += !reached[c] && vis_sees(&m->forest, cell, c);
     arena_free(&scratch);
     for (int k = 0; k < 60; k++) {
@@ -265,7 +264,7 @@ static void check_eye(Made *m, int cell, Vec3 position, VisMethod method, bool g
             cr_assert(
                 lists(&result, line.cells[i]),
                 "%s: eye (%.12g, %.12g, %.12g) in cell %d sees cell %d (%d on its line), which is not found",
-                VIS_METHOD_NAMES[method], position.x, position.y, position.z, cell, line.cells[i], i);
+                CULLING_NAMES[culling], position.x, position.y, position.z, cell, line.cells[i], i);
     }
 }
 
@@ -273,11 +272,11 @@ static void check_eyes(Made *m, int eyes, bool given, Random *random, Tally *tal
     const CellGraph *g = &m->graph;
     for (int i = 0; i < eyes; i++) {
         int cell = random_index(random, g->cell_count);
-        if (g->cells[cell].contact_count == 0) continue;
+        if (g->cells[cell].way_count == 0) continue;
         Vec3 p = i % 3 == 0 && !given ? at_corner(g, cell, random) : at_portal(g, cell, random);
         if (!given) cell = vis_locate(g, p, cell);
         if (cell < 0) continue;
-        check_eye(m, cell, p, i % 2 ? VIS_STAB : VIS_PORTALS, given, random, tally);
+        check_eye(m, cell, p, i % 2 ? CULL_STAB : CULL_PORTALS, given, random, tally);
     }
 }
 
@@ -323,7 +322,7 @@ static Vec3 near_sides(const CellGraph *g, int cell, Random *random) {
     Plane planes[256];
     Vec3 p = soup_fixture_point(g, random, cell);
     int count = cell_planes(g, cell, planes), sides = random_index(random, 3);
-    if (random_index(random, 3) == 0 && g->cells[cell].contact_count > 0) p = at_portal(g, cell, random);
+    if (random_index(random, 3) == 0 && g->cells[cell].way_count > 0) p = at_portal(g, cell, random);
     for (int i = 0; i < sides; i++) {
         Plane plane = planes[random_index(random, count)];
         double off = pow(10, random_between(random, -6.5, -1));
@@ -353,10 +352,10 @@ static void check_eye_cells(const CellGraph *g, int cell, Vec3 p, EyeTally *tall
     around[near++] = cell;
     for (int i = 0; i < near; i++) {
         const Cell *c = &g->cells[around[i]];
-        for (int k = c->first_contact; k < c->first_contact + c->contact_count && near < MOST_AROUND; k++)
-            if (from_portal(g, g->contacts[k].portal, p) < 0.99 * CLEARANCE &&
-                !is_among(around, near, g->contacts[k].cell))
-                around[near++] = g->contacts[k].cell;
+        for (int k = c->first_way; k < c->first_way + c->way_count && near < MOST_AROUND; k++)
+            if (from_portal(g, g->ways[k].portal, p) < 0.99 * CLEARANCE &&
+                !is_among(around, near, g->ways[k].cell))
+                around[near++] = g->ways[k].cell;
     }
     if (from_walls(g, around, near, p) < 0.99 * CLEARANCE) {
         cr_assert_eq(count, 0, "(%.9g, %.9g, %.9g) in cell %d is at a wall", p.x, p.y, p.z, cell);
@@ -376,11 +375,11 @@ static void check_eye_cells(const CellGraph *g, int cell, Vec3 p, EyeTally *tall
         cr_assert(box_contains(box_grow(g->cells[cells[i]].box, 1.01 * POSITION_SLACK), p),
                   "it is not in cell %d", cells[i]);
         const Cell *c = &g->cells[cells[i]];
-        for (int k = c->first_contact; k < c->first_contact + c->contact_count; k++)
-            cr_assert(is_among(cells, count, g->contacts[k].cell) ||
-                          from_portal(g, g->contacts[k].portal, p) >= 0.99 * POSITION_SLACK,
+        for (int k = c->first_way; k < c->first_way + c->way_count; k++)
+            cr_assert(is_among(cells, count, g->ways[k].cell) ||
+                          from_portal(g, g->ways[k].portal, p) >= 0.99 * POSITION_SLACK,
                       "(%.9g, %.9g, %.9g) in cell %d is in cell %d as well", p.x, p.y, p.z, cell,
-                      g->contacts[k].cell);
+                      g->ways[k].cell);
     }
     tally->joined += count > 1;
     tally->alone += count == 1;
@@ -429,11 +428,11 @@ Test(query_cone, edge_on_holds_all_of_the_portal) {
             corner[k] =
                 vec3_add(vec3_add(eye, vec3_scale(n, off)), vec3_add(vec3_scale(u, x), vec3_scale(v, y)));
         }
-        VisQuery query = {.eye = &(Eye){.position = eye}, .method = VIS_STAB};
-        Gate gate = {.plane = {n, vec3_dot(n, corner[0])}, .ahead = -off};
+        VisQuery query = {.eye = &(Eye){.position = eye}, .culling = CULL_STAB};
+        ViewWay way = {.plane = {n, vec3_dot(n, corner[0])}, .ahead = -off};
         ViewPart part = {.polygon = corner, .count = 4};
         Cone before = {.count = 0}, beyond;
-        query_beyond(&query, &before, PASSAGE_EDGE, &gate, &part, &beyond);
+        query_beyond(&query, &before, PASSAGE_EDGE, &way, &part, &beyond);
         kept += beyond.count > 0;
         cr_assert_not(beyond.is_slot);
         double length = 0;
@@ -488,16 +487,16 @@ Test(query_cone, part_holds_the_portal_and_its_slack) {
         }
         CellView nothing_listed = {0};
         VisQuery query = {.eye = &(Eye){.position = eye}, .of_cell = &nothing_listed};
-        Gate gate = {.plane = {ahead, vec3_dot(ahead, corner[0])}, .ahead = far};
+        ViewWay way = {.plane = {ahead, vec3_dot(ahead, corner[0])}, .ahead = far};
         ViewPart part = {.polygon = corner, .count = count, .middle = middle, .distance = far};
         Cone before = {.count = 0}, beyond;
-        query.method = VIS_PLAN;
-        query_beyond(&query, &before, PASSAGE_PART, &gate, &part, &beyond);
+        query.culling = CULL_PLAN;
+        query_beyond(&query, &before, PASSAGE_PART, &way, &part, &beyond);
         wedges += !beyond.all_around;
         if (!beyond.all_around) check_wedge(&beyond, eye, corner, count, seed);
         cr_assert_eq(beyond.count, beyond.all_around ? 0 : 2);
-        query.method = VIS_STAB;
-        query_beyond(&query, &before, PASSAGE_PART, &gate, &part, &beyond);
+        query.culling = CULL_STAB;
+        query_beyond(&query, &before, PASSAGE_PART, &way, &part, &beyond);
         cr_assert_eq(beyond.count, count, "a plane for each edge");
         for (int i = 0; i < beyond.count; i++, planes++) {
             double least = INFINITY;
@@ -523,7 +522,7 @@ Test(query_oracle, an_eye_on_a_portal_is_in_both_cells) {
         const Portal *portal = &m.graph.portals[p];
         Vec3 eye = vec3_add(in_portal(&m.graph, portal, &random), vec3_scale(portal->plane.n, 1e-9));
         int here = vis_locate(&m.graph, eye, portal->cell[0]), there = portal->cell[1];
-        VisResult before = vis_query(m.query, &(Eye){.position = eye}, here, NULL, VIS_STAB);
+        VisResult before = vis_query(m.query, &(Eye){.position = eye}, here, NULL, CULL_STAB);
         int far = before.cell_count > 0 ? before.cells[before.cell_count - 1].cell : -1;
         if (before.eye_cell != portal->cell[0] || far == here || far == there ||
             !vis_sees(&m.forest, there, far))
@@ -533,7 +532,7 @@ Test(query_oracle, an_eye_on_a_portal_is_in_both_cells) {
         row[far / 64] &= ~((uint64_t)1 << (far % 64));
         cell_rows_set(&m.forest.seen, here, row, &arena);
         m.forest.bounded[here] = 1;
-        VisResult after = vis_query(m.query, &(Eye){.position = eye}, here, NULL, VIS_STAB);
+        VisResult after = vis_query(m.query, &(Eye){.position = eye}, here, NULL, CULL_STAB);
         cr_assert(lists(&after, far), "portal %d: cell %d, which %d may see, is not found from %d", p, far,
                   there, here);
         tried++;
@@ -584,7 +583,7 @@ Test(query_oracle, closed_doors) {
         for (int i = 0; i < b->opening_count; i++) m.doors[i] = random_index(&random, 3) ? 0 : 0.5f;
         check_eyes(&m, 100, false, &random, &tally);
         for (int c = 0; c < m.graph.cell_count; c++)
-            check_eye(&m, c, soup_fixture_point(&m.graph, &random, c), VIS_PORTALS, false, &random, &tally);
+            check_eye(&m, c, soup_fixture_point(&m.graph, &random, c), CULL_PORTALS, false, &random, &tally);
         arena_free(&m.arena);
     }
     cr_assert(tally.lines > 10000 && tally.shut > 1000, "%ld lines, %ld pairs", tally.lines, tally.shut);
@@ -598,7 +597,7 @@ Test(query_oracle, where_four_cells_meet) {
     for (int i = 0; i < 9; i++) {
         Eye eye = {.position = vec3(4 + 1e-9 * (i % 3 - 1), 4 + 1e-9 * (i / 3 - 1), 1.6)};
         int cell = vis_locate(&m.graph, eye.position, -1);
-        VisResult result = vis_query(m.query, &eye, cell, NULL, VIS_STAB);
+        VisResult result = vis_query(m.query, &eye, cell, NULL, CULL_STAB);
         cr_assert_eq(result.eye_cell, cell);
         for (int k = 0; k < 4; k++) {
             Vec3 p = vec3(4 + (k % 2 ? 1 : -1), 4 + (k / 2 ? 1 : -1), 1.6);
@@ -623,10 +622,10 @@ Test(query_oracle, soups) {
         const CellGraph *g = &m.graph;
         for (int i = 0; i < 150; i++) {
             int cell = random_index(&random, g->cell_count);
-            Vec3 p = i % 3 || g->cells[cell].contact_count == 0 ? soup_fixture_point(g, &random, cell)
-                                                                : at_portal(g, cell, &random);
+            Vec3 p = i % 3 || g->cells[cell].way_count == 0 ? soup_fixture_point(g, &random, cell)
+                                                            : at_portal(g, cell, &random);
             cell = vis_locate(g, p, cell);
-            if (cell >= 0) check_eye(&m, cell, p, VIS_PORTALS, false, &random, &tally);
+            if (cell >= 0) check_eye(&m, cell, p, CULL_PORTALS, false, &random, &tally);
         }
         arena_free(&m.arena);
     }
@@ -688,8 +687,8 @@ Test(query_oracle, crowded_rooms) {
                 Vec3 n = fixture_direction(&random);
                 eye.frustum[eye.frustum_count++] = (Plane){n, vec3_dot(n, eye.position)};
             }
-            VisMethod method = (VisMethod)(VIS_PORTALS + i % 3);
-            VisResult result = vis_query(m.query, &eye, cell, NULL, method);
+            Culling culling = (Culling)(CULL_PORTALS + i % 3);
+            VisResult result = vis_query(m.query, &eye, cell, NULL, culling);
             if (result.eye_cell < 0) continue;
             memset(drawn, 0, (size_t)g->object_count);
             for (int k = 0; k < result.object_count; k++) drawn[result.objects[k]] = 1;
@@ -705,11 +704,11 @@ Test(query_oracle, crowded_rooms) {
                 if (vec3_length(vec3_sub(trace.hit, eye.position)) < far) continue;
                 seen++;
                 cr_assert(drawn[o], "seed %llu, %s: object %d, seen at (%g, %g, %g), is not drawn",
-                          (unsigned long long)seed, VIS_METHOD_NAMES[method], o, at.x, at.y, at.z);
+                          (unsigned long long)seed, CULLING_NAMES[culling], o, at.x, at.y, at.z);
             }
             // Beyond a portal of the eye's cell that is its only one.
-            if (g->cells[cell].contact_count != 1 || method == VIS_PLAN) continue;
-            const Portal *portal = &g->portals[g->contacts[g->cells[cell].first_contact].portal];
+            if (g->cells[cell].way_count != 1 || culling == CULL_PLAN) continue;
+            const Portal *portal = &g->portals[g->ways[g->cells[cell].first_way].portal];
             if (fabs(plane_distance(portal->plane, eye.position)) < 0.5) continue;
             for (int o = 0; o < g->surface_first[0]; o++) {
                 if (box_overlap(box_grow(g->object_boxes[o], 0.01), g->cells[cell].box)) continue;
@@ -739,8 +738,8 @@ Test(query_oracle, given_cells, .timeout = 120) {
         const CellGraph *g = &m.graph;
         for (int i = 0; i < support_count(150, 2000); i++) {
             int cell = random_index(&random, g->cell_count);
-            if (g->cells[cell].contact_count == 0) continue;
-            check_eye(&m, cell, at_portal(g, cell, &random), VIS_PORTALS, true, &random, &tally);
+            if (g->cells[cell].way_count == 0) continue;
+            check_eye(&m, cell, at_portal(g, cell, &random), CULL_PORTALS, true, &random, &tally);
         }
         cr_assert(tally.lines > 1000 && tally.outside == 0, "%ld lines, %ld eyes outside", tally.lines,
                   tally.outside);

@@ -40,8 +40,8 @@ static Wall wall_ahead(Random *random, Vec3 eye, double distance, Vec3 corners[4
     return wall;
 }
 
-// The walls as gates, so that the eye finds each in another lane.
-static void block_of(const Wall *walls, int count, GateBlock *out) {
+// The walls as ways, so that the eye finds each in another lane.
+static void block_of(const Wall *walls, int count, WayBlock *out) {
     for (int i = 0; i < FOUR; i++) {
         const Wall *wall = &walls[i % count];
         out->nx[i] = wall->n.x, out->ny[i] = wall->n.y, out->d[i] = wall->d;
@@ -50,9 +50,7 @@ static void block_of(const Wall *walls, int count, GateBlock *out) {
     }
 }
 
-static Four ahead_of(const GateBlock *gates, Vec3 eye) {
-    return gates->nx * eye.x + gates->ny * eye.y - gates->d;
-}
+static Four ahead_of(const WayBlock *ways, Vec3 eye) { return ways->nx * eye.x + ways->ny * eye.y - ways->d; }
 
 // A view volume of four planes that looks towards +y, pitched and rolled.
 static Cone view_volume(Random *random, Vec3 eye) {
@@ -109,7 +107,7 @@ static double slot_area(const Slots *slots, int lane) {
     return 0.5 * (first + last) * (s1 - s0);
 }
 
-// What is in view of a wall by the polygon clipper: its area.
+// The area that is in view of a wall, by the polygon clipper.
 static double polygon_in_view(const Cone *cone, const Vec3 corners[4]) {
     Vec3 polygon[2][MAX_CORNERS];
     int count = 4, at = 0;
@@ -141,7 +139,7 @@ static void look_through_walls(Random *random, unsigned seed, Tally *tally) {
     Wall near[2] = {wall_ahead(random, eye, random_between(random, 0.1, 3), corners[0]),
                     wall_ahead(random, eye, random_between(random, 0.1, 3), corners[1])};
     Wall far[3] = {near[0], near[1], wall_ahead(random, eye, random_between(random, 4, 12), corners[2])};
-    GateBlock first, second;
+    WayBlock first, second;
     block_of(near, 2, &first);
     block_of(far, 3, &second);
     Slots slots, part[2], both;

@@ -112,9 +112,9 @@ static int opaque_at(const CellGraph *g, int cell, const Building *b, Vec3 p, do
 static int portal_at(const CellGraph *g, int from, int to, Vec3 p, double doubt) {
     const Cell *cell = &g->cells[from];
     int found = 0;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &g->portals[g->contacts[i].portal];
-        if (g->contacts[i].cell != to) continue;
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &g->portals[g->ways[i].portal];
+        if (g->ways[i].cell != to) continue;
         if (fabs(plane_distance(portal->plane, p)) > doubt) continue;
         int inside =
             soup_fixture_inside(g->portal_vertices + portal->first_vertex, portal->vertex_count, p, doubt);
@@ -229,7 +229,7 @@ static void expect_polyhedron(const Soup *soup, const SoupCell *cell) {
     cr_assert_lt(vec3_length(open), 1e-7);
 }
 
-// Of a plane through a cell: where it comes from is random, now and then through a corner, or beside one by about what is too thin.
+// A random plane through a cell, now and then through a corner, or beside one by about the thickness that is too thin.
 static Plane plane_through(const Soup *soup, const SoupCell *cell, Random *random) {
     Vec3 n = random_index(random, 3) ? fixture_direction(random) : vec3(1, 0, 0), at = {0, 0, 0};
     double weights = 0;
@@ -841,7 +841,7 @@ Test(soup_doors, close_the_view) {
     float open = 0;
     int behind = vis_locate(&g, vec3(7, 1.5, 1), -1);
     for (int i = 0; i < 2; i++, open = 0.1f) {
-        VisResult r = vis_query(query, &eye, vis_locate(&g, eye.position, -1), &open, VIS_STAB);
+        VisResult r = vis_query(query, &eye, vis_locate(&g, eye.position, -1), &open, CULL_STAB);
         bool seen = false;
         for (int k = 0; k < r.cell_count; k++) seen = seen || r.cells[k].cell == behind;
         cr_assert_eq(seen, i == 1);

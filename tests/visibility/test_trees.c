@@ -51,9 +51,9 @@ static Vec3 on_portal(const CellGraph *graph, int portal, Random *random) {
 // A place in the cell, between two of its portals.
 static Vec3 in_cell(const CellGraph *graph, int c, Random *random) {
     const Cell *cell = &graph->cells[c];
-    const Contact *contacts = graph->contacts + cell->first_contact;
-    Vec3 a = on_portal(graph, contacts[random_index(random, cell->contact_count)].portal, random);
-    Vec3 b = on_portal(graph, contacts[random_index(random, cell->contact_count)].portal, random);
+    const Way *ways = graph->ways + cell->first_way;
+    Vec3 a = on_portal(graph, ways[random_index(random, cell->way_count)].portal, random);
+    Vec3 b = on_portal(graph, ways[random_index(random, cell->way_count)].portal, random);
     return vec3_lerp(a, b, random_between(random, 0.2, 0.8));
 }
 
@@ -107,7 +107,7 @@ static void check_lines(const char *path, bool known) {
     expect_settled(&g.forest);
     for (int i = 0; i < support_count(1000, 50000); i++) {
         int cell = random_index(&random, g.graph.cell_count);
-        if (g.graph.cells[cell].contact_count > 0) walk_lines(path, &g, cell, &random, &lines);
+        if (g.graph.cells[cell].way_count > 0) walk_lines(path, &g, cell, &random, &lines);
     }
     cr_expect(lines.far > 500, "%s: %ld lines, %ld through five portals or more", path, lines.walked,
               lines.far);
@@ -248,7 +248,7 @@ Test(cell_rows, hold_what_a_matrix_holds) {
     }
     same_rows(&rows, dense, "kept");
     cr_assert_not(cell_rows_equal(&rows, &copy));
-    // Of the copy, whose blocks are full still.
+    // Grows trees of the copy, whose blocks are full still.
     for (int turn = 0; turn < 2; turn++) {
         CellRows *one = turn ? &rows : &copy;
         uint64_t *both = ARENA_ARRAY(&arena, uint64_t, ROW_CELLS * ROW_WORDS);

@@ -158,7 +158,7 @@ Test(sightline, holds_for_any_segments) {
     cr_assert(found > 10000 && lost > 10000, "the segments are too easy: %d crossed, %d not", found, lost);
 }
 
-// Cells convex, each contact on both its cells; portals and surfaces together have the area of the cell's boundary.
+// Cells convex, each way on both its cells; portals and surfaces together have the area of the cell's boundary.
 // In the cell, or no more than a micrometre beyond.
 static bool is_in(const CellGraph *g, int c, Vec3 p) {
     const Cell *cell = &g->cells[c];
@@ -255,8 +255,8 @@ static void expect_closed(const CellGraph *g, int c, double expected, const char
         cr_assert_geq(orient2d(p[i], p[(i + 1) % cell->edge_count], next), 0, "%s: cell %d is not convex",
                       name, c);
     }
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &g->portals[g->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &g->portals[g->ways[i].portal];
         cr_assert(portal->cell[0] == c || portal->cell[1] == c);
     }
     double open = fixture_uncovered(g, c);
@@ -290,7 +290,7 @@ Test(cells, are_closed) {
     }
 }
 
-// Of a cell's boundary what nothing need cover, m^2: the sky, and the world's border.
+// The area of a cell's boundary that nothing need cover, m^2: the sky, and the world's border.
 static double open_of(const CellGraph *g, int c) {
     const Building *b = g->building;
     const Cell *cell = &g->cells[c];
@@ -306,8 +306,8 @@ static double open_of(const CellGraph *g, int c) {
         double area = vec2_cross(vec2_sub(from, p[0]), vec2_sub(to, p[0])) / 2;
         open += ((region->floor_material < 0) + (region->ceiling_material < 0)) * area;
     }
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &g->portals[g->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &g->portals[g->ways[i].portal];
         bool above = portal->cell[1] == c;
         if (!portal->horizontal || (above ? region->ceiling_material : region->floor_material) >= 0) continue;
         open -= polygon_area(g->portal_vertices + portal->first_vertex, portal->vertex_count);
@@ -468,7 +468,7 @@ Test(cells, triangles_above_one_another) {
         snprintf(name, sizeof name, "seed %d", (int)seed);
         for (int c = 0; c < g.cell_count; c++) expect_closed(&g, c, 0, name, 1e-9);
         expect_placed(&g, name);
-        // Of two that touch, one above the other, the portal is where both plans are.
+        // The portal of two cells that touch, one above the other, is where both plans are.
         for (int a = 0; a < g.cell_count; a++) {
             for (int c = 0; c < g.cell_count; c++) {
                 bool above = g.cells[a].z0 == g.cells[c].z1;
@@ -487,7 +487,7 @@ Test(cells, triangles_above_one_another) {
     }
 }
 
-// Of the mesh of squares of a cell: do all squares no farther off in plan than this list the object?
+// In the mesh of squares of a cell, do all squares no farther off in plan than this list the object?
 static bool is_registered(const CellGraph *g, int c, Vec3 p, double off, int object) {
     const CellMesh *mesh = &g->meshes[c];
     for (int s = 0; s < mesh->nx * mesh->ny; s++) {
@@ -525,7 +525,7 @@ static Vec3 point_of(const CellGraph *g, const Polygon *p, Random *random) {
     return t > 0 && t < 1 ? vec3_lerp(end[0], end[1], t) : end[0];
 }
 
-// Of an object as drawn: some polygon that comes near a box.
+// Does some polygon of an object, as drawn, come near a box?
 static bool comes_near(const CellGraph *g, const Object *object, Box box) {
     for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
         Box bounds = box_empty();
@@ -750,8 +750,8 @@ Test(cells, given_ones_have_the_box_of_their_portals) {
         for (int c = 0; c < g->cell_count; c++) {
             const Cell *cell = &g->cells[c];
             Box box = box_empty();
-            for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-                const Portal *portal = &g->portals[g->contacts[i].portal];
+            for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+                const Portal *portal = &g->portals[g->ways[i].portal];
                 for (int v = 0; v < portal->vertex_count; v++)
                     box = box_add(box, g->portal_vertices[portal->first_vertex + v]);
             }
@@ -763,9 +763,9 @@ Test(cells, given_ones_have_the_box_of_their_portals) {
                                                                         {box.max.x, box.max.y},
                                                                         {box.min.x, box.max.y}};
             for (int i = 0; i < 4; i++) cr_assert(vec2_equal(plan[i], corner[i]), "row %d, cell %d", k, c);
-            cr_assert_eq(cell->face_count, cell->contact_count);
+            cr_assert_eq(cell->face_count, cell->way_count);
             for (int i = 0; i < cell->face_count; i++) {
-                const Portal *portal = &g->portals[g->contacts[cell->first_contact + i].portal];
+                const Portal *portal = &g->portals[g->ways[cell->first_way + i].portal];
                 Plane face = g->faces[cell->first_face + i];
                 double side = portal->cell[0] == c ? 1 : -1;
                 cr_assert(vec3_equal(face.n, vec3_scale(portal->plane.n, side)) &&
@@ -831,28 +831,27 @@ static void expect_children(Sequence *q, int node, uint64_t seed) {
     int root = q->cells[0], cell = q->cells[q->count], end = q->forest->root[root + 1];
     cr_assert_eq(q->forest->nodes[node].cell, cell);
     if (q->count == 31) return;
-    for (int i = g->cells[cell].first_contact;
-         i < g->cells[cell].first_contact + g->cells[cell].contact_count; i++) {
-        Contact contact = g->contacts[i];
-        const Portal *portal = &g->portals[contact.portal];
+    for (int i = g->cells[cell].first_way; i < g->cells[cell].first_way + g->cells[cell].way_count; i++) {
+        Way way = g->ways[i];
+        const Portal *portal = &g->portals[way.portal];
         bool back = portal->cell[1] == cell, again = false;
         Vec2 ends[2] = {portal->left, portal->right};
         for (int k = 0; k < 2; k++) ends[k] = vec2(nearbyint(ends[k].x * 1000), nearbyint(ends[k].y * 1000));
         q->left[q->count] = ends[back];
         q->right[q->count] = ends[!back];
-        for (int k = 0; k <= q->count; k++) again = again || q->cells[k] == contact.cell;
-        int child = child_through(q->forest, node, end, contact.portal);
+        for (int k = 0; k <= q->count; k++) again = again || q->cells[k] == way.cell;
+        int child = child_through(q->forest, node, end, way.portal);
         bool crossed = !again && crossed_inside(q->left, q->right, q->count + 1),
              touched = !again && separable(q->left, q->right, q->count + 1);
         q->inside += crossed;
         q->outside += !touched;
         cr_assert(!crossed || child >= 0, "seed %llu: the tree of %d lacks a way of %d portals to %d",
-                  (unsigned long long)seed, root, q->count + 1, contact.cell);
+                  (unsigned long long)seed, root, q->count + 1, way.cell);
         cr_assert(touched || child < 0,
                   "seed %llu: the tree of %d has a way of %d portals to %d that no line takes",
-                  (unsigned long long)seed, root, q->count + 1, contact.cell);
+                  (unsigned long long)seed, root, q->count + 1, way.cell);
         if (child < 0) continue;
-        q->cells[++q->count] = contact.cell;
+        q->cells[++q->count] = way.cell;
         expect_children(q, child, seed);
         q->count--;
     }
@@ -1028,9 +1027,9 @@ Test(vis_file, refuses_other_cells_and_forged_trees) {
             cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: part %d may be another", k, i);
             *PARTS[i] = before;
         }
-        g->contacts[g->contact_count - 1].cell++;
-        cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: contacts may be others", k);
-        g->contacts[g->contact_count - 1].cell--;
+        g->ways[g->way_count - 1].cell++;
+        cr_expect_not(vis_load(path, g, &arena, &back, &error), "graph %d: ways may be others", k);
+        g->ways[g->way_count - 1].cell--;
         cr_assert(vis_load(path, g, &arena, &back, &error), "%s", error.text);
         StabForest forged = *forests[k];
         int last = forged.root[1] - 1, nodes = forged.node_count;
@@ -1090,9 +1089,9 @@ static Eye random_eye(const Made *m, Random *random, int *cell) {
 // An eye exactly on a portal, or on the plane of its cell's portal, or in a corner of it.
 static void put_on_portal(const Made *m, Random *random, int cell, Eye *eye) {
     const Cell *c = &m->graph.cells[cell];
-    if (c->contact_count == 0) return;
-    const Contact *contact = &m->graph.contacts[c->first_contact + random_index(random, c->contact_count)];
-    const Portal *portal = &m->graph.portals[contact->portal];
+    if (c->way_count == 0) return;
+    const Way *way = &m->graph.ways[c->first_way + random_index(random, c->way_count)];
+    const Portal *portal = &m->graph.portals[way->portal];
     const Vec3 *v = m->graph.portal_vertices + portal->first_vertex;
     double s = random_unit(random), t = random_unit(random);
     if (random_unit(random) < 0.2) s = 0;
@@ -1121,7 +1120,7 @@ static bool drawn_surface_at(const CellGraph *g, const VisResult *result, int ce
 }
 
 // Proves that a query loses nothing: a line from the eye inside the view, through open portals, ends on a surface
-// that is drawn, in a cell that is listed; with random doors, views, and eyes on portals, by every method.
+// that is drawn, in a cell that is listed; with random doors, views, and eyes on portals, by every culling.
 Test(query, loses_nothing) {
     for (uint64_t seed = 1; seed <= 24; seed++) {
         Made m;
@@ -1134,8 +1133,8 @@ Test(query, loses_nothing) {
             Eye eye = random_eye(&m, &random, &cell);
             if (i % 4 == 0) put_on_portal(&m, &random, cell, &eye);
             for (int d = 0; d < m.building->opening_count; d++) doors[d] = random_unit(&random) < 0.6;
-            VisMethod method = (VisMethod)(VIS_PORTALS + i % 3);
-            VisResult result = vis_query(query, &eye, cell, doors, method);
+            Culling culling = (Culling)(CULL_PORTALS + i % 3);
+            VisResult result = vis_query(query, &eye, cell, doors, culling);
             if (result.eye_cell < 0) continue;
             for (int k = 0; k < 200; k++) {
                 Vec3 direction = fixture_direction(&random);
@@ -1144,8 +1143,8 @@ Test(query, loses_nothing) {
                 if (!in_view(&eye, direction)) continue;
                 if (!fixture_trace(&m.graph, cell, eye.position, direction, doors, &trace)) continue;
                 cr_assert(drawn_surface_at(&m.graph, &result, trace.cells[trace.count - 1], trace.hit),
-                          "seed %llu, eye %d, line %d, method %s: the surface at (%g, %g, %g) is not drawn",
-                          (unsigned long long)seed, i, k, VIS_METHOD_NAMES[method], trace.hit.x, trace.hit.y,
+                          "seed %llu, eye %d, line %d, culling %s: the surface at (%g, %g, %g) is not drawn",
+                          (unsigned long long)seed, i, k, CULLING_NAMES[culling], trace.hit.x, trace.hit.y,
                           trace.hit.z);
             }
         }
@@ -1153,25 +1152,25 @@ Test(query, loses_nothing) {
     }
 }
 
-// Proves that culling culls, and that each method draws no more than the weaker one: trees no more than run-time
+// Proves that culling culls, and that each culling draws no more than the weaker one: trees no more than run-time
 // portals, three dimensions no more than two, and all no more than everything.
 Test(query, methods_are_ordered) {
     Made m;
     make(&m, 2, 6, 6, 1, 1, 0);
     VisQuery *query = vis_query_new(&m.graph, &m.forest, &m.arena);
     Random random = {5};
-    double drawn[VIS_METHODS] = {0};
+    double drawn[QUERY_CULLINGS] = {0};
     for (int i = 0; i < 300; i++) {
-        int cell, count[VIS_METHODS];
+        int cell, count[QUERY_CULLINGS];
         Eye eye = random_eye(&m, &random, &cell);
-        for (int k = 0; k < VIS_METHODS; k++) {
-            count[k] = vis_query(query, &eye, cell, NULL, (VisMethod)k).polygon_count;
+        for (int k = 0; k < QUERY_CULLINGS; k++) {
+            count[k] = vis_query(query, &eye, cell, NULL, (Culling)k).polygon_count;
             drawn[k] += count[k];
         }
-        cr_assert(count[VIS_STAB] <= count[VIS_PORTALS] && count[VIS_FRUSTUM] <= count[VIS_NONE]);
+        cr_assert(count[CULL_STAB] <= count[CULL_PORTALS] && count[CULL_FRUSTUM] <= count[CULL_NONE]);
     }
-    cr_assert_lt(drawn[VIS_STAB], drawn[VIS_PLAN]);
-    cr_assert_lt(drawn[VIS_STAB], 0.25 * drawn[VIS_NONE]);
+    cr_assert_lt(drawn[CULL_STAB], drawn[CULL_PLAN]);
+    cr_assert_lt(drawn[CULL_STAB], 0.25 * drawn[CULL_NONE]);
     arena_free(&m.arena);
 }
 
@@ -1187,11 +1186,11 @@ Test(query, opening_a_door_hides_nothing) {
         int cell;
         Eye eye = random_eye(&m, &random, &cell);
         for (int d = 0; d < m.building->opening_count; d++) doors[d] = random_unit(&random) < 0.5;
-        VisResult result = vis_query(query, &eye, cell, doors, VIS_STAB);
+        VisResult result = vis_query(query, &eye, cell, doors, CULL_STAB);
         memset(before, 0, (size_t)m.graph.cell_count);
         for (int k = 0; k < result.cell_count; k++) before[result.cells[k].cell] = 1;
         if (m.building->opening_count) doors[random_index(&random, m.building->opening_count)] = 1;
-        result = vis_query(query, &eye, cell, doors, VIS_STAB);
+        result = vis_query(query, &eye, cell, doors, CULL_STAB);
         for (int k = 0; k < result.cell_count; k++) before[result.cells[k].cell] = 0;
         for (int c = 0; c < m.graph.cell_count; c++) cr_assert_eq(before[c], 0, "eye %d, cell %d", i, c);
     }

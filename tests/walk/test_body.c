@@ -2,7 +2,7 @@
 // places where such bodies usually fail, each by its name.
 #include <criterion/criterion.h>
 
-#include "engine/sim/collision_flood.h"
+#include "engine/sim/collision_check.h"
 #include "engine/sim/collision_walk.h"
 #include "engine/sim/door_part.h"
 #include "engine/sim/doors.h"
@@ -268,7 +268,7 @@ static Box polygon_box(const CellGraph *g, int polygon) {
     return box;
 }
 
-// Of all that is drawn: is what lies in the box there, walls of cells near by only? Returns how much is.
+// Are all drawn polygons in the box gathered, and of walls those of cells near by only? Returns how many they are.
 static int expect_gathered(Walker *w, int cell, Vec2 at, double radius, Band band, unsigned char *near,
                            unsigned char *far) {
     const CellGraph *g = &w->graph;
@@ -741,7 +741,7 @@ Test(door_frames, are_felt_or_not) {
         {{OBJECT_FRAME, -1, -1, 4.05, 1.3, 0.7, 4.15, 2.7, 0.9}, DOOR, true, true, false},
         {{OBJECT_FRAME, NARROW, -1, 4.05, 1.3, 0.7, 4.15, 2.7, 0.9}, DOOR, true, true, false},
         {{OBJECT_FRAME, DOOR, 0, 4.05, 1.3, 0.7, 4.15, 2.7, 0.9}, DOOR, true, true, true},
-        // Of a door that is too narrow without it; of a passage.
+        // The frame of a door that is too narrow without it; of a passage.
         {{OBJECT_FRAME, NARROW, -1, 4.05, 3.2, 0.7, 4.15, 3.7, 0.9}, NARROW, false, false, false},
         {{OBJECT_FRAME, PASSAGE, -1, 4.05, 0.2, 0.7, 4.15, 1.1, 0.9}, PASSAGE, false, true, false},
     };

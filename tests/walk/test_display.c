@@ -147,7 +147,7 @@ Test(display, offscreen_follows_its_cues) {
     arena_free(&arena);
 }
 
-// What is drawn into its framebuffer can be read back, at any size and scale; one display after the other.
+// A frame that is drawn into its framebuffer can be read back, at any size and scale; one display after the other.
 Test(display, offscreen_frames) {
     static const DisplayOptions SIZES[] = {{.width = 1, .height = 1, .scale = 1},
                                            {.width = 320, .height = 200, .scale = 2},
@@ -261,7 +261,7 @@ static Display *open_window(Arena *arena) {
     return display;
 }
 
-// What is drawn is what the window's framebuffer holds; a picture of the window is for the eyes of the walk test.
+// The window's framebuffer holds the frame that was drawn; a picture of the window is for the eyes of the walk test.
 Test(display, window_shows_frames, .timeout = 60) {
     start_x_server();
     Arena arena = {0};

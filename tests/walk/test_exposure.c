@@ -34,7 +34,7 @@ static Seen open_rooms(double element) {
 // Each room in its own even light.
 static void light(Seen *s, double left, double right) {
     for (int e = 0; e < s->lit->mesh.element_count; e++) {
-        double b = s->mesh->spot[e].place[0] + s->mesh->origin.x < 4.5 ? left : right;
+        double b = s->mesh->spot[e][0] + s->mesh->origin.x < 4.5 ? left : right;
         for (int c = 0; c < 3; c++) s->solution.radiosity[e][c] = b;
     }
     lit_light_fill(s->mesh, &s->solution, &s->light);
@@ -101,7 +101,7 @@ Test(exposure, weighs_by_solid_angle_and_root) {
     Seen s = open_rooms(0.125);
     for (int k = 0; k < 4; k++) {
         for (int e = 0; e < s.lit->mesh.element_count; e++) {
-            const float *place = s.mesh->spot[e].place;
+            const float *place = s.mesh->spot[e];
             Vec3 p = vec3_add(s.mesh->origin, vec3((double)place[0], (double)place[1], (double)place[2]));
             for (int c = 0; c < 3; c++) s.solution.radiosity[e][c] = LIGHTS[k](p);
         }
@@ -117,7 +117,7 @@ Test(exposure, weighs_by_solid_angle_and_root) {
     // Left and right of the view alike: 16 ^ (4 / (4 + 1)).
     for (int e = 0; e < s.lit->mesh.element_count; e++)
         for (int c = 0; c < 3; c++)
-            s.solution.radiosity[e][c] = s.mesh->spot[e].place[1] + s.mesh->origin.y < 2 ? 1 : 16;
+            s.solution.radiosity[e][c] = s.mesh->spot[e][1] + s.mesh->origin.y < 2 ? 1 : 16;
     lit_light_fill(s.mesh, &s.solution, &s.light);
     cr_expect_float_eq(meter(&s, 2, 0), pow(16, 0.8), 1e-4);
     lit_free(s.lit);

@@ -58,7 +58,7 @@ static double linear(float x) {
     return x <= 0.04045f ? (double)x / 12.92 : pow(((double)x + 0.055) / 1.055, 2.4);
 }
 
-// Of a colour, L, a, b (Ottosson 2020, the way forth).
+// The L, a, b of a colour (Ottosson 2020, the way forth).
 static void oklab(Rgb c, double out[3]) {
     double r = linear(c.r), g = linear(c.g), b = linear(c.b);
     double l = cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b),

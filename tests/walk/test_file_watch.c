@@ -18,8 +18,8 @@ static void append(const char *path, const char *text) {
     cr_assert(file && fputs(text, file) >= 0 && fclose(file) == 0);
 }
 
-static void expect_state(FileWatch *watch, double now, FileState state, const char *when) {
-    FileState found = file_watch_look(watch, now);
+static void expect_state(FileWatch *watch, double now, int state, const char *when) {
+    int found = file_watch_look(watch, now);
     cr_expect_eq(found, state, "%s: state %d instead of %d", when, found, state);
 }
 

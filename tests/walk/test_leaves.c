@@ -29,7 +29,7 @@ static void make(Made *m, const char *path) {
 
 // ---- what a closed door hides
 
-// What light can reach from a cell without passing a closed door: by a flood that knows no directions. Of a doorway
+// The cells that light can reach from a cell without passing a closed door, by a flood that knows no directions. Of a doorway
 // whose door is closed the half beyond is part of it: its jambs end at the leaf.
 static void flood(const CellGraph *g, int cell, const float *doors, unsigned char *reached) {
     memset(reached, 0, (size_t)g->cell_count);
@@ -91,7 +91,7 @@ Test(leaves, nothing_behind_a_closed_door_is_drawn) {
             if (!walk_random_view(g, &random, 64, 36, &view)) continue;
             if (beside_a_portal(g, view.camera.eye)) continue;
             Eye eye = {.position = view.camera.eye};
-            VisResult result = vis_query(query, &eye, view.cell, doors, i % 2 ? VIS_STAB : VIS_PORTALS);
+            VisResult result = vis_query(query, &eye, view.cell, doors, i % 2 ? CULL_STAB : CULL_PORTALS);
             if (result.eye_cell < 0) continue;
             flood(g, result.eye_cell, doors, reached);
             mark_objects(g, reached, allowed);

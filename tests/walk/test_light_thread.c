@@ -5,7 +5,7 @@
 #include <stdatomic.h>
 #include <unistd.h>
 
-#include "engine/app/bake.h"
+#include "engine/app/app.h"
 #include "engine/scene/light.h"
 #include "engine/walk/session_state.h"
 #include "tests/support/lit_fixture.h"

@@ -69,7 +69,7 @@ static uint8_t *draw(const BakedBuilding *b, WalkRenderer *renderer, const LitVi
     Eye eye = walk_eye(&camera);
     VisQuery *query = vis_query_new(&b->scene.graph, &b->scene.forest, arena);
     int cell = vis_locate(&b->scene.graph, camera.eye, -1);
-    VisResult v = vis_query(query, &eye, cell, b->doors, VIS_STAB);
+    VisResult v = vis_query(query, &eye, cell, b->doors, CULL_STAB);
     Exposure exposure = {.stops = view->stops};
     const LitLight *light = walk_renderer_lit(renderer);
     double seen = exposure_meter(walk_renderer_mesh(renderer), light, &camera, v.objects, v.object_count);

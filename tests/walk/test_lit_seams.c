@@ -10,11 +10,11 @@
 #include "tests/support/baked_fixture.h"
 #include "tests/support/support.h"
 
-// What neighbours show along their edge may differ by so much of the light there: rounding.
+// Neighbours may differ along their edge by so much of the light there: rounding.
 static const double SEAM = 1e-6;
 // Light below this share of the mean is dark: no seam is seen in it.
 static const double DARK = 1e-4;
-// What a walk is like does not depend on the last light: bakes end when so much is left.
+// A walk does not depend on the last light: bakes end when so much is left.
 static const double ROUGH = 0.01;
 // Homes hold things that go through each other askew, of parts thinner than what is looked at here, and slivers of micrometres.
 static const double IN_HOMES = 0.003;

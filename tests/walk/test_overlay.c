@@ -129,7 +129,7 @@ Test(overlay, width_matches_ink) {
     canvas_close(&c);
 }
 
-// What fits is as long as it can be: one character more is too wide.
+// A text that is cut to fit is as long as it can be: one character more is too wide.
 Test(overlay, fits_as_much_as_there_is_room_for) {
     Canvas c;
     canvas_open(&c, 64, 64);
@@ -341,7 +341,7 @@ Test(overlay, clips) {
         DrawStyle style = {
             .fill = 0xffffff, .fill_opacity = 1, .stroke = 0xffffff, .width = 1, .dash = i % 2 * 0.5};
         canvas_begin(&c, scale);
-        // What is not clipped does not open the clip for what comes after.
+        // A shape that is not clipped does not open the clip for those after it.
         overlay_polygon(c.overlay, (Vec2[3]){{0, 0}, {9, 0}, {0, 9}}, 3, 0x0000ff, 1);
         for (int k = 0; k < 20; k++) {
             Vec2 p[3];
@@ -432,7 +432,7 @@ Test(plan_view, wedge_points_along_yaw) {
     canvas_close(&c);
 }
 
-// What is seen is blue and what is not is not; the eye's cell is orange; leaves are where doors stand, in their colours.
+// Cells in view are blue and others are not; the eye's cell is orange; leaves are where doors stand, in their colours.
 Test(plan_view, shows_cells_and_doors) {
     Canvas c;
     canvas_open(&c, 260, 260);

@@ -55,8 +55,9 @@ static Recording *random_recording(Random *random, const Building *b, Arena *are
 static bool same_bits(const Recording *a, const Recording *b) {
     if (a->frame_count != b->frame_count || a->door_count != b->door_count) return false;
     for (int i = 0; i < a->door_count; i++) {
-        const RecordedDoor *x = &a->doors[i], *y = &b->doors[i];
-        if (x->frame != y->frame || x->opening != y->opening || x->open != y->open) return false;
+        if (a->doors[i].frame != b->doors[i].frame || a->doors[i].opening != b->doors[i].opening ||
+            a->doors[i].open != b->doors[i].open)
+            return false;
     }
     return memcmp(a->frames, b->frames, (size_t)a->frame_count * sizeof *a->frames) == 0;
 }
@@ -131,7 +132,7 @@ Test(recording, small) {
     arena_free(&arena);
 }
 
-// What could not be loaded is not added, so that no walk is lost when it is to be replayed.
+// A frame that could not be loaded is not added, so that no walk is lost when it is to be replayed.
 Test(recording, refuses_what_it_could_not_load) {
     Arena arena = {0};
     Building b = building_of(1);

@@ -54,11 +54,11 @@ static void set_all_doors(Stage *s, float share) {
 }
 
 // The picture, in the stage's arena.
-static uint8_t *picture(Stage *s, const Camera *camera, VisMethod method, WalkLook look) {
+static uint8_t *picture(Stage *s, const Camera *camera, Culling culling, WalkLook look) {
     Error error;
     Eye eye = walk_eye(camera);
     int cell = vis_locate(&s->graph, camera->eye, -1);
-    VisResult v = vis_query(s->query, &eye, cell, s->doors, method);
+    VisResult v = vis_query(s->query, &eye, cell, s->doors, culling);
     uint8_t *rgb = arena_alloc(&s->arena, (size_t)camera->width * (size_t)camera->height, 3);
     walk_renderer_pose(s->renderer, s->doors);
     cr_assert(walk_renderer_draw(s->renderer, camera, v.objects, v.object_count, look, &error), "%s",
@@ -90,8 +90,8 @@ Test(renderer, culling_changes_nothing, .timeout = 300) {
             const TourFrame *at = &path.frames[(long)i * path.frame_count / frames];
             Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, WIDTH, HEIGHT);
             for (int look = 0; look < WALK_LOOKS; look++) {
-                const uint8_t *culled = picture(&s, &camera, VIS_STAB, (WalkLook)look);
-                const uint8_t *whole = picture(&s, &camera, VIS_NONE, (WalkLook)look);
+                const uint8_t *culled = picture(&s, &camera, CULL_STAB, (WalkLook)look);
+                const uint8_t *whole = picture(&s, &camera, CULL_NONE, (WalkLook)look);
                 int pixels = differing(culled, whole, WIDTH * HEIGHT);
                 cr_assert_eq(pixels, 0, "%s, frame %d, %s: %d pixels differ", paths[k], i,
                              WALK_LOOK_NAMES[look], pixels);
@@ -109,8 +109,8 @@ Test(renderer, looks_are_alike, .timeout = 120) {
     for (int i = 0; i < s.building.viewpoint_count; i++) {
         const Viewpoint *v = &s.building.viewpoints[i];
         Camera camera = camera_look(v->eye, v->yaw, v->pitch, v->fov, WIDTH, HEIGHT);
-        const uint8_t *fast = picture(&s, &camera, VIS_STAB, WALK_FAST),
-                      *fine = picture(&s, &camera, VIS_STAB, WALK_FINE);
+        const uint8_t *fast = picture(&s, &camera, CULL_STAB, WALK_FAST),
+                      *fine = picture(&s, &camera, CULL_STAB, WALK_FINE);
         double sum = 0;
         for (int k = 0; k < WIDTH * HEIGHT * 3; k++) sum += fabs((double)fast[k] - fine[k]);
         sum /= WIDTH * HEIGHT * 3;
@@ -140,7 +140,7 @@ Test(renderer, surfaces_have_one_side, .timeout = 120) {
     }
     cr_assert_lt(count, g->object_count - 4);
     for (int look = 0; look < WALK_LOOKS; look++) {
-        const uint8_t *whole = picture(&s, &camera, VIS_NONE, (WalkLook)look);
+        const uint8_t *whole = picture(&s, &camera, CULL_NONE, (WalkLook)look);
         uint8_t rgb[WIDTH * HEIGHT * 3];
         cr_assert(walk_renderer_draw(s.renderer, &camera, list, count, (WalkLook)look, &error), "%s",
                   error.text);
@@ -165,7 +165,7 @@ Test(renderer, any_size, .timeout = 120) {
             Camera camera = s.camera;
             camera.width = sizes[i][0];
             camera.height = sizes[i][1];
-            const uint8_t *rgb = picture(&s, &camera, VIS_STAB, (WalkLook)look);
+            const uint8_t *rgb = picture(&s, &camera, CULL_STAB, (WalkLook)look);
             walk_renderer_show(s.renderer, 0, 4, 4);
             if (camera.width != WIDTH) continue;
             if (first)
@@ -207,14 +207,14 @@ Test(renderer, doors_move, .timeout = 120) {
     const uint8_t *seen[6];
     for (int i = 0; i < 6; i++) {
         set_all_doors(&s, shares[i]);
-        seen[i] = picture(&s, &camera, VIS_NONE, WALK_FAST);
-        const uint8_t *fine = picture(&s, &camera, VIS_NONE, WALK_FINE);
+        seen[i] = picture(&s, &camera, CULL_NONE, WALK_FAST);
+        const uint8_t *fine = picture(&s, &camera, CULL_NONE, WALK_FINE);
         vis_pose(&s.graph, s.doors, still.vertices);
         Stage other = s;
         other.renderer = walk_renderer_new(&still, &s.arena, &error);
         cr_assert(other.renderer, "%s", error.text);
         for (int look = 0; look < WALK_LOOKS; look++) {
-            const uint8_t *there = picture(&other, &camera, VIS_NONE, (WalkLook)look);
+            const uint8_t *there = picture(&other, &camera, CULL_NONE, (WalkLook)look);
             int pixels = differing(look == WALK_FINE ? fine : seen[i], there, WIDTH * HEIGHT);
             cr_assert_eq(pixels, 0, "open by %g, %s: %d pixels differ", (double)shares[i],
                          WALK_LOOK_NAMES[look], pixels);
@@ -227,7 +227,7 @@ Test(renderer, doors_move, .timeout = 120) {
     close_stage(&s);
 }
 
-// What another, an overlay say, could leave behind.
+// Leaves OpenGL's state as another, an overlay say, could leave it.
 static void spoil_state(void) {
     for (unsigned unit = 0; unit < 4; unit++) {
         glActiveTexture(GL_TEXTURE0 + unit);
@@ -257,14 +257,14 @@ Test(renderer, sets_its_state, .timeout = 120) {
     Stage s;
     open_stage(&s, "build/maps/two-rooms.plan");
     for (int look = 0; look < WALK_LOOKS; look++) {
-        const uint8_t *before = picture(&s, &s.camera, VIS_STAB, (WalkLook)look);
-        // What is not written must not be there from the last time.
+        const uint8_t *before = picture(&s, &s.camera, CULL_STAB, (WalkLook)look);
+        // Pixels that are not written must not be there from the last time.
         Camera away = s.camera;
         away.forward = vec3_scale(away.forward, -1);
         away.right = vec3_scale(away.right, -1);
-        picture(&s, &away, VIS_STAB, (WalkLook)look);
+        picture(&s, &away, CULL_STAB, (WalkLook)look);
         spoil_state();
-        const uint8_t *after = picture(&s, &s.camera, VIS_STAB, (WalkLook)look);
+        const uint8_t *after = picture(&s, &s.camera, CULL_STAB, (WalkLook)look);
         cr_assert_eq(differing(before, after, WIDTH * HEIGHT), 0, "%s: state changes the picture",
                      WALK_LOOK_NAMES[look]);
     }
@@ -303,7 +303,7 @@ Test(renderer, final_frame, .timeout = 120) {
     Error error;
     open_stage(&s, "build/maps/two-rooms.plan");
     for (int look = 0; look < WALK_LOOKS; look++) {
-        const uint8_t *plain = picture(&s, &s.camera, VIS_STAB, (WalkLook)look);
+        const uint8_t *plain = picture(&s, &s.camera, CULL_STAB, (WalkLook)look);
         uint8_t rgb[WIDTH * HEIGHT * 3];
         cr_assert(walk_renderer_finish_scene(s.renderer, &error), "%s", error.text);
         glEnable(GL_SCISSOR_TEST);
@@ -325,7 +325,7 @@ Test(renderer, final_frame, .timeout = 120) {
 
 static bool is_red(const uint8_t *p) { return p[0] > 150 && p[1] < 100; }
 
-// Of the edges of surfaces whose middles are in the picture, how many have red there.
+// Counts the edges of surfaces whose middles are in the picture, and those that have red there.
 static void count_edges(const Stage *s, const uint8_t *rgb, int *edges, int *red) {
     const Camera *c = &s->camera;
     for (int o = s->graph.surface_first[0]; o < s->graph.surface_first[s->graph.cell_count]; o++) {
@@ -354,9 +354,9 @@ Test(renderer, wireframe, .timeout = 120) {
     Error error;
     open_stage(&s, "build/maps/two-rooms.plan");
     for (int look = 0; look < WALK_LOOKS; look++) {
-        const uint8_t *plain = picture(&s, &s.camera, VIS_NONE, (WalkLook)look);
+        const uint8_t *plain = picture(&s, &s.camera, CULL_NONE, (WalkLook)look);
         Eye eye = walk_eye(&s.camera);
-        VisResult v = vis_query(s.query, &eye, -1, s.doors, VIS_NONE);
+        VisResult v = vis_query(s.query, &eye, -1, s.doors, CULL_NONE);
         int first = s.graph.surface_first[0], count = s.graph.surface_first[s.graph.cell_count] - first;
         int *surfaces = ARENA_ARRAY(&s.arena, int, count);
         for (int i = 0; i < count; i++) surfaces[i] = first + i;

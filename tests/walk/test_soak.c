@@ -46,7 +46,7 @@ static void strike(Soak *s, int key) {
     session_event(s->session, &(DisplayEvent){DISPLAY_KEY_RELEASED, key, 0, 0});
 }
 
-// What a hand does next. Everything there is a key for, what leaves the walk or fills the disk apart.
+// The next deed of a hand. Everything there is a key for, what leaves the walk or fills the disk apart.
 static void do_something(Soak *s) {
     static const char HELD[] = "WASD C", STRUCK[] = "EEEEEOFGGKNBVXTMIU-=0123456789H";
     static const int OTHERS[] = {DISPLAY_KEY_PAGE_UP, DISPLAY_KEY_PAGE_DOWN, DISPLAY_KEY_LEFT_SHIFT};

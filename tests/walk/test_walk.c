@@ -80,7 +80,8 @@ static void verify_building(const char *path) {
         Camera camera = camera_look(f->eye, f->yaw, f->pitch, f->fov, 640, 360);
         VerifyFrame frame;
         cell = vis_locate(&w.graph, f->eye, cell);
-        cr_assert(walk_verify_frame(verify, &camera, cell, NULL, VIS_STAB, &frame, &error), "%s", error.text);
+        cr_assert(walk_verify_frame(verify, &camera, cell, NULL, CULL_STAB, &frame, &error), "%s",
+                  error.text);
         expect_whole(&frame, "frame", i, &camera);
         if (k < ray_frames) expect_rays_agree(&w, verify, camera, NULL);
     }
@@ -91,7 +92,7 @@ static void verify_building(const char *path) {
         VerifyFrame frame;
         if (!walk_random_view(&w.graph, &random, 640, 360, &view)) continue;
         cr_assert(
-            walk_verify_frame(verify, &view.camera, view.cell, view.door_open, VIS_STAB, &frame, &error),
+            walk_verify_frame(verify, &view.camera, view.cell, view.door_open, CULL_STAB, &frame, &error),
             "%s", error.text);
         expect_whole(&frame, view.kind, i, &view.camera);
         if (i < ray_frames) expect_rays_agree(&w, verify, view.camera, view.door_open);
@@ -126,7 +127,7 @@ Test(verify, notices_what_is_lost) {
     Camera camera = camera_look(w.building.start, w.building.start_yaw, 0, 1.2, 320, 180);
     int cell = vis_locate(&w.graph, camera.eye, -1);
     VerifyFrame frame;
-    cr_assert(walk_verify_frame(verify, &camera, cell, NULL, VIS_STAB, &frame, &error));
+    cr_assert(walk_verify_frame(verify, &camera, cell, NULL, CULL_STAB, &frame, &error));
     expect_whole(&frame, "start", 0, &camera);
     // The eye's cell given wrong, a frame of what another cell sees: the walls around the eye are lost.
     int other = -1;
@@ -136,7 +137,7 @@ Test(verify, notices_what_is_lost) {
     for (int c = 0; c < w.graph.cell_count && other < 0; c++) {
         if (c != cell && w.building.regions[w.graph.cells[c].region].kind == REGION_ROOM) other = c;
     }
-    cr_assert(walk_verify_frame(verify, &camera, other, NULL, VIS_STAB, &frame, &error));
+    cr_assert(walk_verify_frame(verify, &camera, other, NULL, CULL_STAB, &frame, &error));
     cr_assert_gt(frame.missing_polygons, 0);
     cr_assert_gt(frame.mismatched_pixels, 0);
     walk_verify_free(verify);
@@ -321,7 +322,7 @@ Test(walk, pictures_are_the_same_culled, .timeout = 120) {
         options.width = 96;
         options.height = 54;
         options.every = 25;
-        options.method = k ? VIS_NONE : VIS_STAB;
+        options.culling = k ? CULL_NONE : CULL_STAB;
         cr_assert(walk_offscreen(&w.graph, &w.forest, &options, NULL, &w.arena, &totals, &error), "%s",
                   error.text);
     }

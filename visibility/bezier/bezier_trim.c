@@ -122,7 +122,7 @@ bool trim_keeps(const Trim *trim, Vec2 at, CurvedWork *work) {
     return inside;
 }
 
-TrimState trim_state(const Trim *trim, Vec2 low, Vec2 high) {
+int trim_state(const Trim *trim, Vec2 low, Vec2 high) {
     for (int i = 0; i < trim->count; i++) {
         const Piece *p = &trim->pieces[i];
         if (p->low.x <= high.x && p->high.x >= low.x && p->low.y <= high.y && p->high.y >= low.y)

@@ -11,8 +11,8 @@ Trim *trim_new(const CurvedTrim *curves, int count, Arena *arena);
 
 bool trim_keeps(const Trim *trim, Vec2 at, CurvedWork *work);
 
-typedef enum TrimState { TRIM_KEPT, TRIM_CUT_OFF, TRIM_SOME_KEPT } TrimState;
+enum { TRIM_KEPT, TRIM_CUT_OFF, TRIM_SOME_KEPT };
 // Tells how much of a rectangle of parameters is kept. Some may be said to be kept where all or none is.
-TrimState trim_state(const Trim *trim, Vec2 low, Vec2 high);
+int trim_state(const Trim *trim, Vec2 low, Vec2 high);
 
 #endif

@@ -37,11 +37,11 @@ typedef struct SweptLeaf {
 } SweptLeaf;
 void build_swept(const CellGraph *graph, int object, SweptLeaf *out);
 
-// contacts.c
+// ways.c
 // Whether a portal with its plane and its corners is upright, and its plan ends.
 void portal_set_ends(Portal *portal, const Vec3 *corners);
 // Lists the portals of each cell, once all portals are there.
-void list_contacts(CellBuilder *builder);
+void list_ways(CellBuilder *builder);
 // The plan polygon of a cell at height z; `out` needs room for edge_count vertices. Counter-clockwise from above.
 int cell_polygon(const CellGraph *graph, const Cell *cell, double z, Vec3 *out);
 

@@ -26,8 +26,8 @@ static void bound_cell(CellBuilder *builder, int c, int *face_capacity) {
     cell->z0 = cell->box.min.z;
     cell->z1 = cell->box.max.z;
     cell->first_face = graph->face_count;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &graph->portals[graph->ways[i].portal];
         Plane inward = portal->plane;
         if (portal->cell[0] != c) inward = (Plane){vec3_scale(inward.n, -1), -inward.d};
         *ARENA_PUSH(builder->arena, graph->faces, graph->face_count, *face_capacity) = inward;
@@ -59,7 +59,7 @@ bool build_given(CellBuilder *builder, Error *error) {
     }
     for (int p = 0; p < graph->portal_count; p++)
         add_portal(builder, &b->given_portals[p], &graph->portals[p]);
-    list_contacts(builder);
+    list_ways(builder);
     int face_capacity = 0;
     for (int c = 0; c < graph->cell_count; c++) bound_cell(builder, c, &face_capacity);
     graph->surface_first = ARENA_ARRAY(builder->arena, int, graph->cell_count + 1);

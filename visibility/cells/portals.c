@@ -176,5 +176,5 @@ static void add_horizontals(CellBuilder *builder) {
 void build_portals(CellBuilder *builder) {
     add_verticals(builder);
     add_horizontals(builder);
-    list_contacts(builder);
+    list_ways(builder);
 }

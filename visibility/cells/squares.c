@@ -365,8 +365,8 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
         CORE_ASSERT(hint < graph->cell_count);
         const Cell *cell = &graph->cells[hint];
         if (cell_holds(graph, cell, point)) return hint;
-        for (int i = 0; i < cell->contact_count; i++) {
-            int next = graph->contacts[cell->first_contact + i].cell;
+        for (int i = 0; i < cell->way_count; i++) {
+            int next = graph->ways[cell->first_way + i].cell;
             if (cell_holds(graph, &graph->cells[next], point)) return next;
         }
     }

@@ -74,8 +74,8 @@ static int by_height(const void *p, const void *q) {
 // The heights that portals take of the cell's edge a -> b, lowest first; they are disjoint.
 static int portal_spans(const CellGraph *graph, const Cell *cell, Vec2 a, Vec2 b, Span *out) {
     int count = 0;
-    for (int i = 0; i < cell->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
+    for (int i = 0; i < cell->way_count; i++) {
+        const Portal *portal = &graph->portals[graph->ways[cell->first_way + i].portal];
         if (portal->horizontal) continue;
         bool here = (vec2_equal(portal->left, a) && vec2_equal(portal->right, b)) ||
                     (vec2_equal(portal->left, b) && vec2_equal(portal->right, a));
@@ -96,7 +96,7 @@ static void add_wall(CellBuilder *builder, int cell, Vec2 a, Vec2 b, double z0, 
 static void add_walls(CellBuilder *builder, int c) {
     CellGraph *graph = builder->graph;
     const Cell *cell = &graph->cells[c];
-    Span *spans = ARENA_ARRAY(builder->scratch, Span, cell->contact_count);
+    Span *spans = ARENA_ARRAY(builder->scratch, Span, cell->way_count);
     for (int i = 0; i < cell->edge_count; i++) {
         int edge = cell->first_edge + i;
         if (builder->edge_outer[edge]) continue;
@@ -310,8 +310,8 @@ static void add_level(CellBuilder *builder, int c, double z, int material, bool 
     Pieces pieces = {.scratch = &scratch};
     int corners = cell_polygon(graph, cell, z, polygon);
     add_surface_piece(&pieces, polygon, corners);
-    for (int i = 0; i < cell->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[cell->first_contact + i].portal];
+    for (int i = 0; i < cell->way_count; i++) {
+        const Portal *portal = &graph->portals[graph->ways[cell->first_way + i].portal];
         if (!portal->horizontal || portal->cell[floor ? 0 : 1] != c) continue;
         subtract_from_all(&pieces, graph->portal_vertices + portal->first_vertex, portal->vertex_count);
     }

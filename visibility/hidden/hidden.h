@@ -15,6 +15,7 @@
 // The polygons to draw, in order; of coincident surfaces the first in the list is seen. Polygons are seen from both
 // sides. Any will do: without area they are not seen, bent or concave ones are cut into triangles, and one that crosses
 // itself into some that cover what ear clipping makes of it.
+// The arrays are the caller's, and outlive what was prepared of them.
 typedef struct Scene {
     const Polygon *polygons;
     const Vec3 *vertices;
@@ -23,6 +24,7 @@ typedef struct Scene {
 } Scene;
 
 // A picture: what is seen through each pixel, and how far away.
+// One thread's while it is drawn; it lives in the arena of item_buffer_new.
 typedef struct ItemBuffer {
     int width, height;
     int32_t *item;  // [height * width] polygon index, -1: nothing
@@ -48,12 +50,6 @@ typedef struct HiddenWork {
     size_t memory;      // held beside the scene and the item buffer, bytes
 } HiddenWork;
 
-typedef enum HiddenTruth {
-    HIDDEN_EXACT,  // the ray caster's picture but for rounding at edges (1e-6 of a pixel) and ties (1e-9 of the depth)
-    HIDDEN_FLOAT,  // the same within the rounding of floats
-    HIDDEN_GUESS   // wrong where its rule fails
-} HiddenTruth;
-
 // A method: a row of the table.
 typedef struct HiddenMethod {
     const char *name;  // command line, CSV, test output
@@ -63,7 +59,11 @@ typedef struct HiddenMethod {
     // Adds to `work`. Call hidden_draw, which looks at what it is given.
     bool (*draw)(void *prepared, const Camera *camera, ItemBuffer *out, HiddenWork *work, Error *error);
     void (*end)(void *prepared);
-    HiddenTruth truth;
+    enum {
+        HIDDEN_EXACT,  // the ray caster's picture but for rounding at edges (1e-6 of a pixel) and ties (1e-9 of the depth)
+        HIDDEN_FLOAT,  // the same within the rounding of floats
+        HIDDEN_GUESS   // wrong where its rule fails
+    } truth;
 } HiddenMethod;
 
 extern const HiddenMethod *const HIDDEN_METHODS[];  // ends with NULL

@@ -7,18 +7,15 @@
 #include "visibility/beam.h"
 #include "visibility/pairs/pairs.h"
 
-// The words of a row of bits that are not zero: of thousands of cells a chain looks for a few.
-typedef struct CellList {
-    int count;
-    int *word;       // [words]
-    uint64_t *bits;  // [words]
-} CellList;
-
 typedef struct FlowStep {
     Beam beam;
-    CellList wanted;  // cells in doubt that the beam may reach
-    bool recorded;    // of sight_record: the pairs of the chain as far as this step are in the finding
-    Vec3 place;       // of sight_record: on a sightline, in the cell that the way leaves
+    // Cells in doubt that the beam may reach, as the words of a row of bits that are not zero: of thousands of cells a chain looks for
+    // a few.
+    int word_count;
+    int *word;       // [words] their places in the row
+    uint64_t *bits;  // [words]
+    bool recorded;   // of sight_record: the pairs of the chain as far as this step are in the finding
+    Vec3 place;      // of sight_record: on a sightline, in the cell that the way leaves
 } FlowStep;
 
 // One thread's search. Give it back with flow_free.
@@ -35,7 +32,7 @@ typedef struct Flow {
     long long patience;  // chains that one search may follow; it leaves what is in doubt then in `unknown`
     long long left;      // of the patience
     long long spent, allowed;  // work of one search (ways_work), and how much it may do
-    PairWork work;
+    ChainWork work;
     Arena arena;
 } Flow;
 

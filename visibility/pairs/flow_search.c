@@ -21,9 +21,8 @@ void flow_end(Flow *flow) { arena_free(&flow->arena); }
 static FlowStep *step_at(Flow *flow, int depth) {
     if (!flow->steps[depth]) {
         flow->steps[depth] = ARENA_ARRAY(&flow->arena, FlowStep, 1);
-        CellList *wanted = &flow->steps[depth]->wanted;
-        wanted->word = ARENA_ARRAY(&flow->arena, int, flow->ways->words);
-        wanted->bits = ARENA_ARRAY(&flow->arena, uint64_t, flow->ways->words);
+        flow->steps[depth]->word = ARENA_ARRAY(&flow->arena, int, flow->ways->words);
+        flow->steps[depth]->bits = ARENA_ARRAY(&flow->arena, uint64_t, flow->ways->words);
     }
     return flow->steps[depth];
 }
@@ -40,45 +39,44 @@ static bool box_in_beam(Box box, const FlowStep *step) {
 
 // Drops the cells that are decided by now or outside the beam; false when none is left.
 static bool keep_in_beam(Flow *flow, FlowStep *step) {
-    CellList *wanted = &step->wanted;
     int kept = 0;
-    flow->spent += 2 * wanted->count;
-    for (int i = 0; i < wanted->count; i++) {
-        uint64_t left = wanted->bits[i] & flow->unknown[wanted->word[i]];
+    flow->spent += 2 * step->word_count;
+    for (int i = 0; i < step->word_count; i++) {
+        uint64_t left = step->bits[i] & flow->unknown[step->word[i]];
         for (uint64_t bits = left; bits; bits &= bits - 1) {
-            int cell = wanted->word[i] * 64 + __builtin_ctzll(bits);
+            int cell = step->word[i] * 64 + __builtin_ctzll(bits);
             flow->spent += WORK_BOX;
             if (!box_in_beam(flow->ways->boxes[cell], step)) left &= ~(bits & -bits);
         }
-        wanted->word[kept] = wanted->word[i];
-        wanted->bits[kept] = left;
+        step->word[kept] = step->word[i];
+        step->bits[kept] = left;
         kept += left != 0;
     }
-    wanted->count = kept;
+    step->word_count = kept;
     return kept > 0;
 }
 
 // The wanted cells beyond `from` that may be seen through `way`; false where there are none.
-static bool want(Flow *flow, const CellList *from, int way, CellList *to) {
+static bool want(Flow *flow, const FlowStep *from, int way, FlowStep *to) {
     const uint64_t *might = flow->might + (size_t)way * (size_t)flow->ways->words;
-    to->count = 0;
-    flow->spent += WORK_WAY + 2 * from->count;
-    for (int i = 0; i < from->count; i++) {
+    to->word_count = 0;
+    flow->spent += WORK_WAY + 2 * from->word_count;
+    for (int i = 0; i < from->word_count; i++) {
         int word = from->word[i];
         uint64_t left = from->bits[i] & flow->unknown[word] & might[word];
-        to->word[to->count] = word;
-        to->bits[to->count] = left;
-        to->count += left != 0;
+        to->word[to->word_count] = word;
+        to->bits[to->word_count] = left;
+        to->word_count += left != 0;
     }
-    return to->count > 0;
+    return to->word_count > 0;
 }
 
-static void want_unknown(const Flow *flow, CellList *out) {
-    out->count = 0;
+static void want_unknown(const Flow *flow, FlowStep *out) {
+    out->word_count = 0;
     for (int i = 0; i < flow->ways->words; i++) {
         if (!flow->unknown[i]) continue;
-        out->word[out->count] = i;
-        out->bits[out->count++] = flow->unknown[i];
+        out->word[out->word_count] = i;
+        out->bits[out->word_count++] = flow->unknown[i];
     }
 }
 
@@ -89,11 +87,8 @@ static bool narrow(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
         return false;
     flow->spent += WORK_NARROW;
     step->recorded = false;
-    BeamWork work = {0};
-    bool left = beam_narrow(flow->ways, &flow->steps[0]->beam, &from->beam, way, cutting, &step->beam, &work);
-    flow->work.clips += work.clips;
-    flow->work.separators += work.separators;
-    return left;
+    return beam_narrow(flow->ways, &flow->steps[0]->beam, &from->beam, way, cutting, &step->beam,
+                       &flow->work);
 }
 
 static void follow_chain(Flow *flow, int depth) {
@@ -111,7 +106,7 @@ static void follow_chain(Flow *flow, int depth) {
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && flow->left > 0 && has_work(flow); i++) {
         int way = ways->list[i];
         if (flow->on_path[ways->ways[way].to]) continue;
-        if (!want(flow, &step->wanted, way, &next->wanted)) continue;
+        if (!want(flow, step, way, next)) continue;
         flow->left--;
         flow->work.chains++;
         if (narrow(flow, step, way, next)) follow_chain(flow, depth + 1);
@@ -123,7 +118,7 @@ static FlowStep *first_step(Flow *flow, int way) {
     FlowStep *step = step_at(flow, 0);
     beam_begin(flow->ways, way, &step->beam);
     step->recorded = false;
-    want_unknown(flow, &step->wanted);
+    want_unknown(flow, step);
     return step;
 }
 
@@ -150,7 +145,7 @@ int flow_cone(Vec3 eye, const Winding *through, double epsilon, Separator *out) 
 
 // The part of the way's portal that is seen from the point; false where there is none.
 static bool narrow_cone(Flow *flow, const FlowStep *from, int way, FlowStep *step) {
-    const Way *here = &flow->ways->ways[way];
+    const WayShape *here = &flow->ways->ways[way];
     double epsilon = flow->ways->epsilon;
     Vec3 point = flow->point;
     Beam *beam = &step->beam;
@@ -179,7 +174,7 @@ static void look_on(Flow *flow, int depth, void (*arrive)(Flow *flow, int depth)
     for (int i = ways->first[cell]; i < ways->first[cell + 1] && has_work(flow); i++) {
         int way = ways->list[i];
         if (flow->on_path[ways->ways[way].to]) continue;
-        if (!want(flow, &step->wanted, way, &next->wanted)) continue;
+        if (!want(flow, step, way, next)) continue;
         flow->work.chains++;
         if (narrow_cone(flow, step, way, next)) look_on(flow, depth + 1, arrive);
     }

@@ -36,7 +36,7 @@ long long pair_count(const uint64_t *rows, int cell_count, int words) {
     return count;
 }
 
-void pair_work_add(PairWork *to, PairWork from) {
+void chain_work_add(ChainWork *to, ChainWork from) {
     to->chains += from.chains;
     to->clips += from.clips;
     to->separators += from.separators;

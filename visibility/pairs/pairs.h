@@ -20,15 +20,8 @@ typedef struct PairWitness {
     Vec3 from, to;
 } PairWitness;
 
-// The work of a method, for tables: the same on any number of threads.
-typedef struct PairWork {
-    long long chains;      // sequences of portals followed
-    long long clips;       // portals clipped by planes
-    long long separators;  // separating planes made
-    long long given_up;    // searches that became too long: what was in doubt then counts as seen
-} PairWork;
-
 // The findings of a method.
+// Read only once it is made: any number of threads. It lives in the arena of the call that made it.
 typedef struct PairSet {
     int cell_count, words;
     uint64_t *seen;  // [cell_count * words] bit j of row i: j may be seen from i. Symmetric, diagonal set
@@ -37,7 +30,7 @@ typedef struct PairSet {
     PairWitness *witnesses;  // [witness_count] by a, then b; none unless asked for
     int witness_count;
     bool stopped;  // progress asked to stop: `seen` is what was not excluded until then
-    PairWork work;
+    ChainWork work;
 } PairSet;
 
 // Bit `to` of row `from` of a matrix as in PairSet.
@@ -62,7 +55,7 @@ PairSet pair_set_new(const CellGraph *graph, Arena *arena);
 void pair_set_make_symmetric(PairSet *set);
 
 // Adds count by count.
-void pair_work_add(PairWork *to, PairWork from);
+void chain_work_add(ChainWork *to, ChainWork from);
 long long pair_count(const uint64_t *rows, int cell_count,
                      int words);  // of all bits, the diagonal among them
 

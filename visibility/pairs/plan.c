@@ -25,11 +25,11 @@
 // Tried from one cell: some seconds at most over a large map, and not reached in plans of homes and offices.
 enum { MOST_SEQUENCES = 50000 };
 
-typedef struct PlanWay {
+typedef struct WayInPlan {
     bool upright;
     Vec2 left, right;  // of an upright one, as seen when crossing: as given, so that signs are exact
     Box box;
-} PlanWay;
+} WayInPlan;
 
 typedef struct Slopes {
     double least, most;
@@ -38,7 +38,7 @@ typedef struct Slopes {
 // The data that searches from all cells share.
 typedef struct PlanGraph {
     WayGraph ways;
-    PlanWay *plan;    // [way_count]
+    WayInPlan *plan;  // [way_count]
     uint64_t *flood;  // [way_count * words] cells that a flood through the way reaches
     bool heights;
 } PlanGraph;
@@ -62,12 +62,12 @@ static const uint64_t *flood_of(const PlanGraph *graph, int way) {
 
 static void make_plan(const CellGraph *graph, Arena *scratch, PlanGraph *out) {
     ways_build(graph, scratch, &out->ways);
-    out->plan = ARENA_ARRAY(scratch, PlanWay, out->ways.way_count);
+    out->plan = ARENA_ARRAY(scratch, WayInPlan, out->ways.way_count);
     for (int i = 0; i < out->ways.way_count; i++) {
         const Portal *portal = &graph->portals[i / 2];
-        PlanWay *plan = &out->plan[i];
-        *plan =
-            (PlanWay){way_is_segment(graph, i, out->ways.epsilon), portal->left, portal->right, box_empty()};
+        WayInPlan *plan = &out->plan[i];
+        *plan = (WayInPlan){way_is_segment(graph, i, out->ways.epsilon), portal->left, portal->right,
+                            box_empty()};
         if (i % 2) plan->left = portal->right, plan->right = portal->left;
         const Vec3 *v = graph->portal_vertices + portal->first_vertex;
         for (int k = 0; k < portal->vertex_count; k++) plan->box = box_add(plan->box, v[k]);
@@ -132,7 +132,7 @@ static void follow_on(Search *s, int depth, int cell) {
 }
 
 static void follow_sequence(Search *s, int depth, int way) {
-    const PlanWay *plan = &s->graph->plan[way];
+    const WayInPlan *plan = &s->graph->plan[way];
     SightlineUndo undo;
     if (!narrow_wanted(s, depth, way)) return;
     s->sequences++;

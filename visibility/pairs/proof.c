@@ -38,7 +38,7 @@ static void look_from_middle(Flow *flow, int way) {
 // Neighbours see each other through the middle of their portal.
 static void prove_neighbours(Rounds *r) {
     for (int i = 0; i < r->ways.way_count; i += 2) {
-        const Way *way = &r->ways.ways[i];
+        const WayShape *way = &r->ways.ways[i];
         Vec3 step = vec3_scale(way->facet.plane.n, r->ways.epsilon);
         Sight across = {vec3_sub(way->facet.middle, step), vec3_add(way->facet.middle, step)};
         if (way->coarse || !sight_passes(way, across, r->ways.epsilon)) continue;  // a hair's breadth wide

@@ -118,7 +118,7 @@ static void sort_turns(const Rounds *r, Turn *turns, int count) {
 // Searches from one way; reads what was known before the round only.
 static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     const WayGraph *ways = &r->ways;
-    const Way *way = &ways->ways[index];
+    const WayShape *way = &ways->ways[index];
     const uint64_t *might = might_row(r, index), *proven = set_row(r, r->set->proven, way->from);
     // A line that comes through the way is seen from both its cells.
     const uint64_t *here = set_row(r, r->set->seen, way->from), *there = set_row(r, r->set->seen, way->to);
@@ -130,7 +130,7 @@ static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
         any |= flow->unknown[k];
     }
     if (!any) return;
-    flow->work = (PairWork){0};
+    flow->work = (ChainWork){0};
     flow->spent = 0;
     flow->context = finding;
     if (r->prepare) r->prepare(flow, index);
@@ -152,7 +152,7 @@ static void take(Rounds *r, int way, Finding *finding) {
         might[k] &= finding->kept[k];
         if (gone) lend_word(r, r->ways.ways[way].from, k);
     }
-    pair_work_add(&r->set->work, finding->work);
+    chain_work_add(&r->set->work, finding->work);
 }
 
 void rounds_take_proofs(Rounds *r, Finding *finding) {
@@ -213,7 +213,7 @@ static void search_turn(void *context, int index, int thread) {
 
 // How many cells a search is to decide.
 static long in_doubt(const Rounds *r, int way) {
-    const Way *w = &r->ways.ways[way];
+    const WayShape *w = &r->ways.ways[way];
     const uint64_t *might = might_row(r, way), *proven = set_row(r, r->set->proven, w->from);
     const uint64_t *here = set_row(r, r->set->seen, w->from), *there = set_row(r, r->set->seen, w->to);
     long count = 0;

@@ -43,7 +43,7 @@ typedef struct Finding {
     PairEnds *pairs;  // malloc'd [pair_count]: proven now, not before the round
     Sight *lines;     // malloc'd [pair_count] their sightlines, where witnesses are kept
     int pair_count, pair_capacity, line_capacity;
-    PairWork work;
+    ChainWork work;
     long long spent;  // of the work that it might do
     bool done;
 } Finding;

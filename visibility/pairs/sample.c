@@ -91,7 +91,7 @@ static Vec3 window_middle(const Window *w) {
     return vec3_scale(sum, 1.0 / w->count);
 }
 
-static bool row_has(const Sampler *s, int cell) { return s->row[cell / 64] >> (cell % 64) & 1; }
+static bool is_marked(const Sampler *s, int cell) { return s->row[cell / 64] >> (cell % 64) & 1; }
 
 static void try_sightline(Sampler *s, int cell, Vec3 middle) {
     Vec3 to = vec3_add(s->eye, middle);
@@ -127,17 +127,17 @@ static void look_through(Sampler *s, int cell, int entered_by, int depth) {
     const Cell *from = &s->graph->cells[cell];
     Window *next = window_at(s, depth);
     const Window *frame = depth > 0 ? s->window[depth - 1] : NULL;
-    for (int i = from->first_contact; i < from->first_contact + from->contact_count && !s->found; i++) {
-        const Contact *contact = &s->graph->contacts[i];
+    for (int i = from->first_way; i < from->first_way + from->way_count && !s->found; i++) {
+        const Way *way = &s->graph->ways[i];
         Vec3 middle;
-        if (contact->portal == entered_by || s->on_path[contact->cell]) continue;
-        if (!see(s, cell, &s->graph->portals[contact->portal], frame, next, &middle)) continue;
+        if (way->portal == entered_by || s->on_path[way->cell]) continue;
+        if (!see(s, cell, &s->graph->portals[way->portal], frame, next, &middle)) continue;
         s->seen++;
-        if (!row_has(s, contact->cell)) try_sightline(s, contact->cell, middle);
+        if (!is_marked(s, way->cell)) try_sightline(s, way->cell, middle);
         raise_sides(next);
-        s->on_path[contact->cell] = 1;
-        look_through(s, contact->cell, contact->portal, depth + 1);
-        s->on_path[contact->cell] = 0;
+        s->on_path[way->cell] = 1;
+        look_through(s, way->cell, way->portal, depth + 1);
+        s->on_path[way->cell] = 0;
     }
 }
 
@@ -162,8 +162,8 @@ static Vec3 point_on(const CellGraph *graph, const Portal *portal, int k, Random
 static Vec3 point_in(const CellGraph *graph, const Cell *cell, Random *random) {
     Vec3 sum = {0, 0, 0};
     double total = 0;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &graph->portals[graph->ways[i].portal];
         double weight = -log(1 - random_unit(random));
         Vec3 p = point_on(graph, portal, INT32_MAX, random);
         sum = vec3_add(sum, vec3_scale(p, weight));
@@ -172,30 +172,30 @@ static Vec3 point_in(const CellGraph *graph, const Cell *cell, Random *random) {
     return vec3_scale(sum, 1 / total);
 }
 
-// All sightlines out of the portal that `contact` leads through, from the points on it.
-static void look_out(Sampler *s, const Contact *contact, const SampleOptions *options) {
+// All sightlines out of the portal that `way` leads through, from the points on it.
+static void look_out(Sampler *s, const Way *way, const SampleOptions *options) {
     static const uint64_t SPREAD = 0xd1b54a32d192ed03u;  // portals get streams of their own
-    const Portal *portal = &s->graph->portals[contact->portal];
+    const Portal *portal = &s->graph->portals[way->portal];
     bool forward = portal->cell[0] == s->source;
-    Random random = {options->seed ^ (SPREAD * (uint64_t)(contact->portal + 1))};
-    s->on_path[contact->cell] = 1;
+    Random random = {options->seed ^ (SPREAD * (uint64_t)(way->portal + 1))};
+    s->on_path[way->cell] = 1;
     for (int k = 0; k < options->points && !s->found; k++) {
         s->eye = point_on(s->graph, portal, k, &random);
         double ahead = vec3_length(vec3_sub(s->eye, s->graph->portal_vertices[portal->first_vertex]));
-        if (!row_has(s, contact->cell))
-            try_sightline(s, contact->cell, vec3_scale(portal->plane.n, forward ? -ahead : ahead));
-        look_through(s, contact->cell, contact->portal, 0);
+        if (!is_marked(s, way->cell))
+            try_sightline(s, way->cell, vec3_scale(portal->plane.n, forward ? -ahead : ahead));
+        look_through(s, way->cell, way->portal, 0);
     }
-    s->on_path[contact->cell] = 0;
+    s->on_path[way->cell] = 0;
 }
 
 static void sample_cell(Sampler *s, const SampleOptions *options) {
     const Cell *cell = &s->graph->cells[s->source];
     s->row[s->source / 64] |= (uint64_t)1 << (s->source % 64);
-    if (cell->contact_count == 0) return;
+    if (cell->way_count == 0) return;
     s->on_path[s->source] = 1;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count && !s->found; i++)
-        look_out(s, &s->graph->contacts[i], options);
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count && !s->found; i++)
+        look_out(s, &s->graph->ways[i], options);
     Random random = {options->seed + (uint64_t)s->source};
     for (int k = 0; k < options->points && !s->found; k++) {
         s->eye = point_in(s->graph, cell, &random);

@@ -46,10 +46,10 @@ static bool shrink(const Cutter *cutter, int level, Winding *source) {
     Winding *portals = cutter->portals[level];
     double epsilon = flow->ways->epsilon;
     Separator beam[2 * WINDING_MAX], back[2 * WINDING_MAX];
-    const Way *first = &flow->ways->ways[flow->steps[0]->beam.way];
+    const WayShape *first = &flow->ways->ways[flow->steps[0]->beam.way];
     int planes = 0;
     for (int i = 1; i <= cutter->depth; i++) {
-        const Way *way = &flow->ways->ways[flow->steps[i]->beam.way];
+        const WayShape *way = &flow->ways->ways[flow->steps[i]->beam.way];
         Winding *next = &portals[i];
         const Winding *pass = &portals[i - 1];
         winding_copy(next, &above[i]);
@@ -259,7 +259,7 @@ void settle_pairs(Rounds *r) {
         settle_run(&run);
     }
     for (int i = 0; i < r->threads; i++) {
-        pair_work_add(&r->set->work, run.flows[i].work);
+        chain_work_add(&r->set->work, run.flows[i].work);
         flow_end(&run.flows[i]);
     }
     arena_free(&scratch);

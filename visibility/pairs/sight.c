@@ -3,7 +3,7 @@
 #include "visibility/pairs/sight.h"
 
 // Where the line crosses a portal.
-static Vec3 sight_crossing(const Way *way, Sight sight) {
+static Vec3 sight_crossing(const WayShape *way, Sight sight) {
     double a = plane_distance(way->facet.plane, sight.from), b = plane_distance(way->facet.plane, sight.to);
     return a == b ? sight.from : vec3_lerp(sight.from, sight.to, a / (a - b));
 }
@@ -11,7 +11,7 @@ static Vec3 sight_crossing(const Way *way, Sight sight) {
 // How near the line comes to an edge of the portal it pierces, metres, whatever surface its bent corners span; negative
 // outside, or when it is too flat to tell. Between the lines, not within the portal's plane: one that grazes the plane
 // may cross it far from an edge and yet miss that edge by a hair.
-static double margin(const Way *way, Sight sight) {
+static double margin(const WayShape *way, Sight sight) {
     Vec3 p = sight_crossing(way, sight), direction = vec3_normalize(vec3_sub(sight.to, sight.from));
     double least = INFINITY, steepness = fabs(vec3_dot(direction, way->facet.plane.n));
     if (!(steepness >= SIGHT_FLATTEST)) return -INFINITY;
@@ -26,7 +26,7 @@ static double margin(const Way *way, Sight sight) {
     return least;
 }
 
-bool sight_passes(const Way *way, Sight sight, double epsilon) {
+bool sight_passes(const WayShape *way, Sight sight, double epsilon) {
     return margin(way, sight) >= SIGHT_MARGIN * epsilon;
 }
 
@@ -45,7 +45,7 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
     int planes = 0;
     if (flow->ways->ways[flow->steps[0]->beam.way].coarse) return false;
     for (int i = 1; i <= depth; i++) {
-        const Way *way = &flow->ways->ways[flow->steps[i]->beam.way];
+        const WayShape *way = &flow->ways->ways[flow->steps[i]->beam.way];
         // Flat against a portal there is no telling.
         if (way->coarse || plane_distance(way->facet.plane, from) >
                                -SIGHT_MARGIN * (epsilon + facet_doubt(&way->facet, from)))
@@ -96,7 +96,7 @@ static void set_places(Flow *flow, int depth, Sight sight) {
 enum { WORK_PAIR = 40 };  // see ways_work
 
 void sight_record(Flow *flow, int depth, Sight sight) {
-    const Way *ways = flow->ways->ways;
+    const WayShape *ways = flow->ways->ways;
     Finding *finding = flow->context;
     set_places(flow, depth, sight);
     for (int j = 0; j <= depth; j++) {

@@ -8,7 +8,7 @@
 // are several times what a check by other means would ask for, so that rounding stands between neither and its proof.
 #define SIGHT_MARGIN 4
 #define SIGHT_FLATTEST 4e-6  // sine
-bool sight_passes(const Way *way, Sight sight, double epsilon);
+bool sight_passes(const WayShape *way, Sight sight, double epsilon);
 
 // Looks from a point of the first portal of the chain steps[0 .. depth] through all its portals; exact but for rounding,
 // which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.

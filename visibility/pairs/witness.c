@@ -60,8 +60,8 @@ static bool within_faces(const CellGraph *graph, const Cell *cell, Vec3 p, doubl
     for (int f = cell->first_face; f < cell->first_face + cell->face_count; f++) {
         double lowest = 0, distance = plane_distance(graph->faces[f], p);
         if (distance >= -slack) continue;
-        for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-            const Portal *portal = &graph->portals[graph->contacts[i].portal];
+        for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+            const Portal *portal = &graph->portals[graph->ways[i].portal];
             for (int k = portal->first_vertex; k < portal->first_vertex + portal->vertex_count; k++)
                 lowest = fmin(lowest, plane_distance(graph->faces[f], graph->portal_vertices[k]));
         }
@@ -80,13 +80,13 @@ static bool within_prism(const CellGraph *graph, const Cell *cell, Vec3 p, doubl
     return true;
 }
 
-// The contact through which the line leaves the cell, nearest first, or -1.
+// The way through which the line leaves the cell, nearest first, or -1.
 static int exit_of(const CellGraph *graph, int c, const Line *line, double since, double margin,
                    Crossing *out) {
     const Cell *cell = &graph->cells[c];
     int found = -1;
-    for (int i = cell->first_contact; i < cell->first_contact + cell->contact_count; i++) {
-        const Portal *portal = &graph->portals[graph->contacts[i].portal];
+    for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+        const Portal *portal = &graph->portals[graph->ways[i].portal];
         Crossing crossing = cross(graph, portal, line);
         double outward = portal->cell[0] == c ? crossing.sine : -crossing.sine;
         if (!(outward > WITNESS_FLATTEST) || !(crossing.margin > margin)) continue;
@@ -112,13 +112,13 @@ WitnessWalk witness_walk(const CellGraph *graph, int a, int b, Vec3 from, Vec3 t
     // A straight line is in each convex cell once.
     while (cell != b && walk.crossed < graph->cell_count) {
         Crossing crossing = {0};
-        int contact = exit_of(graph, cell, &line, since, WITNESS_MARGIN * size, &crossing);
-        if (contact < 0) return walk;
+        int way = exit_of(graph, cell, &line, since, WITNESS_MARGIN * size, &crossing);
+        if (way < 0) return walk;
         walk.crossed++;
         walk.margin = fmin(walk.margin, crossing.margin);
         walk.flattest = fmin(walk.flattest, fabs(crossing.sine));
         since = crossing.at;
-        cell = graph->contacts[contact].cell;
+        cell = graph->ways[way].cell;
     }
     walk.proves = cell == b;
     return walk;

@@ -91,8 +91,8 @@ bool figure_portal(const CellGraph *graph, int portal, double z, Vec2 ends[2]) {
 
 void figure_portals(const CellGraph *graph, int cell, double z, const DrawStyle *style, const Draw *draw) {
     const Cell *c = &graph->cells[cell];
-    for (int i = c->first_contact; i < c->first_contact + c->contact_count; i++) {
-        int portal = graph->contacts[i].portal;
+    for (int i = c->first_way; i < c->first_way + c->way_count; i++) {
+        int portal = graph->ways[i].portal;
         Vec2 ends[2];
         if (graph->portals[portal].cell[0] == cell && figure_portal(graph, portal, z, ends))
             draw->line(draw->context, ends[0], ends[1], style);

@@ -10,7 +10,7 @@
 #include "engine/core/polygon.h"
 #include "visibility/query/query.h"
 
-const char *const VIS_METHOD_NAMES[VIS_METHODS] = {"none", "frustum", "portals", "plan", "stab"};
+const char *const CULLING_NAMES[CULLINGS] = {"none", "frustum", "portals", "plan", "stab", "depth", "cells"};
 
 static int forest_depth(const StabForest *forest, Arena *scratch) {
     int deepest = 1, *depth = ARENA_ARRAY(scratch, int, forest->node_count);
@@ -39,7 +39,7 @@ VisQuery *vis_query_new(const CellGraph *graph, const StabForest *forest, Arena 
     q->object_tested = ARENA_ARRAY(arena, unsigned, graph->object_count + 1);
     q->objects = ARENA_ARRAY(arena, int, graph->object_count + 1);
     query_list_objects(q, arena);
-    query_list_gates(q, arena);
+    query_list_ways(q, arena);
     query_prepare_walk(q, arena);
     q->traits = arena_alloc(arena, (size_t)graph->object_count, sizeof *q->traits);
     for (int i = 0; i < graph->object_count; i++) {
@@ -56,22 +56,22 @@ bool vis_shown(const Object *object, const float *door_open) {
 
 // ---- the walk
 
-// The cone beyond one of the gates in sight, and how far it is; false where nothing of it is in view.
-static bool pass_gate(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
-                      double *distance) {
+// The cone beyond one of the ways in sight, and how far it is; false where nothing of it is in view.
+static bool pass_way(const VisQuery *q, Cone *cone, int index, const Sight *sight, Cone *beyond,
+                     double *distance) {
     int lane = index % FOUR;
     if (sight->slots >> lane & 1) {
-        query_slot_cone(&sight->slot, &q->gates[index / FOUR], lane, q->eye->position, q->method == VIS_PLAN,
+        query_slot_cone(&sight->slot, &q->ways[index / FOUR], lane, q->eye->position, q->culling == CULL_PLAN,
                         beyond);
         *distance = query_slots_distance(&sight->slot, sight->ahead)[lane];
         return true;
     }
     if (!(sight->others >> lane & 1)) return false;
-    Gate gate = query_gate(q, index);
+    ViewWay way = query_way(q, index);
     ViewPart part;
-    Passage passage = query_clip(q, cone, &gate, &part);
+    Passage passage = query_clip(q, cone, &way, &part);
     if (passage == PASSAGE_NONE) return false;
-    query_beyond(q, cone, passage, &gate, &part, beyond);
+    query_beyond(q, cone, passage, &way, &part, beyond);
     *distance = part.distance;
     return true;
 }
@@ -86,12 +86,12 @@ static void walk_tree(VisQuery *q, int node, int depth) {
          child = nodes[child].next) {
         int portal = nodes[child].portal;
         bool forward = q->graph->portals[portal].cell[0] == nodes[node].cell;
-        int gate = q->gate_of[2 * portal + (forward ? 0 : 1)];
-        if (gate / FOUR != block) query_sight(q, cone, block = gate / FOUR, FOUR_ALL, &sight);
+        int way = q->way_of[2 * portal + (forward ? 0 : 1)];
+        if (way / FOUR != block) query_sight(q, cone, block = way / FOUR, FOUR_ALL, &sight);
         double distance;
         q->result.portals_tested++;
-        if (!pass_gate(q, cone, gate, &sight, beyond, &distance)) continue;
-        if (query_enter(q, gate, beyond, distance)) walk_tree(q, child, depth + 1);
+        if (!pass_way(q, cone, way, &sight, beyond, &distance)) continue;
+        if (query_enter(q, way, beyond, distance)) walk_tree(q, child, depth + 1);
     }
 }
 
@@ -178,8 +178,8 @@ static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
 static void prefetch_start(const VisQuery *q, int cell) {
     for (int k = 0; k < q->forest->seen.blocks; k++)
         __builtin_prefetch(cell_rows_block(&q->forest->seen, cell, k));
-    const char *gates = (const char *)&q->gates[q->of_cell[cell].first_block];
-    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(gates + line);
+    const char *ways = (const char *)&q->ways[q->of_cell[cell].first_block];
+    for (size_t line = 0; line < sizeof(WayBlock); line += CACHE_LINE) __builtin_prefetch(ways + line);
 }
 
 // Fetches the cells that the last query saw: frames draw much between two queries, and from one to the next little changes in view.
@@ -191,9 +191,9 @@ static void prefetch_last(const VisQuery *q) {
         if (i < count) __builtin_prefetch(&q->of_cell[q->cells[i].cell]);
         if (i < LISTS) continue;
         const CellView *cell = &q->of_cell[q->cells[i - LISTS].cell];
-        const char *gates = (const char *)&q->gates[cell->first_block];
-        size_t size = (size_t)cell->block_count * sizeof *q->gates;
-        for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(gates + line);
+        const char *ways = (const char *)&q->ways[cell->first_block];
+        size_t size = (size_t)cell->block_count * sizeof *q->ways;
+        for (size_t line = 0; line < size; line += CACHE_LINE) __builtin_prefetch(ways + line);
         query_prefetch_boxes(q, q->cells[i - LISTS].cell);
     }
     for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);
@@ -203,7 +203,7 @@ static void walk(VisQuery *q, const int *around, int count) {
     int cell = around[0];
     query_first_cone(q, &q->cones[0]);
     query_visit_cell(q, cell, 0, &q->cones[0]);
-    bool trees = q->method != VIS_PORTALS;
+    bool trees = q->culling != CULL_PORTALS;
     q->limit = trees ? visible_set(q, around, count) : q->every_cell;
     if (trees && count == 1 && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
@@ -212,12 +212,12 @@ static void walk(VisQuery *q, const int *around, int count) {
     }
 }
 
-VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, VisMethod method) {
-    CORE_ASSERT(cell < q->graph->cell_count && method < VIS_METHODS);
+VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_open, Culling culling) {
+    CORE_ASSERT(cell < q->graph->cell_count && culling < QUERY_CULLINGS);
     prefetch_last(q);
     q->eye = eye;
     q->door_open = door_open;
-    q->method = method;
+    q->culling = culling;
     q->result = (VisResult){.cells = q->cells, .objects = q->objects, .eye_cell = cell};
     q->frame++;
     // Before the counters come round, forget the marks of long ago.
@@ -232,8 +232,8 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
     int around[MOST_AROUND] = {cell}, count = 1;
     if (cell >= 0) count = query_eye_cells(q->graph, cell, eye, around);
     if (count == 0) q->result.eye_cell = cell = -1;
-    if (method == VIS_NONE || method == VIS_FRUSTUM || cell < 0) {
-        draw_all(q, method == VIS_FRUSTUM);
+    if (culling == CULL_NONE || culling == CULL_FRUSTUM || cell < 0) {
+        draw_all(q, culling == CULL_FRUSTUM);
     } else {
         walk(q, around, count);
     }

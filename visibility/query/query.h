@@ -31,11 +31,11 @@ typedef struct Cone {
     Plane plane[MAX_PLANES];  // all through the eye, but for those of the caller's frustum
 } Cone;
 
-// Portals as a cell has them, four at a time, in the order of CellGraph.contacts: what most tests need, in four lines of
+// Portals as a cell has them, four at a time, in the order of CellGraph.ways: what most tests need, in four lines of
 // the cache. Four doubles, not eight floats: a cell has four or five portals in the mean, so that more lanes would stay
-// empty, and the slacks of the query hold for buildings of any size. Gate 4 * k + i is lane i of block k. The lanes that a
+// empty, and the slacks of the query hold for buildings of any size. Way 4 * k + i is lane i of block k. The lanes that a
 // cell leaves over are nowhere: d is infinite.
-typedef struct GateBlock {
+typedef struct WayBlock {
     // The portal's plane, pointing into the cell.
     Four nx, ny, d;
     // Where an upright rectangle begins and ends along (ny, -nx), counter-clockwise around an eye in front of it, and in
@@ -43,17 +43,17 @@ typedef struct GateBlock {
     // part of its normal.
     Four s0, s1, z0, z1;
     FourInt cell;    // beyond
-    FourInt beyond;  // the first block of that cell, and GATE_DOOR
-} GateBlock;
-enum { GATE_DOOR = 1 << 30 };  // in GateBlock.beyond: it has a door
+    FourInt beyond;  // the first block of that cell, and WAY_DOOR
+} WayBlock;
+enum { WAY_DOOR = 1 << 30 };  // in WayBlock.beyond: it has a door
 
 // One of them, for what is done one at a time.
-typedef struct Gate {
+typedef struct ViewWay {
     int portal, cell;  // `cell` lies beyond
     int sloped;        // in VisQuery.sloped; -1: it is an upright rectangle
     Plane plane;       // pointing into the cell
     double ahead;      // how far the eye is before it, metres
-} Gate;
+} ViewWay;
 
 // A straight line over the foot of an upright portal: its height at a place s along it is at + rise * s.
 typedef struct SlotEdge {
@@ -101,7 +101,7 @@ typedef struct Sloped {
 
 // A cell as queries see it.
 typedef struct CellView {
-    int first_block, block_count;  // in VisQuery.gates
+    int first_block, block_count;  // in VisQuery.ways
     // The first block in VisQuery.boxes, and the lanes in use; none of a cell that holds many objects.
     int first_box, object_count;
     unsigned frame;    // the last query that saw the cell
@@ -112,15 +112,15 @@ typedef struct CellView {
 struct VisQuery {
     const CellGraph *graph;
     const StabForest *forest;
-    Cone *cones;       // [depth of the deepest tree + 1] one for each level; the first is the eye's own
-    GateBlock *gates;  // [block_count] a cell's own, then the next cell's
+    Cone *cones;     // [depth of the deepest tree + 1] one for each level; the first is the eye's own
+    WayBlock *ways;  // [block_count] a cell's own, then the next cell's
     int block_count;
     int *portal_of;           // [4 * block_count]
-    int *gate_of;             // [2 * portal_count] from cell[0] and from cell[1]
-    struct ViewBlock *views;  // [block_count] as gates; see query_walk.c
+    int *way_of;              // [2 * portal_count] from cell[0] and from cell[1]
+    struct ViewBlock *views;  // [block_count] as ways; see query_walk.c
     unsigned *view_frame;     // [block_count] the last query that wrote them: apart, where it is soon asked
-    Sloped *sloped;           // [gates that are no upright rectangles]
-    uint64_t *queue;          // [4 * block_count] gates to go through, a heap: see query_walk.c
+    Sloped *sloped;           // [ways that are no upright rectangles]
+    uint64_t *queue;          // [4 * block_count] ways to go through, a heap: see query_walk.c
     int queue_count;
     CellView *of_cell;        // [cell_count]
     struct BoxBlock *boxes;   // of cells that hold few; see query_cell.c
@@ -141,7 +141,7 @@ struct VisQuery {
     // The query under way:
     const Eye *eye;
     const float *door_open;
-    VisMethod method;
+    Culling culling;
     const uint64_t *limit;  // only cells of this visible set are entered
     VisResult result;
 };
@@ -178,20 +178,20 @@ static inline Vec2 cone_turned(Vec2 direction, int side, double length) {
 // Makes the planes of a cone beyond a slot, if they are not yet made.
 void query_cone_planes(Cone *cone, Vec3 eye);
 // Finds the part that the cone shows of a portal that is no upright rectangle, or is seen edge-on.
-Passage query_clip(const VisQuery *q, Cone *cone, const Gate *gate, ViewPart *out);
+Passage query_clip(const VisQuery *q, Cone *cone, const ViewWay *way, ViewPart *out);
 // The cone beyond one that is gone through by a polygon; `parent` is the cone before it.
-void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const Gate *gate, const ViewPart *part,
+void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const ViewWay *way, const ViewPart *part,
                   Cone *out);
 
-// query_gate.c: before all queries.
-void query_list_gates(VisQuery *q, Arena *arena);
+// query_way.c: before all queries.
+void query_list_ways(VisQuery *q, Arena *arena);
 // Is the portal an upright rectangle? Then where it begins and ends along it, and in height, is written.
 bool query_is_wall(const CellGraph *graph, const Portal *portal, Plane plane, double *s, double *z);
-Gate query_gate(const VisQuery *q, int gate);
+ViewWay query_way(const VisQuery *q, int way);
 // Could the eye, a hair's breadth from the portal's plane, be in the portal?
 bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye);
 
-// The parts that a cone shows of a block of gates.
+// The parts that a cone shows of a block of ways.
 typedef struct Sight {
     Four ahead;       // of the eye before their planes, metres
     unsigned slots;   // lanes of which it shows something: upright rectangles
@@ -203,31 +203,31 @@ unsigned query_sight(const VisQuery *q, const Cone *cone, int block, unsigned la
 
 // Finds the parts that the cone shows of upright rectangles, `ahead` metres before the eye. Returns the lanes of which it shows
 // anything.
-unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out);
+unsigned query_slots_clip(const Cone *cone, const WayBlock *ways, Vec3 eye, Four ahead, Slots *out);
 // The distance of the nearest point from the eye, metres.
 Four query_slots_distance(const Slots *slots, Four ahead);
-// In which lanes is all of `part` in `slots`? Both are of one block of gates.
+// In which lanes is all of `part` in `slots`? Both are of one block of ways.
 unsigned query_slots_hold(const Slots *slots, const Slots *part);
 // Slots that hold both.
-void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Slots *b, Slots *out);
+void query_slots_join(const WayBlock *ways, Vec3 eye, const Slots *a, const Slots *b, Slots *out);
 // The cone beyond one of them: in plan only its wedge.
-void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 eye, bool plan, Cone *out);
+void query_slot_cone(const Slots *slots, const WayBlock *ways, int lane, Vec3 eye, bool plan, Cone *out);
 
 // query_eye.c: the cells that the eye is in, to a rasteriser's precision, its own first. Returns how many, or 0 where it is
 // at a wall, or there are too many.
 enum { MOST_AROUND = 64 };  // cells that meet in one place; where more do, the eye counts as at a wall
 int query_eye_cells(const CellGraph *graph, int cell, const Eye *eye, int cells[MOST_AROUND]);
 
-// query_walk.c: the walk without trees. Its memory is taken before all queries, after the gates are listed.
+// query_walk.c: the walk without trees. Its memory is taken before all queries, after the ways are listed.
 void query_prepare_walk(VisQuery *q, Arena *arena);
 void query_walk(VisQuery *q, int cell);
 
 // query_cell.c: does a closed door end the view? Not where the eye is in the leaf itself: then it sees both sides.
-bool query_door_closed(const VisQuery *q, int gate);
+bool query_door_closed(const VisQuery *q, int way);
 // Lists the cell as seen from `distance` metres and marks those of its objects that the cone meets.
 void query_visit_cell(VisQuery *q, int cell, double distance, Cone *cone);
 // Goes through a portal with the cone beyond it; false where a closed door ends the view.
-bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance);
+bool query_enter(VisQuery *q, int way, Cone *beyond, double distance);
 void query_list_objects(VisQuery *q, Arena *arena);  // before all queries
 // Fetches the listed boxes of a cell into the cache.
 void query_prefetch_boxes(const VisQuery *q, int cell);

@@ -168,11 +168,11 @@ static void draw_cell(VisQuery *q, int c, Cone *cone) {
 
 // A closed door ends the view, unless the eye is in the leaf itself: then it sees both sides.
 bool query_door_closed(const VisQuery *q, int index) {
-    if (!q->door_open || !(q->gates[index / FOUR].beyond[index % FOUR] & GATE_DOOR)) return false;
-    Gate gate = query_gate(q, index);
-    const Portal *portal = &q->graph->portals[gate.portal];
+    if (!q->door_open || !(q->ways[index / FOUR].beyond[index % FOUR] & WAY_DOOR)) return false;
+    ViewWay way = query_way(q, index);
+    const Portal *portal = &q->graph->portals[way.portal];
     if (q->door_open[portal->door] > 0) return false;
-    return fabs(gate.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
+    return fabs(way.ahead) >= ON_PLANE || !query_eye_at_portal(q->graph, portal, q->eye->position);
 }
 
 void query_visit_cell(VisQuery *q, int cell, double distance, Cone *cone) {
@@ -200,9 +200,9 @@ static void draw_half(VisQuery *q, int cell, Cone *cone) {
         draw_cell(q, c, cone);
 }
 
-bool query_enter(VisQuery *q, int gate, Cone *beyond, double distance) {
-    int cell = q->gates[gate / FOUR].cell[gate % FOUR];
-    bool closed = query_door_closed(q, gate);
+bool query_enter(VisQuery *q, int way, Cone *beyond, double distance) {
+    int cell = q->ways[way / FOUR].cell[way % FOUR];
+    bool closed = query_door_closed(q, way);
     if (closed) {
         draw_half(q, cell, beyond);
     } else {

@@ -104,9 +104,9 @@ static int side_of(const Sloped *sloped, Plane plane) {
 }
 
 // Clips the polygon by the planes of the cone. False: nothing is left.
-static bool clip_by_cone(const VisQuery *q, const Cone *cone, const Gate *gate, ViewPart *part) {
+static bool clip_by_cone(const VisQuery *q, const Cone *cone, const ViewWay *way, ViewPart *part) {
     for (int i = 0, turn = 0; i < cone->count; i++) {
-        int side = gate->sloped < 0 ? 0 : side_of(&q->sloped[gate->sloped], cone->plane[i]);
+        int side = way->sloped < 0 ? 0 : side_of(&q->sloped[way->sloped], cone->plane[i]);
         if (side > 0) continue;
         if (side < 0) return false;
         part->count =
@@ -118,37 +118,37 @@ static bool clip_by_cone(const VisQuery *q, const Cone *cone, const Gate *gate, 
     return true;
 }
 
-Passage query_clip(const VisQuery *q, Cone *cone, const Gate *gate, ViewPart *out) {
+Passage query_clip(const VisQuery *q, Cone *cone, const ViewWay *way, ViewPart *out) {
     const CellGraph *graph = q->graph;
-    const Portal *portal = &graph->portals[gate->portal];
+    const Portal *portal = &graph->portals[way->portal];
     Vec3 eye = q->eye->position;
-    bool edge_on = gate->ahead < ON_PLANE;
+    bool edge_on = way->ahead < ON_PLANE;
     out->distance = 0;
     if (edge_on && query_eye_at_portal(graph, portal, eye)) return PASSAGE_ALL;
     out->polygon = graph->portal_vertices + portal->first_vertex;
     out->count = portal->vertex_count;
     if (out->count > MAX_CORNERS / 2) return PASSAGE_ALL;
-    bool level = q->method == VIS_PLAN && portal->horizontal;
+    bool level = q->culling == CULL_PLAN && portal->horizontal;
     query_cone_planes(cone, eye);
-    if (!level && !clip_by_cone(q, cone, gate, out)) return PASSAGE_NONE;
+    if (!level && !clip_by_cone(q, cone, way, out)) return PASSAGE_NONE;
     out->middle = mean_offset(out->polygon, out->count, eye, &out->distance);
     return level ? PASSAGE_ALL : edge_on ? PASSAGE_EDGE : PASSAGE_PART;
 }
 
-void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const Gate *gate, const ViewPart *part,
+void query_beyond(const VisQuery *q, Cone *parent, Passage passage, const ViewWay *way, const ViewPart *part,
                   Cone *out) {
     Vec3 eye = q->eye->position;
-    bool plan = q->method == VIS_PLAN;
+    bool plan = q->culling == CULL_PLAN;
     if (passage == PASSAGE_ALL) {
         *out = *parent;
     } else if (passage == PASSAGE_EDGE) {
         query_cone_planes(parent, eye);
-        set_edge_on(out, parent, eye, gate->plane, part->polygon, part->count);
+        set_edge_on(out, parent, eye, way->plane, part->polygon, part->count);
     } else {
         // The wedge is for finding squares: where all objects are tried it may be any.
         out->is_slot = false;
         out->all_around = true;
-        if (plan || !query_lists_objects(q, gate->cell))
+        if (plan || !query_lists_objects(q, way->cell))
             set_wedge(out, vec2(eye.x, eye.y), part->polygon, part->count);
         out->count = 0;
         if (plan && !out->all_around) cone_add_wedge(out, eye);
@@ -197,10 +197,10 @@ void query_first_cone(VisQuery *q, Cone *cone) {
     cone->count = 0;
     cone->all_around = true;
     cone->is_slot = false;
-    if (q->method != VIS_PLAN) {
+    if (q->culling != CULL_PLAN) {
         for (int i = 0; i < eye->frustum_count; i++) cone_add(cone, eye->frustum[i].n, eye->frustum[i].d);
     }
     if (eye->frustum_count < 3) return;
     frustum_wedge(cone, eye);
-    if (q->method == VIS_PLAN && !cone->all_around) cone_add_wedge(cone, eye->position);
+    if (q->culling == CULL_PLAN && !cone->all_around) cone_add_wedge(cone, eye->position);
 }

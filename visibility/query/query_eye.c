@@ -74,14 +74,13 @@ static int cells_around(const CellGraph *graph, int cell, Vec3 eye, double dista
     cells[count++] = cell;
     for (int i = 0; i < count; i++) {
         const Cell *c = &graph->cells[cells[i]];
-        for (int k = c->first_contact; k < c->first_contact + c->contact_count; k++) {
-            Contact contact = graph->contacts[k];
+        for (int k = c->first_way; k < c->first_way + c->way_count; k++) {
+            Way way = graph->ways[k];
             int known = 0;
-            while (known < count && cells[known] != contact.cell) known++;
-            if (known < count || !near_portal(graph, &graph->portals[contact.portal], eye, distance))
-                continue;
+            while (known < count && cells[known] != way.cell) known++;
+            if (known < count || !near_portal(graph, &graph->portals[way.portal], eye, distance)) continue;
             if (count == MOST_AROUND) return 0;
-            cells[count++] = contact.cell;
+            cells[count++] = way.cell;
         }
     }
     return count;

@@ -13,11 +13,11 @@
 // Times that the view goes on through a portal before it takes all of it: with the nearest first, few go on twice.
 enum { PASSES = 3 };
 
-// The view through a block of gates, a lane or a bit for each gate.
+// The view through a block of ways, a lane or a bit for each way.
 typedef struct ViewBlock {
     Slots slots;         // of upright rectangles; of others see Sloped
     FourFloat distance;  // as ViewPart's: it only orders
-    // The gates of which a part is in view so far; those which let all of the view pass; are seen edge-on; can show no more;
+    // The ways of which a part is in view so far; those which let all of the view pass; are seen edge-on; can show no more;
     // are in the queue; were gone through PASSES times.
     unsigned char part, all, edge, whole, queued, spent;
     unsigned char passes[FOUR];  // how often they were gone through
@@ -86,22 +86,22 @@ static bool polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n) {
 
 // ---- the cache: what a query meets has seldom been met before, and comes from afar
 
-// Fetches the cell beyond a gate in the queue.
-static void prefetch_beyond(const VisQuery *q, int gate) {
-    const GateBlock *gates = &q->gates[gate / FOUR];
-    int block = gates->beyond[gate % FOUR] & ~GATE_DOOR;
-    const char *first = (const char *)&q->gates[block], *views = (const char *)&q->views[block];
-    __builtin_prefetch(&q->of_cell[gates->cell[gate % FOUR]]);
-    for (size_t line = 0; line < sizeof(GateBlock); line += CACHE_LINE) __builtin_prefetch(first + line);
+// Fetches the cell beyond a way in the queue.
+static void prefetch_beyond(const VisQuery *q, int way) {
+    const WayBlock *ways = &q->ways[way / FOUR];
+    int block = ways->beyond[way % FOUR] & ~WAY_DOOR;
+    const char *first = (const char *)&q->ways[block], *views = (const char *)&q->views[block];
+    __builtin_prefetch(&q->of_cell[ways->cell[way % FOUR]]);
+    for (size_t line = 0; line < sizeof(WayBlock); line += CACHE_LINE) __builtin_prefetch(first + line);
     for (size_t line = 0; line < sizeof(ViewBlock); line += CACHE_LINE) __builtin_prefetch(views + line, 1);
 }
 
-// ---- the queue: a heap of gates, under the bits of their distances, which are in order
+// ---- the queue: a heap of ways, under the bits of their distances, which are in order
 
-static uint64_t key_of(float distance, int gate) {
+static uint64_t key_of(float distance, int way) {
     uint32_t bits;
     memcpy(&bits, &distance, sizeof bits);
-    return (uint64_t)bits << 32 | (uint32_t)gate;
+    return (uint64_t)bits << 32 | (uint32_t)way;
 }
 
 static bool is_nearer_key(const void *context, const void *a, const void *b) {
@@ -114,17 +114,17 @@ static inline Heap queue_of(const VisQuery *q) {
 }
 
 // Into the queue, or nearer its head: it was `before` away.
-static void enqueue(VisQuery *q, ViewBlock *view, int gate, float before) {
-    int lane = gate % FOUR, at = q->queue_count;
+static void enqueue(VisQuery *q, ViewBlock *view, int way, float before) {
+    int lane = way % FOUR, at = q->queue_count;
     if (view->queued >> lane & 1) {
         if (view->distance[lane] == before) return;
-        for (at = 0; (uint32_t)q->queue[at] != (uint32_t)gate;) at++;
+        for (at = 0; (uint32_t)q->queue[at] != (uint32_t)way;) at++;
     } else {
         view->queued |= (unsigned char)(1u << lane);
         q->queue_count++;
-        prefetch_beyond(q, gate);
+        prefetch_beyond(q, way);
     }
-    uint64_t key = key_of(view->distance[lane], gate);
+    uint64_t key = key_of(view->distance[lane], way);
     const Heap heap = queue_of(q);
     heap_rise(&heap, at, &key);
 }
@@ -154,33 +154,33 @@ static void approach(ViewBlock *view, int lane, double distance) {
 
 // ---- of portals that are no upright rectangles
 
-static void take_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, const ViewPart *part) {
+static void take_polygon(VisQuery *q, ViewBlock *view, int lane, const ViewWay *way, const ViewPart *part) {
     unsigned char bit = (unsigned char)(1u << lane);
     approach(view, lane, part->distance);
     if (part->count > VIEW_CORNERS) {
         view->all |= bit;
         return;
     }
-    Sloped *sloped = &q->sloped[gate->sloped];
+    Sloped *sloped = &q->sloped[way->sloped];
     view->part |= bit;
     sloped->count = part->count;
     memcpy(sloped->v, part->polygon, (size_t)part->count * sizeof *part->polygon);
 }
 
 // The portal is seen a second time: takes what is new into what is in view of it; false where nothing is.
-static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, const ViewPart *part) {
-    const Sloped *known = &q->sloped[gate->sloped];
-    Vec3 n = gate->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
+static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const ViewWay *way, const ViewPart *part) {
+    const Sloped *known = &q->sloped[way->sloped];
+    Vec3 n = way->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
     if (polygon_holds(known, part, n)) return false;
     ViewPart both = {.distance = part->distance, .polygon = hull};
     both.count = hull_of_both(known->v, known->count, part->polygon, part->count, n, hull);
     if (both.count > VIEW_CORNERS) view->spent |= (unsigned char)(1u << lane);
-    if (both.count >= 3 && both.count <= VIEW_CORNERS) take_polygon(q, view, lane, gate, &both);
+    if (both.count >= 3 && both.count <= VIEW_CORNERS) take_polygon(q, view, lane, way, &both);
     return true;
 }
 
 // Takes what is seen of a portal into its view; false where nothing of it is new.
-static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const Gate *gate, Passage passage,
+static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const ViewWay *way, Passage passage,
                        ViewPart *part) {
     unsigned char bit = (unsigned char)(1u << lane);
     if (passage != PASSAGE_PART) {
@@ -190,28 +190,28 @@ static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const Gate *gate,
         return true;
     }
     if (!(view->part & bit)) {
-        take_polygon(q, view, lane, gate, part);
-    } else if (!widen_polygon(q, view, lane, gate, part)) {
+        take_polygon(q, view, lane, way, part);
+    } else if (!widen_polygon(q, view, lane, way, part)) {
         return false;
     }
     if (!(view->spent & bit)) return true;
     // Takes all that the eye could see of the portal by any way. But for slack it sees something.
     view->whole |= bit;
-    if (query_clip(q, &q->cones[0], gate, part) == PASSAGE_PART) take_polygon(q, view, lane, gate, part);
+    if (query_clip(q, &q->cones[0], way, part) == PASSAGE_PART) take_polygon(q, view, lane, way, part);
     return true;
 }
 
 static void look_through(VisQuery *q, Cone *cone, int index, int but) {
-    Gate gate = query_gate(q, index);
-    if (gate.portal == but) return;
+    ViewWay way = query_way(q, index);
+    if (way.portal == but) return;
     ViewPart part;
-    Passage passage = query_clip(q, cone, &gate, &part);
+    Passage passage = query_clip(q, cone, &way, &part);
     if (passage == PASSAGE_NONE) return;
     ViewBlock *view = view_of(q, index / FOUR);
     int lane = index % FOUR;
     if ((view->all | view->whole) >> lane & 1) return;
     float before = view->distance[lane];
-    if (widen_view(q, view, lane, &gate, passage, &part)) enqueue(q, view, index, before);
+    if (widen_view(q, view, lane, &way, passage, &part)) enqueue(q, view, index, before);
 }
 
 // ---- of upright rectangles
@@ -254,7 +254,7 @@ static void widen_slots(VisQuery *q, int block, const Sight *sight) {
     if (lanes & ~known) put_slots(view, lanes & ~known, &sight->slot, distance);
     if (known) {
         Slots both;
-        query_slots_join(&q->gates[block], q->eye->position, &view->slots, &sight->slot, &both);
+        query_slots_join(&q->ways[block], q->eye->position, &view->slots, &sight->slot, &both);
         put_slots(view, known, &both, distance);
         if (lanes & view->spent) take_whole(q, view, block, lanes & view->spent);
     }
@@ -266,12 +266,12 @@ static void widen_slots(VisQuery *q, int block, const Sight *sight) {
 
 // ---- the walk
 
-// Through all portals of a cell, but not back through the gate come by.
+// Through all portals of a cell, but not back through the way come by.
 static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
     const CellView *of = &q->of_cell[cell];
     for (int block = of->first_block; block < of->first_block + of->block_count; block++) {
         Sight sight;
-        unsigned lanes = query_sight(q, cone, block, four_in_set(q->limit, q->gates[block].cell), &sight);
+        unsigned lanes = query_sight(q, cone, block, four_in_set(q->limit, q->ways[block].cell), &sight);
         q->result.portals_tested += __builtin_popcount(lanes);
         if (sight.slots) widen_slots(q, block, &sight);
         // The eye is before one side of an upright rectangle alone, unless the rectangle is among these.
@@ -280,30 +280,30 @@ static void look_around(VisQuery *q, Cone *cone, int cell, int by) {
     }
 }
 
-// The cone beyond a gate that is no upright rectangle, or of which not a slot is seen.
+// The cone beyond a way that is no upright rectangle, or of which not a slot is seen.
 static void cone_beyond(VisQuery *q, const ViewBlock *view, int index, Cone *out) {
-    Gate gate = query_gate(q, index);
+    ViewWay way = query_way(q, index);
     bool all = view->all >> index % FOUR & 1, edge = view->edge >> index % FOUR & 1;
     ViewPart part = {.count = 0};
     if (edge) {
-        const Portal *portal = &q->graph->portals[gate.portal];
+        const Portal *portal = &q->graph->portals[way.portal];
         part.polygon = q->graph->portal_vertices + portal->first_vertex;
         part.count = portal->vertex_count;
     } else if (!all) {
-        const Sloped *sloped = &q->sloped[gate.sloped];
+        const Sloped *sloped = &q->sloped[way.sloped];
         part.polygon = sloped->v;
         part.count = sloped->count;
         part.middle = vec3(0, 0, 0);
         for (int i = 0; i < part.count; i++)
             part.middle = vec3_add(part.middle, vec3_sub(sloped->v[i], q->eye->position));
     }
-    query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &gate, &part, out);
+    query_beyond(q, &q->cones[0], all ? PASSAGE_ALL : edge ? PASSAGE_EDGE : PASSAGE_PART, &way, &part, out);
 }
 
 // Where the view will most likely go next.
 static int next_cell(const VisQuery *q) {
-    uint32_t gate = (uint32_t)q->queue[0];
-    return q->gates[gate / FOUR].cell[gate % FOUR];
+    uint32_t way = (uint32_t)q->queue[0];
+    return q->ways[way / FOUR].cell[way % FOUR];
 }
 
 void query_prepare_walk(VisQuery *q, Arena *arena) {
@@ -317,21 +317,21 @@ void query_walk(VisQuery *q, int cell) {
     look_around(q, &q->cones[0], cell, -1);
     while (q->queue_count > 0) {
         int nearest = take_nearest(q), lane = nearest % FOUR;
-        const GateBlock *gates = &q->gates[nearest / FOUR];
+        const WayBlock *ways = &q->ways[nearest / FOUR];
         ViewBlock *view = &q->views[nearest / FOUR];
         unsigned bit = 1u << lane;
-        query_prefetch_boxes(q, gates->cell[lane]);
+        query_prefetch_boxes(q, ways->cell[lane]);
         if (q->queue_count > 0) query_prefetch_boxes(q, next_cell(q));
         view->queued &= (unsigned char)~bit;
         if (++view->passes[lane] >= PASSES) view->spent |= (unsigned char)bit;
         Cone beyond;
-        if ((view->all | view->edge) & bit || gates->s0[lane] > gates->s1[lane]) {
+        if ((view->all | view->edge) & bit || ways->s0[lane] > ways->s1[lane]) {
             cone_beyond(q, view, nearest, &beyond);
         } else {
-            query_slot_cone(&view->slots, gates, lane, q->eye->position, q->method == VIS_PLAN, &beyond);
+            query_slot_cone(&view->slots, ways, lane, q->eye->position, q->culling == CULL_PLAN, &beyond);
         }
         // On while the boxes come.
-        if (!query_door_closed(q, nearest)) look_around(q, &beyond, gates->cell[lane], nearest);
+        if (!query_door_closed(q, nearest)) look_around(q, &beyond, ways->cell[lane], nearest);
         query_enter(q, nearest, &beyond, view->distance[lane]);
     }
 }

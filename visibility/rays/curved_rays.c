@@ -398,7 +398,7 @@ static void hit_quadric(const void *self, const Ray *ray, HitList *list, CurvedW
 static const void *prepare_patch(const Building *building, const CurvedShape *shape, Arena *arena) {
     return bezier_patch_new(building, shape, false, arena);
 }
-static Box box_of_patch(const void *self) { return ((const BezierPatch *)self)->box; }
+static Box box_of_patch(const void *self) { return bezier_patch_box(self); }
 static void hit_patch(const void *self, const Ray *ray, HitList *list, CurvedWork *work) {
     bezier_hits(self, ray, list, work);
 }

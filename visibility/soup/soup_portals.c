@@ -198,6 +198,6 @@ void soup_write_portals(Soup *soup) {
             }
         }
     }
-    list_contacts(soup->builder);
+    list_ways(soup->builder);
     soup->builder->graph->dropped_slivers += soup->dropped;
 }

@@ -1,4 +1,4 @@
-// query_gate.c - the portals as cells have them, four to a block, and the part of them that a cone shows.
+// query_way.c - the portals as cells have them, four to a block, and the part of them that a cone shows.
 //
 // Portals between prisms are upright rectangles. The part in view of one is kept as a slot, which has two ends, one line above
 // and one below, instead of a polygon with any number of corners. Clipping slots takes a few divisions, for four at once.
@@ -41,9 +41,9 @@ bool query_eye_at_portal(const CellGraph *graph, const Portal *portal, Vec3 eye)
 }
 
 // Writes a lane; returns whether the portal is an upright rectangle. Of others `sloped` is the index.
-static bool set_gate(const VisQuery *q, int cell, Contact contact, int sloped, GateBlock *out, int lane) {
+static bool set_way(const VisQuery *q, int cell, Way leads, int sloped, WayBlock *out, int lane) {
     const CellGraph *graph = q->graph;
-    const Portal *p = &graph->portals[contact.portal];
+    const Portal *p = &graph->portals[leads.portal];
     double side = p->cell[0] == cell ? 1 : -1, s[2], z[2];
     Plane plane = {vec3_scale(p->plane.n, side), side * p->plane.d};
     bool wall = query_is_wall(graph, p, plane, s, z);
@@ -54,22 +54,22 @@ static bool set_gate(const VisQuery *q, int cell, Contact contact, int sloped, G
     out->s1[lane] = wall ? s[1] : -1 - sloped;
     out->z0[lane] = wall ? z[0] : plane.n.z;
     out->z1[lane] = wall ? z[1] : 0;
-    out->cell[lane] = contact.cell;
-    out->beyond[lane] = q->of_cell[contact.cell].first_block | (p->door >= 0 ? GATE_DOOR : 0);
+    out->cell[lane] = leads.cell;
+    out->beyond[lane] = q->of_cell[leads.cell].first_block | (p->door >= 0 ? WAY_DOOR : 0);
     return wall;
 }
 
-static void list_gates_of(VisQuery *q, int c, Arena *arena, int *sloped_count, int *sloped_capacity) {
+static void list_ways_of(VisQuery *q, int c, Arena *arena, int *sloped_count, int *sloped_capacity) {
     const CellGraph *graph = q->graph;
     const Cell *cell = &graph->cells[c];
     int first = q->of_cell[c].first_block;
-    for (int i = 0; i < cell->contact_count; i++) {
-        Contact contact = graph->contacts[cell->first_contact + i];
-        const Portal *portal = &graph->portals[contact.portal];
-        int gate = first * FOUR + i;
-        q->gate_of[2 * contact.portal + (portal->cell[0] == c ? 0 : 1)] = gate;
-        q->portal_of[gate] = contact.portal;
-        if (set_gate(q, c, contact, *sloped_count, &q->gates[gate / FOUR], gate % FOUR)) continue;
+    for (int i = 0; i < cell->way_count; i++) {
+        Way leads = graph->ways[cell->first_way + i];
+        const Portal *portal = &graph->portals[leads.portal];
+        int way = first * FOUR + i;
+        q->way_of[2 * leads.portal + (portal->cell[0] == c ? 0 : 1)] = way;
+        q->portal_of[way] = leads.portal;
+        if (set_way(q, c, leads, *sloped_count, &q->ways[way / FOUR], way % FOUR)) continue;
         Box box = portal_box(graph, portal);
         Sloped *sloped = ARENA_PUSH(arena, q->sloped, *sloped_count, *sloped_capacity);
         sloped->centre = vec3_lerp(box.min, box.max, 0.5);
@@ -77,32 +77,32 @@ static void list_gates_of(VisQuery *q, int c, Arena *arena, int *sloped_count, i
     }
 }
 
-void query_list_gates(VisQuery *q, Arena *arena) {
+void query_list_ways(VisQuery *q, Arena *arena) {
     const CellGraph *graph = q->graph;
     int blocks = 0, sloped_count = 0, sloped_capacity = 0;
     for (int c = 0; c < graph->cell_count; c++) {
         q->of_cell[c].first_block = blocks;
-        q->of_cell[c].block_count = (graph->cells[c].contact_count + FOUR - 1) / FOUR;
+        q->of_cell[c].block_count = (graph->cells[c].way_count + FOUR - 1) / FOUR;
         blocks += q->of_cell[c].block_count;
     }
     q->block_count = blocks;
-    q->gates = ARENA_ARRAY(arena, GateBlock, blocks);
+    q->ways = ARENA_ARRAY(arena, WayBlock, blocks);
     q->portal_of = ARENA_ARRAY(arena, int, FOUR *blocks);
-    q->gate_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
-    for (int k = 0; k < blocks; k++) q->gates[k].d = four_of(INFINITY);
-    for (int c = 0; c < graph->cell_count; c++) list_gates_of(q, c, arena, &sloped_count, &sloped_capacity);
+    q->way_of = ARENA_ARRAY(arena, int, 2 * graph->portal_count);
+    for (int k = 0; k < blocks; k++) q->ways[k].d = four_of(INFINITY);
+    for (int c = 0; c < graph->cell_count; c++) list_ways_of(q, c, arena, &sloped_count, &sloped_capacity);
 }
 
-Gate query_gate(const VisQuery *q, int gate) {
-    const GateBlock *gates = &q->gates[gate / FOUR];
-    int lane = gate % FOUR;
-    bool wall = gates->s0[lane] <= gates->s1[lane];
-    Plane plane = {{gates->nx[lane], gates->ny[lane], wall ? 0 : gates->z0[lane]}, gates->d[lane]};
-    return (Gate){.portal = q->portal_of[gate],
-                  .cell = gates->cell[lane],
-                  .sloped = wall ? -1 : (int)(-1 - gates->s1[lane]),
-                  .plane = plane,
-                  .ahead = plane_distance(plane, q->eye->position)};
+ViewWay query_way(const VisQuery *q, int way) {
+    const WayBlock *ways = &q->ways[way / FOUR];
+    int lane = way % FOUR;
+    bool wall = ways->s0[lane] <= ways->s1[lane];
+    Plane plane = {{ways->nx[lane], ways->ny[lane], wall ? 0 : ways->z0[lane]}, ways->d[lane]};
+    return (ViewWay){.portal = q->portal_of[way],
+                     .cell = ways->cell[lane],
+                     .sloped = wall ? -1 : (int)(-1 - ways->s1[lane]),
+                     .plane = plane,
+                     .ahead = plane_distance(plane, q->eye->position)};
 }
 
 // ---- slots: places and heights from the eye's foot
@@ -129,15 +129,15 @@ static void raise_bottom(Slots *slots, SlotEdge edge) {
 }
 
 // By planes that lie anyhow: first those that pass above and below, then the ends where all planes leave some height.
-static FourMask clip_by_planes(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *slots) {
+static FourMask clip_by_planes(const Cone *cone, const WayBlock *ways, Vec3 eye, Four ahead, Slots *slots) {
     FourMask nothing = {0};
     for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < cone->count; i++) {
             Vec3 n = cone->plane[i].n;
             // The half-space over the portal: a - b * s + n.z * height >= 0.
             Four a = plane_distance(cone->plane[i], eye) + POSITION_SLACK -
-                     ahead * (n.x * gates->nx + n.y * gates->ny);
-            Four b = n.y * gates->nx - n.x * gates->ny;
+                     ahead * (n.x * ways->nx + n.y * ways->ny);
+            Four b = n.y * ways->nx - n.x * ways->ny;
             SlotEdge best = n.z > 0 ? slots->top : slots->bottom;
             nothing |= cut_slots(slots, a + n.z * best.at, b - n.z * best.rise);
             if (pass > 0 || fabs(n.z) < STEEP) continue;
@@ -150,9 +150,9 @@ static FourMask clip_by_planes(const Cone *cone, const GateBlock *gates, Vec3 ey
 }
 
 // By the cone beyond another slot.
-static FourMask clip_by_slot(const Cone *cone, const GateBlock *gates, Four ahead, Slots *slots) {
+static FourMask clip_by_slot(const Cone *cone, const WayBlock *ways, Four ahead, Slots *slots) {
     Vec2 from = cone->from, to = cone->to, top = cone->top, bottom = cone->bottom;
-    Four nx = gates->nx, ny = gates->ny;
+    Four nx = ways->nx, ny = ways->ny;
     FourMask nothing =
         cut_slots(slots, ahead * (from.y * nx - from.x * ny) + POSITION_SLACK, from.x * nx + from.y * ny);
     nothing |= cut_slots(slots, ahead * (to.x * ny - to.y * nx) + POSITION_SLACK, -to.x * nx - to.y * ny);
@@ -166,12 +166,11 @@ static FourMask clip_by_slot(const Cone *cone, const GateBlock *gates, Four ahea
     return nothing;
 }
 
-unsigned query_slots_clip(const Cone *cone, const GateBlock *gates, Vec3 eye, Four ahead, Slots *out) {
-    Four foot = gates->ny * eye.x - gates->nx * eye.y, level = four_of(0);
-    Slots slots = {
-        gates->s0 - foot, gates->s1 - foot, {gates->z0 - eye.z, level}, {gates->z1 - eye.z, level}};
-    FourMask nothing = cone->is_slot ? clip_by_slot(cone, gates, ahead, &slots)
-                                     : clip_by_planes(cone, gates, eye, ahead, &slots);
+unsigned query_slots_clip(const Cone *cone, const WayBlock *ways, Vec3 eye, Four ahead, Slots *out) {
+    Four foot = ways->ny * eye.x - ways->nx * eye.y, level = four_of(0);
+    Slots slots = {ways->s0 - foot, ways->s1 - foot, {ways->z0 - eye.z, level}, {ways->z1 - eye.z, level}};
+    FourMask nothing = cone->is_slot ? clip_by_slot(cone, ways, ahead, &slots)
+                                     : clip_by_planes(cone, ways, eye, ahead, &slots);
     nothing |= cut_slots(&slots, slots.top.at - slots.bottom.at, slots.bottom.rise - slots.top.rise);
     *out = slots;
     return four_lanes(~nothing);
@@ -202,9 +201,9 @@ static SlotEdge raised(SlotEdge edge, SlotEdge other, const Slots *over, int sid
     return (SlotEdge){edge.at + side * four_most(four_most(first, last), four_of(0)), edge.rise};
 }
 
-void query_slots_join(const GateBlock *gates, Vec3 eye, const Slots *a, const Slots *b, Slots *out) {
+void query_slots_join(const WayBlock *ways, Vec3 eye, const Slots *a, const Slots *b, Slots *out) {
     Four level = {0};
-    SlotEdge top = {gates->z1 - eye.z, level}, bottom = {gates->z0 - eye.z, level};
+    SlotEdge top = {ways->z1 - eye.z, level}, bottom = {ways->z0 - eye.z, level};
     Slots both = {four_least(a->s0, b->s0), four_most(a->s1, b->s1), bottom, top};
     lower_top(&both, raised(a->top, b->top, b, 1));
     lower_top(&both, raised(b->top, a->top, a, 1));
@@ -248,9 +247,9 @@ static double reach(double at, double rise, double s0, double s1) {
     return larger(fabs(at + rise * s0), fabs(at + rise * s1));
 }
 
-void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 eye, bool plan, Cone *out) {
-    Vec2 ahead = {-gates->nx[lane], -gates->ny[lane]}, along = {-ahead.y, ahead.x};
-    double distance = -ahead.x * eye.x - ahead.y * eye.y - gates->d[lane];
+void query_slot_cone(const Slots *slots, const WayBlock *ways, int lane, Vec3 eye, bool plan, Cone *out) {
+    Vec2 ahead = {-ways->nx[lane], -ways->ny[lane]}, along = {-ahead.y, ahead.x};
+    double distance = -ahead.x * eye.x - ahead.y * eye.y - ways->d[lane];
     double s0 = slots->s0[lane], s1 = slots->s1[lane];
     Vec2 from = vec2_add(vec2_scale(ahead, distance), vec2_scale(along, s0));
     Vec2 to = vec2_add(vec2_scale(ahead, distance), vec2_scale(along, s1));
@@ -275,15 +274,15 @@ void query_slot_cone(const Slots *slots, const GateBlock *gates, int lane, Vec3 
 }
 
 unsigned query_sight(const VisQuery *q, const Cone *cone, int block, unsigned lanes, Sight *out) {
-    const GateBlock *gates = &q->gates[block];
+    const WayBlock *ways = &q->ways[block];
     Vec3 eye = q->eye->position;
-    FourMask wall = gates->s0 <= gates->s1;
-    Four ahead = gates->nx * eye.x + gates->ny * eye.y - gates->d;
-    ahead += four_choose(wall, four_of(0), gates->z0 * eye.z);
+    FourMask wall = ways->s0 <= ways->s1;
+    Four ahead = ways->nx * eye.x + ways->ny * eye.y - ways->d;
+    ahead += four_choose(wall, four_of(0), ways->z0 * eye.z);
     lanes &= four_lanes(ahead >= -ON_PLANE);  // from behind one would come back through it
     out->others = lanes & four_lanes(~wall | (ahead < ON_PLANE));
     out->slots = lanes & ~out->others;
     out->ahead = ahead;
-    if (out->slots) out->slots &= query_slots_clip(cone, gates, eye, ahead, &out->slot);
+    if (out->slots) out->slots &= query_slots_clip(cone, ways, eye, ahead, &out->slot);
     return lanes;
 }

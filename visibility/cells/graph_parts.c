@@ -1,4 +1,4 @@
-// contacts.c - what all kinds of cell graphs share: the polygon of a cell, the ends of a portal, the portals of each cell.
+// ways.c - what all kinds of cell graphs share: the polygon of a cell, the ends of a portal, the portals of each cell.
 #include "visibility/cells/build.h"
 
 static const double UPRIGHT = 1e-9;  // a portal's normal may rise so much (sine) and still count as level
@@ -24,22 +24,21 @@ void portal_set_ends(Portal *portal, const Vec3 *v) {
     }
 }
 
-void list_contacts(CellBuilder *builder) {
+void list_ways(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
     for (int p = 0; p < graph->portal_count; p++) {
-        for (int side = 0; side < 2; side++) graph->cells[graph->portals[p].cell[side]].contact_count++;
+        for (int side = 0; side < 2; side++) graph->cells[graph->portals[p].cell[side]].way_count++;
     }
     for (int c = 0; c < graph->cell_count; c++) {
-        graph->cells[c].first_contact = graph->contact_count;
-        graph->contact_count += graph->cells[c].contact_count;
-        graph->cells[c].contact_count = 0;
+        graph->cells[c].first_way = graph->way_count;
+        graph->way_count += graph->cells[c].way_count;
+        graph->cells[c].way_count = 0;
     }
-    graph->contacts = ARENA_ARRAY(builder->arena, Contact, graph->contact_count);
+    graph->ways = ARENA_ARRAY(builder->arena, Way, graph->way_count);
     for (int p = 0; p < graph->portal_count; p++) {
         for (int side = 0; side < 2; side++) {
             Cell *cell = &graph->cells[graph->portals[p].cell[side]];
-            graph->contacts[cell->first_contact + cell->contact_count++] =
-                (Contact){p, graph->portals[p].cell[1 - side]};
+            graph->ways[cell->first_way + cell->way_count++] = (Way){p, graph->portals[p].cell[1 - side]};
         }
     }
 }

@@ -13,7 +13,7 @@ import collections, os, re, subprocess, sys
 MOST_FILES = 34      # of a folder: about 30
 MOST_NAMED = 3       # files in which a static function of one name stands
 LONGEST = 140        # characters of a line
-FIXTURES = ("tests/support", "tests/references", "tests/seeds", "tests/pictures", "tests/maps", "tests/visibility", "tests/radiosity")
+FIXTURES = ("tests/support", "tests/references", "tests/seeds", "tests/pictures")
 FUNCTION = re.compile(r"^static [^;=\n{]*?\b(\w+)\([^;{]*\)\s*\{", re.M)
 
 

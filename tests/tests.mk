@@ -1,7 +1,7 @@
 # tests.mk - tests, fuzzing, mutants, benchmarks, pictures, lint; part of the Makefile.
 
 programs_of_tests := tests/maps/make_hostile.c tests/maps/hostile_cost.c tests/core/fail_malloc.c
-tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% tests/portable/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c))) \
+tests := $(patsubst %.c,$(dir)/%.o,$(filter-out tests/fuzz/% tests/samples/% tests/portable/% $(programs_of_tests) $(only_asan),$(wildcard tests/*/*.c tests/*/*/*.c))) \
          $(patsubst %.cpp,$(dir)/%.o,$(wildcard tests/*/*.cpp))
 fuzzers := $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
 fuzz_help := $(patsubst %,$(dir)/tests/%.o,fuzz/target fuzz/store_target support/wad_builder support/home_fixture \

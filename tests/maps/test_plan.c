@@ -1,52 +1,27 @@
 // test_plan.c - the .plan reader, the bundled buildings and the generator.
 #include <criterion/criterion.h>
 
-#include "engine/core/random.h"
-#include "maps/maps.h"
+#include "tests/maps/plan_fixture.h"
 #include "tests/support/support.h"
-#include "visibility/vis.h"
 
-extern const MapsReader MAPS_READER_PLAN;
-
-// Two rooms 4 x 4 m, 0.2 m apart; what a case adds begins on line 7.
-static const char HEAD[] = "plan 1\nmaterial red #FF0000\nstorey s floor 1 height 3\n"
-                           "room a 0,0 4,0 4,4 0,4 wall 0.2\nroom b 4.2,0 8,0 8,4 4.2,4 wall 0.2\n"
-                           "model m\n  box -1,-1,0 1,1,1 red\nend\n";
 enum { HEAD_LINES = 8 };
-
-static bool read_bytes(Arena *arena, const void *data, size_t size, Building *b, Error *error) {
-    unsigned char *copy = arena_alloc(arena, size + 1, 1);
-    memcpy(copy, data, size);
-    memset(b, 0, sizeof *b);
-    return MAPS_READER_PLAN.read("t.plan", (Bytes){copy, size}, arena, b, error);
-}
-
-static bool read_text(Arena *arena, const char *text, Building *b, Error *error) {
-    return read_bytes(arena, text, strlen(text), b, error);
-}
-
-// HEAD and more lines, which must read.
-static void read_more(Arena *arena, const char *more, Building *b) {
-    Error error = {""};
-    cr_assert(read_text(arena, arena_format(arena, "%s%s", HEAD, more), b, &error), "%s: %s", more,
-              error.text);
-}
 
 // Each statement puts into the building what the file says, in metres above the storey's floor and in radians.
 Test(plan, statements) {
     Arena arena = {0};
     Building b;
-    read_more(&arena,
-              "door d 4.1,2 angle 90 width 1 height 2 hinge right swing -45 open 0.25 glazed material red\n"
-              "window w 2,-0.1 width 1.5 sill 1 height 1.2\n"
-              "stair up 1,2 width 1 depth 3 height 2 steps 10 material red\n"
-              "light l 1,1,2 flux 1 2 3 radius 0.2\n"
-              "inlay red ceiling 1,1 2,1 2,2 1,2\n"
-              "place m 6,2 angle 90 name table\n"
-              "view v 1,1,1.6 yaw 90 pitch -10 fov 60\n"
-              "tour t\n  eye 1,1,1.6 yaw 0\n  eye 2,1,1.6 yaw 0\nend\n"
-              "start 2,3 yaw 180\n",
-              &b);
+    plan_read_more(
+        &arena,
+        "door d 4.1,2 angle 90 width 1 height 2 hinge right swing -45 open 0.25 glazed material red\n"
+        "window w 2,-0.1 width 1.5 sill 1 height 1.2\n"
+        "stair up 1,2 width 1 depth 3 height 2 steps 10 material red\n"
+        "light l 1,1,2 flux 1 2 3 radius 0.2\n"
+        "inlay red ceiling 1,1 2,1 2,2 1,2\n"
+        "place m 6,2 angle 90 name table\n"
+        "view v 1,1,1.6 yaw 90 pitch -10 fov 60\n"
+        "tour t\n  eye 1,1,1.6 yaw 0\n  eye 2,1,1.6 yaw 0\nend\n"
+        "start 2,3 yaw 180\n",
+        &b);
     cr_assert_eq(b.opening_count, 2);
     const Opening *d = &b.openings[0];
     cr_expect(d->kind == OPENING_DOOR && d->glazed && d->open == 0.25 && d->leaf_count == 1,
@@ -92,10 +67,10 @@ Test(plan, shapes_are_closed) {
         for (int way = 0; way < 4; way++) {
             Arena arena = {0};
             Building b;
-            read_more(&arena,
-                      arena_format(&arena, "model x\n%s\nend\nplace x 2,2 angle %d%s\n", CASES[i].shape,
-                                   30 * way, way & 1 ? " mirror" : ""),
-                      &b);
+            plan_read_more(&arena,
+                           arena_format(&arena, "model x\n%s\nend\nplace x 2,2 angle %d%s\n", CASES[i].shape,
+                                        30 * way, way & 1 ? " mirror" : ""),
+                           &b);
             double volume = 0;
             int object = 0;
             while (strcmp(b.objects[object].name, "x") != 0) object++;
@@ -117,7 +92,7 @@ Test(plan, shapes_are_closed) {
 Test(plan, faces_left_out) {
     Arena arena = {0};
     Building b;
-    read_more(&arena, "model x\nbox 0,0,0 1,1,1 red without top back left\nend\nplace x 1,1\n", &b);
+    plan_read_more(&arena, "model x\nbox 0,0,0 1,1,1 red without top back left\nend\nplace x 1,1\n", &b);
     int polygons = 0;
     for (int i = 0; i < b.polygon_count; i++) {
         Plane p = plane_of_polygon(&b.vertices[b.polygons[i].first_vertex], b.polygons[i].vertex_count);
@@ -133,17 +108,17 @@ Test(plan, faces_left_out) {
 Test(plan, openings_are_fitted) {
     Arena arena = {0};
     Building b;
-    read_more(&arena,
-              "door near 4.02,1 angle 90 width 0.8 height 2\nwindow out 2,4.15 width 1 sill 1 height 1\n",
-              &b);
+    plan_read_more(
+        &arena, "door near 4.02,1 angle 90 width 0.8 height 2\nwindow out 2,4.15 width 1 sill 1 height 1\n",
+        &b);
     cr_expect_float_eq(b.openings[0].line[0].x, 4.1, 1e-9);
     cr_expect(b.openings[0].region[0] >= 0 && b.openings[0].region[1] >= 0);
     cr_expect(b.openings[1].region[0] >= 0 && b.openings[1].region[1] >= 0);
     Error error = {""};
-    bool read = read_text(&arena,
-                          "plan 1\nstorey s floor 0 height 3\nroom a 0,0 5,0 7,3 0,3\n"
-                          "wall 0,0 5,0 7,3 0,3 0,0 thickness 0.3\ndoor d 2,0.1 width 1 height 2\n",
-                          &b, &error);
+    bool read = plan_read_text(&arena,
+                               "plan 1\nstorey s floor 0 height 3\nroom a 0,0 5,0 7,3 0,3\n"
+                               "wall 0,0 5,0 7,3 0,3 0,0 thickness 0.3\ndoor d 2,0.1 width 1 height 2\n",
+                               &b, &error);
     cr_assert(read, "%s", error.text);
     cr_expect_eq(b.note_count, 0, "%s", b.note_count ? b.notes[0].text : "");
     cr_expect(b.opening_count == 1 && b.openings[0].region[0] >= 0 && b.openings[0].region[1] >= 0);
@@ -159,7 +134,7 @@ Test(plan, text_forms) {
     const char *text =
         "\xEF\xBB\xBF# a house\r\nplan 1 # version\r\nmaterial c #A0B0C0   # a colour\r\n\r\n"
         "storey \"ground floor\" floor 0 height 2.5\r\nroom \"living room\" 0,0 3,0 3,3 0,3 wall .1 floor c";
-    cr_assert(read_text(&arena, text, &b, &error), "%s", error.text);
+    cr_assert(plan_read_text(&arena, text, &b, &error), "%s", error.text);
     cr_expect_str_eq(b.storeys[0].name, "ground floor");
     cr_expect(MAPS_READER_PLAN.recognise((Bytes){(unsigned char *)arena_string(&arena, text), strlen(text)}));
     cr_expect_not(MAPS_READER_PLAN.recognise(
@@ -256,7 +231,7 @@ static void expect_refused(const char *text, size_t size, int line, const char *
     Arena arena = {0};
     Building b;
     Error error = {""};
-    bool read = read_bytes(&arena, text, size, &b, &error);
+    bool read = plan_read_bytes(&arena, text, size, &b, &error);
     cr_expect_not(read, "was read: %s", text);
     const char *place = arena_format(&arena, "t.plan:%d: ", line);
     cr_expect(strncmp(error.text, place, strlen(place)) == 0, "'%s' should begin with '%s'", error.text,
@@ -281,162 +256,5 @@ Test(plan, faults_are_named) {
     for (int i = 0; i < (int)(sizeof WHOLE / sizeof WHOLE[0]); i++)
         expect_refused(WHOLE[i].text, strlen(WHOLE[i].text), WHOLE[i].line, WHOLE[i].fragment);
     expect_refused("plan 1\nsto\0rey", 14, 2, "a zero byte at column 4");
-    arena_free(&arena);
-}
-
-// Where no door or window leads out there is no outdoors; where one does there is.
-Test(plan, outdoors_only_where_it_is_seen) {
-    static const struct {
-        const char *opening;
-        bool outdoors;
-    } cases[] = {{"door d 4.1,2 angle 90 width 1 height 2\n", false},
-                 {"window w 2,-0.1 width 1 sill 1 height 1\n", true}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        Arena arena = {0};
-        Building b;
-        bool outdoors = false;
-        read_more(&arena, cases[k].opening, &b);
-        for (int i = 0; i < b.region_count; i++) outdoors = outdoors || b.regions[i].kind == REGION_OUTDOORS;
-        cr_expect_eq(outdoors, cases[k].outdoors, "%s", cases[k].opening);
-        const char *fault = "";
-        cr_expect_eq(building_check(&b, &arena, &fault, 1), 0, "%s", fault);
-        arena_free(&arena);
-    }
-}
-
-static const char *const SAMPLES[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
-                                      "build/maps/house.sh3d", "build/maps/office.plan",
-                                      "build/maps/office-plain.plan"};
-enum { SAMPLE_COUNT = sizeof SAMPLES / sizeof SAMPLES[0] };
-
-// Every bundled building reads without a note, passes the check, and each of its openings joins two regions.
-Test(plan, samples_are_sound) {
-    for (int i = 0; i < SAMPLE_COUNT; i++) {
-        Arena arena = {0};
-        Building b;
-        Error error = {""};
-        cr_assert(maps_read(SAMPLES[i], &arena, &b, &error), "%s", error.text);
-        cr_expect_eq(b.note_count, 0, "%s: %s", SAMPLES[i], b.note_count ? b.notes[0].text : "");
-        for (int k = 0; k < b.opening_count; k++)
-            cr_expect(b.openings[k].region[0] >= 0 && b.openings[k].region[1] >= 0, "%s: %s leads nowhere",
-                      SAMPLES[i], b.openings[k].name);
-        arena_free(&arena);
-    }
-}
-
-static void build_cells(Arena *arena, const char *path, Building *b, CellGraph *graph) {
-    Error error = {""};
-    VisOptions options = vis_default_options();
-    cr_assert(maps_read(path, arena, b, &error), "%s", error.text);
-    cr_assert(vis_build_cells(b, &options, arena, graph, &error), "%s", error.text);
-}
-
-// The figures of the reference office: 66 floors, 264 pieces of ceiling, 66 lamps, 34 + 230 * 3 walls, 460 jambs,
-// 66 * 89 pieces of furniture.
-Test(plan, office_plain_has_7454_polygons) {
-    Arena arena = {0};
-    Building b;
-    CellGraph graph;
-    build_cells(&arena, "build/maps/office-plain.plan", &b, &graph);
-    cr_expect_eq(b.polygon_count, 66 * 89);
-    cr_expect_eq(graph.polygon_count, 7454);
-    cr_expect_eq(b.opening_count, 115);
-    arena_free(&arena);
-}
-
-// The office has the size of the one in the paper (16,719 polygons), whatever the seed, and is another for another.
-Test(plan, office_has_its_size) {
-    Arena arena = {0};
-    char *folder = support_folder(&arena), *first = NULL;
-    for (int seed = 1; seed <= support_count(4, 40); seed++) {
-        char *path = arena_format(&arena, "%s/office.plan", folder), *output;
-        int status = support_run(&arena, &output, "build/generate office %d > %s", seed, path);
-        cr_assert_eq(status, 0, "%s", output);
-        char *text = (char *)support_read(&arena, path).data;
-        if (seed == 1) cr_expect_str_eq(text, (char *)support_read(&arena, "build/maps/office.plan").data);
-        cr_expect(!first || strcmp(first, text) != 0, "seed %d is like seed 1", seed);
-        first = first ? first : text;
-        Building b;
-        CellGraph graph;
-        build_cells(&arena, path, &b, &graph);
-        int rooms = 0;
-        for (int i = 0; i < b.region_count; i++) rooms += b.regions[i].kind == REGION_ROOM;
-        cr_expect(rooms >= 66, "seed %d: %d rooms", seed, rooms);
-        cr_expect(graph.polygon_count >= 16000 && graph.polygon_count <= 17500, "seed %d: %d polygons", seed,
-                  graph.polygon_count);
-        cr_expect_eq(b.note_count, 0, "seed %d: %s", seed, b.note_count ? b.notes[0].text : "");
-    }
-    cr_expect_eq(support_run(&arena, NULL, "build/generate office"), 2);
-    cr_expect_eq(support_run(&arena, NULL, "build/generate palace 1"), 2);
-    cr_expect_eq(support_run(&arena, NULL, "build/generate office 1x"), 2);
-    arena_free(&arena);
-}
-
-// The house is the same home in both formats: as many rooms and doors, the same floor area.
-Test(plan, house_in_both_formats) {
-    Arena arena = {0};
-    Building plan, home;
-    Error error = {""};
-    cr_assert(maps_read("build/maps/house.plan", &arena, &plan, &error), "%s", error.text);
-    cr_assert(maps_read("build/maps/house.sh3d", &arena, &home, &error), "%s", error.text);
-    int rooms[2] = {0}, doors[2] = {0};
-    for (int way = 0; way < 2; way++) {
-        const Building *b = way ? &home : &plan;
-        for (int i = 0; i < b->region_count; i++) rooms[way] += b->regions[i].kind == REGION_ROOM;
-        for (int i = 0; i < b->opening_count; i++) doors[way] += b->openings[i].kind == OPENING_DOOR;
-    }
-    cr_expect_eq(rooms[0], rooms[1]);
-    cr_expect(doors[0] == doors[1] && doors[0] >= 6, "%d and %d doors", doors[0], doors[1]);
-    cr_expect_float_eq(plan.drawn_area, home.drawn_area, 0.01);
-    arena_free(&arena);
-}
-
-// Every truncation of a sample (every line end and many places between) is read or refused with a sentence.
-Test(plan, truncated) {
-    Arena arena = {0};
-    Bytes sample = support_read(&arena, "maps/buildings/two-rooms.plan");
-    Arena scratch = {0};
-    for (size_t size = 0; size < sample.size; size += sample.data[size] == '\n' ? 1 : 7) {
-        Building b;
-        Error error = {""};
-        if (!read_bytes(&scratch, sample.data, size, &b, &error))
-            cr_expect(strncmp(error.text, "t.plan:", 7) == 0, "%zu bytes: '%s'", size, error.text);
-        arena_reset(&scratch);
-    }
-    arena_free(&scratch);
-    arena_free(&arena);
-}
-
-// Flipped bits and swapped words: read or refused with a sentence, and what is read passes the check.
-Test(plan, damaged, .timeout = 300) {
-    Arena arena = {0}, scratch = {0};
-    Bytes sample = support_read(&arena, "maps/buildings/two-rooms.plan");
-    static const char *const WORDS[] = {"1e8",         "-1e8",   "nan", "1e-30", "-0",
-                                        "99999999999", "0.0005", "\"",  ",",     "#"};
-    unsigned char *copy = arena_alloc(&arena, sample.size + 32, 1);
-    for (int seed = 1; seed <= support_count(1500, 60000); seed++) {
-        Random random = {(uint64_t)seed};
-        size_t size = sample.size;
-        memcpy(copy, sample.data, size);
-        for (int k = random_index(&random, 4); k >= 0; k--) {
-            int at = random_index(&random, (int)size);
-            if (seed % 2) {
-                copy[at] ^= (unsigned char)(1 << random_index(&random, 8));
-                continue;
-            }
-            const char *word = WORDS[random_index(&random, (int)(sizeof WORDS / sizeof WORDS[0]))];
-            size_t length = strlen(word);
-            if ((size_t)at + length < size) memcpy(copy + at, word, length);
-        }
-        Building b;
-        Error error = {""};
-        const char *fault = "";
-        if (read_bytes(&scratch, copy, size, &b, &error))
-            cr_expect_eq(building_check(&b, &scratch, &fault, 1), 0, "seed %d: %s", seed, fault);
-        else
-            cr_expect(strncmp(error.text, "t.plan", 6) == 0, "seed %d: '%s'", seed, error.text);
-        arena_reset(&scratch);
-    }
-    arena_free(&scratch);
     arena_free(&arena);
 }

@@ -1,10 +1,11 @@
-// runner.c - runs the tests that stand-in criterion.h listed, each in a fork: runner [SUITE/NAME pattern ...]. Ends with
-// `N passed, N failed, N skipped`.
+// runner.c - runs the tests that stand-in criterion.h listed, each in a fork, as many at a time as there are cores: runner
+// [SUITE/NAME pattern ...]. A line a test; the last one is `N passed, N failed, N skipped`.
 #include <criterion/criterion.h>
 #include <fnmatch.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { USUAL_SECONDS = 60, SLOWER = 40, SKIPPED = 77 };
@@ -49,30 +50,55 @@ static bool is_asked(const PortableTest *test, int count, char **patterns) {
     return count == 0;
 }
 
-// The exit status of the test: 0 good, SKIPPED, else bad.
-static int run_test(const PortableTest *test) {
+typedef struct Run {
+    const PortableTest *test;
+    pid_t child;
+    time_t began;
+} Run;
+
+static Run begin(const PortableTest *test) {
     fflush(stdout);
-    pid_t child = fork();
-    if (child == 0) {
+    Run run = {test, fork(), time(NULL)};
+    if (run.child == 0) {
         alarm((unsigned)(SLOWER * (test->timeout > 0 ? test->timeout : USUAL_SECONDS)));
         test->run();
         fflush(stdout);
         exit(failures > 0);
     }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return run;
+}
+
+// Waits for one of the runs, and takes it from the list. Returns the exit status of its test: 0 good, SKIPPED, else bad.
+static int await_one(Run *runs, int *count) {
+    int status = 0, at = 0;
+    pid_t child = wait(&status);
+    while (runs[at].child != child) at++;
+    Run run = runs[at];
+    runs[at] = runs[--*count];
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    printf("%s %s/%s %ld s\n",
+           code == 0         ? "passed"
+           : code == SKIPPED ? "skipped"
+                             : "FAILED",
+           run.test->suite, run.test->name, (long)(time(NULL) - run.began));
+    return code;
 }
 
 int main(int argc, char **argv) {
-    int passed = 0, failed = 0, skipped = 0;
-    for (const PortableTest *t = first; t; t = t->next) {
-        if (!is_asked(t, argc - 1, argv + 1)) continue;
-        int status = run_test(t);
+    enum { MOST = 64 };
+    Run runs[MOST];
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    int passed = 0, failed = 0, skipped = 0, running = 0;
+    for (const PortableTest *t = first; t || running > 0;) {
+        if (t && running < cores && running < MOST) {
+            if (is_asked(t, argc - 1, argv + 1)) runs[running++] = begin(t);
+            t = t->next;
+            continue;
+        }
+        int status = await_one(runs, &running);
         passed += status == 0;
         skipped += status == SKIPPED;
         failed += status != 0 && status != SKIPPED;
-        if (status != 0 && status != SKIPPED) printf("FAILED %s/%s (status %d)\n", t->suite, t->name, status);
     }
     printf("%d passed, %d failed, %d skipped\n", passed, failed, skipped);
     return failed > 0;

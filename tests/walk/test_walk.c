@@ -1,35 +1,11 @@
 // test_walk.c - nothing visible is lost: tours and random views of real buildings, drawn culled and unculled, and held
 // against ray casting and Embree; tours that reach every cell; pictures and videos that arrive whole.
 #include <criterion/criterion.h>
-#include <stdlib.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "engine/draw/image.h"
 #include "engine/sim/tour.h"
 #include "engine/walk/verify.h"
-#include "engine/walk/video.h"
-#include "engine/walk/walk_offscreen.h"
-#include "maps/maps.h"
 #include "tests/support/support.h"
-
-typedef struct Walked {
-    Arena arena;
-    Building building;
-    CellGraph graph;
-    StabForest forest;
-    float *doors;
-} Walked;
-
-static void open_building(Walked *w, const char *path) {
-    Error error;
-    VisOptions options = vis_default_options();
-    *w = (Walked){0};
-    cr_assert(maps_read(path, &w->arena, &w->building, &error), "%s", error.text);
-    cr_assert(vis_build_cells(&w->building, &options, &w->arena, &w->graph, &error), "%s", error.text);
-    cr_assert(vis_build_forest(&w->graph, &options, NULL, &w->arena, &w->forest));
-    w->doors = ARENA_ARRAY(&w->arena, float, w->building.opening_count + 1);
-}
+#include "tests/walk/walk_fixture.h"
 
 static void expect_whole(const VerifyFrame *frame, const char *what, int index, const Camera *c) {
     cr_assert(frame->missing_polygons == 0 && frame->mismatched_pixels == 0,
@@ -68,7 +44,7 @@ static void verify_building(const char *path) {
     Error error;
     TourPath tour;
     TourOptions options = tour_default_options();
-    open_building(&w, path);
+    walk_check_open_building(&w, path);
     WalkVerify *verify = walk_verify_new(&w.graph, &w.forest, &w.arena, &error);
     cr_assert(verify, "%s", error.text);
     cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &tour, &error), "%s", error.text);
@@ -103,16 +79,23 @@ static void verify_building(const char *path) {
 }
 
 Test(verify, two_rooms, .timeout = 900) { verify_building("build/maps/two-rooms.plan"); }
+
 Test(verify, house, .timeout = 900) { verify_building("build/maps/house.plan"); }
+
 Test(verify, house_sh3d, .timeout = 900) { verify_building("build/maps/house.sh3d"); }
+
 Test(verify, office, .timeout = 900) { verify_building("build/maps/office.plan"); }
+
 Test(verify, office_plain, .timeout = 900) { verify_building("build/maps/office-plain.plan"); }
+
 Test(verify, home_with_basement, .timeout = 900) {
     verify_building(support_either("sh3d/2BedroomHouseWithBasement.Home.xml", "build/maps/hillside.sh3d"));
 }
+
 Test(verify, apartment, .timeout = 900) {
     verify_building(support_either("sh3d/3BedroomApartment.Home.xml", "build/maps/flat.Home.xml"));
 }
+
 Test(verify, four_bedrooms, .timeout = 900) {
     verify_building(support_either("sh3d/4-BedroomHouse.sh3d", "build/maps/villa.sh3d"));
 }
@@ -121,7 +104,7 @@ Test(verify, four_bedrooms, .timeout = 900) {
 Test(verify, notices_what_is_lost) {
     Walked w;
     Error error;
-    open_building(&w, "build/maps/two-rooms.plan");
+    walk_check_open_building(&w, "build/maps/two-rooms.plan");
     WalkVerify *verify = walk_verify_new(&w.graph, &w.forest, &w.arena, &error);
     cr_assert(verify, "%s", error.text);
     Camera camera = camera_look(w.building.start, w.building.start_yaw, 0, 1.2, 320, 180);
@@ -141,201 +124,5 @@ Test(verify, notices_what_is_lost) {
     cr_assert_gt(frame.missing_polygons, 0);
     cr_assert_gt(frame.mismatched_pixels, 0);
     walk_verify_free(verify);
-    arena_free(&w.arena);
-}
-
-// Proves that the auto tour keeps its steps, stays in free space and visits the rooms, and is the same every time.
-Test(tour, visits_every_room) {
-    static const char *const paths[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
-                                        "build/maps/office.plan"};
-    for (int k = 0; k < 3; k++) {
-        Walked w;
-        Error error;
-        TourPath tour, again;
-        TourOptions options = tour_default_options();
-        open_building(&w, paths[k]);
-        cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &tour, &error), "%s", error.text);
-        cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &again, &error), "%s", error.text);
-        cr_assert_eq(tour.frame_count, again.frame_count);
-        cr_assert_eq(memcmp(tour.frames, again.frames, (size_t)tour.frame_count * sizeof *tour.frames), 0);
-        for (int i = 0; i < tour.frame_count; i++) {
-            cr_assert_geq(vis_locate(&w.graph, tour.frames[i].eye, -1), 0, "%s: frame %d is outside",
-                          paths[k], i);
-            if (i == 0) continue;
-            double step = vec3_length(vec3_sub(tour.frames[i].eye, tour.frames[i - 1].eye));
-            cr_assert_leq(step, options.step + 1e-9, "%s: frame %d goes %.3f m", paths[k], i, step);
-        }
-        cr_assert(tour.reachable_count > 5 && tour.visited_count == tour.reachable_count,
-                  "%s: %d of %d cells are visited", paths[k], tour.visited_count, tour.reachable_count);
-        cr_assert_not(tour_make(&w.graph, "no such tour", &options, &w.arena, &again, &error));
-        arena_free(&w.arena);
-    }
-}
-
-// Proves that stored tours pass through each of their viewpoints, no faster than `auto`; that a viewpoint is a tour of
-// one frame; and that any other name is refused with those there are.
-Test(tour, stored_ones) {
-    Walked w;
-    Error error = {""};
-    TourOptions options = tour_default_options();
-    TourPath path;
-    open_building(&w, "build/maps/two-rooms.plan");
-    const Building *b = &w.building;
-    cr_assert(b->tour_count > 0 && b->viewpoint_count > 0, "the sample has a tour and a viewpoint");
-    cr_assert(tour_make(&w.graph, b->tours[0].name, &options, &w.arena, &path, &error), "%s", error.text);
-    for (int i = 0; i < b->tours[0].viewpoint_count; i++) {
-        const Viewpoint *v = &b->tour_points[b->tours[0].first_viewpoint + i];
-        double nearest = INFINITY;
-        for (int k = 0; k < path.frame_count; k++) {
-            nearest = fmin(nearest, vec3_length(vec3_sub(path.frames[k].eye, v->eye)));
-        }
-        cr_assert(nearest < 1e-9, "viewpoint %d is missed by %g m", i, nearest);
-    }
-    for (int k = 1; k < path.frame_count; k++) {
-        const TourFrame *f = &path.frames[k - 1];
-        cr_assert(vec3_length(vec3_sub(f[1].eye, f[0].eye)) <= options.step + 1e-9);
-        cr_assert(fabs(remainder(f[1].yaw - f[0].yaw, 2 * M_PI)) <= options.turn + 1e-9);
-    }
-    cr_assert(tour_make(&w.graph, b->viewpoints[0].name, &options, &w.arena, &path, &error), "%s",
-              error.text);
-    cr_assert(path.frame_count == 1 && vec3_equal(path.frames[0].eye, b->viewpoints[0].eye));
-    cr_assert_not(tour_make(&w.graph, "no such tour", &options, &w.arena, &path, &error));
-    cr_assert(strstr(error.text, "`no such tour`") && strstr(error.text, b->tours[0].name), "%s", error.text);
-    arena_free(&w.arena);
-}
-
-// Proves that a PNG comes back as it went, and that a place that cannot be written is named.
-Test(walk, png) {
-    enum { WIDTH = 37, HEIGHT = 21 };
-    Arena arena = {0};
-    Error error = {""};
-    char *path = arena_format(&arena, "%s/image.png", support_folder(&arena));
-    uint8_t rgb[WIDTH * HEIGHT * 3], *back = NULL;
-    Random random = {5};
-    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = (uint8_t)random_index(&random, 256);
-    int width, height;
-    cr_assert(image_write_png(path, rgb, WIDTH, HEIGHT, &error), "%s", error.text);
-    cr_assert(image_read_png(path, &arena, &back, &width, &height, &error), "%s", error.text);
-    cr_assert(width == WIDTH && height == HEIGHT && memcmp(rgb, back, sizeof rgb) == 0);
-    cr_assert_not(image_write_png("/nowhere/at/all.png", rgb, WIDTH, HEIGHT, &error));
-    cr_assert(strstr(error.text, "/nowhere/at/all.png"), "%s", error.text);
-    arena_free(&arena);
-}
-
-// Proves that a video of odd size is made, through no link that lies in wait beside it; and that without ffmpeg, or when it fails,
-// one sentence says so, an earlier file stays as it was, and nothing is left beside it.
-Test(walk, video, .timeout = 60) {
-    enum { WIDTH = 65, HEIGHT = 33 };
-    static uint8_t rgb[WIDTH * HEIGHT * 3];
-    // Says much before the last line, which tells why; takes no frame.
-    static const char fake[] = "#!/bin/sh\nfor i in 1 2 3 4 5 6 7 8 9; do\n  echo $i, of which nobody asked: "
-                               "a line that is as long as those of ffmpeg are now and then >&2\ndone\n"
-                               "echo no such codec >&2\nexit 3\n";
-    Arena arena = {0};
-    Error error = {""};
-    if (support_run(&arena, NULL, "command -v ffmpeg >/dev/null") != 0) cr_skip_test("ffmpeg is not here");
-    const char *folder = support_folder(&arena), *usual = arena_string(&arena, getenv("PATH"));
-    char *path = arena_format(&arena, "%s/film.mp4", folder),
-         *others = arena_format(&arena, "%s/others", folder);
-    // Where a link may lie in wait.
-    const char *traps[] = {arena_format(&arena, "%s.enfilade-0", path),
-                           arena_format(&arena, "%s.%d.part", path, (int)getpid())};
-    cr_assert(file_write(others, "mine", 4, &error), "%s", error.text);
-    for (int i = 0; i < 2; i++) cr_assert_eq(symlink(others, traps[i]), 0);
-    Video *video = video_begin(path, WIDTH, HEIGHT, 10, &arena, &error);
-    cr_assert(video, "%s", error.text);
-    for (int i = 0; i < 5; i++) {
-        memset(rgb, 50 * i, sizeof rgb);
-        cr_assert(video_add(video, rgb, &error), "%s", error.text);
-    }
-    cr_assert(video_end(video, &error), "%s", error.text);
-    Bytes film = support_read(&arena, path);
-    cr_assert(film.size > 8 && memcmp(film.data + 4, "ftyp", 4) == 0, "not an MP4");
-    cr_expect_eq(support_read(&arena, others).size, 4, "a planted link was written through");
-    cr_assert(unlink(traps[0]) == 0 && unlink(traps[1]) == 0 && unlink(others) == 0);
-
-    setenv("PATH", folder, 1);
-    cr_assert_null(video_begin(path, WIDTH, HEIGHT, 10, &arena, &error));
-    cr_assert(strstr(error.text, "ffmpeg cannot be started"), "%s", error.text);
-    char *program = arena_format(&arena, "%s/ffmpeg", folder);
-    cr_assert(file_write(program, fake, sizeof fake - 1, &error), "%s", error.text);
-    chmod(program, 0755);
-    video = video_begin(path, WIDTH, HEIGHT, 10, &arena, &error);
-    cr_assert(video, "%s", error.text);
-    bool good = true;
-    for (int i = 0; i < 100 && good; i++) good = video_add(video, rgb, &error);
-    cr_assert(!good && strstr(error.text, "no such codec"), "%s", error.text);
-    cr_assert_not(video_end(video, &error));
-    cr_assert(strstr(error.text, "no such codec"), "%s", error.text);
-    setenv("PATH", usual, 1);
-    Bytes still = support_read(&arena, path);
-    cr_assert(still.size == film.size && memcmp(still.data, film.data, film.size) == 0, "the film is gone");
-    cr_assert_eq(support_run(&arena, NULL, "test \"$(ls %s | wc -l)\" = 2", folder), 0, "something is left");
-    arena_free(&arena);
-}
-
-// Proves that a tour off-screen leaves each second frame as a picture of the size asked for with something in it, and
-// a line of statistics a frame; and that one that fails leaves earlier statistics alone.
-Test(walk, offscreen, .timeout = 120) {
-    Walked w;
-    Error error = {""};
-    open_building(&w, "build/maps/two-rooms.plan");
-    const char *folder = support_folder(&w.arena);
-    WalkOptions options = walk_default_options();
-    options.folder = arena_format(&w.arena, "%s/frames", folder);
-    options.stats = arena_format(&w.arena, "%s/stats.csv", folder);
-    options.tour = w.building.tours[0].name;
-    options.width = 160;
-    options.height = 90;
-    options.every = 2;
-    WalkTotals totals;
-    cr_assert(walk_offscreen(&w.graph, &w.forest, &options, NULL, &w.arena, &totals, &error), "%s",
-              error.text);
-    cr_assert(totals.frames > 2 && totals.images == (totals.frames + 1) / 2);
-    cr_assert(totals.polygons_drawn_mean > 0 && totals.polygons_drawn_mean <= totals.polygons_total);
-    uint8_t *rgb = NULL;
-    int width, height, differing = 0, lines = 0;
-    char *path = arena_format(&w.arena, "%s/frame-%05d.png", options.folder, totals.images - 1);
-    cr_assert(image_read_png(path, &w.arena, &rgb, &width, &height, &error), "%s", error.text);
-    cr_assert(width == 160 && height == 90);
-    for (int i = 3; i < width * height * 3; i++) differing += rgb[i] != rgb[i - 3];
-    cr_assert(differing > 1000, "the picture is blank");
-    Bytes stats = support_read(&w.arena, options.stats);
-    for (size_t i = 0; i < stats.size; i++) lines += stats.data[i] == '\n';
-    cr_assert_eq(lines, totals.frames + 1);
-    options.tour = "no such tour";
-    cr_assert_not(walk_offscreen(&w.graph, &w.forest, &options, NULL, &w.arena, &totals, &error));
-    cr_assert_eq(support_read(&w.arena, options.stats).size, stats.size);
-    arena_free(&w.arena);
-}
-
-// Proves that culling changes no pixel of the picture that is looked at: shaded, antialiased, with glass.
-Test(walk, pictures_are_the_same_culled, .timeout = 120) {
-    Walked w;
-    Error error = {""};
-    WalkTotals totals;
-    const char *folder[2];
-    open_building(&w, "build/maps/house.plan");
-    for (int k = 0; k < 2; k++) {
-        WalkOptions options = walk_default_options();
-        options.folder = folder[k] = support_folder(&w.arena);
-        options.width = 96;
-        options.height = 54;
-        options.every = 25;
-        options.culling = k ? CULL_NONE : CULL_STAB;
-        cr_assert(walk_offscreen(&w.graph, &w.forest, &options, NULL, &w.arena, &totals, &error), "%s",
-                  error.text);
-    }
-    cr_assert_gt(totals.images, 10);
-    for (int i = 0; i < totals.images; i++) {
-        uint8_t *image[2];
-        int width = 0, height = 0;
-        for (int k = 0; k < 2; k++) {
-            char *path = arena_format(&w.arena, "%s/frame-%05d.png", folder[k], i);
-            cr_assert(image_read_png(path, &w.arena, &image[k], &width, &height, &error), "%s", error.text);
-        }
-        cr_assert_eq(memcmp(image[0], image[1], (size_t)width * (size_t)height * 3), 0, "picture %d differs",
-                     i);
-    }
     arena_free(&w.arena);
 }

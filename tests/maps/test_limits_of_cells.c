@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <png.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "engine/core/polygon.h"
 #include "maps/building/texture.h"

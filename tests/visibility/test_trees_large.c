@@ -1,5 +1,6 @@
 // test_trees_large.c - sets of cells in blocks, and trees of very many cells.
 #include <criterion/criterion.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include "engine/core/memory.h"

@@ -1,4 +1,4 @@
-// building_check.c - every fault of a building, named with its place; those of regions are found in building_check_regions.c.
+// building_check.c - every fault of a building, named with its place.
 #include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ typedef struct Check {
     const char **faults;
     int max, count;
     Vec2 *mm;                 // [point_count] plan points in millimetres, whole ones on the grid
-    BoxHits mine, near, row;  // edges found last, in building_check_regions.c
+    BoxHits mine, near, row;  // edges found last, of regions
 } Check;
 
 // Adds a fault; the sentence is formatted as by printf.
@@ -369,7 +369,6 @@ static void check_pairs(Check *c, const Outline *outlines) {
     }
 }
 
-// building_check_regions.c
 static void check_regions(Check *c) {
     const Building *b = c->b;
     c->mm = ARENA_ARRAY(c->arena, Vec2, b->point_count);

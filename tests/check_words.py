@@ -6,7 +6,8 @@
   - at most MOST_HEADLESS comments of .c and .h files begin with one of HEADLESS: they lack a subject;
   - at most MOST_LONG_LINES lines of .c and .h files have more than LONGEST_LINE columns;
   - every function in a header that the library installs, but MOST_UNDOCUMENTED, has a comment above it (engine/library/headers.py says
-    which headers).
+    which headers);
+  - comments and .md files name only source files that are there, but for those of ELSEWHERE.
 
 Prints each fault with its place, and exits with 1 if there is any. `--all` lists those that are still allowed, too.
 """
@@ -16,6 +17,8 @@ MOST_WORDS = 1200
 LONGEST_SENTENCE = 35
 HEADLESS = ("What", "Of")
 LONGEST_LINE = 140
+NAMED = re.compile(r"(?<![\w/.*-])((?:[\w-]+/)*[a-z_0-9]+\.(?:c|h|md))\b")
+ELSEWHERE = {"stdio.h", "example.c", "enfilade/enfilade.h"}
 # Faults that the tree still has. These may only fall, and end at 0.
 MOST_HEADLESS = 0
 MOST_LONG_LINES = 0
@@ -98,6 +101,15 @@ def long_lines(files):
                 yield f"{path}:{number}: has {len(line) - 1} columns (at most {LONGEST_LINE})"
 
 
+def gone(path, names):
+    """Source files that a comment, or the text of a .md file, names and that are not there."""
+    for number, line in enumerate(open(path, errors="replace"), 1):
+        words = line if path.endswith(".md") else line[line.find("//"):] if "//" in line else ""
+        for name in NAMED.findall(words):
+            if (name if "/" in name else os.path.basename(name)) not in names:
+                yield f"{path}:{number}: names {name}, which is not there"
+
+
 def installed_headers():
     """The project's headers that engine/library/headers.py installs, by the same question to the compiler."""
     text = subprocess.run(["gcc", "-MM", "-I.", "-x", "c", "engine/library/enfilade_light.h"], capture_output=True, text=True, check=True).stdout
@@ -138,6 +150,9 @@ def main():
         if path == "README.md":
             faults += too_many_words(path, text)
     sources = listed(".c", ".h")
+    names = {part for path in listed("") for part in (path, os.path.basename(path))} | ELSEWHERE
+    names |= {"/".join(path.split("/")[at:]) for path in listed(".c", ".h", ".md") for at in range(1, path.count("/") + 1)}
+    faults += [fault for path in listed(".c", ".h", ".md") for fault in gone(path, names)]
     bare = [fault for path in installed_headers() for fault in undocumented(path)]
     counted = (list(headless(sources)), MOST_HEADLESS, f"comments begin with {' or '.join(HEADLESS)}"), \
               (list(long_lines(sources)), MOST_LONG_LINES, "lines are too long"), \

@@ -3,8 +3,7 @@
 
   - folders hold about 30 files at most (fixtures, seeds and pictures aside);
   - no circle of files that use each other, by the symbols that the objects in BUILD (build/release) define and want;
-  - no static function has a name that occurs in more than three files;
-  - lines of C are no longer than 140 characters.
+  - no static function has a name that occurs in more than three files.
 
 The order of folders is tests/core/test_layers.c's. Prints each fault with its place; `--all` prints what holds, too.
 """
@@ -12,7 +11,6 @@ import collections, os, re, subprocess, sys
 
 MOST_FILES = 34      # of a folder: about 30
 MOST_NAMED = 3       # files in which a static function of one name stands
-LONGEST = 140        # characters of a line
 FIXTURES = ("tests/support", "tests/references", "tests/seeds", "tests/pictures")
 FUNCTION = re.compile(r"^static [^;=\n{]*?\b(\w+)\([^;{]*\)\s*\{", re.M)
 
@@ -91,18 +89,10 @@ def repeated(files):
             yield f"{name}: stands in {len(paths)} files ({', '.join(sorted(paths))})"
 
 
-def long_lines(files):
-    for path in files:
-        if path.endswith((".c", ".h", ".cpp")):
-            for number, line in enumerate(open(path, errors="replace"), 1):
-                if len(line.rstrip("\n")) > LONGEST:
-                    yield f"{path}:{number}: has {len(line) - 1} characters (allowed: {LONGEST})"
-
-
 def main():
     build = next((a for a in sys.argv[1:] if not a.startswith("-")), "build/release")
     files = listed()
-    faults = list(crowded(files)) + list(repeated(files)) + list(long_lines(files))
+    faults = list(crowded(files)) + list(repeated(files))
     if os.path.isdir(build):
         faults += ["a circle of files: " + ", ".join(part) for part in circles(uses(build))]
     print("\n".join(faults))

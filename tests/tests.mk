@@ -81,7 +81,7 @@ charts:
 lint:
 	$(call install,$(to_lint))
 	@python3 tests/check_words.py
-	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*.cpp)
+	@echo clang-format && clang-format --dry-run -Werror $(wildcard $(layers:%=%/*.[ch]) maps/buildings/*.c tests/*/*.[ch] tests/*/*/*.[ch] tests/*/*.cpp)
 	cppcheck --quiet --error-exitcode=1 --std=c11 --enable=warning,performance,portability --inline-suppr \
 	    --suppress=missingIncludeSystem -I. -D__GNUC__ -j$(shell nproc) $(layers) maps/buildings
 	$(submake) program

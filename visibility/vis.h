@@ -40,11 +40,11 @@ typedef struct Way {
 } Way;
 
 // The squares of side `size` that cover a cell's plan (Oki 2.2); square (i, j) has index first_square + j*nx + i.
-typedef struct CellMesh {
+typedef struct SquareGrid {
     Vec2 origin;
     double size;
     int nx, ny, first_square;
-} CellMesh;
+} SquareGrid;
 
 // All that is drawn: the building's polygons and the surfaces of the cells, as one list. Index order is draw
 // order; among coincident surfaces the lowest index is seen.
@@ -67,12 +67,12 @@ typedef struct CellGraph {
     int object_count, polygon_count, vertex_count;
     // Which objects touch which squares of which cells (within `touch`). Run s is
     // square_objects[square_first[s]] .. square_objects[square_first[s + 1] - 1].
-    CellMesh *meshes;   // [cell_count]
+    SquareGrid *grids;  // [cell_count]
     int *square_first;  // [square_count + 1]
     int *square_objects;
     int square_count, square_object_count;
     // Which cells reach into which squares of the plan, for point location: as above.
-    CellMesh locator;
+    SquareGrid locator;
     int *locator_first;  // [locator.nx * locator.ny + 1]
     int *locator_cells;
     Box box;
@@ -93,9 +93,9 @@ typedef struct CellGraph {
 void vis_register(const CellGraph *graph, const Polygon *polygons, const Vec3 *vertices, const int *first,
                   Arena *arena, CellGraph *out);
 
-// How cells are meshed and trees bounded.
+// How cells are laid out in squares and trees bounded.
 typedef struct VisOptions {
-    double square;  // side of the mesh squares, metres, 0.25 .. 100
+    double square;  // side of the squares of a cell, metres, 0.25 .. 100
     int threads;    // 0: all cores
     int max_nodes;  // of one cell's stab tree; beyond it the tree is dropped and the visible set kept
     // [cell_count * words] bit j of row i: cells i and j may see each other, symmetric (see pairs.h); NULL: not known
@@ -142,7 +142,7 @@ bool vis_build_forest(const CellGraph *graph, const VisOptions *options, const P
 
 // The .vis file: cells are made again from the building; the forest is stored under the building's hash.
 bool vis_save(const char *path, const CellGraph *graph, const StabForest *forest, Error *error);
-// False, and a sentence, where the file is damaged or of another building, version or mesh.
+// False, and a sentence, where the file is damaged or of another building, version or grid of squares.
 bool vis_load(const char *path, const CellGraph *graph, Arena *arena, StabForest *out, Error *error);
 
 // Where a cell lies: its region, or, of a building without regions, a room without a name or the outdoors.

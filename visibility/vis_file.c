@@ -1,6 +1,6 @@
 // vis_file.c - the .vis file: the stab forest of a building, under the building's hash.
 //
-// Layout: header (derived.h), roots, bounded flags, visible sets, nodes. The cells are not stored: they are made again
+// Layout: header (DerivedHead), roots, bounded flags, visible sets, nodes. The cells are not stored: they are made again
 // from the building, and `geometry`, the hash of cells and portals, says whether they came out the same.
 #include <string.h>
 

@@ -159,7 +159,7 @@ static const Option ROWS[] = {
      .at = offsetof(Arguments, load.vis.square),
      .low = 0.25,
      .high = 100,
-     .help = "side of the mesh squares in cells, metres, @ (default 1)"},
+     .help = "side of the squares in cells, metres, @ (default 1)"},
     {.name = "max-nodes",
      .value = "N",
      .type = OPTION_INT,
@@ -234,9 +234,9 @@ static long polygons_seen(const LoadedScene *scene, int from, const uint64_t *ro
     for (int c = 0; c < graph->cell_count; c++) {
         if (!row[c / 64]) c |= 63;
         if (c >= graph->cell_count || !(row[c / 64] >> (c % 64) & 1)) continue;
-        const CellMesh *mesh = &graph->meshes[c];
-        int first = graph->square_first[mesh->first_square];
-        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        const SquareGrid *grid = &graph->grids[c];
+        int first = graph->square_first[grid->first_square];
+        int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
         for (int k = first; k < end; k++) {
             int object = graph->square_objects[k];
             if (stamp[object] == from + 1) continue;

@@ -39,9 +39,9 @@ static void find_regions(const CellGraph *graph, int *region) {
         // The cell's own surfaces lie around it, not in it: a ceiling's middle is on the boundary.
         for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++)
             region[o] = graph->cells[c].region;
-        const CellMesh *mesh = &graph->meshes[c];
-        int begin = graph->square_first[mesh->first_square];
-        int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        const SquareGrid *grid = &graph->grids[c];
+        int begin = graph->square_first[grid->first_square];
+        int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
         for (int k = begin; k < end; k++) {
             int o = graph->square_objects[k];
             if (region[o] < 0) region[o] = graph->cells[c].region;

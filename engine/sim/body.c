@@ -246,12 +246,12 @@ static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
 
 // The height nearest to foot.z at which a body may stand over a place in some cell; NAN if there is none.
 static double nearest_height(const CellGraph *graph, Vec3 foot) {
-    const CellMesh *mesh = &graph->locator;
-    double i = floor((foot.x - mesh->origin.x) / mesh->size),
-           j = floor((foot.y - mesh->origin.y) / mesh->size);
+    const SquareGrid *grid = &graph->locator;
+    double i = floor((foot.x - grid->origin.x) / grid->size),
+           j = floor((foot.y - grid->origin.y) / grid->size);
     double best = NAN;
-    if (!(i >= 0 && j >= 0 && i < mesh->nx && j < mesh->ny)) return best;
-    int square = (int)j * mesh->nx + (int)i;
+    if (!(i >= 0 && j >= 0 && i < grid->nx && j < grid->ny)) return best;
+    int square = (int)j * grid->nx + (int)i;
     for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
         int c = graph->locator_cells[k];
         const Cell *cell = &graph->cells[c];

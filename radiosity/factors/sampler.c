@@ -185,7 +185,7 @@ static bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w
 // ---- finds the face seen along each direction.
 //
 // A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
-// at 1 / distance = dot(n, w) / d, which is linear in w (design.md). The forms are made in doubles from the eye; they are
+// at 1 / distance = dot(n, w) / d, which is linear in w. The forms are made in doubles from the eye; they are
 // floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
 // falls between them; a direction right on it is in both, and depth or the lower number decides.
 //
@@ -488,9 +488,8 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     work->samples += s->samples.count;
 }
 
-// ---- what was drawn, as items or as shares of elements: of a direction w that sees a face, column and row in the
-// face's grid are linear in w over dot(n, w) / d, so that an element is found by one division (design.md: "find the element
-// under a sample from where it hits its polygon").
+// ---- the faces drawn, as items or as shares of elements: for a direction w that sees a face, column and row in the face's grid are
+// linear in w over dot(n, w) / d, so that an element is found by one division.
 
 void sampler_items(const Sampler *self, int32_t *item) {
     for (int row = 0; row < self->block_count * SAMPLER_BLOCK; row++) {

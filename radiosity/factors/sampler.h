@@ -1,7 +1,7 @@
 // sampler.h - which face is seen along each of many directions: the one rasteriser behind the projective methods.
 //
 // Directions lie in blocks of 8 x 8 neighbours, 16 blocks to a group; a box about the directions of each tells what faces
-// cannot reach it. Exact: no projection, no clipping, no depth that is linear in the wrong space (design.md, "Form factors").
+// cannot reach it. Exact: no projection, no clipping, no depth that is linear in the wrong space.
 #ifndef RADIOSITY_SAMPLER_H
 #define RADIOSITY_SAMPLER_H
 

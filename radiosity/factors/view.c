@@ -174,7 +174,7 @@ static void take_cells(const Look *look, int cell) {
     viewer->looks++;
     for (int c = 0; c < graph->cell_count; c++) {
         if (!vis_sees(viewer->forest, cell, c)) continue;
-        const CellMesh *squares = &graph->meshes[c];
+        const SquareGrid *squares = &graph->grids[c];
         int end = graph->square_first[squares->first_square + squares->nx * squares->ny];
         for (int k = graph->square_first[squares->first_square]; k < end; k++) {
             int object = graph->square_objects[k];

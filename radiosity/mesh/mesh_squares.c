@@ -131,7 +131,7 @@ static int list_squares(const Face *face, int i0, int j0, int per_patch, int cou
     return count;
 }
 
-// mesh_splits.c: leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
+// Leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
 static int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
     int count = 0;
     for (int j = 0; j < face->ny; j += face->root) {

@@ -3,7 +3,7 @@
 //
 // Departs from the paper in that nothing is cut into chords: an edge crosses a line where a quadratic says, faces hide
 // each other by their exact distances, and elements begin where the line crosses the face's grid. The only error left is
-// that of the strips between lines. How many lines there are, and which ways: hemisphere_scanline_methods.c.
+// that of the strips between lines.
 //
 // Lines run at 45 degrees to the view's axes: what is built is mostly aligned with these, and a line that runs along an
 // edge sees it all or not at all. It halves the error in an office.

@@ -1,6 +1,6 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (derived.h), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
+// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
 // gathered. The mesh is not stored: it is made again from
 // the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <string.h>

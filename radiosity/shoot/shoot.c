@@ -115,7 +115,7 @@ static void start_looks(Looks *l, const Mesh *mesh, const StabForest *forest, Ar
         *last = ARENA_ARRAY(arena, int, graph->object_count);
     for (int f = 0; f < mesh->face_count; f++) faces[mesh->faces[f].object]++;
     for (int c = 0; c < graph->cell_count; c++) {
-        const CellMesh *squares = &graph->meshes[c];
+        const SquareGrid *squares = &graph->grids[c];
         int first = graph->square_first[squares->first_square],
             end = graph->square_first[squares->first_square + squares->nx * squares->ny];
         for (int k = first; k < end; k++) {

@@ -104,7 +104,7 @@ Test(bake_probes, closed_forms) {
         cr_assert(bake_probe_parse(POINTS[i], &arena, &probes, &error), "%s", error.text);
     bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, &solution, NULL}, &probes);
     const Probe *p = probes.probes;
-    // A point under the centre and under a corner of a unit square, 1 m below: references.md's table in ../shared.
+    // A point under the centre and under a corner of a unit square, 1 m below, in closed form.
     cr_assert_float_eq(p[0].irradiance[0], 12 * .23945647046, 1e-6);
     cr_assert_float_eq(p[1].irradiance[1], 10 * .13853160599, 1e-6);
     cr_assert_eq(p[0].radiosity[0], 0);

@@ -10,8 +10,8 @@
 #include "engine/gl/gl_context.h"
 #include "engine/sim/tour.h"
 #include "maps/maps.h"
-#include "tests/support/support.h"
 #include "tests/draw/renderer_fixture.h"
+#include "tests/support/support.h"
 
 static void set_all_doors(Stage *s, float share) {
     for (int i = 0; i < s->building.opening_count; i++) s->doors[i] = share;

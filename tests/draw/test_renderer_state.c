@@ -9,8 +9,8 @@
 #include "engine/gl/gl_context.h"
 #include "engine/sim/tour.h"
 #include "maps/maps.h"
-#include "tests/support/support.h"
 #include "tests/draw/renderer_fixture.h"
+#include "tests/support/support.h"
 
 // Leaves OpenGL's state as another, an overlay say, could leave it.
 static void spoil_state(void) {

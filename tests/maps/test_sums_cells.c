@@ -51,9 +51,9 @@ static void sum_cells(SumFile *f, const CellGraph *g) {
     for (int i = 0; i < g->portal_vertex_count; i++) sum_add3(&portals, g->portal_vertices[i]);
     for (int i = 0; i < g->way_count; i++) sum_ints(&portals, &g->ways[i].portal, 2);
     for (int i = 0; i < g->cell_count; i++) {
-        sum_add2(&squares, g->meshes[i].origin);
-        sum_add(&squares, g->meshes[i].size);
-        sum_ints(&squares, &g->meshes[i].nx, 3);
+        sum_add2(&squares, g->grids[i].origin);
+        sum_add(&squares, g->grids[i].size);
+        sum_ints(&squares, &g->grids[i].nx, 3);
     }
     sum_ints(&squares, g->square_first, g->square_count + 1);
     sum_ints(&squares, g->square_objects, g->square_object_count);

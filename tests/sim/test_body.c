@@ -5,8 +5,8 @@
 #include "engine/sim/collision_walk.h"
 #include "engine/sim/doors.h"
 #include "maps/maps.h"
-#include "tests/support/support.h"
 #include "tests/sim/body_fixture.h"
+#include "tests/support/support.h"
 
 // ---- whole buildings
 

@@ -4,9 +4,9 @@
 #include "engine/sim/door_part.h"
 #include "engine/sim/doors.h"
 #include "maps/maps.h"
+#include "tests/sim/body_fixture.h"
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
-#include "tests/sim/body_fixture.h"
 
 // Proves that what it is put into does not hold it: it stands free, in the same room.
 Test(body, inside_furniture) {

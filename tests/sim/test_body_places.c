@@ -2,9 +2,9 @@
 #include <criterion/criterion.h>
 
 #include "engine/sim/doors.h"
+#include "tests/sim/body_fixture.h"
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
-#include "tests/sim/body_fixture.h"
 
 // Walks so far, and expects to arrive within a millimetre.
 static void go(Walker *w, double x, double y, const char *where) {

@@ -2,8 +2,8 @@
 #include <criterion/criterion.h>
 
 #include "engine/sim/doors.h"
-#include "tests/support/support.h"
 #include "tests/sim/doors_fixture.h"
+#include "tests/support/support.h"
 
 // ---- an oracle for leaves: corners and edges, no more
 

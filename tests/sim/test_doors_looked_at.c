@@ -4,9 +4,9 @@
 #include "engine/sim/door_states.h"
 #include "engine/sim/doors.h"
 #include "maps/maps.h"
+#include "tests/sim/doors_fixture.h"
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
-#include "tests/sim/doors_fixture.h"
 
 // Proves which door is meant: the one looked at within reach, not the one behind a wall or behind one's back.
 Test(doors, looked_at) {

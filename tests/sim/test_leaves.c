@@ -57,9 +57,9 @@ static void flood(const CellGraph *g, int cell, const float *doors, unsigned cha
 static void mark_objects(const CellGraph *g, const unsigned char *reached, unsigned char *allowed) {
     memset(allowed, 0, (size_t)g->object_count);
     for (int c = 0; c < g->cell_count; c++) {
-        const CellMesh *mesh = &g->meshes[c];
-        int begin = g->square_first[mesh->first_square];
-        int end = g->square_first[mesh->first_square + mesh->nx * mesh->ny];
+        const SquareGrid *grid = &g->grids[c];
+        int begin = g->square_first[grid->first_square];
+        int end = g->square_first[grid->first_square + grid->nx * grid->ny];
         for (int k = begin; reached[c] && k < end; k++) allowed[g->square_objects[k]] = 1;
     }
 }
@@ -111,10 +111,10 @@ Test(leaves, nothing_behind_a_closed_door_is_drawn) {
 // ---- where a leaf may be
 
 static bool registered(const CellGraph *g, int cell, int object, Vec3 at) {
-    const CellMesh *mesh = &g->meshes[cell];
-    int i = (int)fmin(fmax((at.x - mesh->origin.x) / mesh->size, 0), mesh->nx - 1);
-    int j = (int)fmin(fmax((at.y - mesh->origin.y) / mesh->size, 0), mesh->ny - 1);
-    int square = mesh->first_square + j * mesh->nx + i;
+    const SquareGrid *grid = &g->grids[cell];
+    int i = (int)fmin(fmax((at.x - grid->origin.x) / grid->size, 0), grid->nx - 1);
+    int j = (int)fmin(fmax((at.y - grid->origin.y) / grid->size, 0), grid->ny - 1);
+    int square = grid->first_square + j * grid->nx + i;
     for (int k = g->square_first[square]; k < g->square_first[square + 1]; k++) {
         if (g->square_objects[k] == object) return true;
     }

@@ -3,9 +3,9 @@
 
 #include "engine/sim/doors.h"
 #include "maps/maps.h"
+#include "tests/sim/body_fixture.h"
 #include "tests/support/fixture.h"
 #include "tests/support/support.h"
-#include "tests/sim/body_fixture.h"
 
 // ---- what is in the way
 

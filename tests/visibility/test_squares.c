@@ -10,13 +10,13 @@
 
 // In the mesh of squares of a cell, do all squares no farther off in plan than this list the object?
 static bool is_registered(const CellGraph *g, int c, Vec3 p, double off, int object) {
-    const CellMesh *mesh = &g->meshes[c];
-    for (int s = 0; s < mesh->nx * mesh->ny; s++) {
-        double x = mesh->origin.x + s % mesh->nx * mesh->size, y = mesh->origin.y + s / mesh->nx * mesh->size;
-        if (p.x < x - off || p.x > x + mesh->size + off || p.y < y - off || p.y > y + mesh->size + off)
+    const SquareGrid *grid = &g->grids[c];
+    for (int s = 0; s < grid->nx * grid->ny; s++) {
+        double x = grid->origin.x + s % grid->nx * grid->size, y = grid->origin.y + s / grid->nx * grid->size;
+        if (p.x < x - off || p.x > x + grid->size + off || p.y < y - off || p.y > y + grid->size + off)
             continue;
         bool listed = false;
-        int square = mesh->first_square + s;
+        int square = grid->first_square + s;
         for (int k = g->square_first[square]; k < g->square_first[square + 1]; k++)
             listed = listed || g->square_objects[k] == object;
         if (!listed) return false;
@@ -37,11 +37,11 @@ static Vec3 point_of(const CellGraph *g, const Polygon *p, Random *random) {
         }
         end[e] = vec3_scale(end[e], 1 / weights);
     }
-    const CellMesh *mesh = &g->meshes[random_index(random, g->cell_count)];
+    const SquareGrid *grid = &g->grids[random_index(random, g->cell_count)];
     bool y = random_index(random, 2);
-    double a = y ? end[0].y - mesh->origin.y : end[0].x - mesh->origin.x,
-           b = y ? end[1].y - mesh->origin.y : end[1].x - mesh->origin.x;
-    double at = nearbyint(a / mesh->size) * mesh->size + random_between(random, -0.9, 0.9) * VIS_TOUCH,
+    double a = y ? end[0].y - grid->origin.y : end[0].x - grid->origin.x,
+           b = y ? end[1].y - grid->origin.y : end[1].x - grid->origin.x;
+    double at = nearbyint(a / grid->size) * grid->size + random_between(random, -0.9, 0.9) * VIS_TOUCH,
            t = (at - a) / (b - a);
     return t > 0 && t < 1 ? vec3_lerp(end[0], end[1], t) : end[0];
 }
@@ -82,7 +82,7 @@ static void expect_registered(const CellGraph *g, Random *random, int points, co
             }
         }
     }
-    const CellMesh *locator = &g->locator;
+    const SquareGrid *locator = &g->locator;
     for (int s = 0; s < locator->nx * locator->ny; s++) {
         Vec3 low = {locator->origin.x + s % locator->nx * locator->size,
                     locator->origin.y + s / locator->nx * locator->size, g->box.min.z};
@@ -99,13 +99,13 @@ static void expect_registered(const CellGraph *g, Random *random, int points, co
     }
     cr_assert_gt(held, points);
     for (int c = 0; c < g->cell_count; c++) {
-        const CellMesh *mesh = &g->meshes[c];
-        for (int s = 0; s < mesh->nx * mesh->ny; s++) {
-            Vec3 low = {mesh->origin.x + s % mesh->nx * mesh->size,
-                        mesh->origin.y + s / mesh->nx * mesh->size, g->cells[c].z0};
-            Box box = {low, {low.x + mesh->size, low.y + mesh->size, g->cells[c].z1}};
-            for (int k = g->square_first[mesh->first_square + s];
-                 k < g->square_first[mesh->first_square + s + 1]; k++) {
+        const SquareGrid *grid = &g->grids[c];
+        for (int s = 0; s < grid->nx * grid->ny; s++) {
+            Vec3 low = {grid->origin.x + s % grid->nx * grid->size,
+                        grid->origin.y + s / grid->nx * grid->size, g->cells[c].z0};
+            Box box = {low, {low.x + grid->size, low.y + grid->size, g->cells[c].z1}};
+            for (int k = g->square_first[grid->first_square + s];
+                 k < g->square_first[grid->first_square + s + 1]; k++) {
                 const Object *object = &g->objects[g->square_objects[k]];
                 cr_assert(object->leaf >= 0 || comes_near(g, object, box_grow(box, 3 * VIS_TOUCH)),
                           "%s: cell %d, square %d", name, c, s);
@@ -155,9 +155,9 @@ Test(squares, each_object_is_counted_alone) {
     cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
     int cell = vis_locate(&g, vec3(2, 1, 1), -1), listed = 0;
     cr_assert(cell >= 0 && b.object_count == 2);
-    const CellMesh *mesh = &g.meshes[cell];
-    cr_assert(mesh->nx == 2 && mesh->ny == 1);
-    for (int k = g.square_first[mesh->first_square]; k < g.square_first[mesh->first_square + 2]; k++)
+    const SquareGrid *grid = &g.grids[cell];
+    cr_assert(grid->nx == 2 && grid->ny == 1);
+    for (int k = g.square_first[grid->first_square]; k < g.square_first[grid->first_square + 2]; k++)
         listed += g.square_objects[k] == 0 || g.square_objects[k] == 1;
     cr_expect_eq(listed, 3);
     cr_expect(is_registered(&g, cell, vec3(0.8, 0.6, 1), VIS_TOUCH / 2, 0));

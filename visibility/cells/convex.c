@@ -27,10 +27,10 @@ typedef struct HalfEdge {
     bool removed;
 } HalfEdge;
 
-typedef struct Mesh {
+typedef struct HalfEdges {
     HalfEdge *edges;
     int count;
-} Mesh;
+} HalfEdges;
 
 typedef struct Triangulator {
     GEOSContextHandle_t geos;
@@ -137,15 +137,15 @@ static bool read_triangle(const Triangulator *t, const PointIndex *index, const 
     return sign != 0;
 }
 
-static void add_mesh_triangle(Mesh *mesh, const int corner[3]) {
+static void add_half_edges(HalfEdges *half, const int corner[3]) {
     for (int k = 0; k < 3; k++) {
-        mesh->edges[mesh->count + k] =
-            (HalfEdge){corner[k], mesh->count + (k + 1) % 3, mesh->count + (k + 2) % 3, -1, false};
+        half->edges[half->count + k] =
+            (HalfEdge){corner[k], half->count + (k + 1) % 3, half->count + (k + 2) % 3, -1, false};
     }
-    mesh->count += 3;
+    half->count += 3;
 }
 
-static bool triangulate(const Triangulator *t, Arena *scratch, Mesh *mesh) {
+static bool triangulate(const Triangulator *t, Arena *scratch, HalfEdges *half) {
     GEOSGeometry *polygon = polygon_geometry(t, scratch);
     if (!polygon) return false;
     GEOSGeometry *triangles = GEOSConstrainedDelaunayTriangulation_r(t->geos, polygon);
@@ -153,20 +153,20 @@ static bool triangulate(const Triangulator *t, Arena *scratch, Mesh *mesh) {
     if (!triangles) return false;
     int count = GEOSGetNumGeometries_r(t->geos, triangles);
     PointIndex index = index_points(t, scratch);
-    mesh->edges = ARENA_ARRAY(scratch, HalfEdge, 3 * (size_t)(count > 0 ? count : 1));
-    mesh->count = 0;
+    half->edges = ARENA_ARRAY(scratch, HalfEdge, 3 * (size_t)(count > 0 ? count : 1));
+    half->count = 0;
     bool good = count > 0;
     for (int i = 0; i < count && good; i++) {
         int corner[3];
         good = read_triangle(t, &index, GEOSGetGeometryN_r(t->geos, triangles, i), corner);
-        if (good) add_mesh_triangle(mesh, corner);
+        if (good) add_half_edges(half, corner);
     }
     GEOSGeom_destroy_r(t->geos, triangles);
     return good;
 }
 
 // The same by convex_sweep.c: not as fat, but of any number of holes.
-static bool triangulate_by_sweep(const Triangulator *t, Arena *scratch, Mesh *mesh) {
+static bool triangulate_by_sweep(const Triangulator *t, Arena *scratch, HalfEdges *half) {
     int total = 0;
     for (int r = 0; r < t->ring_count; r++) total += t->ring_size[r];
     Vec2 *at = ARENA_ARRAY(scratch, Vec2, total);
@@ -181,12 +181,12 @@ static bool triangulate_by_sweep(const Triangulator *t, Arena *scratch, Mesh *me
     }
     int count = convex_sweep(at, (const int(*)[2])edges, total, scratch, &triangles);
     PointIndex index = index_points(t, scratch);
-    mesh->edges = ARENA_ARRAY(scratch, HalfEdge, 3 * (size_t)(count > 0 ? count : 1));
-    mesh->count = 0;
+    half->edges = ARENA_ARRAY(scratch, HalfEdge, 3 * (size_t)(count > 0 ? count : 1));
+    half->count = 0;
     for (int i = 0; i < count; i++) {
         int corner[3];
         for (int k = 0; k < 3; k++) corner[k] = find_point(t, &index, at[triangles[3 * i + k]]);
-        add_mesh_triangle(mesh, corner);
+        add_half_edges(half, corner);
     }
     return count > 0;
 }
@@ -206,11 +206,11 @@ static double ring_area(const Triangulator *t, int ring) {
 }
 
 // The triangles must tile the polygon: a triangulation that GEOS got wrong would leave a hole in free space.
-static bool tiles(const Triangulator *t, const Mesh *mesh) {
+static bool tiles(const Triangulator *t, const HalfEdges *half) {
     double whole = 0, sum = 0;
     for (int r = 0; r < t->ring_count; r++) whole += ring_area(t, r);
-    for (int e = 0; e < mesh->count; e += 3) {
-        const HalfEdge *corner = mesh->edges + e;
+    for (int e = 0; e < half->count; e += 3) {
+        const HalfEdge *corner = half->edges + e;
         sum += triangle_area(t, corner[0].from, corner[1].from, corner[2].from);
     }
     // Nothing is rounded below 1,000 km^2; beyond, far less than this share. The smallest triangle on the grid has 1.
@@ -239,31 +239,31 @@ static int by_key(const void *a, const void *b) {
     return (p->edge > q->edge) - (p->edge < q->edge);
 }
 
-static void pair_twins(Mesh *mesh, Arena *scratch) {
-    EdgeKey *keys = ARENA_ARRAY(scratch, EdgeKey, mesh->count);
-    for (int e = 0; e < mesh->count; e++) {
-        int a = mesh->edges[e].from, b = mesh->edges[mesh->edges[e].next].from;
+static void pair_twins(HalfEdges *half, Arena *scratch) {
+    EdgeKey *keys = ARENA_ARRAY(scratch, EdgeKey, half->count);
+    for (int e = 0; e < half->count; e++) {
+        int a = half->edges[e].from, b = half->edges[half->edges[e].next].from;
         keys[e] = (EdgeKey){a < b ? a : b, a < b ? b : a, e};
     }
-    qsort(keys, (size_t)mesh->count, sizeof *keys, by_key);
-    for (int i = 0; i + 1 < mesh->count; i++) {
+    qsort(keys, (size_t)half->count, sizeof *keys, by_key);
+    for (int i = 0; i + 1 < half->count; i++) {
         if (keys[i].low != keys[i + 1].low || keys[i].high != keys[i + 1].high) continue;
-        mesh->edges[keys[i].edge].twin = keys[i + 1].edge;
-        mesh->edges[keys[i + 1].edge].twin = keys[i].edge;
+        half->edges[keys[i].edge].twin = keys[i + 1].edge;
+        half->edges[keys[i + 1].edge].twin = keys[i].edge;
         i++;
     }
 }
 
 // Would the corner at the start of `e` stay convex without the diagonal e?
-static bool corner_stays_convex(const Mesh *mesh, const Vec2 *points, int e) {
-    const HalfEdge *edges = mesh->edges;
+static bool corner_stays_convex(const HalfEdges *half, const Vec2 *points, int e) {
+    const HalfEdge *edges = half->edges;
     int before = edges[edges[e].prev].from, at = edges[e].from;
     int after = edges[edges[edges[edges[e].twin].next].next].from;
     return orient(points, before, at, after) >= 0;
 }
 
-static void remove_diagonal(Mesh *mesh, int e) {
-    HalfEdge *edges = mesh->edges;
+static void remove_diagonal(HalfEdges *half, int e) {
+    HalfEdge *edges = half->edges;
     int t = edges[e].twin;
     edges[edges[e].prev].next = edges[t].next;
     edges[edges[t].next].prev = edges[e].prev;
@@ -272,33 +272,33 @@ static void remove_diagonal(Mesh *mesh, int e) {
     edges[e].removed = edges[t].removed = true;
 }
 
-static void merge(Mesh *mesh, const Vec2 *points, Arena *scratch) {
-    pair_twins(mesh, scratch);
-    Diagonal *diagonals = ARENA_ARRAY(scratch, Diagonal, mesh->count);
+static void merge(HalfEdges *half, const Vec2 *points, Arena *scratch) {
+    pair_twins(half, scratch);
+    Diagonal *diagonals = ARENA_ARRAY(scratch, Diagonal, half->count);
     int count = 0;
-    for (int e = 0; e < mesh->count; e++) {
-        if (mesh->edges[e].twin <= e) continue;
-        Vec2 a = points[mesh->edges[e].from], b = points[mesh->edges[mesh->edges[e].next].from];
+    for (int e = 0; e < half->count; e++) {
+        if (half->edges[e].twin <= e) continue;
+        Vec2 a = points[half->edges[e].from], b = points[half->edges[half->edges[e].next].from];
         diagonals[count++] = (Diagonal){vec2_length(vec2_sub(b, a)), e};
     }
     qsort(diagonals, (size_t)count, sizeof *diagonals, by_length);
     for (int i = 0; i < count; i++) {
         int e = diagonals[i].edge;
-        if (corner_stays_convex(mesh, points, e) && corner_stays_convex(mesh, points, mesh->edges[e].twin)) {
-            remove_diagonal(mesh, e);
+        if (corner_stays_convex(half, points, e) && corner_stays_convex(half, points, half->edges[e].twin)) {
+            remove_diagonal(half, e);
         }
     }
 }
 
-static void collect(Mesh *mesh, Arena *arena, ConvexPieces *out) {
-    out->vertex = ARENA_ARRAY(arena, int, mesh->count);
-    out->first = ARENA_ARRAY(arena, int, mesh->count / 3 + 1);
+static void collect(HalfEdges *half, Arena *arena, ConvexPieces *out) {
+    out->vertex = ARENA_ARRAY(arena, int, half->count);
+    out->first = ARENA_ARRAY(arena, int, half->count / 3 + 1);
     int used = 0;
-    for (int e = 0; e < mesh->count; e++) {
-        if (mesh->edges[e].removed) continue;
-        for (int at = e; !mesh->edges[at].removed; at = mesh->edges[at].next) {
-            out->vertex[used++] = mesh->edges[at].from;
-            mesh->edges[at].removed = true;
+    for (int e = 0; e < half->count; e++) {
+        if (half->edges[e].removed) continue;
+        for (int at = e; !half->edges[at].removed; at = half->edges[at].next) {
+            out->vertex[used++] = half->edges[at].from;
+            half->edges[at].removed = true;
         }
         out->first[++out->count] = used;
     }
@@ -308,19 +308,19 @@ bool convex_decompose(const Vec2 *points, const int *ring_first, const int *ring
                       Arena *arena, ConvexPieces *out, Error *error) {
     *out = (ConvexPieces){0};
     Arena scratch = {0};
-    Mesh mesh = {0};
+    HalfEdges half = {0};
     Vec2 corner = points[ring_first[0]];
     Triangulator t = {GEOS_init_r(), points, ring_first, ring_size, ring_count, millimetres(corner)};
     GEOSContext_setErrorMessageHandler_r(t.geos, silent, NULL);
     int total = 0;
     for (int r = 0; r < ring_count; r++) total += ring_size[r];
-    bool good = ring_count <= MOST_RINGS && total <= MOST_POINTS && triangulate(&t, &scratch, &mesh) &&
-                tiles(&t, &mesh);
-    if (!good) good = triangulate_by_sweep(&t, &scratch, &mesh) && tiles(&t, &mesh);
+    bool good = ring_count <= MOST_RINGS && total <= MOST_POINTS && triangulate(&t, &scratch, &half) &&
+                tiles(&t, &half);
+    if (!good) good = triangulate_by_sweep(&t, &scratch, &half) && tiles(&t, &half);
     GEOS_finish_r(t.geos);
     if (good) {
-        merge(&mesh, points, &scratch);
-        collect(&mesh, arena, out);
+        merge(&half, points, &scratch);
+        collect(&half, arena, out);
     } else {
         error_set(error, "the outline at (%.3f, %.3f) is no polygon that could be cut into convex cells",
                   corner.x, corner.y);

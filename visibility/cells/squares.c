@@ -1,4 +1,4 @@
-// squares.c - the mesh of squares inside each cell, and the objects registered there (Oki 2.2).
+// squares.c - the grid of squares inside each cell, and the objects registered there (Oki 2.2).
 //
 // A surface belongs to its cell: its back is never seen. An object of the building belongs to every square of every
 // cell that one of its polygons touches: the polygon is clipped by the cell grown by `touch`, and what is left by
@@ -22,12 +22,12 @@ static Range squares_of(double origin, double size, int count, double low, doubl
                    clamp(floor((high + touch - origin) / size), count)};
 }
 
-static CellMesh mesh_over(Box box, double size, int first_square) {
-    return (CellMesh){.origin = {box.min.x, box.min.y},
-                      .size = size,
-                      .nx = (int)fmax(1, ceil((box.max.x - box.min.x) / size)),
-                      .ny = (int)fmax(1, ceil((box.max.y - box.min.y) / size)),
-                      .first_square = first_square};
+static SquareGrid grid_over(Box box, double size, int first_square) {
+    return (SquareGrid){.origin = {box.min.x, box.min.y},
+                        .size = size,
+                        .nx = (int)fmax(1, ceil((box.max.x - box.min.x) / size)),
+                        .ny = (int)fmax(1, ceil((box.max.y - box.min.y) / size)),
+                        .first_square = first_square};
 }
 
 // About one cell per locator square, within limits.
@@ -38,19 +38,19 @@ static double locator_size(const CellGraph *graph) {
 
 void build_locator(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
-    CellMesh *mesh = &graph->locator;
-    *mesh = mesh_over(graph->box, locator_size(graph), 0);
-    int squares = mesh->nx * mesh->ny;
+    SquareGrid *grid = &graph->locator;
+    *grid = grid_over(graph->box, locator_size(graph), 0);
+    int squares = grid->nx * grid->ny;
     graph->locator_first = ARENA_ARRAY(builder->arena, int, squares + 1);
     int *fill = ARENA_ARRAY(builder->scratch, int, squares + 1);
     for (int pass = 0; pass < 2; pass++) {
         for (int c = 0; c < graph->cell_count; c++) {
             Box box = graph->cells[c].box;
-            Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
-            Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
+            Range x = squares_of(grid->origin.x, grid->size, grid->nx, box.min.x, box.max.x, graph->touch);
+            Range y = squares_of(grid->origin.y, grid->size, grid->ny, box.min.y, box.max.y, graph->touch);
             for (int j = y.from; j <= y.to; j++) {
                 for (int i = x.from; i <= x.to; i++) {
-                    int square = j * mesh->nx + i;
+                    int square = j * grid->nx + i;
                     if (pass == 0) {
                         graph->locator_first[square + 1]++;
                     } else {
@@ -86,8 +86,8 @@ typedef struct Registrar {
 } Registrar;
 
 static bool is_filled(const Registrar *r, int cell, int object) {
-    const CellMesh *mesh = &r->builder->graph->meshes[cell];
-    return r->filler[cell] == object && r->filled[cell] == mesh->nx * mesh->ny;
+    const SquareGrid *grid = &r->builder->graph->grids[cell];
+    return r->filler[cell] == object && r->filled[cell] == grid->nx * grid->ny;
 }
 
 // False where it is there already.
@@ -119,8 +119,8 @@ static Box bounds(const Vec3 *v, int count) {
 }
 
 // Whether an object is in all squares of a row.
-static bool is_row_filled(const Registrar *r, const CellMesh *mesh, int row, Range x, int object) {
-    const int *registered = r->registered + mesh->first_square + row * mesh->nx;
+static bool is_row_filled(const Registrar *r, const SquareGrid *grid, int row, Range x, int object) {
+    const int *registered = r->registered + grid->first_square + row * grid->nx;
     for (int i = x.from; i <= x.to; i++)
         if (registered[i] != object) return false;
     return true;
@@ -129,20 +129,20 @@ static bool is_row_filled(const Registrar *r, const CellMesh *mesh, int row, Ran
 // Registers a polygon that lies within a cell.
 static void register_squares(Registrar *r, int cell, const Vec3 *polygon, int count, int object) {
     const CellGraph *graph = r->builder->graph;
-    const CellMesh *mesh = &graph->meshes[cell];
+    const SquareGrid *grid = &graph->grids[cell];
     Box box = bounds(polygon, count);
-    Range across = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
-    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
+    Range across = squares_of(grid->origin.x, grid->size, grid->nx, box.min.x, box.max.x, graph->touch);
+    Range y = squares_of(grid->origin.y, grid->size, grid->ny, box.min.y, box.max.y, graph->touch);
     for (int j = y.from; j <= y.to; j++) {
-        if (is_row_filled(r, mesh, j, across, object)) continue;
-        double low = mesh->origin.y + j * mesh->size;
-        int rows = clip_slab(r, polygon, count, vec3(0, 1, 0), low, low + mesh->size);
+        if (is_row_filled(r, grid, j, across, object)) continue;
+        double low = grid->origin.y + j * grid->size;
+        int rows = clip_slab(r, polygon, count, vec3(0, 1, 0), low, low + grid->size);
         if (rows == 0) continue;
         Box row = bounds(r->buffer[2], rows);
         // A convex piece no wider than its row touches every square between its ends.
-        Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, row.min.x, row.max.x, graph->touch);
+        Range x = squares_of(grid->origin.x, grid->size, grid->nx, row.min.x, row.max.x, graph->touch);
         for (int i = x.from; i <= x.to; i++)
-            register_in_cell(r, cell, mesh->first_square + j * mesh->nx + i, object);
+            register_in_cell(r, cell, grid->first_square + j * grid->nx + i, object);
     }
 }
 
@@ -202,12 +202,12 @@ static int clip_to_cell(const CellGraph *graph, const Cell *cell, const Plane *p
 // Whether an object is in all squares of a cell that something within the box can touch.
 static bool is_covered(const Registrar *r, int cell, Box box, int object) {
     if (r->filler[cell] != object) return false;
-    const CellMesh *mesh = &r->builder->graph->meshes[cell];
+    const SquareGrid *grid = &r->builder->graph->grids[cell];
     double touch = r->builder->graph->touch;
-    Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, touch);
-    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, touch);
+    Range x = squares_of(grid->origin.x, grid->size, grid->nx, box.min.x, box.max.x, touch);
+    Range y = squares_of(grid->origin.y, grid->size, grid->ny, box.min.y, box.max.y, touch);
     for (int j = y.from; j <= y.to; j++)
-        if (!is_row_filled(r, mesh, j, x, object)) return false;
+        if (!is_row_filled(r, grid, j, x, object)) return false;
     return true;
 }
 
@@ -309,11 +309,11 @@ static double square_size(Box box, const VisOptions *options) {
 
 void build_squares(CellBuilder *builder) {
     CellGraph *graph = builder->graph;
-    graph->meshes = ARENA_ARRAY(builder->arena, CellMesh, graph->cell_count);
+    graph->grids = ARENA_ARRAY(builder->arena, SquareGrid, graph->cell_count);
     for (int c = 0; c < graph->cell_count; c++) {
-        graph->meshes[c] = mesh_over(graph->cells[c].box, square_size(graph->cells[c].box, builder->options),
-                                     graph->square_count);
-        graph->square_count += graph->meshes[c].nx * graph->meshes[c].ny;
+        graph->grids[c] = grid_over(graph->cells[c].box, square_size(graph->cells[c].box, builder->options),
+                                    graph->square_count);
+        graph->square_count += graph->grids[c].nx * graph->grids[c].ny;
     }
     graph->object_boxes = ARENA_ARRAY(builder->arena, Box, graph->object_count);
     for (int i = 0; i < graph->object_count; i++) graph->object_boxes[i] = box_empty();
@@ -371,10 +371,10 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
         }
     }
     if (!box_contains(box_grow(graph->box, FACE_SLACK * graph->touch), point)) return -1;
-    const CellMesh *mesh = &graph->locator;
-    int i = clamp((point.x - mesh->origin.x) / mesh->size, mesh->nx);
-    int j = clamp((point.y - mesh->origin.y) / mesh->size, mesh->ny);
-    int square = j * mesh->nx + i;
+    const SquareGrid *grid = &graph->locator;
+    int i = clamp((point.x - grid->origin.x) / grid->size, grid->nx);
+    int j = clamp((point.y - grid->origin.y) / grid->size, grid->ny);
+    int square = j * grid->nx + i;
     for (int k = graph->locator_first[square]; k < graph->locator_first[square + 1]; k++) {
         int c = graph->locator_cells[k];
         if (cell_holds(graph, &graph->cells[c], point)) return c;
@@ -384,15 +384,15 @@ int vis_locate(const CellGraph *graph, Vec3 point, int hint) {
 
 int vis_locate_part(const CellGraph *graph, const Vec3 *polygon, int count, Arena *scratch, Vec3 *middle,
                     double *area) {
-    const CellMesh *mesh = &graph->locator;
+    const SquareGrid *grid = &graph->locator;
     Box box = bounds(polygon, count);
-    Range x = squares_of(mesh->origin.x, mesh->size, mesh->nx, box.min.x, box.max.x, graph->touch);
-    Range y = squares_of(mesh->origin.y, mesh->size, mesh->ny, box.min.y, box.max.y, graph->touch);
+    Range x = squares_of(grid->origin.x, grid->size, grid->nx, box.min.x, box.max.x, graph->touch);
+    Range y = squares_of(grid->origin.y, grid->size, grid->ny, box.min.y, box.max.y, graph->touch);
     int found = -1;
     *area = VIS_SLIVER;
     for (int j = y.from; j <= y.to; j++) {
-        int last = graph->locator_first[j * mesh->nx + x.to + 1];
-        for (int k = graph->locator_first[j * mesh->nx + x.from]; k < last; k++) {
+        int last = graph->locator_first[j * grid->nx + x.to + 1];
+        for (int k = graph->locator_first[j * grid->nx + x.from]; k < last; k++) {
             int c = graph->locator_cells[k];
             const Cell *cell = &graph->cells[c];
             if (!box_overlap(box, cell->box)) continue;

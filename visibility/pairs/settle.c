@@ -65,7 +65,7 @@ static bool shrink(const Cutter *cutter, int level, Winding *source) {
         for (int k = 0; k < count; k++) {
             if (!winding_clip(source, back[k])) return false;
         }
-        planes = beam_planes(source, next, epsilon, beam);
+        if (i < cutter->depth) planes = beam_planes(source, next, epsilon, beam);
     }
     return true;
 }

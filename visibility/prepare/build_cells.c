@@ -7,7 +7,7 @@ VisOptions vis_default_options(void) { return (VisOptions){.square = 1.0, .threa
 bool vis_build_cells(const Building *building, const VisOptions *options, Arena *arena, CellGraph *out,
                      Error *error) {
     if (!(options->square >= 0.25 && options->square <= 100)) {
-        return error_set(error, "the mesh squares are %g m wide (allowed 0.25 to 100)", options->square);
+        return error_set(error, "the squares are %g m wide (allowed 0.25 to 100)", options->square);
     }
     Arena scratch = {0};
     *out = (CellGraph){.building = building, .touch = VIS_TOUCH};

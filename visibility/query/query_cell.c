@@ -131,15 +131,15 @@ static void draw_listed(VisQuery *q, CellView *view, const Cone *cone) {
 }
 
 static void draw_cell(VisQuery *q, int c, Cone *cone) {
-    const CellMesh *mesh = &q->graph->meshes[c];
+    const SquareGrid *grid = &q->graph->grids[c];
     const Cell *cell = &q->graph->cells[c];
     double touch = q->graph->touch;
     if (query_lists_objects(q, c)) {
         draw_listed(q, query_cell_view(q, c), cone);
         return;
     }
-    int squares = mesh->first_square;
-    if (q->graph->square_first[squares] == q->graph->square_first[squares + mesh->nx * mesh->ny]) return;
+    int squares = grid->first_square;
+    if (q->graph->square_first[squares] == q->graph->square_first[squares + grid->nx * grid->ny]) return;
     q->cone_serial++;
     query_cone_planes(cone, q->eye->position);
     Vec3 region[BUILD_MAX_VERTICES];
@@ -150,16 +150,16 @@ static void draw_cell(VisQuery *q, int c, Cone *cone) {
         bottom = fmin(bottom, region[i].y);
         top = fmax(top, region[i].y);
     }
-    int from = square_at((bottom - touch - mesh->origin.y) / mesh->size, mesh->ny);
-    int to = square_at((top + touch - mesh->origin.y) / mesh->size, mesh->ny);
+    int from = square_at((bottom - touch - grid->origin.y) / grid->size, grid->ny);
+    int to = square_at((top + touch - grid->origin.y) / grid->size, grid->ny);
     for (int j = from; j <= to; j++) {
-        double y0 = mesh->origin.y + j * mesh->size, low, high;
-        // The last row also holds what lies beyond the mesh by rounding.
-        double y1 = j == to ? top + touch : y0 + mesh->size;
+        double y0 = grid->origin.y + j * grid->size, low, high;
+        // The last row also holds what lies beyond the grid by rounding.
+        double y1 = j == to ? top + touch : y0 + grid->size;
         if (!row_extent(region, count, (j == from ? bottom : y0) - touch, y1 + touch, &low, &high)) continue;
-        int first = square_at((low - touch - mesh->origin.x) / mesh->size, mesh->nx);
-        int last = square_at((high + touch - mesh->origin.x) / mesh->size, mesh->nx);
-        int row = mesh->first_square + j * mesh->nx;
+        int first = square_at((low - touch - grid->origin.x) / grid->size, grid->nx);
+        int last = square_at((high + touch - grid->origin.x) / grid->size, grid->nx);
+        int row = grid->first_square + j * grid->nx;
         for (int i = first; i <= last; i++) draw_square(q, row + i, cone);
     }
 }
@@ -228,10 +228,10 @@ static void list_box(Box box, Vec3 middle, int object, BoxBlock *out, int lane) 
 // The objects of a cell, each once: at most FEW + 1.
 static int objects_of(VisQuery *q, int cell, int out[FEW + 1]) {
     const CellGraph *graph = q->graph;
-    const CellMesh *mesh = &graph->meshes[cell];
-    int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny], count = 0;
+    const SquareGrid *grid = &graph->grids[cell];
+    int end = graph->square_first[grid->first_square + grid->nx * grid->ny], count = 0;
     q->cone_serial++;
-    for (int k = graph->square_first[mesh->first_square]; k < end && count <= FEW; k++) {
+    for (int k = graph->square_first[grid->first_square]; k < end && count <= FEW; k++) {
         int object = graph->square_objects[k];
         if (q->object_tested[object] == q->cone_serial) continue;
         q->object_tested[object] = q->cone_serial;

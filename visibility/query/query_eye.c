@@ -36,9 +36,9 @@ static bool near_wall(const CellGraph *graph, int c, Vec3 eye) {
         if (near_object(graph, i, eye)) return true;
     }
     if (graph->cells[c].face_count == 0) return false;
-    const CellMesh *mesh = &graph->meshes[c];
-    int end = graph->square_first[mesh->first_square + mesh->nx * mesh->ny];
-    for (int k = graph->square_first[mesh->first_square]; k < end; k++) {
+    const SquareGrid *grid = &graph->grids[c];
+    int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
+    for (int k = graph->square_first[grid->first_square]; k < end; k++) {
         if (near_object(graph, graph->square_objects[k], eye)) return true;
     }
     return false;

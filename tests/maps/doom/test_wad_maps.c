@@ -1,4 +1,4 @@
-// Real Doom maps: those of ../shared, and of Freedoom as Debian packages it (apt-get install freedoom).
+// Real Doom maps: those of the shared data, and of Freedoom as Debian packages it (apt-get install freedoom).
 #include <criterion/criterion.h>
 #include <dirent.h>
 #include <stdio.h>
@@ -131,7 +131,7 @@ static void check_lines(Opened *m) {
     cr_expect_gt(far, 1000, "%s: %d lines through five portals or more", m->building.map, far);
 }
 
-// Proves on each map of ../shared that it opens and compiles, and that its free space is that of the sectors.
+// Proves on each map of the shared data that it opens and compiles, and that its free space is that of the sectors.
 Test(wad_maps, shared, .timeout = 300) {
     const char *folder = support_shared("doom");
     DIR *dir = opendir(folder);

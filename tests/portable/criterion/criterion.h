@@ -26,18 +26,18 @@ struct PortableOptions {
     double timeout;
 };
 
-#define Test(suite_, name_, ...)                                                                        \
-    static void suite_##_##name_##_run(void);                                                           \
-    __attribute__((constructor)) static void suite_##_##name_##_add(void) {                             \
-        static PortableTest test = {#suite_, #name_, suite_##_##name_##_run, 0, NULL};                  \
-        struct PortableOptions options = {.timeout = 0, ##__VA_ARGS__};                                 \
-        test.timeout = options.timeout;                                                                 \
-        portable_add(&test);                                                                            \
-    }                                                                                                   \
+#define Test(suite_, name_, ...)                                                                             \
+    static void suite_##_##name_##_run(void);                                                                \
+    __attribute__((constructor)) static void suite_##_##name_##_add(void) {                                  \
+        static PortableTest test = {#suite_, #name_, suite_##_##name_##_run, 0, NULL};                       \
+        struct PortableOptions options = {.timeout = 0, ##__VA_ARGS__};                                      \
+        test.timeout = options.timeout;                                                                      \
+        portable_add(&test);                                                                                 \
+    }                                                                                                        \
     static void suite_##_##name_##_run(void)
 
 // The message is a string literal and its values; without one it is empty.
-#define PORTABLE_CHECK(fatal, good, check, ...) \
+#define PORTABLE_CHECK(fatal, good, check, ...)                                                              \
     ((good) ? (void)0 : portable_fail(fatal, __FILE__, __LINE__, check, "" __VA_ARGS__))
 
 #define cr_assert(a, ...) PORTABLE_CHECK(true, (a), #a, __VA_ARGS__)
@@ -60,12 +60,16 @@ struct PortableOptions {
 #define cr_expect_gt(a, b, ...) PORTABLE_CHECK(false, (a) > (b), #a " > " #b, __VA_ARGS__)
 #define cr_assert_geq(a, b, ...) PORTABLE_CHECK(true, (a) >= (b), #a " >= " #b, __VA_ARGS__)
 #define cr_expect_geq(a, b, ...) PORTABLE_CHECK(false, (a) >= (b), #a " >= " #b, __VA_ARGS__)
-#define cr_assert_float_eq(a, b, e, ...) PORTABLE_CHECK(true, fabs((a) - (b)) <= (e), #a " ~ " #b, __VA_ARGS__)
-#define cr_expect_float_eq(a, b, e, ...) PORTABLE_CHECK(false, fabs((a) - (b)) <= (e), #a " ~ " #b, __VA_ARGS__)
+#define cr_assert_float_eq(a, b, e, ...)                                                                     \
+    PORTABLE_CHECK(true, fabs((a) - (b)) <= (e), #a " ~ " #b, __VA_ARGS__)
+#define cr_expect_float_eq(a, b, e, ...)                                                                     \
+    PORTABLE_CHECK(false, fabs((a) - (b)) <= (e), #a " ~ " #b, __VA_ARGS__)
 #define cr_assert_str_eq(a, b, ...) PORTABLE_CHECK(true, strcmp((a), (b)) == 0, #a " is " #b, __VA_ARGS__)
 #define cr_expect_str_eq(a, b, ...) PORTABLE_CHECK(false, strcmp((a), (b)) == 0, #a " is " #b, __VA_ARGS__)
-#define cr_assert_arr_eq(a, b, size, ...) PORTABLE_CHECK(true, memcmp((a), (b), (size)) == 0, #a " is " #b, __VA_ARGS__)
-#define cr_expect_arr_eq(a, b, size, ...) PORTABLE_CHECK(false, memcmp((a), (b), (size)) == 0, #a " is " #b, __VA_ARGS__)
+#define cr_assert_arr_eq(a, b, size, ...)                                                                    \
+    PORTABLE_CHECK(true, memcmp((a), (b), (size)) == 0, #a " is " #b, __VA_ARGS__)
+#define cr_expect_arr_eq(a, b, size, ...)                                                                    \
+    PORTABLE_CHECK(false, memcmp((a), (b), (size)) == 0, #a " is " #b, __VA_ARGS__)
 #define cr_assert_fail(...) PORTABLE_CHECK(true, false, "fails", __VA_ARGS__)
 #define cr_expect_fail(...) PORTABLE_CHECK(false, false, "fails", __VA_ARGS__)
 #define cr_skip_test(...) portable_skip("" __VA_ARGS__)

@@ -19,7 +19,7 @@ typedef struct Case {
 
 #define WALL(x, y0, y1, z0, z1) {{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}}, 4
 
-// references.md, seen from the origin about the normal z.
+// Closed forms, seen from the origin about the normal z.
 static const Case CASES[] = {
     {"under a corner, h = 1", FLOOR(0, 0, 1, 1, 1), .13853160599},
     {"under the centre, h = 1", FLOOR(-.5, -.5, .5, .5, 1), .23945647046},

@@ -183,7 +183,7 @@ static const View *look_at_sheet(Arena *arena, Vec3 at, double height, bool besi
                          .vertex_count = b->vertex_count};
     graph->surface_first = ARENA_ARRAY(arena, int, 1);
     graph->locator_first = ARENA_ARRAY(arena, int, 2);
-    graph->locator = (CellMesh){.size = 1, .nx = 1, .ny = 1};
+    graph->locator = (SquareGrid){.size = 1, .nx = 1, .ny = 1};
     StabForest *forest = ARENA_ARRAY(arena, StabForest, 1);
     forest->root = ARENA_ARRAY(arena, int, 1);
     Mesh *mesh = ARENA_ARRAY(arena, Mesh, 1);

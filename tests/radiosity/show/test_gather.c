@@ -8,8 +8,8 @@
 #include "tests/radiosity/show/gather_fixture.h"
 #include "tests/support/lit_fixture.h"
 
-// Proves that with exact lamps a few hundred samples give direct light to rounding: a unit square 1 m above a point, by the
-// table of ../shared/references.md; and that half of it hidden by an edge is half of it.
+// Proves that with exact lamps a few hundred samples give direct light to rounding: a unit square 1 m above a point, in
+// closed form; and that half of it hidden by an edge is half of it.
 Test(gather, lamps_are_exact) {
     for (int hidden = 0; hidden < 2; hidden++) {
         Lit *lit = lit_new();

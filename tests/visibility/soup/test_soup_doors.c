@@ -117,9 +117,9 @@ static uint64_t *polygon_pairs(Arena *arena, const Building *b, const PairMethod
     *words = (count + 63) / 64;
     unsigned char *in = ARENA_ARRAY(arena, unsigned char, (size_t)g.cell_count *(size_t)count);
     for (int c = 0; c < g.cell_count; c++) {
-        const CellMesh *mesh = &g.meshes[c];
-        int end = g.square_first[mesh->first_square + mesh->nx * mesh->ny];
-        for (int k = g.square_first[mesh->first_square]; k < end; k++) {
+        const SquareGrid *grid = &g.grids[c];
+        int end = g.square_first[grid->first_square + grid->nx * grid->ny];
+        for (int k = g.square_first[grid->first_square]; k < end; k++) {
             if (g.square_objects[k] < count) in[c * count + g.square_objects[k]] = 1;
         }
     }

@@ -62,11 +62,11 @@ static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
 }
 
 // Where on a face a direction meets it: column dot(column, w) * distance, row alike.
-typedef struct FaceGrid {
+typedef struct SeenGrid {
     GridForm column, row;
     int first_square, nx, ny;
     int one;  // what all of the face is, MANY: look where
-} FaceGrid;
+} SeenGrid;
 
 struct Sampler {
     const Mesh *mesh;
@@ -88,7 +88,7 @@ struct Sampler {
     int *grid_stamp;        // [face_count]
     int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
     int *view_index;        // [face_count] of the faces in view
-    FaceGrid *grids;        // [face_count]
+    SeenGrid *grids;        // [face_count]
     Form *edges;            // [most_edges] of the face under way: a direction is inside where none is below 0
     const Form **crossing;  // [most_edges] those that cross a block
     unsigned *crossed;      // [most_edges]
@@ -171,8 +171,9 @@ static Vec3 inwards_from_edges(const SamplerView *of, const ViewFace *face, Vec3
     return sum;
 }
 
-// Is the first face seen along w (in the samples' axes), which both hold?
-static bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w) {
+// Is the first face seen along w (in the samples' axes), which both hold? Not inlined: there GCC 12.2 contracts the two sums of
+// `at` in spite of -ffp-contract=off (its bug 106902), and ties within a last bit fall otherwise.
+static __attribute__((noinline)) bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w) {
     const ViewFace *a = view_face(of, face), *b = view_face(of, other);
     const Sampler *s = of->sampler;
     Vec3 at = vec3(w.x * s->cosine - w.y * s->sine, w.x * s->sine + w.y * s->cosine, w.z);
@@ -506,10 +507,10 @@ static GridForm grid_form(const Sampler *s, Vec3 v) {
     return (GridForm){(float)turned[0], (float)turned[1], (float)turned[2]};
 }
 
-static const FaceGrid NO_FACE = {.one = NOTHING};
+static const SeenGrid NO_FACE = {.one = NOTHING};
 
-static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
-    FaceGrid *grid = &s->grids[face];
+static const SeenGrid *grid_of(Sampler *s, const View *view, int face) {
+    SeenGrid *grid = &s->grids[face];
     if (s->grid_stamp[face] == s->stamp) return grid;
     s->grid_stamp[face] = s->stamp;
     const Face *f = &s->mesh->faces[face];
@@ -518,7 +519,7 @@ static const FaceGrid *grid_of(Sampler *s, const View *view, int face) {
     Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
     Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
-    *grid = (FaceGrid){.column = grid_form(s, column),
+    *grid = (SeenGrid){.column = grid_form(s, column),
                        .row = grid_form(s, row),
                        .first_square = f->first_square,
                        .nx = f->nx,
@@ -538,7 +539,7 @@ static inline LaneInt whole(Lane a, Lane most) {
 }
 
 // Puts, where `here` says that a block's directions meet the face, the squares in which they do.
-static inline void meet_face(const FaceGrid *grid, const SampleBlock *b, const Lane distance[SAMPLER_BLOCK],
+static inline void meet_face(const SeenGrid *grid, const SampleBlock *b, const Lane distance[SAMPLER_BLOCK],
                              const LaneInt here[SAMPLER_BLOCK], LaneInt square[SAMPLER_BLOCK]) {
     Lane last_column = lane_of((float)grid->nx - 0.5f), last_line = lane_of((float)grid->ny - 0.5f);
     LANE_UNROLL
@@ -573,7 +574,7 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
             here[row] = faces[row] == face;
             seen |= (uint64_t)lane_mask(here[row]) << (row * LANES);
         }
-        const FaceGrid *grid = face < 0 ? &NO_FACE : grid_of(s, view, face);
+        const SeenGrid *grid = face < 0 ? &NO_FACE : grid_of(s, view, face);
         if (grid->one == MANY)
             meet_face(grid, &s->blocks[block], distance, here, square);
         else
@@ -663,7 +664,7 @@ static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
         if (s->masks[at] == 0) continue;
         int face = s->items[at / SAMPLER_BLOCK].face[at % SAMPLER_BLOCK][__builtin_ctz(s->masks[at])];
         if (face < 0 || s->grid_stamp[face] == s->stamp) continue;
-        const FaceGrid *grid = grid_of(s, view, face);
+        const SeenGrid *grid = grid_of(s, view, face);
         if (grid->one == BACK) continue;
         size_t elements = (size_t)s->mesh->faces[face].element_count;
         fetch(sum->share + s->mesh->faces[face].first_element, elements * sizeof *sum->share);
@@ -817,7 +818,7 @@ static int lone_square(const Mesh *mesh, const Face *face) {
 static void take_view_memory(Sampler *s, Arena *arena) {
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
-    s->grids = ARENA_ARRAY(arena, FaceGrid, s->mesh->face_count + 1);
+    s->grids = ARENA_ARRAY(arena, SeenGrid, s->mesh->face_count + 1);
     s->lone = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     for (int f = 0; f < s->mesh->face_count; f++) s->lone[f] = lone_square(s->mesh, &s->mesh->faces[f]);
     s->edges = ARENA_ARRAY(arena, Form, s->outlines.most_edges + 1);

@@ -130,14 +130,13 @@ static int count_joined(const Building *b) {
 
 json_t *app_counts(const LoadedScene *scene) {
     const Building *b = &scene->building;
-    int doors = 0, windows = 0, rooms = 0, leaks = 0, bounded = 0;
+    int doors = 0, windows = 0, rooms = 0, leaks = 0;
     for (int i = 0; i < b->opening_count; i++) {
         doors += b->openings[i].kind != OPENING_WINDOW;
         windows += b->openings[i].kind == OPENING_WINDOW;
     }
     for (int i = 0; i < b->region_count; i++) rooms += b->regions[i].kind == REGION_ROOM;
     for (int i = 0; i < b->note_count; i++) leaks += b->notes[i].kind == NOTE_LEAK;
-    for (int c = 0; c < scene->graph.cell_count; c++) bounded += scene->forest.bounded[c];
     json_t *o = json_object();
     bool drawn = b->form == FORM_REGIONS;  // rooms and storeys are of drawn plans
     if (drawn) json_object_set_new(o, "storeys", json_integer(b->storey_count));
@@ -151,8 +150,6 @@ json_t *app_counts(const LoadedScene *scene) {
         json_object_set_new(o, "objects", json_integer(scene->graph.object_count));
         json_object_set_new(o, "polygons", json_integer(scene->graph.polygon_count));
     }
-    json_object_set_new(o, "stab_nodes", json_integer(scene->forest.node_count));
-    json_object_set_new(o, "bounded_trees", json_integer(bounded));
     if (drawn) json_object_set_new(o, "leaks", json_integer(leaks));
     json_object_set_new(o, "notes", json_integer(b->note_count));
     if (drawn) json_object_set_new(o, "area_drawn", json_real(b->drawn_area));

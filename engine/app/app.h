@@ -40,7 +40,7 @@ void app_progress_end(void);
 // time ends the program as usual).
 Progress app_progress_stoppable(double seconds);
 
-// The counts every command with --json gives: cells, portals, doors, doors_joined, polygons, stab_nodes, leaks, ...
+// The counts every command with --json gives: cells, portals, doors, doors_joined, polygons, leaks, ...
 json_t *app_counts(const LoadedScene *scene);
 void app_print_json(json_t *object);  // to standard output; frees it
 

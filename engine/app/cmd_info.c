@@ -1,4 +1,4 @@
-// cmd_info.c - `enfilade info FILE`: what is in a building.
+// cmd_info.c - `enfilade info FILE`: the parts of a building. Stab trees are not made: on a large map that is most of the work.
 #include <stddef.h>
 #include <stdio.h>
 
@@ -53,7 +53,7 @@ int cmd_info(int argc, char **argv) {
     Arena arena = {0};
     LoadedScene scene;
     Error error;
-    if (!app_load(file, &a.load, &arena, &scene, &error)) {
+    if (!scene_load_cells(file, &a.load, &arena, &scene, &error)) {
         arena_free(&arena);
         return app_fail(APP_BAD_INPUT, "%s", error.text);
     }

@@ -275,6 +275,8 @@ static void print_vis(const Arguments *a, const LoadedScene *scene) {
     cell_to_cell(scene, &cells, &polygons);
     if (a->json) {
         json_t *o = app_counts(scene);
+        json_object_set_new(o, "stab_nodes", json_integer(scene->forest.node_count));
+        json_object_set_new(o, "bounded_trees", json_integer(bounded_trees(&scene->forest)));
         json_object_set_new(o, "cell_to_cell", json_real(cells));
         json_object_set_new(o, "cell_to_cell_polygons", json_real(polygons));
         json_object_set_new(o, "read_seconds", json_real(scene->read_seconds));

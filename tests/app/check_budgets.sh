@@ -1,7 +1,7 @@
 #!/bin/bash
 # check_budgets.sh - small files do not take the machine. Work and memory of what opens them are counted at n, 2n and 4n
-# (hostile_cost.c); at soak every kind of file is opened at its full size and at the half, with two seeds, by the program, within 10 s of CPU
-# and 1 GB, and is refused with one sentence at most where the kind allows it.
+# (hostile_cost.c); at soak every kind of file is opened at its full size and at the half, with two seeds, stab trees and all, within 10 s of
+# CPU and 1 GB, and is refused with one sentence at most where the kind allows it.
 . tests/app/checks.sh
 make -s config=counted build/counted/tests/hostile_cost >"$work/log" 2>&1 || die "hostile_cost cannot be built: $(tail -3 "$work/log")"
 build/counted/tests/hostile_cost >"$work/log" || fail "$(grep -vE 'bytes, edges' "$work/log")"
@@ -13,7 +13,7 @@ try() {
     local file=$work/$1$2 code
     "$make" "$1" "$3" "$4" "$file"
     rm -rf "$work/cache"
-    (ulimit -t 10; exec /usr/bin/time -f %M -o "$work/peak" "$program" info "$file") >"$work/out" 2>"$work/err" </dev/null
+    (ulimit -t 10; exec /usr/bin/time -f %M -o "$work/peak" "$program" vis "$file" -o "$work/trees.vis") >"$work/out" 2>"$work/err" </dev/null
     code=$?
     case $code in
     0) ;;

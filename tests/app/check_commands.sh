@@ -75,7 +75,7 @@ expect 1 "$program" plan $maps/two-rooms.plan --from 1000,0,0 && says err 'no ce
 
 # JSON: one object with the promised keys.
 expect 0 "$program" info --json $maps/house.plan
-for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
+for key in cells portals doors doors_joined polygons leaks; do says out "\"$key\": [0-9]"; done
 expect 0 "$program" vis --json $maps/house.plan
 for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
 
@@ -113,10 +113,10 @@ says err 'cannot be written'
 same "$work/1.vis" "$work/kept.vis" 'an earlier file was lost'
 [ "$(ls "$work" | grep -c '\.vis\..')" -eq 0 ] || fail 'a half-written file is left'
 # The cache is used, and one that is damaged is passed over with a warning.
-expect 0 "$program" info $maps/two-rooms.plan
+expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg"
 cached=$(ls "$work"/cache/enfilade/*.vis | head -1)
 for file in "$work"/cache/enfilade/*.vis; do printf 'x' | dd of="$file" bs=1 seek=200 conv=notrunc 2>/dev/null; done
-expect 0 "$program" info $maps/two-rooms.plan && says err 'made anew'
+expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg" && says err 'made anew'
 [ -n "$cached" ] || fail 'nothing was cached'
 rm "$work"/cache/enfilade/*.vis  # other buildings' are damaged still
 
@@ -214,11 +214,10 @@ without_cache() { # how many of the commands, what is said, a way to run one wit
         says err "$said"
         [ "$(grep -c -e 'not kept' -e 'cannot be stored' "$work/err")" -eq 1 ] || fail "$*: $command: says $(cat "$work/err")"
     done < <(head -n "$most" <<END
-0 info $two
+0 plan $two -o OUT.svg
 1 vis $two
 0 bake $two $rough
 0 bake $two $rough -o OUT.rad
-0 plan $two -o OUT.svg
 0 walk $two --offscreen OUT --tour window --size 64x36 --bake
 0 render $two --size 32x18 --samples 1 -o OUT.png
 0 bench collision $two --steps 10
@@ -227,14 +226,14 @@ END
     expect 0 "$@" "$program" vis $two -o "$work/none.vis" && quiet
     expect 1 "$@" "$program" bake $two --resume && says err 'give -o OUT.rad\|cannot be opened'
 }
-without_cache 8 'neither XDG_CACHE_HOME nor HOME is set' env -u HOME -u XDG_CACHE_HOME
+without_cache 7 'neither XDG_CACHE_HOME nor HOME is set' env -u HOME -u XDG_CACHE_HOME
 for file in .svg .rad .png /frame-00000.png; do [ -s "$work/none$file" ] || fail "none$file was not written"; done
 cp "$work/none/frame-00000.png" "$work/lit.png"
 expect 0 env -u HOME -u XDG_CACHE_HOME "$program" walk $two --offscreen "$work/none" --tour window --size 64x36
 cmp -s "$work/none/frame-00000.png" "$work/lit.png" && fail 'a walk that bakes without a cache is unlit'
-expect 0 env -u XDG_CACHE_HOME HOME="$work/home" "$program" info $two && quiet
+expect 0 env -u XDG_CACHE_HOME HOME="$work/home" "$program" plan $two -o "$work/plan.svg" && quiet
 [ -d "$work/home/.cache/enfilade" ] || fail 'no cache in HOME'
-expect 0 env XDG_CACHE_HOME=relative HOME="$work/home" "$program" info $two && quiet
+expect 0 env XDG_CACHE_HOME=relative HOME="$work/home" "$program" plan $two -o "$work/plan.svg" && quiet
 [ ! -e relative ] || fail 'a relative XDG_CACHE_HOME was used'
 without_cache 3 'file/enfilade: cannot be made: Not a directory' env XDG_CACHE_HOME="$work/file"
 if unshare -rm true 2>/dev/null; then
@@ -245,7 +244,7 @@ if unshare -rm true 2>/dev/null; then
     without_cache 3 'No space left' in_mount size=4k,nr_inodes=2 "$work/still" env XDG_CACHE_HOME="$work/still"
     cp "$work"/home/.cache/enfilade/* "$work/still/enfilade"
     read_only() { unshare -rm bash -c 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"' mount "$@"; }
-    expect 0 read_only "$work/still" env XDG_CACHE_HOME="$work/still" "$program" info $two && quiet
+    expect 0 read_only "$work/still" env XDG_CACHE_HOME="$work/still" "$program" plan $two -o "$work/plan.svg" && quiet
 fi
 
 # What is no regular file is refused at once, wherever it is named; standard input, too.

@@ -42,7 +42,8 @@ try() {
     rm -f "$work/x"
 }
 
-try info $maps/house.sh3d
+try info $maps/two-rooms.plan
+try vis $maps/house.sh3d -o "$work/new/x"
 try vis $maps/two-rooms.plan -o "$work/new/x"
 try bake $maps/two-rooms.plan --element 2 --refine 0 --shots 3 -o "$work/new/x"
 "$program" bake $maps/two-rooms.plan --element 2 --refine 0 --shots 3 -o "$work/light.rad" >/dev/null 2>&1

@@ -155,14 +155,14 @@ def generic_table(name, columns, keep=lambda row: True):
 
 
 def bake_table():
-    head = ["building", "options", "elements", "patches", "shots", "rows of form factors", "polygons in light", "wall, s", "CPU, s", "peak, MB"]
+    head = ["building", "options", "elements", "patches", "shots", "polygons in light", "wall, s", "CPU, s", "peak, MB"]
     lines = []
     for name in ("bake-default", "bake-depth", "bake-none", "bake-house", "bake-hillside", "bake-hillside-off"):
         r = record(name)
         arguments = RUNS[name]
         options = " ".join(f"`{a}`" for a in arguments[4:] if a != "--json") or "defaults"
         lines.append([plain(arguments[1]), options.replace("` `", " "), number(r["elements"]), number(r["patches"]), number(r["shots"]),
-                      number(r.get("rows_made", r.get("rows", ""))), number(r["polygons"]), number(r["wall_s"], 2), number(r["cpu_s"], 2),
+                      number(r["polygons"]), number(r["wall_s"], 2), number(r["cpu_s"], 2),
                       number(r["peak_mb"])])
     return table(head, lines)
 

@@ -1,5 +1,5 @@
-// bench_rooms.c - what a shot costs as a building grows, with each culling: the same rooms, 10 to 1,000 of them
-// (build/generate rooms-N). Culled, it should depend on what is in view alone.
+// bench_rooms.c - the time of a shot as a building grows, with each culling: the same rooms, 10 to 1,000 of them
+// (build/generate rooms-N). With culling, the time should depend on the visible part alone.
 // Times are of the thread's own work, on a busy machine too.
 #include <stddef.h>
 #include <stdio.h>
@@ -14,9 +14,10 @@
 static const char HEAD[] = "building,rooms,cells,polygons,elements,method,culling,shots,ms_a_shot,ms_a_look,"
                            "faces_drawn,elements_drawn\n";
 
-// Each row of the table takes so many shots, or as many as there is time for, in several passes of which the quickest counts.
-enum { SHOTS = 500, PASSES = 5 };
-static const double LONGEST_PASS = 1, LONGEST = 2;  // seconds
+// Each row of the table takes so many shots, whose counts are therefore the same on every machine; the quickest of several passes
+// counts, of which none begins after so many seconds.
+enum { SHOTS = 500, PASSES = 5, TRIES = 1000 * SHOTS };
+static const double LONGEST = 2;
 
 typedef struct RoomsBench {
     const char *file;
@@ -44,7 +45,7 @@ static Pass run_pass(const RoomsBench *b, Culling culling, uint64_t seed) {
     Pass pass = {0};
     FormFactorWork before = form_factor_work(b->rows);
     double begin = clock_thread_seconds();
-    while (pass.shots < SHOTS && clock_thread_seconds() - begin < LONGEST_PASS) {
+    for (int tries = 0; pass.shots < SHOTS && tries < TRIES; tries++) {
         const Patch *p = &b->mesh.patches[random_index(&random, b->mesh.patch_count)];
         if (p->cell < 0) continue;
         double at = clock_thread_seconds();

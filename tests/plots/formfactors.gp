@@ -21,7 +21,7 @@ do for [format in "svg png"] {
     if (format eq "png") { set terminal pngcairo size 1000,560 font 'DejaVu Sans,10' background '#ffffff' }
     set output sprintf('%s.%s', out, format)
     plot csv every ::1 using ($14 == 1 ? $6 : NaN):8 smooth unique with lines lw 6 lc rgb '#f0d890' title 'Pareto front', \
-        for [m=1:7] csv every ::1 using (of(m, 'portals', $6)):8 with linespoints pt int(word(marks, m)) ps 1 lc rgb word(colours, m) title word(methods, m), \
+        for [m=1:7] csv every ::1 using (of(m, 'stab', $6)):8 with linespoints pt int(word(marks, m)) ps 1 lc rgb word(colours, m) title word(methods, m), \
         for [m=1:2] csv every ::1 using (of(m, 'depth', $6)):8 with linespoints dt 3 pt int(word(marks, m)) ps 0.7 lc rgb word(colours, m) title word(methods, m).', by depth alone', \
         for [m=1:words(methods)] csv every ::1 using (of(m, 'none', $6)):8 with linespoints dt 2 pt int(word(marks, m)) ps 0.7 lc rgb word(colours, m) title (m < 8 ? word(methods, m).', not culled' : word(methods, m))
     unset output

@@ -3,8 +3,8 @@
 # usage: gnuplot -e "csv='build/bench/rooms.csv'; out='build/pictures/rooms'" tests/plots/rooms.gp
 # writes OUT.svg and OUT.png
 set datafile separator ','
-cullings = "none depth cells plan portals"
-titles = '"nothing culled" "by depth alone" "cell-to-cell" "stab tree in plan" "stab tree, portals clipped"'
+cullings = "none depth cells plan stab"
+titles = '"nothing culled" "by depth alone" "cell-to-cell" "stab tree in plan" "stab tree"'
 colours = "#909090 #208040 #d08020 #3080c0 #b02020"
 marks = "7 11 9 5 13"
 # A row's figure where it is of the buildings and the culling, by the hemisphere; else nothing.

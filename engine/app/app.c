@@ -14,7 +14,8 @@
 
 // ---- the process
 
-// Else the first files that are opened would take their places, and get what is printed. What is printed to a closed one fails.
+// Opens each standard stream that is closed. Otherwise the first files that are opened would take the place of the stream, and get
+// the text that is printed. Printing to a stream opened here fails.
 static void open_standard_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
@@ -116,7 +117,7 @@ bool app_load(const char *path, const SceneOptions *options, Arena *arena, Loade
     return good;
 }
 
-// Doors are all that a person passes, doorways without a leaf among them.
+// Every opening that a person can pass counts as a door, doorways without a leaf included.
 static int count_joined(const Building *b) {
     int joined = 0;
     for (int i = 0; i < b->opening_count; i++) {

@@ -7,7 +7,7 @@
 
 #include "engine/core/file.h"
 
-// How far a point may lie off a face, metres: what is left of decimals written by hand.
+// How far a point may lie off a face, metres: the rounding error of coordinates written by hand.
 static const double ON_FACE = 1e-4;
 // And how far its normal may lean from the face's: the cosine of a degree and a half.
 static const double SAME_WAY = 0.9997;

@@ -22,8 +22,8 @@ bool bake_probe_parse(const char *text, Arena *arena, Probes *out, Error *error)
 // A file of them, a line each, numbers with commas or spaces between; `#` begins a remark. Of a .quads file, its points.
 bool bake_probes_read(const char *path, Arena *arena, Probes *out, Error *error);
 
-// Gathers what each point sees, by an exact row of its own: of the light that arrives at a point, a sliver of a lamp in a
-// doorway's corner may be a third.
+// Gathers the light of the elements that each point sees, by an exact row of form factors for each point: a sliver of a lamp in a
+// doorway's corner may give a third of the light that arrives at a point.
 void bake_probes_gather(const GatherScene *scene, Probes *probes);
 
 void bake_probes_print(const Probes *probes);  // x y z nx ny nz HR HG HB BR BG BB, a line each

@@ -33,21 +33,21 @@ typedef struct BakeArguments {
     const char *probe_file;
 } BakeArguments;
 
-// ---- a bake from a building's file to a .rad or .glb file: cells and stab trees, mesh, shooting, what to say of it.
+// ---- a bake from a building's file to a .rad or .glb file: cells and stab trees, mesh, shooting, report.
 
 // A share of light that escapes of less than this is rounding at the seams, not an open building.
 static const double OPEN = 1e-6;
 
-enum { MOST_NOTES = 5 };  // of what the reader changed or left out
+enum { MOST_NOTES = 5 };  // on parts of the building that the reader changed or left out
 
 typedef struct Bake {
     const BakeArguments *a;
     LoadedScene scene;
     float *doors;  // [opening_count]
     Mesh mesh;
-    FineMesh *fine;  // with what stand-ins of `mesh` are for; NULL: not asked for yet
+    FineMesh *fine;  // `mesh` with the fine polygons that its stand-ins replace; NULL: not asked for yet
     RadSolution solution;
-    RadSolution shown;  // on it
+    RadSolution shown;  // on `fine`
     RadOptions rad;     // as asked for, or as fits the mesh
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
@@ -151,7 +151,7 @@ static bool report_timed(void *context, const char *stage, double done) {
     return !timed->over;
 }
 
-// At all nodes, of what was shot now: what an earlier run gathered is of the past.
+// Gathers light at all nodes from the present shooting. Light that an earlier run gathered is out of date.
 static void gather_nodes(Bake *bake, Arena *arena) {
     bake->solution.node = NULL;
     bake->solution.node_count = 0;
@@ -270,10 +270,10 @@ static void print_facts(json_t *facts) {
     json_decref(facts);
 }
 
-// Patches in no cell that light reaches all the same, where that is more than what goes to and fro between two faces that touch,
-// of a wardrobe's back and of the wall behind.
+// The number of patches in no cell that light reaches all the same. 0 where their light is no more than the light that goes to and
+// fro between two faces that touch, such as a wardrobe's back and the wall behind it.
 static int lost_in_light(const Bake *bake) {
-    static const double BETWEEN = 1e-4;  // of all that is emitted; in homes it is some millionths
+    static const double BETWEEN = 1e-4;  // share of all emitted light; in homes some millionths of it
     int lost = 0;
     double power = 0;
     for (int p = 0; p < bake->mesh.patch_count; p++) {
@@ -324,8 +324,8 @@ static void print_bake(Bake *bake) {
     print_warnings(bake);
 }
 
-// Meshes and what is solved on them are made and let go one after the other: their memory is kept for the next, as to ask the
-// system for it takes longer than to fill it.
+// Meshes and their solutions are made and freed one after the other. The process keeps their memory for the next one, since it
+// takes longer to get memory from the system than to fill it.
 static void keep_memory(void) {
     mallopt(M_MMAP_THRESHOLD, 64 << 20);
     mallopt(M_TRIM_THRESHOLD, 128 << 20);

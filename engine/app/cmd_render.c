@@ -30,7 +30,7 @@ typedef struct RenderArguments {
 
 // Where neither the command nor a view of the building says, radians.
 static const double USUAL_FOV = 70 * (M_PI / 180);
-// An eye and what it looks at are at least so far apart, metres.
+// The eye and the point that it looks at are at least so far apart, metres.
 static const double NEAREST_LOOK = 1e-6;
 
 typedef struct Render {
@@ -111,9 +111,9 @@ static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *
     return good;
 }
 
-// ---- what lamps send straight
+// ---- direct light of the lamps
 
-// Found in the cache, or made as the bake does it and kept there. One that was made on another mesh is made anew.
+// The direct light is found in the cache, or made as the bake makes it and kept there. Light from another mesh is made anew.
 static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
                        Error *error) {
     Error reason;

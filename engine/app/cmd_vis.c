@@ -299,7 +299,7 @@ static void print_vis(const Arguments *a, const LoadedScene *scene) {
            scene->cells_seconds, scene->trees_seconds);
 }
 
-// Storing is all that this command is for.
+// The only purpose of this command is to store the stab trees, so it fails where they cannot be stored.
 static bool check_place(Arguments *a, Arena *arena, Error *error) {
     Error reason;
     if (a->out) return app_check_files(&a->out, 1, &a->file, 1, &a->load, error);

@@ -186,7 +186,7 @@ static bool material_emits(const Material *m) { return m->emission.r + m->emissi
 
 static json_t *rgb(Rgb c) { return json_pack("[f f f]", (double)c.r, (double)c.g, (double)c.b); }
 
-// Light is in the vertices: unlit, white. What the surface is made of is told apart.
+// The light is in the vertices, so the material is unlit and white. `extras` holds the reflectance and emission of the surface.
 static int export_material(Export *e, int index, ExportLook look) {
     int *known = &e->material[index * EXPORT_LOOKS + (int)look];
     if (*known >= 0) return *known;
@@ -398,7 +398,7 @@ static int export_mesh(Export *e, const ExportTree *tree, const ExportNode *node
 // ---- nodes: z up, as buildings are; the root turns it to y up
 
 static const double ASPECT = 16.0 / 9;  // of cameras: Viewpoint.fov is across
-static const double NEAREST = 0.05;     // metres from a camera to what is drawn
+static const double NEAREST = 0.05;     // metres from a camera to the nearest drawn point
 static const double TURN = 0.70710678118654752;
 
 static json_t *vector(double x, double y, double z) { return json_pack("[f f f]", x, y, z); }
@@ -464,8 +464,8 @@ static int export_nodes(Export *e, const ExportTree *tree, json_t *nodes, json_t
 
 // ---- the document
 
-// The logarithmic mean of what does not emit, each place by the light that leaves it, made MIDDLE (Reinhard, Stark, Shirley &
-// Ferwerda 2002).
+// The factor that brings the logarithmic mean of the radiosity to MIDDLE (Reinhard, Stark, Shirley & Ferwerda 2002). The mean
+// is over the elements that do not emit, each weighted by the light that leaves it.
 static double find_exposure(const Mesh *mesh, const RadSolution *solution) {
     double power = 0, logs = 0;
     for (int i = 0; i < mesh->element_count; i++) {

@@ -1,5 +1,5 @@
-// bench_collision.c - a body that walks at random through each building while its doors move: what a step costs, how many
-// walls it looks at against all there are (Oki 3.2), and whether it ever is where it may not be.
+// bench_collision.c - a body that walks at random through each building while its doors move: the time of a step, the
+// number of walls that a step looks at against all walls (Oki 3.2), and whether the body is ever where it may not be.
 #include <stddef.h>
 #include <stdio.h>
 

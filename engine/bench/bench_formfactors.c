@@ -2,8 +2,8 @@
 // against a great many independent random rays.
 //
 // The error is L1 = sum |F - F_ref| over all elements, the mean of the shooters: patches spread evenly over the mesh. Times
-// are of one thread, the look at what is in view included (rays need none); the least of several passes for each shooter, so
-// that what else the machine does shows little.
+// are of one thread, the search for visible faces included (rays need none). For each shooter the least time of several
+// passes counts, so that other work of the machine disturbs it little.
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -215,7 +215,7 @@ static void add_formfactors_row(const ShotBench *b, const Run *run, Text *table)
                 (double)run->work.tests / n, b->reference.rays, on_front(b, run));
 }
 
-// ---- what to run
+// ---- runs
 
 static void add_runs(ShotBench *b, const FormFactorMethod *method, const char *hidden, Culling culling,
                      Arena *arena) {

@@ -1,9 +1,9 @@
 // bench_hidden.c - hidden-surface methods side by side: the table of T. Nishita's lecture on hidden-surface removal (100, 2,500
-// and 60,000 polygons) at a fixed depth complexity, what depth complexity and resolution cost, small triangles, and
-// real buildings, culled and not.
+// and 60,000 polygons) at a fixed depth complexity, the time as depth complexity and as resolution grow, small triangles,
+// and real buildings, culled and not.
 //
 // Times are of one thread, the least of several draws of each view, and their mean over the views; preparing a scene is told
-// apart. What differs from the ray caster's picture is counted.
+// apart. The pixels that differ from the ray caster's picture are counted.
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -328,7 +328,7 @@ static const struct {
     double slope;
 } LECTURE[] = {{"depth-sort", 1.23}, {"zbuffer", 0}, {"scanline", 0.49}, {"warnock", 0.49}};
 
-static const double DEPTH = 4;         // complexity, where it is not what changes
+static const double DEPTH = 4;         // complexity, where it does not vary
 enum { SIZE = 512, POLYGONS = 2500 };  // alike
 
 static double lecture_slope(const char *method) {

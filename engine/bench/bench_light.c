@@ -1,4 +1,4 @@
-// bench_light.c - how right the light of a bake is, and what that costs: at random points, against path tracing, by ways to bake.
+// bench_light.c - the error of the light of a bake at random points, against path tracing, and its time, for several ways to bake.
 //
 // Errors are relative to the irradiance, or to a hundredth of the mean of all points where that is more; the last of each three also
 // to the mean.
@@ -57,7 +57,7 @@ typedef struct LightScene {
     LightPoints points;
 } LightScene;
 
-// How to bake, and what came of it.
+// The options of a bake, and its results.
 typedef struct LightBake {
     MeshOptions options;
     AdaptOptions adapt;
@@ -66,14 +66,14 @@ typedef struct LightBake {
     Mesh mesh;
     RadSolution solution;
     RadReport report;
-    const FineMesh *fine;  // what is shown, and its light
+    const FineMesh *fine;  // the mesh that is shown; `shown` is its light
     RadSolution shown;
     double mesh_seconds, seconds;  // all is `seconds`
     double work_seconds;           // of all threads
 } LightBake;
 
-// Compared with the truth are the light that a point gathers, as `bake --probe` does, and the solution itself where
-// the point lies, (B - E) / rho, of the element there and between its corners, which is what a walk shows.
+// Three values are compared with the truth: the light that a point gathers, as by `bake --probe`; and the solution itself at
+// the point, (B - E) / rho, once from the element there and once between its corners, which a walk shows.
 enum { LIGHT_GATHERED, LIGHT_OF_ELEMENT, LIGHT_BETWEEN_CORNERS, LIGHT_COMPARED };
 extern const char *const LIGHT_COMPARED_NAMES[LIGHT_COMPARED];
 
@@ -131,8 +131,8 @@ static int element_up_to(const double *up_to, int count, double at) {
     return low;
 }
 
-// Evenly over the fronts of what stands in rooms, by area, but where backs alone are before them, or another front lies against
-// them: nobody sees that. Fails where there are none.
+// Chooses points evenly, by area, over the fronts of surfaces in rooms, but not at places that nobody sees: where only backs are
+// before the front, or another front lies against it. Fails where there are no such places.
 static bool light_points_choose(const Mesh *mesh, int count, uint64_t seed, Arena *arena, LightPoints *out,
                                 Error *error) {
     Arena scratch = {0};
@@ -258,7 +258,7 @@ static void light_bake_defaults(const LightScene *scene, LightBake *out) {
     memcpy(out->adapt.sky, scene->arguments->sky, sizeof out->adapt.sky);
 }
 
-// At all vertices: what is between corners then tells.
+// Gathers light at all vertices: then the value between corners shows the quality of the final gather.
 static void gather_vertices(const LightScene *s, LightBake *bake, Arena *arena) {
     Arena scratch = {0};
     VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
@@ -294,7 +294,7 @@ static bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error
 
 // ---- errors
 
-// Irradiance from what is reflected; channels that are not count as right.
+// The irradiance, from the reflected light. Channels that the material does not reflect count as right.
 static double irradiance_of(const LightPoint *p, const Material *m, const double b[3]) {
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
     const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
@@ -370,10 +370,10 @@ typedef struct ErrorPicture {
 
 // Roots of mean squares over the pixels, percent.
 typedef struct ErrorPictureFound {
-    double rms, noise;  // of what is shown; of that, the standard error of the truth
+    double rms, noise;  // of the shown light against the truth; of the standard error of the truth
 } ErrorPictureFound;
 
-// Ends of the scale, relative: what is farther off looks as if it were so far.
+// The ends of the scale, relative: a greater error looks like an error of this size.
 static const double ENDS = 0.2;
 // 4,084 walks a pixel leave a few per cent of noise. A path tracer's query takes eight times as many to know its own error.
 enum { BLOCKS = 4 };
@@ -416,7 +416,7 @@ static void look_through_pixels(const ErrorPicture *e, const Camera *camera, con
             path_scene_trace(scene, vec3_sub(camera->eye, path_scene_origin(scene)), vec3_normalize(along));
         if (hit.face < 0 || !hit.front || mesh_emits(e->mesh, hit.face)) continue;
         double shown = shown_at(e, &field, hit.face, vec3_add(hit.point, path_scene_origin(scene)));
-        if (shown < 0) continue;  // reflects nothing in some channel: what arrives there is not shown
+        if (shown < 0) continue;  // no reflection in some channel: its irradiance is not shown
         p->pixel[p->seen] = i;
         p->shown[p->seen] = shown;
         p->place[p->seen++] =
@@ -483,7 +483,7 @@ static unsigned hex_of(Rgb c) {
     return (unsigned)v[0] << 16 | (unsigned)v[1] << 8 | v[2];
 }
 
-// A bar from what is too dark to what is too bright, its numbers below.
+// Draws a bar from too dark to too bright, with numbers below.
 static bool write_legend(const char *folder, Error *error) {
     enum { WIDTH = 480, STEPS = 80, TICKS = 4 };
     Arena arena = {0};
@@ -671,7 +671,7 @@ static double truth_error(const LightPoints *points, int *dark) {
     return 100 * sqrt(sum / points->count);
 }
 
-// ---- what is written
+// ---- tables
 
 static void print_worst(const LightScene *s, const LightWay *way, int what, const double *off) {
     enum { WORST = 3 };
@@ -803,19 +803,20 @@ const Bench BENCH_LIGHT = {
     .files = BENCH_LIT_FILES,
 };
 
-// ---- what adaptive meshes save: elements against error, from coarse to fine, of even meshes, of even ones that are cut
-// where things stand on their faces, and of those that are cut and as fine as their light asks; and how many elements an even
-// mesh would need for the same error.
+// ---- the elements that adaptive meshes save: elements against error, from coarse to fine, for three kinds of meshes: even meshes,
+// even meshes that are cut where objects stand on their faces, and cut meshes that are as fine as their light requires; and how
+// many elements an even mesh would need for the same error.
 //
-// The error is that of the field: the root of the mean square, over all surfaces, of what the irradiance is off, of its mean
-// (against path tracing at random points, evenly by area). Of what elements hold, of what is shown between their corners, and of
-// what the first points gather.
+// The error is that of the field: the root of the mean square, over all surfaces, of the error of the irradiance, relative to the
+// mean irradiance (against path tracing at random points, evenly by area). It is measured for the light of the elements, for the
+// light between their corners, which is shown, and for the light that the first points gather.
 
 static const char MESHES_HEAD[] =
     "building,mesh,element_m,elements,patches,mesh_seconds,bake_seconds,element_rms,vertex_rms,gather_rms,"
     "of_even_element,of_even_vertex,of_even_gather,points,points_gathering,truth_error\n";
 
-// Edges of elements, of what fits the building. Even meshes go on to where the others' errors are.
+// Edges of elements, relative to the edge that fits the building. Even meshes go on to finer elements, so that their errors come
+// down to those of the other kinds.
 static const double SCALES[] = {4, 2.8, 2, 1.4, 1, 0.7};
 enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES, MOST_GATHERING = 100 };
 

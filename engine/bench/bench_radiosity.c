@@ -1,5 +1,5 @@
 // bench_radiosity.c - the tables of the papers again, on scenes of their sizes and by methods as they describe them: Shudo,
-// Murata & Matsuyama (Oki), table 1, what culling saves; Doi & Itoh, tables 1 and 2, the hemisphere base against the
+// Murata & Matsuyama (Oki), table 1, the time that culling saves; Doi & Itoh, tables 1 and 2, the hemisphere base against the
 // hemicube. Beside them, the same shots by the methods of today. Machines differ by a factor of thousands: only ratios can be
 // compared.
 #include <math.h>
@@ -173,7 +173,7 @@ static const char HEAD[] =
 // Oki's sizes.
 enum { OKI_ELEMENTS = 76612, OKI_SHOTS = 100, RESOLUTION = 100, MOST_ROOM_FACES = 64 };
 
-// ---- what all tables measure
+// ---- the measurements of all tables
 
 typedef struct Shots {
     const char *table, *building, *method, *culling;

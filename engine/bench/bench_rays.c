@@ -1,5 +1,5 @@
-// bench_rays.c - `enfilade bench rays`: what a ray costs that hits a curved shape, and one that misses; of patches by each
-// method, and what each misses or makes up.
+// bench_rays.c - `enfilade bench rays`: the time of a ray that hits a curved shape, and of a ray that misses it; for patches
+// by each method, with the numbers of roots that the method misses or makes up.
 //
 // Rays come from three sizes away and pass through the shape's bounds. Times are the least of several rounds, of all methods
 // in turn. The truth is every root that any method finds and Newton's steps confirm, but for those of grazing rays, which

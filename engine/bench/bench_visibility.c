@@ -1,6 +1,6 @@
-// bench_visibility.c - the cell-to-cell methods side by side: what each costs, and how far it lies above a lower bound of
-// what is visible. The bound is made here, of what shares nothing with the methods: sampled sightlines, a .seen file
-// beside the building, and the sightlines of the methods themselves as far as they hold when walked again.
+// bench_visibility.c - the cell-to-cell methods side by side: the time and memory of each, and how far its set of pairs
+// exceeds a lower bound of the visible pairs. The bound is made here from sources that share nothing with the methods:
+// sampled sightlines, a .seen file beside the building, and the methods' own sightlines if they hold when walked again.
 //
 // Every run has a process of its own: peak memory is the run's, and no thread is left over from an earlier one.
 #include <errno.h>
@@ -29,7 +29,7 @@
 
 typedef struct PeerRun {
     double cpu_seconds, wall_seconds;
-    double peak_mb;  // at least what this process holds when it starts the program
+    double peak_mb;  // at least the memory that this process holds when it starts the program
     uint64_t
         *seen;  // as PairSet.seen, but as the program left it: neither symmetric nor with its diagonal set
     int cell_count;
@@ -38,7 +38,7 @@ typedef struct PeerRun {
 enum { VERSION = 29, LUMPS = 15, ENTITIES = 0, TEXTURES = 2, VISIBILITY = 4, LEAVES = 10, MODELS = 14 };
 enum { LEVEL_HEAD = 4 + 8 * LUMPS, LEAF_SIZE = 28, MODEL_SIZE = 64 };
 enum { CONTENTS_EMPTY = -1, CONTENTS_SOLID = -2, NONE = -1 };
-// Where in their records what is not zero stands.
+// The offsets of the numbers that are not zero in their records.
 enum { LEAF_ROW = 4, MODEL_HEAD_NODES = 36, MODEL_LEAVES = 52 };
 static const char ENTITY_TEXT[] = "{\n\"classname\" \"worldspawn\"\n}\n";
 
@@ -104,7 +104,8 @@ static bool unpack(Bytes packed, size_t from, int cell_count, uint64_t *row) {
     return true;
 }
 
-// The leaves that each leaf of such a level sees once it was compiled, as PairSet.seen. Refuses a level without visibility.
+// Reads the leaves that each leaf of a level from bsp29_make sees, as PairSet.seen, after the level was compiled. Refuses a level
+// without visibility.
 static bool bsp29_read_seen(const char *path, int cell_count, Arena *arena, uint64_t **rows, Error *error) {
     enum { LIMIT = 1 << 30 };
     Bytes content, leaves, packed;
@@ -187,7 +188,8 @@ static bool run_compiler(const char *program, int threads, const char *folder, A
 
 static void remove_folder(void *folder) { nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS); }
 
-// In a new folder, so that nothing of an earlier run is found there. Fails with a sentence on what the program said.
+// Runs the program in a new folder, so that it finds no files of an earlier run. Fails with a sentence that holds the program's
+// message.
 static bool peer_run(const char *program, const char *file, int threads, Arena *arena, PeerRun *out,
                      Error *error) {
     Bytes portals;
@@ -214,7 +216,7 @@ typedef struct ApartUsage {
     double peak_mb;
 } ApartUsage;
 
-// Zeroed memory that such a process and this one both see. Exits when there is none.
+// Returns zeroed memory that this process and the one of apart_run both see. Exits when there is none.
 static void *apart_memory(size_t size) {
     void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory != MAP_FAILED) return memory;
@@ -223,8 +225,8 @@ static void *apart_memory(size_t size) {
 
 static void apart_memory_free(void *memory, size_t size) { munmap(memory, size); }
 
-// Runs `work` in a copy of this process and waits for its end; what it leaves in shared memory is all that comes back.
-// This process must not have run threads before: they would be missing in the copy. `what` is for messages.
+// Runs `work` in a copy of this process and waits for its end; only results in shared memory come back. This process must
+// not have run threads before: they would be missing in the copy. `what` is the name of the work in messages.
 static bool apart_run(void (*work)(void *context), void *context, const char *what, Error *error) {
     fflush(NULL);  // or the copy would write it again
     pid_t child = fork();
@@ -326,7 +328,7 @@ static void free_run(const FileBench *b, MethodRun *run) {
     apart_memory_free(run, sizeof *run);
 }
 
-// Times are taken without witnesses, as compilers work; a third run tells what can be proven.
+// Times are taken without witnesses, as compilers work; a third run finds the pairs that can be proven.
 static bool run_methods(FileBench *b, Error *error) {
     int cells = b->scene.graph.cell_count;
     for (int i = 0; i < b->method_count; i++) {
@@ -417,7 +419,7 @@ static void print_miss(const FileBench *b, const char *method, const PairFigures
     fputc('\n', stderr);
 }
 
-// The columns on pairs: of a set as it is, and of what is left when both cells of a pair must see each other.
+// The columns on pairs: for a set as it is, and for the pairs that remain when both cells of a pair must see each other.
 static void add_pairs(const FileBench *b, const char *method, const uint64_t *seen, Text *row) {
     Arena scratch = {0};
     int cells = b->scene.graph.cell_count;

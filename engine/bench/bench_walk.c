@@ -14,7 +14,7 @@ typedef struct Sums {
     int frames;
 } Sums;
 
-// A building and what looks at it.
+// A building, the tour of it, and the query and renderer that show it.
 typedef struct Watch {
     LoadedScene scene;
     TourPath path;
@@ -23,7 +23,7 @@ typedef struct Watch {
     int cell;  // of the last eye
 } Watch;
 
-// Draws one frame; what it took and showed is added to the sums, if there are any.
+// Draws one frame, and adds its times and counts to the sums, if there are any.
 static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling culling, Sums *sums,
                  Error *error) {
     Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->size[0], a->size[1]);
@@ -47,8 +47,8 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling
     return true;
 }
 
-// Frames taken evenly over the tour, each after the one before it in the tour, as a walk shows them: what that left in the
-// caches is part of what the next one costs. The first of all, which has none before it, comes twice.
+// Measures frames taken evenly over the tour, each after the frame before it in the tour, as a walk shows them: the contents of
+// the caches after one frame affect the time of the next. The first frame, which has none before it, is drawn twice.
 static bool measure_culling(Watch *w, const BenchArguments *a, Culling culling, Sums *out, Error *error) {
     *out = (Sums){0};
     int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;

@@ -8,7 +8,7 @@
 
 enum { ALIGNMENT = 64 };
 
-// Under the address sanitizer nobody may touch what was not handed out, nor the gap behind each piece that was.
+// Under the address sanitizer no code may touch memory that was not handed out, nor the gap behind each piece that was.
 #ifdef __has_feature
 #if __has_feature(address_sanitizer)
 #define __SANITIZE_ADDRESS__ 1

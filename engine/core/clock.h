@@ -11,7 +11,7 @@ static inline double clock_seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-// Seconds that the calling thread has worked: what others do on the machine counts less.
+// Seconds that the calling thread has worked: other programs on the machine disturb this time less.
 static inline double clock_thread_seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

@@ -1,4 +1,4 @@
-// error.h - one sentence that says where, what was found and what is allowed.
+// error.h - one sentence that names the place of an error, the value that was found and the values that are allowed.
 #ifndef CORE_ERROR_H
 #define CORE_ERROR_H
 

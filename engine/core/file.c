@@ -383,7 +383,7 @@ static bool write_all(int fd, const char *data, size_t size) {
 }
 
 static bool write_whole(const char *path, const void *data, size_t size, Error *error) {
-    // A file system may make files without names and yet refuse to name them. What else fails fails again.
+    // A file system may make files without names and yet refuse to name them. Any other failure occurs again on the second try.
     for (int named = 0; named < 2; named++) {
         FileDraft draft;
         if (!begin_draft(path, named, &draft, error)) return false;

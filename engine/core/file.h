@@ -14,7 +14,7 @@ typedef struct Bytes {
     size_t size;
 } Bytes;
 
-// Fails on a missing or unreadable file, on one of more than `limit` bytes, and, without waiting, on what is no regular file.
+// Fails on a missing or unreadable file, on a file of more than `limit` bytes, and, without waiting, on all but regular files.
 bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error);
 
 // Writes beside `path`, flushes to disk and renames: an earlier file survives any failure. A symbolic link stays, and the file
@@ -29,15 +29,15 @@ bool file_check(const char *path, size_t size, Error *error);
 // Are both the same file, or would they be?
 bool file_same(const char *a, const char *b);
 
-// A file while it is written, for those who write piece by piece: it has no name, or, where the file system knows only files with
-// names, one beside its own. What a killed program leaves under that name goes when the same path is written again.
+// A file while it is written, for callers that write piece by piece. The file has no name, or, where the file system knows only
+// files with names, a name beside its own. A file that a killed program leaves under that name goes when the path is written again.
 enum { FILE_LONGEST_PATH = 4096 };  // as the system takes, with a zero
 typedef struct FileDraft {
     int fd;
     const char *path;                // as given
     char target[FILE_LONGEST_PATH];  // with links followed
     char beside[FILE_LONGEST_PATH];  // the name until it is kept; "": none
-    bool stream;                     // a device or a pipe: what is written has left
+    bool stream;                     // a device or a pipe: bytes that were written cannot be taken back
 } FileDraft;
 bool file_begin(const char *path, FileDraft *out, Error *error);
 bool file_keep(FileDraft *draft,
@@ -52,8 +52,8 @@ bool file_cache_folder(Arena *arena, char **path, Error *error);
 
 uint64_t file_hash(const void *data, size_t size, uint64_t seed);  // XXH3, 64 bits
 
-// ---- files that are made from a building and can be made again (.vis, .rad): how each begins, and what is refused before its
-// contents are looked at
+// ---- files that are made from a building and can be made again (.vis, .rad): how each file begins, and which files are refused
+// before their contents are looked at
 //
 // A header that begins with a DerivedHead, then a body, in the machine's own byte order. A file is read in two steps, since the
 // length of the body stands in the header: derived_read, the caller's look at its header, derived_check_body.
@@ -63,8 +63,8 @@ typedef struct DerivedHead {
     char magic[8];
     uint32_t version, byte_order;
     uint64_t building;  // hash of the building's file
-    uint64_t geometry;  // hash of what the body's numbers belong to: the caller's to compute and to compare
-    uint64_t body;      // checksum of all that follows the header
+    uint64_t geometry;  // hash of the geometry to which the body belongs; the caller computes and compares it
+    uint64_t body;      // checksum of all bytes that follow the header
 } DerivedHead;
 
 // A format of derived files.
@@ -76,8 +76,8 @@ typedef struct DerivedKind {
     size_t largest;  // bytes of a file that is read
 } DerivedKind;
 
-// Zeroed memory for a file of this kind, for memory_free. NULL, with a sentence, where there is none: what took hours to make is
-// not lost for lack of memory to store it.
+// Returns zeroed memory for a file of this kind, to be freed by memory_free. Returns NULL, with a sentence, where there is none: a
+// result that took hours to make is not lost for lack of memory to store it.
 unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error);
 
 // Fills the DerivedHead of a file that is complete but for it, and writes the file.

@@ -33,8 +33,8 @@ HEAP_INLINE void heap_rise(const Heap *heap, int at, const void *item) {
     heap_put(heap, at, item);
 }
 
-// The item takes the place of the first of `count`, and sinks. The hole sinks to the end, and the item comes up from there: the
-// last of a heap, which is what most often comes in so, has seldom far to go.
+// The item takes the place of the first of `count` items, and sinks. The hole sinks to the end, and the item rises from there: most
+// often the item is the last one of the heap, which seldom rises far.
 HEAP_INLINE void heap_replace_first(const Heap *heap, int count, const void *item) {
     int at = 0, child = 1;
     for (; child + 1 < count; child = 2 * at + 1) {

@@ -1,6 +1,6 @@
-// lanes.h - eight floats, or four doubles, at a time, by the vector extensions of GCC and clang; by name the operations for which
-// those have no word. A comparison gives a mask: all bits or none. Doubles are for what floats are too rough for, and for lists of
-// which eight lanes would mostly stay empty.
+// lanes.h - eight floats, or four doubles, at a time, by the vector extensions of GCC and clang, with functions for the operations
+// that the extensions lack. A comparison gives a mask: all bits or none. Doubles are for computations for which floats are too
+// rough, and for short lists that would leave most of eight lanes empty.
 #ifndef CORE_LANES_H
 #define CORE_LANES_H
 
@@ -119,7 +119,7 @@ typedef int32_t FourInt __attribute__((vector_size(16)));
 
 static inline Four four_of(double a) { return (Four){a, a, a, a}; }
 static inline Four four_abs(Four a) { return (Four)((FourMask)a & INT64_MAX); }
-// One by one where there are no such vectors: GCC 12 for aarch64 breaks off on __builtin_convertvector.
+// Without AVX the lanes are converted one by one: GCC 12 for aarch64 breaks off on __builtin_convertvector.
 #ifdef __AVX__
 static inline Four four_from_float(FourFloat a) { return __builtin_convertvector(a, Four); }
 static inline FourFloat four_to_float(Four a) { return __builtin_convertvector(a, FourFloat); }

@@ -1,4 +1,4 @@
-// memory.c - the C library's memory, counted by what it really hands out.
+// memory.c - the C library's memory, counted by the sizes of the blocks that the library really hands out.
 #include "engine/core/memory.h"
 
 #include <fcntl.h>
@@ -15,7 +15,7 @@
 enum { ALIGNMENT = 64 };
 static const size_t MEGABYTE = (size_t)1 << 20;
 
-// One memory a process: what is global here belongs to it.
+// A process has one memory: the global variables here belong to it.
 static atomic_size_t used, peak;
 static atomic_long requests, failing;
 static atomic_bool injected;
@@ -26,7 +26,7 @@ static MemoryBudget budget = {.file = "", .base = SIZE_MAX, .most = SIZE_MAX};
 static size_t bytes_read;  // since then
 static const char *stage = "working";
 static atomic_size_t allowed = SIZE_MAX, most = SIZE_MAX;  // bytes in use
-static atomic_bool exceeded;                               // what is allowed
+static atomic_bool exceeded;                               // the allowed memory was
 static size_t fence_base;  // bytes of data not counted here; 0: no fence stands
 static struct rlimit unfenced;
 
@@ -64,7 +64,7 @@ static void flush_output(void) {
     if (ftrylockfile(stdout) == 0) fflush_unlocked(stdout);
 }
 
-// Never gives back the hold: what other threads find missing too is not said again.
+// Never gives back the hold, so that other threads that also find no memory do not repeat the sentence.
 static _Noreturn void end(const char *sentence) {
     char line[sizeof(Error) + 16];
     int length = snprintf(line, sizeof line, "enfilade: %s\n", sentence);
@@ -87,8 +87,8 @@ static _Noreturn void end_over(void) {
     end(error.text);
 }
 
-// Is it the fence that left no memory, and not the machine, nor a test? Of a library's request neither the size is known nor what
-// it has given back since: it grows what it has by doubling, so it had a quarter of all at least.
+// Did the fence cause the lack of memory, and not the machine, nor a test? For a library's request neither the size is known nor
+// the memory that the library has freed since. Libraries grow a block by doubling it, so the block was at least a quarter of all.
 static bool at_fence(size_t bytes) {
     Process now;
     if (fence_base == 0 || atomic_load(&injected) || !measure_process(&now)) return false;

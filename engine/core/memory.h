@@ -38,14 +38,14 @@ typedef struct MemoryBudget {
     size_t covered,
         per_byte;  // and so many more for each byte that is read from files from now on, after the first `covered`
     size_t most;     // never more than this
-    size_t granted;  // by the user: what a file may ask for by few words grows with it; 0: nothing was said
+    size_t granted;  // by the user: the data that a short file may request grows with it; 0: none was given
     bool gentle;     // more than is allowed is left to memory_within: the program ends beyond `most` only
     bool fence;      // libraries may not take more either: for stages without threads
 } MemoryBudget;
 
 // From now on this one, for the whole program, of which a copy is kept; NULL: none.
 void memory_set_budget(const MemoryBudget *budget);
-void memory_lower_fence(void);             // libraries may take what they want again
+void memory_lower_fence(void);             // libraries may take any amount of memory again
 void memory_set_stage(const char *stage);  // "making cells"; lasts
 void memory_note_read(size_t bytes);       // from a file
 size_t memory_granted(void);

@@ -93,7 +93,7 @@ static int find_ear(const Vec3 *vertices, const int *ring, int left) {
 void polygon_triangulate(const Vec3 *vertices, int count, int *triangle) {
     int ring[256];
     bool small = count <= 256;
-    // Beyond the buffer a fan does: no reader makes such polygons, and a fan is still a triangulation.
+    // A polygon too large for the buffer is cut into a fan: no reader makes polygons so large, and a fan is a triangulation too.
     if (!small) {
         for (int i = 0; i + 2 < count; i++) {
             triangle[3 * i] = 0;

@@ -1,4 +1,4 @@
-// polygon.h - the clippers of convex polygons, points inside rings, and what else is asked of single polygons.
+// polygon.h - the clippers of convex polygons, points inside rings, and other measures of single polygons.
 #ifndef CORE_POLYGON_H
 #define CORE_POLYGON_H
 

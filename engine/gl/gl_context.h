@@ -1,4 +1,4 @@
-// gl_context.h - OpenGL 3.3 in memory (OSMesa), without a window or a display, and what every user of OpenGL needs.
+// gl_context.h - OpenGL 3.3 in memory (OSMesa), without a window or a display, and the functions that every user of OpenGL needs.
 #ifndef ENGINE_GL_CONTEXT_H
 #define ENGINE_GL_CONTEXT_H
 
@@ -7,13 +7,13 @@
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
 
-// One per thread that draws; what is made in one does not exist in another.
+// Each thread that draws has its own context; an object that is made in one context does not exist in another.
 typedef struct GlContext GlContext;
 
 // Becomes current. NULL with the reason when there is no OpenGL 3.3.
 GlContext *gl_context_open(Arena *arena, Error *error);
 bool gl_context_use(GlContext *context, Error *error);  // makes it current
-void gl_context_close(GlContext *context);              // frees all that was made in it; NULL is allowed
+void gl_context_close(GlContext *context);              // frees all its objects; NULL is allowed
 
 // A linked program of the current context, 0 on failure.
 unsigned gl_program(const char *vertex, const char *fragment, Error *error);

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-// An element for every grain of sand: such options are surely a mistake.
+// Options that lead to more elements than this are surely a mistake.
 static const double MOST_ELEMENTS = 30e6;
 
 const char *const BAKE_DOORS_NAMES[BAKE_DOORS] = {"drawn", "open", "closed"};

@@ -6,15 +6,15 @@
 
 #include "engine/core/memory.h"
 
-// While a building is opened: what a file of so many bytes may take, all it refers to included, so that it stays below a gigabyte
-// with all that libraries need; and so much more for each byte beyond. What grows fastest are sets of visible cells, with the
-// square of their number: a plan of 2.6 MB, 60,000 rooms, takes 2.8 GB.
+// The memory that opening a building may take: OPENING_BASE for OPENING_COVERED bytes of files, all files that the building refers
+// to included, so that the program stays below a gigabyte together with the memory of libraries; and OPENING_PER_BYTE for each byte
+// beyond. The sets of visible cells grow fastest, with the square of their number: a plan of 2.6 MB, 60,000 rooms, takes 2.8 GB.
 static const size_t OPENING_BASE = (size_t)768 << 20, OPENING_COVERED = (size_t)1 << 20;
 enum { OPENING_PER_BYTE = 2048 };
 // Share of the machine's memory for work with the building.
 static const double SHARE = 0.75;
 
-// The least of what the machine has and what this process may have of it (cgroups 2 and 1).
+// The lesser of the machine's memory and of the memory that this process may use (cgroups 2 and 1).
 static size_t machine_memory(void) {
     size_t least = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
     const char *const groups[] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"};

@@ -1,14 +1,14 @@
 // body.c - the walking body.
 //
-// A way is cut into pieces. In each a disc is swept in plan against the part of everything solid that is too high to
-// step over and too low to duck under, and slides along what it meets; then the foot goes to the highest thing under
-// the disc within a step. Whatever the sweep made of it, the place is looked at once more before it is taken: so nothing
-// leads into a wall. Cells are left through portals only (Oki 3.2, see obstacles.c).
+// A way is cut into pieces. For each piece a disc is swept in plan against the parts of solids that are too high to step
+// over and too low to duck under, and slides along the solids that it meets; then the foot goes to the highest solid
+// under the disc within a step. Whatever the result of the sweep, the place is checked once more before the body takes it,
+// so that no piece leads into a wall. The body leaves a cell through portals only (Oki 3.2, see obstacles.c).
 #include "engine/sim/body.h"
 
 #include "engine/core/error.h"
 
-// The disc halts this far from what it meets, metres: a hundred times the tolerance, less than shows.
+// The disc halts this far from a solid that it meets, metres: a hundred times the tolerance, too little to be visible.
 static const double SKIN = 1e-4;
 // A piece of a way is no longer than this, metres: half the radius, so that no stair's tread is passed over.
 static const double PIECE = BODY_RADIUS / 2;
@@ -16,8 +16,8 @@ static const double PIECE = BODY_RADIUS / 2;
 static const double MIDDLE = BODY_RADIUS / 2;
 // Pieces of a way shorter than this lead nowhere, metres.
 static const double NOWHERE = 1e-9;
-// It climbs on what it cannot stand on no higher than this over what it can, metres: thresholds, rounded edges. Else it
-// would climb cushions and leaves a hair's breadth at a time.
+// The body climbs a solid that it cannot stand on at most this far above a solid that it can stand on, metres: thresholds,
+// rounded edges. Otherwise it would climb cushions and leaves a hair's breadth at a time.
 static const double ROUGH = 0.05;
 // With its middle over nothing it still rises this much, metres: the rounded back of a chair would hold it by the rim for ever.
 static const double RIM = 0.02;
@@ -76,8 +76,8 @@ static bool is_rough(const Ground *ground, double foot) {
     return ground->support > foot && ground->support > ground->footing + ROUGH;
 }
 
-// How much higher it may step: no more than a step over what is under its middle, so that nobody climbs a bed by its
-// rim. Treads are deeper than the middle is wide.
+// How much higher the body may step: no more than a step above the solid under its middle, so that nobody climbs a bed by
+// its rim. Treads are deeper than the middle is wide.
 static double step_left(const Body *b, const Gathered *g) {
     if (!b->standing) return 0;
     Ground under = ground_at(g, plan_of(b->foot), MIDDLE, b->foot.z, 0);
@@ -128,7 +128,7 @@ static Slide slide(const Gathered *g, Band band, Vec2 from, Vec2 way) {
         Vec2 n = normals[contacts];
         way = vec2_scale(way, 1 - t);
         way = vec2_sub(way, vec2_scale(n, vec2_dot(n, way)));
-        // A crease: what lets it by one wall leads into another.
+        // A crease: the direction that leads past one wall leads into another.
         bool crease = false;
         for (int i = 0; i < contacts; i++) crease = crease || vec2_dot(way, normals[i]) < -NOWHERE * length;
         if (crease) break;
@@ -225,7 +225,7 @@ static void fall(Body *b, BodyWorld *w, double seconds) {
 
 // ---- free places
 
-// Is there room at this place, standing on what is under it?
+// Is there room at this place for a body that stands on the ground under it?
 static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     int cell = vis_locate(w->graph, vec3(foot.x, foot.y, foot.z + BODY_MIDDLE), -1);
     if (cell < 0 || (region >= 0 && w->graph->cells[cell].region != region)) return false;

@@ -1,7 +1,7 @@
 // collision_check.c - is a body where it may be, and did it get there as it may?
 //
-// Each polygon is clipped to the heights that matter and laid on the plan; what is left is asked for its distance from
-// the axis, or for a crossing with its way.
+// Each polygon is clipped to the heights that matter and laid on the plan; the rest of the polygon is tested for its
+// distance from the axis, or for a crossing with the way of the axis.
 #include "engine/sim/collision_check.h"
 
 #include <string.h>
@@ -207,7 +207,7 @@ static bool outside(const CellGraph *graph, Vec3 foot, double height) {
     return false;
 }
 
-// The door whose leaf does to [z0, z1] at a place, or along a way, what may not be; -1.
+// The door whose leaf, within [z0, z1], is too near to a place or crosses a way; -1: none.
 static int door_at_fault(const CollisionCheck *check, const float *door_open, Vec2 from, Vec2 to, double z0,
                          double z1, bool way) {
     const Building *b = check->graph->building;
@@ -249,7 +249,7 @@ CollisionFault collision_check_place(CollisionCheck *check, const float *door_op
     return door >= 0 ? fault(COLLISION_IN_LEAF, door, what) : fault(COLLISION_NONE, -1, what);
 }
 
-// A way at one height: the axis between what it may step over and what it may duck under crosses nothing.
+// A way at one height: the axis, between the highest step and the height of a ducking body, crosses no polygon.
 static CollisionFault check_level(CollisionCheck *check, const float *door_open, Vec3 from, Vec3 to,
                                   int *what) {
     const CellGraph *graph = check->graph;

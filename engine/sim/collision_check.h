@@ -20,8 +20,8 @@ extern const char *const COLLISION_FAULT_NAMES[COLLISION_FAULTS];
 typedef struct CollisionCheck CollisionCheck;
 CollisionCheck *collision_check_new(const CellGraph *graph, Arena *arena);
 
-// A body of this height that stands or falls there. `door_open` as for vis_query. `what` gets a polygon of the graph or
-// an opening, -1 of neither.
+// Checks a body of this height that stands or falls there. `door_open` is as for vis_query. `what` gets a polygon of the
+// graph or an opening, -1 for neither.
 CollisionFault collision_check_place(CollisionCheck *check, const float *door_open, Vec3 foot, double height,
                                      int *what);
 // One straight piece of the way of a foot, upright or level.

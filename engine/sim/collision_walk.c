@@ -23,7 +23,7 @@ typedef struct FloodRules {
 
 typedef struct FloodPlace {
     Vec3 foot;
-    double middle;  // the height of what carries the middle of the disc
+    double middle;  // the height of the polygon that carries the middle of the disc
     double ceiling;
     int link[4];  // the place that a step along +x, +y, -x, -y leads to, -1 none
     int next;     // of the same column, -1 none
@@ -38,8 +38,9 @@ typedef struct CollisionFlood {
 
 // ---- every place of a plan grid that can be reached by foot.
 //
-// Breadth first. A place is taken when no polygon comes over or under a disc about it between what is stepped over and
-// what is ducked under; for the disc stands a regular polygon about it, by which upright and sloping polygons are cut.
+// The search is breadth first. A place is taken when, between the height of a step and the headroom of a ducking body, no
+// polygon lies over or under a disc around the place. A regular polygon around the disc stands in for it, and upright and
+// sloping polygons are cut by that polygon.
 
 enum { SIDES = 32, MOST_CORNERS = 256 };
 // Slopes of more than 45 degrees carry nobody.
@@ -266,7 +267,7 @@ static void seed(Flooder *f, int c) {
     if (s.free) link_stand(f, i, j, s);
 }
 
-// From the floor in the middle of every cell: furniture and closed corners part what one start would reach.
+// The flood starts from the floor in the middle of every cell: furniture and closed corners separate places from any single start.
 static CollisionFlood collision_flood(CollisionCheck *check, const CellGraph *graph, const FloodRules *rules,
                                       Arena *arena) {
     CollisionFlood flood = {0};

@@ -1,4 +1,4 @@
-// door_part.c - what of a door is in the way.
+// door_part.c - the parts of a door that obstruct a body.
 #include "engine/sim/door_part.h"
 
 #include "engine/sim/body.h"

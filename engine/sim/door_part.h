@@ -1,4 +1,4 @@
-// door_part.h - what of a door is in the way: its leaves where they stand, and whether its frame lets a body pass.
+// door_part.h - the parts of a door that obstruct a body: its leaves where they stand, and whether its frame lets a body pass.
 #ifndef WALK_DOOR_PART_H
 #define WALK_DOOR_PART_H
 

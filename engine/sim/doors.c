@@ -1,9 +1,9 @@
 // doors.c - doors that move.
 //
-// A door moves in steps so small that no point of its leaves goes farther than they keep clear of what they must not
-// touch; a step that would bring them nearer than that is not taken, unless it leads away. So two leaves never cross,
-// and none ever touches a body. Leaves go through walls and furniture, as those of many drawn homes would have to: no
-// doorway is lost by that.
+// A door moves in steps so small that no point of its leaves goes farther than the distance that the leaves keep from
+// bodies and from other leaves. A step that would bring a leaf nearer than this distance is not taken, unless it leads
+// away. For this reason two leaves never cross, and no leaf ever touches a body. Leaves go through walls and furniture, as
+// the leaves of many drawn homes would have to: no doorway is lost by that.
 #include "engine/sim/doors.h"
 
 #include <string.h>
@@ -105,7 +105,7 @@ void doors_set(Doors *doors, int opening, float share) {
     doors->halt[opening] = DOOR_FREE;
 }
 
-// ---- what stops a step
+// ---- obstacles that stop a step
 
 // A part before and after a step; before, it may not have been there.
 typedef struct PartStep {
@@ -182,7 +182,7 @@ static int halted(const Doors *d, int opening, float share, const Body *body) {
     return DOOR_FREE;
 }
 
-// Up with what rises under it.
+// A part that rises under the body carries it up.
 static void carry(const Doors *d, int opening, float share, Body *body) {
     for (int i = 0; i < door_part_count(d->graph->building, opening); i++) {
         PartStep s;

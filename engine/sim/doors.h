@@ -10,11 +10,10 @@ enum { DOOR_FREE, DOOR_MEETS_BODY, DOOR_MEETS_DOOR };
 // live in the arena of doors_new, and the graph outlives them.
 typedef struct Doors {
     const CellGraph *graph;
-    float *open;    // [opening_count] 0 closed .. 1 wide open, as vis_query wants it; 1 of what is no door
+    float *open;    // [opening_count] 0 closed .. 1 wide open, as vis_query wants it; 1 for other openings
     float *wanted;  // [opening_count] where it is going
-    unsigned char
-        *halt;        // [opening_count] DOOR_FREE, or what keeps it from there; it goes on when that has gone
-    int *near_first;  // [opening_count + 1] run i is the doors whose leaves may meet those of door i
+    unsigned char *halt;  // [opening_count] DOOR_FREE, or the obstacle of the door, which goes on without it
+    int *near_first;      // [opening_count + 1] run i is the doors whose leaves may meet those of door i
     int *near;
 } Doors;
 

@@ -1,9 +1,9 @@
-// obstacles.c - what is solid about a body.
+// obstacles.c - the solids around a body.
 //
-// Source: K. Shudo et al. (Oki), 3.2: whoever stays in a cell meets only the boundary of that cell, so no other wall is
+// Source: K. Shudo et al. (Oki), 3.2: a body that stays in a cell meets only the boundary of that cell, so no other wall is
 // looked at. Departures: a body has a radius, so cells that it reaches into through portals count too; and furniture,
 // which Oki does not treat, comes from a plan grid of its polygons, finer than the squares of the graph, since models
-// have thousands within a metre. What of it stands behind a wall is farther than the wall, and so never met.
+// have thousands within a metre. Furniture behind a wall is farther than the wall, so no body meets it.
 #include "engine/sim/obstacles.h"
 
 #include <string.h>
@@ -268,7 +268,7 @@ static void reach_cell(Obstacles *o, int cell) {
 }
 
 static void begin_cell(Obstacles *o, int cell) {
-    // The counter may turn over: then what was seen 2^32 calls ago must not seem seen now.
+    // The counter may turn over: then a cell or item that was seen 2^32 calls ago must not seem seen now.
     if (++o->serial == 0) {
         memset(o->cell_seen, 0, (size_t)o->graph->cell_count * sizeof *o->cell_seen);
         size_t items = (size_t)(o->graph->polygon_count + o->graph->building->leaf_count);
@@ -279,7 +279,7 @@ static void begin_cell(Obstacles *o, int cell) {
     reach_cell(o, cell);
 }
 
-// ---- what stands there
+// ---- solids
 
 // Upright: a portal that nobody passes, the border of the world.
 static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {

@@ -1,4 +1,4 @@
-// obstacles.h - what is solid about a body: the surfaces of the cells that it is in or reaches into through portals,
+// obstacles.h - the solids around a body: the surfaces of the cells that the body is in or reaches into through portals,
 // furniture, frames, door leaves where they stand, windows, and the border of the world.
 #ifndef WALK_OBSTACLES_H
 #define WALK_OBSTACLES_H

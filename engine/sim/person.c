@@ -1,5 +1,5 @@
 // person.c - walking with a little inertia, flying with none. The eye rises and sinks softly over steps, but never
-// through what hangs over the head.
+// through a solid that hangs over the head.
 #include "engine/sim/person.h"
 
 // How fast wishes become speed, 1/s: from a stand to a walk in about a sixth of a second.

@@ -1,5 +1,5 @@
-// recording.c - paths in memory and in their text file. The file is somebody else's until it is read: every line is
-// checked, and what is wrong is named with its line.
+// recording.c - paths in memory and in their text file. The file may come from anybody, so every line is checked when it
+// is read, and a fault is named with its line.
 #include "engine/sim/recording.h"
 
 #include <stdio.h>
@@ -145,7 +145,7 @@ static int still_frames(const Recording *r, int frame, int next_door) {
 
 static void append_header(Text *text, const Recording *r) {
     text_append(text, "enfilade path 1\nbuilding \"");
-    // A name is a comment: what would end its quotes or its line is left out.
+    // A name is a comment: `_` replaces each character that would end its quotes or its line.
     for (const unsigned char *c = (const unsigned char *)r->building; *c; c++)
         text_append(text, "%c", *c < ' ' || *c == 127 || *c == '"' ? '_' : *c);
     text_append(text, "\" %016llx\nticks %d\n", (unsigned long long)r->hash, RECORDING_TICKS);

@@ -1,9 +1,10 @@
-// recording.h - a path as it was walked: where the eye was and how far each door stood open, frame by frame. What is
-// kept is state, not input, so that it replays exactly on any later version of the program.
+// recording.h - a path as it was walked: where the eye was and how far each door stood open, frame by frame. The path
+// holds states, not input, so that it replays exactly on any later version of the program.
 //
-// The file: `enfilade path 1`, `building "NAME" HASH`, `ticks 60`, then a line a frame: X Y Z YAW PITCH FOV, a dash
-// standing for what the frame before had. `door INDEX SHARE` before it: that door stands so from this frame on (all are
-// closed before). `= N`: the next N frames change nothing. Numbers read back to the same bits.
+// The file: `enfilade path 1`, `building "NAME" HASH`, `ticks 60`, then a line for each frame: X Y Z YAW PITCH FOV, where a
+// dash stands for the number of the frame before. `door INDEX SHARE` before a frame: that door stands open by this share
+// from this frame on (all doors are closed before). `= N`: the next N frames change nothing. Numbers read back to the same
+// bits.
 #ifndef WALK_RECORDING_H
 #define WALK_RECORDING_H
 
@@ -36,7 +37,7 @@ bool recording_add(Recording *recording, const TourFrame *frame, const float *do
 bool recording_save(const Recording *recording, const char *path, Error *error);
 // NULL with the reason when it is damaged, or was recorded in another building.
 Recording *recording_load(const char *path, const Building *building, Arena *arena, Error *error);
-// As recording_load, of what is already in memory; `bytes` is changed.
+// As recording_load, from a file that is already in memory; `bytes` is changed.
 Recording *recording_read(const char *path, Bytes bytes, const Building *building, Arena *arena,
                           Error *error);
 // Puts the doors as they stand in a frame, where `door_open` has them as in the frame before. Frame 0 needs none before.

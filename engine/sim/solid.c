@@ -159,7 +159,7 @@ static double enter_stadium(Vec2 from, Vec2 way, Vec2 a, Vec2 b, double radius, 
     return t;
 }
 
-// Most of what is near is not in the way: its circle about its box first.
+// Most solids nearby do not obstruct the way, so the circle around the solid's box is tested first.
 static bool is_off(const Box *box, Vec2 from, Vec2 way, double radius) {
     Vec2 middle = vec2((box->min.x + box->max.x) / 2, (box->min.y + box->max.y) / 2);
     Vec2 half = vec2(middle.x - box->min.x, middle.y - box->min.y);

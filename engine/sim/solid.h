@@ -14,17 +14,17 @@ typedef struct Solid {
     Box box;
 } Solid;
 
-// Heights, metres. Open at both ends: what only touches it is outside.
+// A range of heights, metres. It is open at both ends: a solid that only touches the range is outside.
 typedef struct Band {
     double z0, z1;
 } Band;
 
-// How near the part of a solid within the band comes to `at` in plan; 0 inside its outline, INFINITY without such a part.
+// How near the part of a solid within the band comes to `at` in plan; 0 inside its outline, INFINITY if the band holds no part.
 double solid_distance(const Solid *solid, Band band, Vec2 at);
 
 // The share of `way` that a disc goes before its middle is `radius` from the part within the band, 1 if it never is;
-// then `normal` points from the solid to the disc. One that is nearer already stops only what would come nearer still.
-// `from` lies outside the part's outline.
+// otherwise `normal` points from the solid to the disc. A solid that is nearer already stops only a disc that would come
+// nearer still. `from` lies outside the part's outline.
 double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double radius, Vec2 *normal);
 
 // From where to where the part of a solid over or under the disc reaches; false where there is none.

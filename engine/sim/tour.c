@@ -47,7 +47,7 @@ typedef struct Guide {
     int cell;
 } Guide;
 
-// ---- what a person passes
+// ---- cells and portals that a person can pass
 
 static RegionKind kind_of(const CellGraph *graph, int cell) { return vis_region(graph, cell)->kind; }
 

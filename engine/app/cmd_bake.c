@@ -54,8 +54,6 @@ typedef struct Bake {
     double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, seconds;
 } Bake;
 
-static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
-
 static BakeArguments bake_default_arguments(void) {
     BakeArguments a = {.load = app_scene_options(), .bake = bake_default_options()};
     a.load.lamps = SCENE_LAMPS_ALL;
@@ -111,7 +109,7 @@ static bool shine(Bake *bake, Error *error) {
     app_progress_end();
     bake->sky_seconds = clock_seconds() - start;
     if (!whole) return error_set(error, "stopped before all daylight was in: nothing is stored");
-    if (sum3(bake->solution.emitted) > 0) return true;
+    if (rgb_sum(bake->solution.emitted) > 0) return true;
     return error_set(error, "nothing emits light, and none of the sky's comes in");
 }
 
@@ -119,7 +117,7 @@ static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
                check_sky(bake, error);
-    bool day = sum3(bake->a->bake.sky) > 0;
+    bool day = rgb_sum(bake->a->bake.sky) > 0;
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);
     if (good && day) good = shine(bake, error);
@@ -234,22 +232,22 @@ static json_t *facts_of(const Bake *bake) {
     const RadReport *r = &bake->report;
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->rad;
-    double emitted = sum3(s->emitted);
-    json_t *facts =
-        json_pack("{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s "
-                  "s:i s:s s:f s:f}",
-                  "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
-                  bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
-                  "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept",
-                  (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean",
-                  r->elements_drawn_mean, "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted,
-                  "absorbed", sum3(s->absorbed) / emitted, "escaped", sum3(s->escaped) / emitted, "seconds",
-                  bake->seconds, "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds,
-                  "seconds_visibility", r->seconds_visibility, "seconds_gather", bake->gather_seconds,
-                  "nodes", s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
-                  rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky",
-                  sum3(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
-                  bake->sky_seconds);
+    double emitted = rgb_sum(s->emitted);
+    json_t *facts = json_pack(
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s "
+        "s:i s:s s:f s:f}",
+        "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
+        bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
+        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
+        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
+        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
+        rgb_sum(s->absorbed) / emitted, "escaped", rgb_sum(s->escaped) / emitted, "seconds", bake->seconds,
+        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds, "seconds_visibility",
+        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
+        peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
+        CULLING_NAMES[rad->culling], "sky",
+        rgb_sum(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
+        bake->sky_seconds);
     CORE_ASSERT(facts);
     add_proxies(facts, bake->mesh.options.proxies);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
@@ -281,19 +279,19 @@ static int lost_in_light(const Bake *bake) {
         double sum = 0;
         if (patch->cell >= 0) continue;
         for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-            sum += sum3(bake->solution.radiosity[e]) * bake->mesh.elements[e].area;
+            sum += rgb_sum(bake->solution.radiosity[e]) * bake->mesh.elements[e].area;
         lost += sum > 0;
         power += sum;
     }
-    return power > BETWEEN * sum3(bake->solution.emitted) ? lost : 0;
+    return power > BETWEEN * rgb_sum(bake->solution.emitted) ? lost : 0;
 }
 
 static void print_warnings(const Bake *bake) {
     const RadSolution *s = &bake->solution;
     const Mesh *mesh = &bake->mesh;
     app_print_notes(&bake->scene.building, MOST_NOTES);
-    double escaped = sum3(s->escaped) / sum3(s->emitted);
-    if (escaped > OPEN && sum3(s->sky) == 0)
+    double escaped = rgb_sum(s->escaped) / rgb_sum(s->emitted);
+    if (escaped > OPEN && rgb_sum(s->sky) == 0)
         fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);
     int lost = lost_in_light(bake);
     if (lost > 0)

@@ -175,14 +175,6 @@ static void choose_views(PictureScene *s, Arena *arena) {
 
 // ---- pixels
 
-static void rgb3(Rgb from, double out[3]) {
-    out[0] = (double)from.r;
-    out[1] = (double)from.g;
-    out[2] = (double)from.b;
-}
-
-static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
-
 // Radiosity of the pixel's surface under an irradiance, the sum of the channels.
 static double lit(const Seen *seen, const double irradiance[3]) {
     double sum = 0;
@@ -206,9 +198,9 @@ static void look_through_pixels(PictureScene *s, PictureView *view, Arena *arena
                        .polygon = s->mesh.faces[hit.face].polygon,
                        .point = vec3_add(hit.point, origin),
                        .normal = s->mesh.faces[hit.face].plane.n};
-        rgb3(mesh_material(&s->mesh, hit.face)->reflectance, seen->albedo);
-        rgb3(mesh_material(&s->mesh, hit.face)->emission, seen->emitted);
-        view->seen_count += sum3(seen->albedo) > 0;
+        rgb_doubles(mesh_material(&s->mesh, hit.face)->reflectance, seen->albedo);
+        rgb_doubles(mesh_material(&s->mesh, hit.face)->emission, seen->emitted);
+        view->seen_count += rgb_sum(seen->albedo) > 0;
     }
     path_scene_end(paths);
     arena_free(&scratch);
@@ -261,7 +253,7 @@ static void trace_pixels(const PictureScene *s, PictureView *view) {
         which[asked] = i;
         queries[asked] = queries[i];
         // Errors of irradiance: at most this share of what is reflected.
-        queries[asked].absolute_error = 3 * most / sum3(seen->albedo);
+        queries[asked].absolute_error = 3 * most / rgb_sum(seen->albedo);
         queries[asked++].most_paths = MOST_PATHS;
     }
     path_tracer_irradiance(s->tracer, queries, asked, 0, results);
@@ -285,7 +277,7 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
         return false;
     const StabForest *forest = &s->scene.forest;
     rad_fit(&out->mesh, &options.rad);
-    if (sum3(options.sky) > 0)
+    if (rgb_sum(options.sky) > 0)
         rad_shine(&out->mesh, forest, doors, &options.rad, options.sky, NULL, &out->solution);
     rad_shoot(&out->mesh, forest, doors, &options.rad, NULL, &out->solution);
     if (way->gather > 0) {
@@ -308,7 +300,7 @@ static double shown_at(const Shown *shown, const Seen *seen) {
     int face = shown->fine->mesh.face_of[seen->polygon];
     if (face < 0) return NAN;
     reconstruct_at(&shown->fine->mesh, &shown->field, face, seen->point, b);
-    return sum3(b);
+    return rgb_sum(b);
 }
 
 // ---- a converged gather at every pixel
@@ -579,7 +571,7 @@ static bool measure_way(const PictureScene *s, const PictureWay *way, Text *csv,
         find_errors(view, &shown, &mean, &p95);
         double blotch = find_blotches(s, view, way, &shown);
         text_append(csv, "%s,%s,%s,%s,%.3f,%.5f,%.5f,%.5f\n", bench_name(s->file), view->name,
-                    sum3(s->arguments->sky) > 0 ? "day" : "night", way->name, shown.seconds, mean, p95,
+                    rgb_sum(s->arguments->sky) > 0 ? "day" : "night", way->name, shown.seconds, mean, p95,
                     blotch);
         fputs(csv->data + before, stdout);
         fflush(stdout);

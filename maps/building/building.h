@@ -29,6 +29,14 @@
 typedef struct Rgb {
     float r, g, b;
 } Rgb;
+// The same channels as doubles.
+static inline void rgb_doubles(Rgb from, double out[3]) {
+    out[0] = (double)from.r;
+    out[1] = (double)from.g;
+    out[2] = (double)from.b;
+}
+// The sum of three channels.
+static inline double rgb_sum(const double v[3]) { return v[0] + v[1] + v[2]; }
 
 // The colour and optics of polygons.
 typedef struct Material {

@@ -458,8 +458,6 @@ typedef struct Adapt {
     double *lamps;      // [element_count] of the light of lamps alone, on the mesh at hand, W/m^2
 } Adapt;
 
-static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
-
 static double emission_of(const Mesh *mesh, int element) {
     Rgb e = mesh_material(mesh, mesh->elements[element].face)->emission;
     return (double)(e.r + e.g + e.b);
@@ -497,7 +495,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
     bool good = rad_start_dark(mesh, &arena, &solution, error);
-    if (good && sum3(a->options->sky) > 0 &&
+    if (good && rgb_sum(a->options->sky) > 0 &&
         !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, a->progress,
                    &solution))
         good = error_set(error, "stopped");

@@ -46,18 +46,10 @@ void rad_fit(const Mesh *mesh, RadOptions *options) {
     if (options->form_factor.resolution == 0) options->form_factor.resolution = FIT[i].resolution;
 }
 
-static double sum3(const double v[3]) { return v[0] + v[1] + v[2]; }
-
-static void rgb3(Rgb c, double out[3]) {
-    out[0] = (double)c.r;
-    out[1] = (double)c.g;
-    out[2] = (double)c.b;
-}
-
 static bool check_material(const Material *m, int face, Error *error) {
     double rho[3], e[3];
-    rgb3(m->reflectance, rho);
-    rgb3(m->emission, e);
+    rgb_doubles(m->reflectance, rho);
+    rgb_doubles(m->emission, e);
     for (int c = 0; c < 3; c++) {
         if (!(rho[c] >= 0 && rho[c] < 1)) {
             return error_set(error,
@@ -82,7 +74,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
         double e[3];
-        rgb3(mesh_material(mesh, patch->face)->emission, e);
+        rgb_doubles(mesh_material(mesh, patch->face)->emission, e);
         for (int c = 0; c < 3; c++) {
             out->unshot[p][c] = e[c];
             out->emitted[c] += e[c] * patch->area;
@@ -94,7 +86,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
 
 bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
     if (!rad_start_dark(mesh, arena, out, error)) return false;
-    if (sum3(out->emitted) > 0) return true;
+    if (rgb_sum(out->emitted) > 0) return true;
     return error_set(error, "nothing emits light: none of the %d polygons has an emission", mesh->face_count);
 }
 
@@ -222,9 +214,9 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
 // Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
 // what is indoors.
 static double residual_of(const Shooter *s) {
-    double emitted = sum3(s->solution->emitted), outdoors = sum3(s->solution->outdoors), gone[3];
+    double emitted = rgb_sum(s->solution->emitted), outdoors = rgb_sum(s->solution->outdoors), gone[3];
     channels_store(s->absorbed + s->escaped, gone);
-    return (emitted - sum3(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
+    return (emitted - rgb_sum(gone)) / fmax(emitted - outdoors, LEAST_INDOORS * emitted);
 }
 
 static double worth_making(const Shooter *s) {

@@ -113,17 +113,11 @@ static FineSource *fine_sources(const FineMesh *fine, Arena *arena) {
 
 // ---- light
 
-static void rgb3(Rgb c, double out[3]) {
-    out[0] = (double)c.r;
-    out[1] = (double)c.g;
-    out[2] = (double)c.b;
-}
-
 // The light that must have fallen on a place that reflects so much; for channels that it does not reflect, the mean of the others.
 static void irradiance_of(const Material *m, const double reflected[3], double out[3]) {
     double rho[3], sum = 0;
     int count = 0;
-    rgb3(m->reflectance, rho);
+    rgb_doubles(m->reflectance, rho);
     for (int c = 0; c < 3; c++) {
         if (!(rho[c] > 0)) continue;
         sum += out[c] = fmax(reflected[c], 0) / rho[c];
@@ -153,7 +147,7 @@ static void reflected_by(const Lighting *l, int element, double out[3]) {
     const FineMesh *fine = l->fine;
     const FineSource *s = &fine->sources[-1 - fine->element[element]];
     double rho[3];
-    rgb3(mesh_material(&fine->mesh, fine->mesh.elements[element].face)->reflectance, rho);
+    rgb_doubles(mesh_material(&fine->mesh, fine->mesh.elements[element].face)->reflectance, rho);
     for (int c = 0; c < 3; c++) {
         out[c] = 0;
         for (int k = 0; k < FINE_SOURCES; k++)
@@ -171,7 +165,7 @@ static double (*node_light(const FineMesh *fine, const RadSolution *solution, Ar
         reconstruct_nodes(fine->light, &fine->nodes, solution, out);
     for (int n = 0; n < count; n++) {
         double e[3];
-        rgb3(face_material(fine->light, &fine->nodes, n)->emission, e);
+        rgb_doubles(face_material(fine->light, &fine->nodes, n)->emission, e);
         for (int c = 0; c < 3; c++) out[n][c] -= e[c];
     }
     return out;

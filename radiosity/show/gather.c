@@ -343,18 +343,12 @@ static void fit_slope(const Gatherer *self, int element, Leaving *out) {
     limit_slope(self, element, out);
 }
 
-static void rgb3(Rgb from, double out[3]) {
-    out[0] = (double)from.r;
-    out[1] = (double)from.g;
-    out[2] = (double)from.b;
-}
-
 static void find_leaving(Gatherer *self) {
     const Mesh *mesh = self->scene.mesh;
     for (int e = 0; e < mesh->element_count; e++) {
         Leaving *out = &self->leaving[e];
         double emitted[3];
-        rgb3(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
         if (self->scene.light) fit_slope(self, e, out);
         for (int c = 0; c < 3; c++)
             out->mean[c] =
@@ -417,7 +411,7 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
         if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0) continue;
         if (occluders < 0) occluders = find_occluders(self, view);
         double share = 0, emitted[3];
-        rgb3(mesh_material(self->scene.mesh, f->face)->emission, emitted);
+        rgb_doubles(mesh_material(self->scene.mesh, f->face)->emission, emitted);
         analytic_visible(view->vertices + f->first_vertex, f->vertex_count, form_factor_rank(f),
                          self->occluder, occluders, add_share, &share);
         for (int c = 0; c < 3; c++) irradiance[c] += share * emitted[c];
@@ -436,7 +430,8 @@ static bool put_near(Gatherer *self, int element, double share, bool means, Near
     if (!means) return true;
     double emitted[3] = {0};
     if (!self->options.exact_lamps)
-        rgb3(mesh_material(self->scene.mesh, self->scene.mesh->elements[element].face)->emission, emitted);
+        rgb_doubles(mesh_material(self->scene.mesh, self->scene.mesh->elements[element].face)->emission,
+                    emitted);
     near->share += share;
     for (int c = 0; c < 3; c++) {
         irradiance[c] += share * emitted[c];

@@ -6,10 +6,10 @@
 
 extern const MapsReader *const MAPS_READERS[];  // ends with NULL
 
-// Reads a building with the reader that suffix and content choose; on success the building passes
-// building_check. Bad input: false and one sentence.
+// Reads a building with the reader that fits the file's suffix and content. On success the building passes
+// building_check; on bad input returns false and sets `error` to one sentence.
 bool maps_read(const char *path, Arena *arena, Building *out, Error *error);
-// The same of a file that holds several maps, by name; NULL for the first. Refuses a name where there is but one.
+// The same for one map of a file that may hold several; `map` NULL: the first. A name is refused for a format with one map a file.
 bool maps_read_map(const char *path, const char *map, Arena *arena, Building *out, Error *error);
 
 #endif

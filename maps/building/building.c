@@ -48,7 +48,8 @@ static bool inside_triangle(Vec3 a, Vec3 b, Vec3 c, Vec3 p, Vec3 n) {
            polygon_corner_sine(c, a, p, n) >= 0;
 }
 
-// Why a corner may not be cut off: it turns right, or a vertex lies in its triangle (its index). UNKNOWN: to be found out.
+// Why a corner may not be cut off: TURNS_RIGHT, or the index of a vertex that lies in the corner's triangle. EAR: the corner may be
+// cut off. UNKNOWN: not yet found out.
 enum { EAR = -3, TURNS_RIGHT, UNKNOWN };
 
 static int obstacle(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
@@ -62,13 +63,13 @@ static int obstacle(const Vec3 *v, const int *ring, int left, int i, Vec3 n) {
     return EAR;
 }
 
-// Doubles find no plane through the corners of a triangle that is as long as a country and as wide as a hair.
+// Whether doubles give a plane through the corners of a triangle: not where it is as long as a country and as wide as a hair.
 static bool has_plane(const Vec3 triangle[3]) {
     return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
 }
 
-// Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner
-// goes. What is no ear stays none as long as its neighbours and the vertex in its triangle are there.
+// Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner is
+// cut off. A corner that is not an ear cannot become one while its neighbours and the vertex in its triangle are left.
 static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
     int *ring = memory_new(sizeof(int) * 2 * (size_t)count), *why = ring + count, added = 0;
     for (int i = 0; i < count; i++) {
@@ -111,7 +112,7 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
     while (kept > 1 && vec3_equal(v[kept - 1], v[0])) kept--;
     if (kept >= 3 && polygon_area(v, kept) > MAPS_SMALLEST_AREA) {
         Plane plane = plane_of_polygon(v, kept);
-        // Half the limit, so that later rounding cannot push it over.
+        // Half the limit, so that later rounding cannot push the polygon over it.
         if (polygon_bend(v, kept, plane) < MAPS_PLANARITY / 2 && polygon_is_convex(v, kept, plane.n)) {
             push_polygon(arena, b, v, kept, material);
             added = 1;
@@ -125,7 +126,7 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
 
 int building_polygons_allowed(double file_size) {
     static const double LEAST = 300000, A_BYTE = 0.25,
-                        MEMORY = 2500;  // bytes for each, with its cells and squares
+                        MEMORY = 2500;  // bytes for each polygon, with its cells and squares
     double most = fmax(A_BYTE * file_size, (double)memory_granted() / MEMORY);
     return (int)fmin(fmax(most, LEAST), BUILDING_MOST_POLYGONS);
 }
@@ -180,7 +181,7 @@ bool region_is_convex(const Building *b, const Region *region) {
         if (cross < -MAPS_DENT * chord || (cross <= 0 && vec2_dot(a, c) <= 0)) return false;
         turned += atan2(cross, vec2_dot(a, c));
     }
-    // Stars turn left at every corner too, but more than once around.
+    // A star turns left at every corner too, but more than once around.
     return turned < 3 * M_PI;
 }
 

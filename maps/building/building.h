@@ -1,20 +1,20 @@
 // building.h - the data of a building, from any file.
 //
-// Free space is a set of disjoint prisms, the regions: a plan polygon between two heights. What is not in a
-// region is solid (walls, slabs, soil) or beyond the world. Where two regions touch, one sees from one into the
-// other; everywhere else their boundary is an opaque surface. So walls, floors and ceilings are not stored as
-// polygons: the cell stage makes them from the regions, watertight by construction. Furniture and details are
+// Free space is a set of disjoint prisms, the regions: a plan polygon between two heights. Space outside all
+// regions is solid (walls, slabs, soil) or beyond the world. Where two regions touch, each can be seen from the
+// other; everywhere else their boundary is an opaque surface. Walls, floors and ceilings are therefore not stored
+// as polygons: the cell stage makes them from the regions, watertight by construction. Furniture and details are
 // polygons of their own, grouped in objects.
 //
-// That is a building of regions, which plans, homes and Doom maps are. Two more forms know no regions: a soup is
-// polygons alone, among which the cell stage finds the cells; cells alone are convex cells and their portals, as
-// visibility compilers exchange them, with nothing to draw or to walk on.
+// This form, a building of regions, is that of plans, homes and Doom maps. Two other forms have no regions: a soup is
+// polygons alone, among which the cell stage finds the cells; the third form is convex cells and their portals
+// alone, as visibility compilers exchange them, with nothing to draw or to walk on.
 //
 // All plan coordinates and heights of regions are multiples of 1 mm (maps_snap), and regions that touch share
 // their plan vertices exactly: if the boundaries of two regions overlap along a line, they have the same vertices
-// there. Only a region that is convex as it is, to within MAPS_DENT, may have vertices off the grid: partitions of
-// a plan cross where they cross, and such a region is one cell without being cut. Faults against this are named by
-// building_check.
+// there. Only a region that is already convex, to within MAPS_DENT, may have vertices off the grid: it becomes one
+// cell without being cut, and the lines that partition a plan may cross anywhere. building_check names faults
+// against these rules.
 #ifndef MAPS_BUILDING_H
 #define MAPS_BUILDING_H
 
@@ -25,7 +25,7 @@
 #include "engine/core/vec.h"
 #include "maps/building/curved.h"
 
-// A channel each of a spectrum: shares or W/m^2, as said where it is used.
+// The three channels of a spectrum: shares or W/m^2, as said at each field of this type.
 typedef struct Rgb {
     float r, g, b;
 } Rgb;
@@ -66,13 +66,13 @@ typedef enum RegionKind {
 } RegionKind;
 
 // A prism of free space. The first ring is the outer one, counter-clockwise from above; the others are holes,
-// clockwise. So free space lies to the left of every edge.
+// clockwise. Free space thus lies to the left of every edge.
 typedef struct Region {
     RegionKind kind;
     const char *name;  // of the room as drawn, or ""
     int storey;        // -1 outdoors
     int opening;       // for REGION_OPENING, else -1
-    int side;          // for REGION_OPENING: the half it is, 0 or 1 (0 for windows)
+    int side;          // for REGION_OPENING: which half, 0 or 1 (0 for windows)
     int first_ring, ring_count;
     double z0, z1;
     int floor_material, ceiling_material;  // -1: nothing is drawn (the sky)
@@ -90,30 +90,30 @@ typedef enum OpeningKind {
     OPENING_KINDS
 } OpeningKind;
 
-// A hole in a wall between `sill` and `head`. A door's region is split in two halves by the vertical plane
-// through line[0] and line[1]. A closed door, glazed ones apart, fills the contact of the halves: nothing is seen
-// past its leaves. A door that `fills` its place has no halves but one or several regions, and leaves as thick as
-// these: closed, it fills all their contacts with other regions.
+// A hole in a wall between `sill` and `head`. The vertical plane through line[0] and line[1] splits a door's region
+// into two halves. A closed door, unless glazed, fills the contact of the halves, so that nothing is seen past its
+// leaves. A door that `fills` has no halves but one or several regions, and leaves as thick as these regions; when
+// closed it fills all contacts of its regions with other regions.
 typedef struct Opening {
     OpeningKind kind;
     const char *name;
-    int storey;                  // -1 of a soup
+    int storey;                  // -1 in a soup
     bool glazed;                 // a door of glass: never blocks sight
     bool fills;                  // its leaves fill its regions
     Vec2 line[2];                // its plan ends; side 0 lies to the left of line[0] -> line[1]
     double sill, head;           // absolute heights, metres
     int first_leaf, leaf_count;  // in Building.leaves; of doors only
     double open;                 // how far it is open as drawn, 0 closed .. 1 wide open
-    // The regions beyond its two ends (rooms or outdoors); -1 where it leads nowhere, and in a soup.
+    // The regions beyond its two sides (rooms or outdoors); -1 where a side leads nowhere, and in a soup.
     int region[2];
     const char *reason;  // NULL, or why a side leads nowhere
     int material;        // of the leaf
 } Opening;
 
-// The moving part of a door. At share t of its way, 0 closed .. 1 wide open, it is turned by t * turn about the upright
-// axis through `pivot` and then shifted by t * slide, and up by t * rise. `axis` and `thickness` are its plan box when
-// closed: `axis` runs through the middle of the box from the hinged end to the free one. Where it is no box in plan, its
-// corners are given, a convex polygon within the box.
+// The moving part of a door. At share t of its way, 0 closed .. 1 wide open, the leaf is turned by t * turn about the
+// upright axis through `pivot`, then shifted by t * slide and raised by t * rise. `axis` and `thickness` are its plan box
+// when closed: `axis` runs through the middle of the box from the hinged end to the free end. The corners of a leaf that is
+// not a box in plan are given as a convex polygon within the box.
 typedef struct Leaf {
     int opening;
     Vec2 pivot;
@@ -125,7 +125,7 @@ typedef struct Leaf {
     int first_corner, corner_count;  // in Building.points, counter-clockwise, up to LEAF_CORNERS; 0: the box
 } Leaf;
 
-// Convex and planar (within MAPS_PLANARITY), counter-clockwise seen from its front; seen from both sides.
+// A convex planar polygon (within MAPS_PLANARITY), counter-clockwise seen from its front; visible from both sides.
 typedef struct Polygon {
     int first_vertex, vertex_count;
     int material;
@@ -148,11 +148,11 @@ typedef struct Object {
     const char *name;
     int first_polygon, polygon_count;
     int opening;  // the door or window it is part of, or -1
-    int leaf;     // in Building.leaves: moves with it, drawn here as when closed; or -1
-    bool plug;    // fills the contact of a door's halves: there only while the door is closed
-    // The coarse stand-in for collision and light: a vertical prism or box. Plan corners, counter-clockwise.
+    int leaf;     // in Building.leaves, with which it moves; drawn here as when closed; or -1
+    bool plug;    // fills the contact of a door's halves: present only while the door is closed
+    // The coarse stand-in for collision and light: a vertical prism or box. Its plan corners, counter-clockwise.
     Vec2 proxy[4];
-    double proxy_z0, proxy_z1;  // equal: there is none
+    double proxy_z0, proxy_z1;  // equal: no stand-in
 } Object;
 
 // A flat piece let into a floor or a ceiling (a lamp panel, a carpet): where it lies, the floor or ceiling is
@@ -163,13 +163,13 @@ typedef struct Inlay {
     int material;
 } Inlay;
 
-// A lamp as drawn: a luminous ball. lamp_faces.h gives it faces.
+// A light as drawn: a luminous ball, to which lamp_faces.h gives faces.
 typedef struct Light {
     const char *name;
     Vec3 position;
     double radius;  // metres
     Rgb flux;       // W
-    int object;     // the lamp it sits in, or -1
+    int object;     // the lamp in which the light sits, or -1
 } Light;
 
 // A stored view.
@@ -180,7 +180,7 @@ typedef struct Viewpoint {
     double fov;         // horizontal, radians
 } Viewpoint;
 
-// A stored camera path: runs of viewpoints.
+// A stored camera path: a run of viewpoints.
 typedef struct Tour {
     const char *name;
     int first_viewpoint, viewpoint_count;  // in Building.tour_points
@@ -202,26 +202,27 @@ typedef struct GivenPortal {
     int first_vertex, vertex_count;
 } GivenPortal;
 
-// All of it. Arrays may be NULL where their counts are 0.
-// Read only once it is made: any number of threads. Its arrays live in the arena of the call that read it, or are its maker's.
+// A whole building. Arrays may be NULL where their counts are 0.
+// Once made, a building is only read, by any number of threads. Its arrays live in the arena of the call that read the file, or
+// belong to the code that made the building.
 typedef struct Building {
     enum {
         FORM_REGIONS,  // prisms of free space, furniture in them
-        FORM_SOUP,     // polygons in objects, and doors told by name; no regions, no storeys
+        FORM_SOUP,     // polygons in objects, and doors recognised by name; no regions, no storeys
         FORM_CELLS,    // given_cell_count convex cells and given_portals; nothing else
         BUILDING_FORMS
     } form;
     const char *source;  // the path it was read from
-    const char *map;  // of a file that holds several: the one read, else NULL; before reading, the one wanted
+    const char *map;  // of a file that holds several: the map read, else NULL; before reading, the map wanted
     uint64_t hash;    // of the file's content, and of `map`
-    double file_size;     // bytes; 0: not read from a file. What may be spent on a building grows with it
+    double file_size;     // bytes; 0: not read from a file. The polygons allowed to a building grow with it
     const char **beside;  // [beside_count] paths of the files to which the one read refers, where they exist
     Material *materials;
     Storey *storeys;
     Region *regions;
     Ring *rings;
     Vec2 *points;        // of rings, inlays and leak paths
-    int *edge_material;  // [point_count] of the wall to the right of points[i] -> the next of its ring
+    int *edge_material;  // [point_count] of the wall right of the ring's edge that begins at points[i]
     Opening *openings;
     Leaf *leaves;
     Polygon *polygons;
@@ -252,7 +253,7 @@ typedef struct Building {
     double drawn_area, lost_area;  // m^2 of rooms as drawn, and of those that could not be used
 } Building;
 
-// Reflectances above this are capped: white paint, and a sum of reflections that ends.
+// Reflectances above this are capped: it is that of white paint, and the sum of reflections stays finite.
 #define MAPS_MAX_REFLECTANCE 0.85f
 // The most corners a leaf has in plan.
 enum { LEAF_CORNERS = 32 };
@@ -263,29 +264,29 @@ enum { LEAF_CORNERS = 32 };
 #define MAPS_DENT 1e-9
 // How far a polygon's vertices may lie off its plane, metres.
 #define MAPS_PLANARITY 0.001
-// Polygons of less area are dropped and are faults, m^2: a tenth of a millimetre squared shows nowhere.
+// Polygons of less area are dropped and are faults, m^2: a square of a tenth of a millimetre is visible nowhere.
 #define MAPS_SMALLEST_AREA 1e-8
-// Coordinates beyond this are refused, metres: the grid stays exact in doubles, georeferenced plans fit.
+// Coordinates beyond this are refused, metres: up to here the grid is exact in doubles, and georeferenced plans fit.
 #define MAPS_LIMIT 1e8
-// Cells that free space may have: who sees whom is a table of a bit for each pair, half a gigabyte of them.
+// The most cells of free space: which cell sees which is a table with a bit for each pair, then half a gigabyte.
 #define MAPS_MAX_CELLS (1 << 16)
 // How far the outdoors reaches beyond everything built, metres.
 #define MAPS_OUTDOORS 20.0
 
-// A coordinate on the grid, metres.
+// Rounds a coordinate to the grid, metres.
 static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
 
 // Readers append with these; all copy their arguments into the arena.
-int building_add_material(Arena *arena, Building *b, Material material);  // finds an equal one first
+int building_add_material(Arena *arena, Building *b, Material material);  // or returns an equal one
 // Begins an object, empty yet, to which polygons are then added. Returns its index.
 int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *name);
 // Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
 // Returns how many polygons it became.
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
 
-// How many polygons a file of so many bytes may make by placing models, tessellating curved shapes and instancing meshes: a short
-// line can ask for thousands. A small file may make 300,000, one of 16 MB the most that there may be; where the user grants memory
-// (--memory), as many as fit.
+// The number of polygons that a file of `file_size` bytes may make by placing models, tessellating curved shapes and instancing
+// meshes, since a short line can ask for thousands. A small file may make 300,000, a file of 16 MB BUILDING_MOST_POLYGONS; where
+// the user grants memory (--memory), as many as fit into it, up to the same maximum.
 enum { BUILDING_MOST_POLYGONS = 4000000 };
 int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
@@ -300,14 +301,14 @@ Rgb maps_colour(unsigned rgb);  // 0xRRGGBB
 // Names every fault with its place: up to `max` sentences in `faults`; returns how many faults there are.
 int building_check(const Building *b, Arena *arena, const char **faults, int max);
 
-// One ring, and that convex to within MAPS_DENT: the region is a cell as it is.
+// Whether the region has only one ring, convex to within MAPS_DENT: it then becomes a cell without being cut.
 bool region_is_convex(const Building *b, const Region *region);
 
-// Where a point of a leaf, given as when closed, is at share `open` of its way.
+// The position of a point of a leaf at share `open` of the leaf's way; `closed` is its position when the leaf is closed.
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
-// Its plan box there, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
+// The leaf's plan box at share `open`, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
-// Its plan there, counter-clockwise: its own corners, or those of its box. Returns how many.
+// The leaf's plan polygon at share `open`, counter-clockwise: its own corners, or those of its box. Returns their number.
 int leaf_plan(const Building *b, const Leaf *leaf, double open, Vec2 corner[LEAF_CORNERS]);
 
 // "door", "passage", "window".

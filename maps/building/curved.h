@@ -1,7 +1,7 @@
 // curved.h - curved shapes of a building: exact where rays are traced, polygons everywhere else.
 //
-// A shape's polygons are ordinary ones of its object, within `tolerance` of it; who draws it exactly leaves those out.
-// Lengths are metres, in the building's own frame.
+// A shape's polygons are ordinary polygons of its object, within `tolerance` of the shape; code that draws the shape
+// exactly leaves them out. Lengths are metres, in the building's own frame.
 #ifndef MAPS_CURVED_H
 #define MAPS_CURVED_H
 
@@ -28,16 +28,16 @@ typedef struct CurvedControl {
     double weight;
 } CurvedControl;
 
-// A rational cubic Bezier curve in the patch's parameters, 0 .. 1 each. Those of a trim are closed loops, one after the
-// other, each ending where the next begins and the last where its loop's first one began. A point of the patch is there
-// where its loops wind around it an odd number of times.
+// A rational cubic Bezier curve in the patch's parameters, 0 .. 1 each. The curves of a patch form closed loops, one loop
+// after the other: each curve ends where the next begins, the last curve of a loop where the loop's first curve begins. A
+// point of the patch exists where the loops wind around it an odd number of times.
 typedef struct CurvedTrim {
     Vec2 point[4];
     double weight[4];
 } CurvedTrim;
 
-// Its field at distance r is weight * (1 - 22/9 u + 17/9 u^2 - 4/9 u^3) with u = (r / radius)^2, and 0 beyond its radius
-// (Wyvill, McPheeters & Wyvill 1986; Nishita & Nakamae 1994).
+// A ball whose field at distance r is weight * (1 - 22/9 u + 17/9 u^2 - 4/9 u^3) with u = (r / radius)^2, and 0 beyond the
+// radius (Wyvill, McPheeters & Wyvill 1986; Nishita & Nakamae 1994).
 typedef struct CurvedBall {
     Vec3 centre;
     double radius, weight;  // a weight below 0 takes away
@@ -50,11 +50,11 @@ typedef struct CurvedShape {
     CurvedFrame frame;                 // of all but patches and metaballs
     double top;                        // of a cone: its radius at z = 1, 0 .. 1
     bool disc[2];                      // cylinders and cones: there is a disc at z = 0, at z = 1
-    int first_control;                 // a patch: 16 of Building.controls, four rows of v, u running first
-    int first_trim, trim_count;        // in Building.trims; 0: all of the patch is there
+    int first_control;                 // of a patch: 16 of Building.controls, four rows along v, u fastest
+    int first_trim, trim_count;        // in Building.trims; 0: the whole patch exists
     int first_ball, ball_count;        // in Building.balls
     double threshold;                  // of metaballs, above 0
-    double tolerance;                  // how far its polygons may lie off it
+    double tolerance;                  // how far its polygons may lie off the shape
     int first_polygon, polygon_count;  // in Building.polygons
 } CurvedShape;
 

@@ -3,9 +3,9 @@
 
 #include "engine/core/polygon.h"
 
-// From lamp to square, metres: off its polygons, and nobody sees the gap.
+// From the lamp to its square, metres: clear of the lamp's polygons, and too small a gap to be seen.
 static const double GAP = 0.005;
-// Least free height above a lamp that shines upwards, metres; with less it lights a spot of the ceiling only.
+// Least free height above a lamp that shines upwards, metres; with less, the lamp would light only a spot of the ceiling.
 static const double HEADROOM = 0.1;
 // The smallest radius taken, metres: that of a light bulb. Smaller faces are hard to see from afar by any sampling.
 static const double BULB = 0.03;
@@ -29,7 +29,7 @@ static bool glows(const Building *b, int object) {
     return false;
 }
 
-// By the number of edges to the right, holes included.
+// Whether the plan of a region holds p: an odd number of edges, those of holes included, lies to the right of p.
 static bool is_in_plan(const Building *b, const Region *region, Vec3 p) {
     bool inside = false;
     for (int r = region->first_ring; r < region->first_ring + region->ring_count; r++) {
@@ -39,7 +39,7 @@ static bool is_in_plan(const Building *b, const Region *region, Vec3 p) {
     return inside;
 }
 
-// The height of the ceiling over a point; infinite where no region holds it.
+// The height of the ceiling over a point; infinite where no region holds the point.
 static double ceiling_above(const Building *b, Vec3 p) {
     for (int i = 0; i < b->region_count; i++) {
         const Region *r = &b->regions[i];

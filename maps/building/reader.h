@@ -11,8 +11,8 @@ typedef struct MapsReader {
     const char *suffixes;              // ".plan" or ".sh3d .xml", separated by blanks
     const char *summary;               // for --help
     bool (*recognise)(Bytes content);  // by content alone
-    // `out` is empty but for the `map` wanted; a reader of files with several leaves there the name of the one read.
-    // A reader of files that refer to others leaves in `hash` a hash of those it read.
+    // `out` is empty except for `map`, the map wanted, and `file_size`. A reader of files that hold several maps sets `map` to the
+    // name of the map read. A reader of files that refer to other files sets `hash` to a hash of the other files read.
     bool (*read)(const char *path, Bytes content, Arena *arena, Building *out, Error *error);
     bool has_maps;  // its files hold several maps
 } MapsReader;

@@ -10,10 +10,10 @@ typedef struct Scan {
 } Scan;
 
 Scan scan_begin(const char *path, Bytes content);
-// Blanks but line ends.
+// Skips blanks, but not line ends.
 void scan_blanks(Scan *scan);
-// To the beginning of the next line that holds something; false at the end. `comment` begins a comment that reaches to
-// the end of its line; 0: there are none.
+// Skips blanks, comments and line ends up to the next word; false at the end of the content. `comment` begins a comment
+// that reaches to the end of its line; 0: there are no comments.
 bool scan_next_line(Scan *scan, char comment);
 // Whether nothing but blanks and a comment is left of the line.
 bool scan_line_ends(Scan *scan, char comment);

@@ -24,14 +24,14 @@ typedef struct SketchRoom {
     const char *name, *place;
     int floor_material, ceiling_material;
     double z0, z1;  // absolute; NAN: the storey's
-    double wall;    // > 0: it is closed by walls of this thickness outside its outline (plans without walls)
+    double wall;    // > 0: walls of this thickness outside its outline close the room (plans without walls)
     int wall_material;  // of those walls, seen from inside
 } SketchRoom;
 
 enum { SKETCH_MAX_LEAVES = 4 };
 
-// Objects that are leaves of its model name it by its index in Object.opening, and the leaf's index among its own in
-// Object.leaf.
+// An object that is a leaf of the opening's model holds the opening's index in Object.opening, and the leaf's index in
+// `leaves` in Object.leaf.
 typedef struct SketchOpening {
     OpeningKind kind;
     int storey;
@@ -43,11 +43,11 @@ typedef struct SketchOpening {
     int hinge;  // of a door: 0: at -width/2, 1: at +width/2, 2: a leaf at each
     // Radians from closed to open, counter-clockwise from above; of two leaves the swing of the one at -width/2.
     double swing;
-    // Metres that it slides along the width axis instead of turning; two leaves slide apart by it.
+    // Metres that a leaf slides along the width axis instead of turning; two leaves slide apart, each by this.
     double slide;
     double open;  // as drawn, see Opening
     int material;
-    // The leaves of its model (see Leaf); without any they are made from the words above.
+    // The leaves of its model (see Leaf); where the model has none, maps_enclose makes leaves from the fields above.
     Leaf leaves[SKETCH_MAX_LEAVES];
     int leaf_count;
     // The cut-out, if not a rectangle: a simple polygon in the unit square, x along the width, y up.
@@ -62,8 +62,8 @@ typedef struct SketchCutout {
     const char *place;
 } SketchCutout;
 
-// A plan as drawn, for maps_enclose. One thread's; the arrays live in the caller's arena, and are not needed after maps_enclose, but for
-// the names.
+// A plan as drawn, for maps_enclose. One thread uses it. The arrays live in the caller's arena; after maps_enclose only the names
+// are still needed.
 typedef struct Sketch {
     SketchWall *walls;
     SketchRoom *rooms;
@@ -78,9 +78,10 @@ typedef struct Sketch {
     int ground_material, outer_material, slab_material;
 } Sketch;
 
-// Finds the free space (regions) and the openings between, and appends them to `b`, whose storeys, materials and
-// objects are already there. Plan geometry by GEOS on the 1 mm grid. What is not enclosed, or cannot be used, is
-// noted in `b` and the rest goes on; fails only when nothing is left or coordinates exceed MAPS_LIMIT.
+// Finds the free space (regions) and the openings between the regions, and appends them to `b`, whose storeys,
+// materials and objects are already there. GEOS computes the plan geometry on the 1 mm grid. Rooms that are not
+// enclosed and parts that cannot be used are noted in `b`, and the rest is still made; fails when nothing is left, the
+// plan has too many pieces, or coordinates exceed MAPS_LIMIT.
 bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error);
 
 #endif

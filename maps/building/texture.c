@@ -8,8 +8,8 @@
 #include "engine/core/memory.h"
 
 // The most memory that decoding may ask for at once, bytes: all pixels of the largest image in four channels of 16 bits, and
-// as much again since buffers grow by doubling. A piece of a damaged PNG may call itself longer than the file, and a small
-// file unpack to gigabytes.
+// as much again since buffers grow by doubling. A chunk of a damaged PNG may claim to be longer than the file, and a small
+// file may unpack to gigabytes.
 static const size_t LARGEST_BUFFER = (size_t)TEXTURE_MAX_PIXELS * 4 * 2 * 2;
 
 static void *bounded_realloc(void *old, size_t size) {
@@ -48,7 +48,8 @@ int texture_pixels(Bytes image) {
     return width > 0 && height > 0 && width <= TEXTURE_MAX_PIXELS / height ? width * height : 0;
 }
 
-// A progressive JPEG of a few kilobytes may go over its pixels a thousand times. Usual ones have about ten scans.
+// The pixels of an image, counted once for every USUAL_SCANS scans of a JPEG: a progressive JPEG of a few kilobytes may go over its
+// pixels a thousand times. Usual JPEGs have about ten scans.
 static double work_of(Bytes image) {
     enum { USUAL_SCANS = 16 };
     int scans = 0;

@@ -1,6 +1,6 @@
 // zip.c - entries of a ZIP archive (PKWARE APPNOTE) through minizip. The sizes that the directory claims are checked against the limits
 // before an entry is unpacked, and the unpacked bytes against the claim. Entries are found in an index of their names, since minizip
-// looks through the whole directory for each.
+// would look through the whole directory for each entry.
 #include "maps/building/zip.h"
 
 #include <errno.h>
@@ -80,7 +80,7 @@ static int by_name(const void *p, const void *q) {
     return order ? order : a->number - b->number;
 }
 
-// False: the directory is damaged.
+// Indexes the archive's entries by name. Returns false where the directory is damaged.
 static bool list_entries(Archive *archive, int count, Arena *arena) {
     char name[1024];
     archive->entries = ARENA_ARRAY(arena, Entry, count + 1);
@@ -90,7 +90,7 @@ static bool list_entries(Archive *archive, int count, Arena *arena) {
         if (status != UNZ_OK || unzGetFilePos64(archive->zip, &entry->at) != UNZ_OK ||
             unzGetCurrentFileInfo64(archive->zip, NULL, name, sizeof name, NULL, 0, NULL, 0) != UNZ_OK)
             return false;
-        // No building refers to a longer one.
+        // No building refers to a longer name.
         if (memchr(name, 0, sizeof name) == NULL) continue;
         entry->name = arena_string(arena, name);
         entry->number = i;
@@ -116,8 +116,8 @@ static const Entry *find_entry(const Archive *archive, const char *name) {
 
 // ---- the archive
 
-// Minizip reports a failure to get memory as others, a damaged file for one: the C library knows. To be asked after a failure, with
-// errno 0 before.
+// Ends the program where a call of minizip failed for lack of memory. Minizip reports this like other failures, such as a damaged
+// file, but the C library sets errno. Set errno to 0 before the call of minizip.
 static void check_memory(void) {
     if (errno == ENOMEM) memory_end_library("minizip");
 }

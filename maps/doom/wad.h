@@ -12,7 +12,7 @@ typedef struct WadPoint {
     long long x, y, w;
 } WadPoint;
 
-// Its front lies to the right of v[0] -> v[1].
+// A line of the map; its front lies to the right of v[0] -> v[1].
 typedef struct WadLine {
     int v[2];
     int flags, special, tag;
@@ -50,18 +50,18 @@ typedef struct WadMap {
 // Reads the map named `name`, NULL for the first of the file. Every index in the result is in range.
 bool wad_read_map(const char *path, Bytes content, const char *name, Arena *arena, WadMap *out, Error *error);
 
-// Has no length, or the same sector on both sides (a trick of map makers): bounds nothing.
+// Whether a line bounds nothing: it has no length, or the same sector on both sides (a trick of map makers).
 bool wad_line_is_void(const WadMap *map, const WadLine *line);
 
 // ---- wad_bsp.c: the plan between the lines as convex pieces, exactly.
 
-// The points with a x + b y + c = 0; integers without a common divisor. It runs along (b, -a), its positive side on the
-// left. Coordinates have 16 bits, so |a|, |b| < 2^17 and |c| < 2^34.
+// The points with a x + b y + c = 0; integers without a common divisor. The axis runs along (b, -a), with its positive
+// side on the left. Coordinates have 16 bits, so |a|, |b| < 2^17 and |c| < 2^34.
 typedef struct WadAxis {
     long long a, b, c;
 } WadAxis;
 
-// From `from` to where the next edge of the piece begins.
+// An edge of a piece, from `from` to where the next edge of the piece begins.
 typedef struct WadEdge {
     WadPoint from;
     int axis;
@@ -77,7 +77,7 @@ typedef struct WadPieces {
     WadAxis *axes;
     WadEdge *edges;
     WadPiece *pieces;
-    int *line_axis;  // [line_count] -1 of a line that bounds nothing
+    int *line_axis;  // [line_count] the line's axis; -1: the line bounds nothing
     // The lines along axis i are spans[first_span[i]] .. spans[first_span[i + 1] - 1]; their fields are private to wad_sectors.c.
     struct WadSpan *spans;
     int *first_span;  // [axis_count + 1]
@@ -85,14 +85,14 @@ typedef struct WadPieces {
     int edge_capacity, piece_capacity;
 } WadPieces;
 
-// Cuts the plan, and some way around it, along the map's lines until none runs inside a piece. Which sectors these are
-// in is left open.
+// Cuts the plan and a margin around it along the map's lines, until no line runs inside a piece. The sectors of the
+// pieces are found later, by wad_find_sectors.
 bool wad_cut_plan(const WadMap *map, Arena *arena, WadPieces *out, Error *error);
 
 int wad_side_of(const WadAxis *axis, WadPoint p);  // +1 on the positive side, -1 on the other, 0 on it
 double wad_x(WadPoint p);                          // correctly rounded: equal points have equal coordinates
 double wad_y(WadPoint p);
-// Where a point of an axis lies along it: increasing in the axis's direction, map units.
+// The position of a point along its axis: increasing in the axis's direction, map units.
 double wad_along(const WadAxis *axis, WadPoint p);
 
 // ---- wad_sectors.c: which sector each piece belongs to; fewer and larger pieces.
@@ -106,9 +106,10 @@ typedef struct WadContact {
     bool open;         // no line runs there
 } WadContact;
 
-// Fills the spans of the pieces. Everything below asks for them.
+// Fills pieces->spans and pieces->first_span, which all functions below use.
 void wad_index_lines(const WadMap *map, WadPieces *pieces, Arena *arena);
-// The line on an edge of a piece at a place along it, and its side that faces the piece: 0 its front, 1 its back; -1 where there is none.
+// Returns the line on an edge of a piece at the position `along` (see wad_along), or -1 where there is none. `facing` receives the
+// side of the line that faces the piece: 0 its front, 1 its back.
 int wad_line_at(const WadMap *map, const WadPieces *pieces, const WadEdge *edge, double along, int *facing);
 // Lists all contacts of the pieces in `arena`; returns how many there are.
 int wad_find_contacts(const WadPieces *pieces, Arena *arena, WadContact **out);
@@ -116,25 +117,25 @@ int wad_find_contacts(const WadPieces *pieces, Arena *arena, WadContact **out);
 // Gives every piece its sector by the lines around it, or by its neighbours where no line is between. A sector that is
 // not closed is noted on the building.
 void wad_find_sectors(const WadMap *map, WadPieces *pieces, Arena *arena, Building *b);
-// Joins neighbours of one sector whose union is convex.
+// Joins neighbouring pieces of one sector whose union is convex.
 void wad_merge(WadPieces *pieces, Arena *arena);
 
 // ---- wad_movers.c: the sectors that move.
 
-// How far a sector reaches with its leaf out of the way, and the leaf: the part that moves. Map units.
+// The heights of a sector with its leaf, the part that moves, out of the way, and the heights of the leaf. Map units.
 typedef struct WadMover {
     enum {
         WAD_FIXED,
         WAD_DOOR,   // its ceiling rises
-        WAD_HATCH,  // closed as a door is, but its floor sinks
-        WAD_LIFT    // its floor sinks; seen over at all times
+        WAD_HATCH,  // closed like a door, but its floor sinks
+        WAD_LIFT    // its floor sinks; can be seen over at all times
     } motion;
     int floor, ceiling;
     int low, high;  // of the leaf when closed; a lift's as drawn
     double open;    // as drawn, 0 .. 1
 } WadMover;
 
-// One for each sector.
+// Returns one mover for each sector, in `arena`.
 WadMover *wad_find_movers(const WadMap *map, Arena *arena);
 
 // ---- wad_regions.c, wad_openings.c: regions, doors and materials of the building.
@@ -144,20 +145,20 @@ typedef struct WadBuilder {
     const WadPieces *pieces;
     const WadMover *movers;
     Arena *arena;    // of the building
-    Arena *scratch;  // for the time of reading
+    Arena *scratch;  // for use while reading
     Building *building;
-    int *first_region;  // [piece_count + 1] those of piece i are first_region[i] .. first_region[i + 1] - 1
+    int *first_region;  // [piece_count + 1] regions of piece i: first_region[i] .. first_region[i + 1] - 1
     int *materials;     // a hash table, see wad_regions.c
 } WadBuilder;
 
-// A region for each piece of a sector that has a height; vertices are shared with all neighbours.
+// Adds a region for each piece of a sector that has a height; regions share their vertices with all neighbours.
 void wad_add_regions(WadBuilder *builder);
-// A door for each part of a sector that moves.
+// Adds a door for each part of a sector that moves.
 void wad_add_openings(WadBuilder *builder);
-// The material of the wall that is seen from a piece's edge at a place along it.
+// The material of the wall seen from inside a piece of `sector` at the position `along` (see wad_along) on the piece's edge.
 int wad_wall_material(WadBuilder *builder, const WadEdge *edge, int sector, double along);
 
-// Metres a map unit: 32 are customarily a metre, and 31 mm keeps whole units on the grid of the plan.
+// Metres in a map unit: customarily 32 units are a metre, and 31 mm keeps whole units on the grid of the plan.
 #define WAD_METRE 0.031
 // The same in whole steps of that grid, so that no coordinate is rounded twice.
 #define WAD_MILLIMETRES 31

@@ -2,8 +2,8 @@
 // floors.
 //
 // All linework of all storeys is noded together on the 1 mm grid into one planar arrangement; each of its
-// faces gets a column of solid and free spans; like spans of neighbouring faces become regions. So regions
-// are disjoint and share their vertices by construction. The steps are in enclose_*.c, in the order of
+// faces gets a column of solid and free spans; like spans of neighbouring faces become regions. Regions are
+// thus disjoint and share their vertices by construction. The steps are in enclose_*.c, in the order of
 // enclose.h.
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@
 
 // Closing small gaps must enclose at least this much more to be worth it, mm^2.
 static const double LEAST_GAIN = 2.5e5;
-// A smaller share of all spots is not tried.
+// The smallest share of all spots that is tried.
 static const double LEAST_SHARE = 1.0 / 4096;
 
 static void on_geos_error(const char *message, void *context) {
@@ -39,7 +39,8 @@ static bool run_pass(Enclosure *e, bool with_plugs, Pass *pass) {
     return true;
 }
 
-// The plan as drawn; where something lies open, once more with small gaps closed, if that encloses more.
+// Labels the plan as drawn. Where something lies open, labels it once more with small gaps closed, and keeps the second
+// result if it encloses more.
 static bool find_indoors(Enclosure *e) {
     if (!run_pass(e, false, &e->pass)) return false;
     bool any = false;
@@ -104,7 +105,7 @@ bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error)
     const Building before = *b;
     bool again = false;
     for (double share = 1; share >= LEAST_SHARE; share /= 4) {
-        // Arrays only grow: earlier counts take back the elements appended since.
+        // Arrays only grow: restoring the earlier counts takes back the elements appended since.
         *b = before;
         if (try_share(sketch, share, b, arena, &again, error)) return true;
         if (!again) return false;

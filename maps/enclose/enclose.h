@@ -14,8 +14,8 @@
 #include "maps/building/sketch.h"
 
 #define ENCLOSE_MM 1000.0  // millimetres in a metre
-// The plan is one for all storeys, and each has a table of its faces: storeys times faces. Where outlines make more, they are tried
-// again with a smaller share of it.
+// The most spots. All storeys share one plan, and each storey has a spot for each face of the plan: storeys times faces. Where the
+// outlines make more spots, they are tried again with a smaller share of this number.
 #define ENCLOSE_MOST_SPOTS 4000000
 
 // A polygon of any number of rings, even-odd.
@@ -31,7 +31,7 @@ typedef struct ShapeList {
     int count, capacity;
 } ShapeList;
 
-// An edge of the arrangement: face[0] lies left of v[0] -> v[1], face[1] right; -1 beyond the world.
+// An edge of the arrangement: face[0] lies left of v[0] -> v[1], face[1] right of it; -1: beyond the world.
 typedef struct PlanEdge {
     int v[2], face[2];
 } PlanEdge;
@@ -63,7 +63,7 @@ typedef struct Hole {
     double sill, head;
     Vec2 line[2];  // the plane in which a door closes
     Shape box;
-    int opening;  // in Building.openings, -1 until it is there
+    int opening;  // in Building.openings, -1 until appended
 } Hole;
 
 // A room's outline, grown by the thickness of its implicit wall.
@@ -118,21 +118,21 @@ typedef struct Enclosure {
     Vec2 origin;  // metres, whole
     Vec2 world_min, world_max;
     double bottom, top;  // of all columns
-    double share;        // of the spots that outlines may take, 1 at first
-    bool too_many;       // spots: a smaller share may help
+    double share;        // of ENCLOSE_MOST_SPOTS that outlines may take, 1 at first
+    bool too_many;       // there were too many spots: a smaller share may help
     Shape *walls, *rooms, *cutouts;
     bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
     bool *room_used, *cutout_used;
     double *room_wall;    // [room_count] mm of implicit wall, 0: none
-    Grown *grown;         // [grown_count] implicit walls: the space in one of these, and in no such room
-    ShapeList *implicit;  // [storey_count] their union
+    Grown *grown;         // [grown_count] implicit walls: the space in these, less the rooms they surround
+    ShapeList *implicit;  // [storey_count] union of the implicit walls
     ShapeList *plugs;     // [storey_count] fillings of small gaps
     Hole *holes;          // [opening_count]
     int grown_count, grown_capacity;
-    BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of those in use, on their storeys (enclose_box)
+    BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of shapes in use, on their storeys (enclose_box)
     BoxTree side_tree;                                    // of all sides of walls, wall by wall
-    int *side_wall, *side_at;                             // [side count] its wall, and its number there
-    BoxHits near, faces, sides;                           // found last: in these, in Plan.inner, in side_tree
+    int *side_wall, *side_at;                             // [side count] its wall, and its number in the wall
+    BoxHits near, faces, sides;                           // last hits in trees above, Plan.inner, side_tree
     // [storey_count] base: under its slab; cover: the top of the roof or slab above.
     double *floor, *ceiling, *base, *cover;
     Pass pass;
@@ -174,7 +174,7 @@ static inline double half_length(const Plan *p, int h) {
 
 // ---- enclose_input.c
 bool enclose_prepare(Enclosure *e);  // shapes, heights, low walls; false with the error set
-// Once crossings are limited: the trees of walls and rooms, and the world.
+// Call once crossings are limited: builds the trees of walls and rooms, and finds the world's box.
 bool enclose_find_world(Enclosure *e);
 bool enclose_implicit_walls(Enclosure *e);  // around rooms of plans without walls
 bool enclose_plugs(Enclosure *e, bool *any);
@@ -183,9 +183,9 @@ Vec2 enclose_metres(const Enclosure *e, Vec2 p);  // and back: a grid point beco
 Vec3 enclose_place(const Enclosure *e, Vec2 p, int storey);
 const char *enclose_text(const char *place);
 
-// Stands a wall among the furniture.
+// Adds a wall to the building as an object, among the furniture.
 void enclose_add_low_wall(Enclosure *e, int wall);
-// Counts a room as drawn and lost.
+// Counts the area of a room as drawn and as lost.
 void enclose_lose_room(Enclosure *e, int room);
 
 // ---- enclose_crossings.c
@@ -200,7 +200,7 @@ void cover_label(Enclosure *e, Pass *pass, bool with_plugs);  // makes pass->spo
 
 // ---- enclose_indoor.c
 void indoor_label(Enclosure *e, Pass *pass);
-// Neither wall nor opening.
+// Whether the face has neither a wall nor an opening on the storey.
 static inline bool spot_is_open(const Spot *s) { return s->wall == NO_WALL && s->hole[0] < 0; }
 // Mean width of a face or patch.
 static inline double face_width(double area, double perimeter) {
@@ -223,8 +223,8 @@ void regions_trace(Enclosure *e);
 void enclose_push_point(Enclosure *e, Vec2 metres, int material);
 
 // ---- enclose_openings.c
-void openings_append(Enclosure *e);  // before the regions that refer to them
-void openings_join(Enclosure *e);    // regions on either side; draws leaves and spandrels
+void openings_append(Enclosure *e);  // call before the regions, which refer to the openings
+void openings_join(Enclosure *e);    // finds the regions on either side; draws leaves and spandrels
 
 // ---- enclose_start.c
 void enclose_choose_start(Enclosure *e);

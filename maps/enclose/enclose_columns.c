@@ -4,13 +4,13 @@
 // painted over one another in that order, so that each wins over the ones before.
 #include "maps/enclose/enclose.h"
 
-// Roofs over rooms without a storey above, mm.
+// The thickness of roofs over rooms without a storey above, mm.
 static const double ROOF = 150;
-// Air under something solid and lower than this is closed: nobody sees under a floor, mm.
+// Air lower than this under something solid becomes solid, mm: nobody sees under a floor.
 static const double LOWEST_AIR = 600;
-// Between two storeys' rooms this much air is still a slab badly measured, mm.
+// Air lower than this between the rooms of two storeys is a badly measured slab, mm.
 static const double THICKEST_SLAB = 1500;
-// Rooms of which less height than this is left are solid, mm.
+// Rooms with less height than this left become solid, mm.
 static const double LOWEST_ROOM = 50;
 // A wall this much taller than the floor above pokes out of it, mm; less is drawing noise.
 static const double TALL = 300;
@@ -46,7 +46,7 @@ static int span_above(const Painter *p, double z) {
     return low;
 }
 
-// No two neighbours are alike, before and after.
+// Paints a span over the column. No two neighbouring spans are alike, before and after.
 static void paint(Painter *p, Span s) {
     double bottom = p->spans[0].z0, top = p->spans[p->count - 1].z1;
     s.z0 = fmax(s.z0, bottom);
@@ -82,7 +82,7 @@ static void room_heights(const Enclosure *e, int storey, int indoor, double *z0,
 
 static double slab_of(const Enclosure *e, int storey) { return e->floor[storey] - e->base[storey]; }
 
-// A roof reaches up to the next storey's floor where the ceiling is the storey's.
+// The top of a room's roof: it reaches up to the next storey's floor where the room's ceiling is the storey's ceiling.
 static double roof_top(const Enclosure *e, int storey, double ceiling) {
     return ceiling == e->ceiling[storey] ? fmax(e->cover[storey], ceiling + 1) : ceiling + ROOF;
 }
@@ -134,7 +134,7 @@ static void paint_rooms(const Enclosure *e, int face, Painter *p) {
         room_heights(e, s, spot->indoor, &z0, &z1);
         if (spot->indoor >= 0) paint(p, span(SPAN_SOLID, 0, s, z0 - slab_of(e, s), z0));
     }
-    // Where storeys overlap the first wins, so it comes last.
+    // Where storeys overlap the first wins, so it is painted last.
     for (int s = e->b->storey_count - 1; s >= 0; s--) {
         const Spot *spot = spot_at(e, s, face);
         double z0, z1;
@@ -143,7 +143,7 @@ static void paint_rooms(const Enclosure *e, int face, Painter *p) {
     }
 }
 
-// A hole reaches down from the floor it is in to the free space below.
+// Paints holes in floors: each reaches down from its floor to the free space below.
 static void paint_cutouts(const Enclosure *e, int face, Painter *p) {
     for (int s = 0; s < e->b->storey_count; s++) {
         const Spot *spot = spot_at(e, s, face);
@@ -182,7 +182,7 @@ static void paint_walls(const Enclosure *e, int face, Painter *p) {
     }
 }
 
-// Closes thin air under floors, and rooms of which too little height is left.
+// Makes thin air under floors solid, and rooms with too little height left.
 static void close_thin(const Enclosure *e, Painter *p) {
     for (int i = 1; i + 1 < p->count; i++) {
         const Span s = p->spans[i];
@@ -199,7 +199,7 @@ static void close_thin(const Enclosure *e, Painter *p) {
 
 void columns_build(Enclosure *e) {
     const Plan *plan = &e->pass.plan;
-    // Each layer adds at most two spans; a storey has at most eight.
+    // Each layer adds at most two spans; a storey has at most eight layers.
     int most = 20 * e->b->storey_count + 16;
     Painter p = {ARENA_ARRAY(e->scratch, Span, most), 0};
     e->first_span = ARENA_ARRAY(e->scratch, int, plan->face_count + 1);
@@ -227,7 +227,7 @@ void columns_build(Enclosure *e) {
 
 static bool is_free(const Span *s) { return s->kind != SPAN_SOLID; }
 
-// Do the spans of two neighbouring columns let anything indoors see the outdoors?
+// Whether a free indoor span of `face` touches an outdoor span of the neighbouring face `other`.
 static bool columns_open(const Enclosure *e, int face, int other) {
     for (int i = e->first_span[face]; i < e->first_span[face + 1]; i++) {
         const Span *s = &e->spans[i];
@@ -260,7 +260,7 @@ static bool outdoors_is_seen(const Enclosure *e) {
     return !indoors;
 }
 
-// Where nothing opens to it, the outdoors hides nothing and shows nothing: it is left out.
+// Makes the outdoors solid where nothing opens to it: then it is never seen.
 void columns_drop_unseen_outdoors(Enclosure *e) {
     if (outdoors_is_seen(e)) return;
     int kept = 0, first = 0;

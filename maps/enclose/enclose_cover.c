@@ -1,12 +1,12 @@
 // enclose_cover.c - which walls, implicit walls, fillings, rooms, openings and cut-outs of the sketch cover each face of the plan.
 //
-// A face is covered by a shape in which its inner point lies. Faces too narrow to be meant take after a neighbour.
+// A face is covered by a shape in which its inner point lies. Faces too narrow to be meant, slivers, take a neighbour's labels.
 #include "maps/enclose/enclose.h"
 
 // Mean width (twice the area over the perimeter) below which a face is noise of the grid and goes to its
 // neighbour, mm.
 static const double SLIVER = 2.5;
-// A neighbour counts along this share of a sliver's outline: its two long sides are half each.
+// Neighbours of one kind count from this share of a sliver's outline on: its two long sides are half each.
 static const double GOOD_PART = 0.2;
 
 static double distance_to_outline(const Shape *shape, Vec2 p) {
@@ -19,11 +19,11 @@ static double distance_to_outline(const Shape *shape, Vec2 p) {
     return best;
 }
 
-// The room with a wall whose outline is nearest to p, none farther than `reach`.
+// The room with an implicit wall whose outline is nearest to p, searched within `reach`, mm; -1: none.
 static int nearest_owner(Enclosure *e, int storey, Vec2 p, double reach) {
     int owner = -1;
     double best = INFINITY;
-    // A little more: whose outline is as near as another's must be found for all rounding.
+    // Searches a little farther, so that rounding hides no outline that is as near as another.
     box_tree_find(&e->room_tree, enclose_around(p, reach + MAPS_GRID, storey), e->scratch, &e->near);
     for (int k = 0; k < e->near.count; k++) {
         int i = e->near.items[k];
@@ -152,9 +152,9 @@ static void label_holes(Enclosure *e, Pass *pass) {
     }
 }
 
-// The neighbour that a sliver takes after: the one with the longest common edge, an open one before an opening
-// before a wall if it runs along a good part of the sliver, so that no sliver of wall stands between an
-// opening and a room.
+// The neighbour whose labels a sliver takes: the one with the longest common edge. Open neighbours go before
+// openings, and openings before walls, if they run along a good part of the sliver, so that no sliver of wall stands
+// between an opening and a room. -1: no neighbour is settled.
 static int neighbour_of_sliver(const Plan *p, const Spot *spots, const bool *settled, int face) {
     double along[3] = {0, 0, 0}, longest[3] = {0, 0, 0};
     int best[3] = {-1, -1, -1};
@@ -176,7 +176,8 @@ static int neighbour_of_sliver(const Plan *p, const Spot *spots, const bool *set
     return -1;
 }
 
-// Slivers lie between lines that nearly coincide. In rounds, since some lie beside others.
+// Gives slivers, which lie between lines that nearly coincide, a neighbour's labels. This takes rounds, since some slivers lie
+// beside others.
 static void absorb_slivers(Enclosure *e, Pass *pass) {
     enum { ROUNDS = 4 };
     const Plan *p = &pass->plan;

@@ -1,28 +1,29 @@
 // enclose_crossings.c - outlines that cross so many others that the plan would fall into more pieces than a scene needs.
 //
-// n walls may cross at n^2 places, and each place is a vertex of the plan. Outlines are taken in their order, each as long as the places
-// where it meets those before it are not too many in all. A wall that is not taken stands as an object: it is drawn, it is met, it
-// throws shadows; it only parts no space, so more is visible than could be. Rooms, cut-outs and openings are left out, and noted.
+// n walls may cross at n^2 places, and each place is a vertex of the plan. Outlines are taken in their order, each if the places
+// where it meets the outlines before it do not make too many in all. A wall that is not taken becomes an object: it is drawn,
+// collides and casts shadows, but it divides no space, so that more counts as visible than can be seen. Rooms, cut-outs and
+// openings that are not taken are left out, and noted.
 #include <stdlib.h>
 
 #include "maps/enclose/enclose.h"
 
-// Places where outlines may meet: so many, and so many for each outline. Walls of real buildings meet two
-// or three others.
+// The most places where outlines may meet: MEETINGS, and MEETINGS_EACH more for each outline. Walls of real
+// buildings meet two or three others.
 static const long long MEETINGS = 10000, MEETINGS_EACH = 6;
-// Corners on the edges of others: each is a vertex anyway, and storeys that differ by little have many on one line.
+// The most corners on edges of other outlines: each is a vertex anyway, and storeys that differ little have many on one line.
 static const long long TOUCHES = 500000;
-// Pairs of edges that may be looked at to find them, likewise.
+// The most pairs of edges that may be looked at to find these places: LOOKS, and LOOKS_AN_EDGE more for each edge.
 static const long long LOOKS = 4000000, LOOKS_AN_EDGE = 32;
-// The first outline may be the only one, of very many corners, and look at so many of its own edges.
+// The most pairs for the first outline, which may be the only one and have very many corners.
 static const long long LOOKS_FIRST = 12000000;
-// An end so near to another edge lies on it, mm.
+// An end this near to another edge lies on that edge, mm.
 static const double ON_EDGE = 1;
 
 typedef struct PlanSegment {
     Vec2 a, b;   // a before b, by x, then y
-    bool fresh;  // of the outline tried last: nothing taken before has it
-    int same;    // the first that equals this one: walls of a tower stand over one another
+    bool fresh;  // of the outline tried last: no outline taken before has it
+    int same;    // the first segment that equals this one: walls of a tower stand over one another
 } PlanSegment;
 
 // The outlines taken so far, against which the next ones are tried.
@@ -30,14 +31,15 @@ typedef struct Crossings {
     Enclosure *e;
     PlanSegment *segments;
     int segment_count, segment_capacity;
-    int *first;  // [outline_count + 1] segments of an outline
+    int *first;  // [outline_count + 1] the first segment of each outline
     int outline_count, outline_capacity;
-    bool *taken;  // [segment_count] of the first of equal ones: an outline that was taken has it
+    bool *taken;  // [segment_count] of the first of equal segments: an outline that was taken has it
     BoxTree tree;
     long long meetings, touches, looks;  // so far
-    long long outlines;                  // so far, but those that lie on others
+    long long outlines;                  // taken so far, except those on others
     bool any;                            // an outline was taken
-    // Why the last one tried was not taken: looks, or outlines of so many storeys, would be more than are allowed. Else meetings.
+    // Why the outline tried last was not taken: too many looks, or too many outlines for the number of storeys. Neither: too many
+    // meetings.
     bool looked_out, crowded;
 } Crossings;
 
@@ -99,7 +101,7 @@ static bool lies_on(Vec2 p, const PlanSegment *s) {
     return along > 0 && along < length2 && aside * aside <= ON_EDGE * ON_EDGE * length2;
 }
 
-// The edges cross in one point within both.
+// Whether the edges cross in one point within both.
 static bool edges_cross(const PlanSegment *s, const PlanSegment *t) {
     Vec2 d = vec2_sub(s->b, s->a), g = vec2_sub(t->b, t->a);
     double p = vec2_cross(d, vec2_sub(t->a, s->a)), q = vec2_cross(d, vec2_sub(t->b, s->a));
@@ -107,13 +109,13 @@ static bool edges_cross(const PlanSegment *s, const PlanSegment *t) {
     return p * q < 0 && u * v < 0;
 }
 
-// How many ends of the edges lie within the other one.
+// How many ends of the two edges lie on the other edge.
 static int ends_on(const PlanSegment *s, const PlanSegment *t) {
     return lies_on(t->a, s) + lies_on(t->b, s) + lies_on(s->a, t) + lies_on(s->b, t);
 }
 
-// Takes an outline if it meets those taken before at few enough places, and if these are few enough: each makes a piece of the plan at
-// least.
+// Takes an outline if it meets the outlines taken before at few enough places, and if the outlines taken are few enough: each makes
+// at least one piece of the plan.
 static bool take_outline(Crossings *c, int outline) {
     long long most = MEETINGS + MEETINGS_EACH * c->outline_count,
               looks = c->any ? LOOKS + LOOKS_AN_EDGE * c->segment_count : LOOKS_FIRST,

@@ -1,26 +1,26 @@
 // enclose_holes.c - the plan boxes of doors and windows, fitted to the walls they stand in.
 //
-// A model's depth says little: doors are drawn ajar, windows thinner than their wall. So a box reaches
-// through all walls of about its direction that it meets, also through two with a void between; where none
-// is met, the model's depth holds.
+// A model's depth says little: doors are drawn ajar, windows thinner than their wall. A box therefore reaches
+// through all walls of about its direction that it meets, also through two walls with a void between; where it
+// meets no wall, it has the model's depth.
 #include <stdlib.h>
 
 #include "maps/enclose/enclose.h"
 
-// A wall belongs to an opening when their directions differ by less: sin 30 degrees.
+// A wall belongs to an opening when the sine of the angle between them is at most this: 30 degrees.
 static const double PARALLEL = 0.5;
 // The wall and the box must overlap by this, mm along the depth, and by this share of the width.
 static const double LEAST_OVERLAP = 5, LEAST_SHARE = 0.1;
-// Boxes without a wall are at least so deep, mm: both halves of a door need a place.
+// Boxes without a wall are at least this deep, mm: both halves of a door need a place.
 static const double LEAST_DEPTH = 40;
-// No wall is thicker, mm.
+// No wall is thicker than this, mm.
 static const double THICKEST_WALL = 2000;
-// A box is drawn out through more wall up to this to reach free space, mm; voids up to VOID on the way are
-// crossed.
+// A box is extended through further walls by up to this to reach free space, mm; voids of up to VOID on the way
+// are crossed.
 static const double EXTENSION = 300, VOID = 50;
 // How far from its box an opening's implicit wall may lie, mm.
 static const double IMPLICIT_REACH = 300;
-// A sill less than this above the floor is no sill, mm.
+// A sill less than this above the floor is put on the floor, mm.
 static const double SILL_SLACK = 20;
 // Openings narrower or lower than this are dropped, mm.
 static const double LEAST_SIZE = 10;
@@ -39,7 +39,7 @@ static Vec2 from_frame(const Hole *h, double u, double v) {
     return vec2_add(h->centre, vec2_add(vec2_scale(h->u, u), vec2_scale(h->n, v)));
 }
 
-// Extent of a polygon within the opening's width.
+// The extent of a polygon within the opening's width, in the opening's frame.
 static Reach reach_of(const Hole *h, const Shape *shape) {
     Reach r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     int n = shape->ring[1];
@@ -61,7 +61,7 @@ static Reach reach_of(const Hole *h, const Shape *shape) {
     return r;
 }
 
-// Searches a tree for items this near to the opening and puts them into e->near. Returns how many there are.
+// Searches a tree for items within `reach` (mm) of the opening and puts them into e->near. Returns their number.
 static int find_near(Enclosure *e, const BoxTree *tree, const SketchOpening *o, const Hole *h, double reach) {
     return box_tree_find(tree, enclose_around(h->centre, h->half + reach, o->storey), e->scratch, &e->near);
 }
@@ -90,7 +90,7 @@ typedef struct Cover {
     double v0, v1;
 } Cover;
 
-enum { COVERS = 256 };  // more on one line is no plan; the rest is not seen
+enum { COVERS = 256 };  // no real plan has more on one line; the rest is ignored
 typedef struct Covers {
     Cover items[COVERS];
     int count;
@@ -118,7 +118,7 @@ static void cover_by(const Hole *h, const Shape *shape, double u, Covers *covers
 
 static double sample_at(const Hole *h, int i) { return h->half * 0.8 * (2.0 * i / (SAMPLES - 1) - 1); }
 
-// Where cover that starts at v going `way` (+1, -1) ends, voids crossed.
+// Follows cover from v in the direction `way` (+1, -1), across voids of up to VOID, and returns where the cover ends.
 static double end_of_cover(const Covers *covers, double v, double way) {
     for (bool moved = true; moved;) {
         moved = false;
@@ -144,7 +144,7 @@ static void extend(Enclosure *e, const SketchOpening *o, Hole *h) {
     }
     for (int way = 0; way < 2; way++) {
         qsort(more[way], SAMPLES, sizeof(double), by_value);
-        // Half of the width free is enough; where a wall stands across the other half that is how it was built.
+        // It is enough that half of the width is free: a wall may really stand across the other half.
         double by = more[way][SAMPLES / 2];
         if (by > EXTENSION) by = more[way][0];
         if (by > EXTENSION) by = 0;
@@ -155,10 +155,10 @@ static void extend(Enclosure *e, const SketchOpening *o, Hole *h) {
     }
 }
 
-// Joins covers that overlap or touch, in order.
+// Sorts covers and joins those that overlap or touch.
 static void join_covers(Covers *covers) {
     int kept = 0;
-    qsort(covers->items, (size_t)covers->count, sizeof(Cover), by_value);  // by v0, which comes first in them
+    qsort(covers->items, (size_t)covers->count, sizeof(Cover), by_value);  // by v0, the first member
     for (int i = 0; i < covers->count; i++) {
         Cover c = covers->items[i];
         if (kept > 0 && c.v0 <= covers->items[kept - 1].v1 + MAPS_GRID) {
@@ -170,7 +170,7 @@ static void join_covers(Covers *covers) {
     covers->count = kept;
 }
 
-// Collects the stretches of the line u that implicit walls cover: grown outlines less rooms, of those in e->near.
+// Collects the stretches of the line u that implicit walls cover: the grown outlines in e->near less their rooms.
 static void cover_by_implicit(const Enclosure *e, const Hole *h, double u, Covers *out) {
     Covers grown = {.count = 0}, rooms = {.count = 0};
     for (int i = 0; i < e->near.count; i++) {
@@ -193,7 +193,7 @@ static void cover_by_implicit(const Enclosure *e, const Hole *h, double u, Cover
     }
 }
 
-// Through the implicit wall nearest to the centre, at all the samples.
+// Fits the box through the implicit walls nearest to the centre on all sample lines.
 static bool fit_to_implicit(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
     double v0 = INFINITY, v1 = -INFINITY, reach = depth / 2 + IMPLICIT_REACH;
     find_near(e, &e->grown_tree, o, h, reach + THICKEST_WALL);
@@ -264,7 +264,7 @@ static void fit(Enclosure *e, int i) {
     else
         h->walled = fit_to_implicit(e, o, h, depth);
     if (h->v1 - h->v0 < LEAST_SIZE) {
-        // A wall thinner than a door's halves can be: the box stands out of it.
+        // The wall is thinner than a door's halves can be, so the box stands out of it.
         double middle = (h->v0 + h->v1) / 2;
         h->v0 = middle - LEAST_SIZE / 2;
         h->v1 = middle + LEAST_SIZE / 2;

@@ -1,19 +1,19 @@
 // enclose_indoor.c - which faces of the plan are rooms, which terraces, which the open air, storey by storey.
 //
-// Faces that are neither wall nor opening hang together across room edges; those that hang together with
-// the edge of the world are outdoors, the rest is enclosed. Within, drawn rooms give the names, and room edges stay
-// open portals. Rooms that hang together with the outdoors are kept as rooms where walls or other rooms run
-// along most of their outline (a leak), else they are terraces.
+// Faces that are neither wall nor opening are connected across room edges. Faces connected with the edge of the
+// world are outdoors, the rest are enclosed. Drawn rooms name the enclosed faces, and room edges stay open portals.
+// A room connected with the outdoors stays a room where walls or other rooms run along most of its outline (a
+// leak), else it is a terrace.
 #include "maps/enclose/enclose.h"
 
 // Undrawn strips between rooms and walls narrower than this belong to the room; enclosed cavities narrower
 // than this are part of the walls, mm.
 static const double NARROW = 250;
-// Strips of a room beyond the wall, drawn so by mistake, mm.
+// The greatest width of strips of a room that were drawn beyond the wall by mistake, mm.
 static const double STRAY = 100;
 // A room that lies open stays a room if this share of its outline is closed.
 static const double CLOSED_SHARE = 0.5;
-// An outline this near to a wall counts as closed, mm; how densely that is asked.
+// An outline this near to a wall counts as closed, mm; the distance between the probes along it, mm.
 static const double NEAR_WALL = 250, PROBE = 200;
 
 // ---- patches: faces that hang together and are covered by the same drawn room or by none
@@ -87,7 +87,7 @@ static bool wall_at(Enclosure *e, int storey, Vec2 p) {
     return false;
 }
 
-// The length of half-edge h behind which a wall stands near.
+// The length of the part of half-edge h with a wall near on its right, mm.
 static double length_near_wall(Enclosure *e, const Plan *p, int storey, int h) {
     Vec2 a = p->vertices[half_from(p, h)], d = vec2_sub(p->vertices[half_to(p, h)], a);
     double length = vec2_length(d);
@@ -104,7 +104,7 @@ static double length_near_wall(Enclosure *e, const Plan *p, int storey, int h) {
     return length * near / probes;
 }
 
-// Which open patches stay rooms: drops candidates that are mostly open until none is.
+// Finds the open patches that stay rooms: drops mostly open candidates until no candidate is mostly open.
 static void judge_candidates(Enclosure *e, const Plan *p, int storey, Patches *patches) {
     for (int i = 0; i < patches->count; i++) {
         Patch *patch = &patches->items[i];

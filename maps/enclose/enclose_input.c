@@ -9,10 +9,10 @@
 static const double CEILING_SLACK = 0.01;
 // A wall that starts higher than this above its floor leaves the space under it open, metres.
 static const double FLOOR_SLACK = 0.02;
-// A roof over rooms that have no storey above, mm.
+// The thickness of a roof over rooms that have no storey above, mm.
 static const double ROOF = 150;
-// The next storey's floor closes the slab above a ceiling if it lies within this, mm; beyond is a storey
-// between.
+// The slab above a ceiling reaches up to the next storey's floor if this floor is at most this far above, mm;
+// farther up, there is a storey between.
 static const double THICKEST_SLAB = 1500;
 // Soil below the lowest slab, mm: only so that columns have a bottom.
 static const double SOIL = 1000;
@@ -22,7 +22,7 @@ static const double GAP = 30;
 static const double NARROWEST_PLUG = 0.5;
 // Mitres of implicit walls reach this many thicknesses from a corner.
 static const double MITRE_LIMIT = 5;
-// Walls given to rooms of a plan that has none, mm.
+// The thickness of the walls given to rooms of a plan without walls, mm.
 static const double ASSUMED_WALL = 100;
 // Local coordinates are held in steps of 1/1024 mm: noise of shifted copies vanishes, the grid stays.
 static const double STEPS_PER_MM = 1024;
@@ -50,7 +50,7 @@ static double height_mm(double metres) { return nearbyint(metres * ENCLOSE_MM); 
 
 // ---- refusing numbers that cannot be computed with
 
-// A place names its thing itself.
+// A place, where there is one, already names its thing.
 static const char *name_of(const char *what, const char *place) { return place && *place ? place : what; }
 
 static bool check_points(Enclosure *e, const char *what, const char *place, int first, int count) {
@@ -176,7 +176,7 @@ static bool crosses_itself(const Shape *shape) {
     return false;
 }
 
-// Whether a shape can be used; notes why not.
+// Whether a shape can be used; if not, adds a note that says why.
 static bool usable(Enclosure *e, const Shape *shape, int storey, const char *what, const char *place) {
     Vec2 at = shape->ring[1] ? shape->points[0] : vec2(0, 0);
     if (storey < 0 || storey >= e->b->storey_count) {
@@ -185,7 +185,7 @@ static bool usable(Enclosure *e, const Shape *shape, int storey, const char *wha
                       e->b->storey_count);
         return false;
     }
-    // A figure of eight may have no area in sum.
+    // The signed areas of a figure of eight may cancel.
     if (shape->ring[1] >= 3 && (shape_area(shape) >= SMALLEST_AREA || crosses_itself(shape))) return true;
     Vec3 p = enclose_place(e, at, storey);
     building_note(e->arena, e->b, NOTE_DROPPED, p, "%s %s left out: it has no area at (%.2f, %.2f)", what,
@@ -225,8 +225,8 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
         top[i] = vec3(a.x, a.y, w->z1);
         bottom[n - 1 - i] = vec3(a.x, a.y, w->z0);
     }
-    // A wall along an arc has two chains of corners, and its top goes quad by quad: triangles of one polygon would take the cube of its
-    // corners.
+    // A wall along an arc has two chains of corners, so its top is added quad by quad: cutting one polygon into triangles would
+    // take time cubic in its corners.
     for (int i = 0; n > MOST_CORNERS && n % 2 == 0 && i + 1 < n / 2; i++) {
         Vec3 quad[4] = {top[i], top[i + 1], top[n - 2 - i], top[n - 1 - i]};
         building_add_polygon(e->arena, b, quad, 4, s->outer_material);
@@ -295,7 +295,7 @@ static void find_origin(Enclosure *e) {
     const Sketch *s = e->sketch;
     Vec2 low = vec2(INFINITY, INFINITY);
     for (int i = 0; i < s->point_count; i++) {
-        // Cut-outs of openings are in the unit square, but then the origin is merely another one.
+        // Points of openings' cut-outs lie in the unit square: with them the origin is only another, which is harmless.
         if (good(s->points[i].x) && good(s->points[i].y))
             low = vec2(fmin(low.x, s->points[i].x), fmin(low.y, s->points[i].y));
     }
@@ -383,7 +383,7 @@ static void index_input(Enclosure *e) {
     e->room_tree = box_tree_build(rooms, s->room_count, e->scratch);
 }
 
-// The points used are sound; the rest of the sketch may be wrong in any other way.
+// On success the points used are sound; the sketch may still be wrong in any other way.
 bool enclose_prepare(Enclosure *e) {
     const Sketch *s = e->sketch;
     if (!check_sketch(e)) return false;
@@ -419,8 +419,8 @@ bool enclose_find_world(Enclosure *e) {
 
 // ---- implicit walls
 
-// Rooms of a plan without walls are closed by walls of a usual thickness: a plan without walls at all, or a
-// storey without walls but with doors (without doors it is a roof terrace).
+// Closes rooms by walls of a usual thickness in a plan without any walls, and on a storey without walls but with
+// doors (a storey without walls and doors is a roof terrace).
 static void assume_walls(Enclosure *e) {
     const Sketch *s = e->sketch;
     int walls = 0;
@@ -444,7 +444,7 @@ static void assume_walls(Enclosure *e) {
     }
 }
 
-// Takes all of them. One union of all: one after the other, each would go over all before it again.
+// Takes ownership of the parts. Makes one union of all, since joining them one by one would go over all earlier parts each time.
 static GEOSGeometry *unite(Enclosure *e, GEOSGeometry **parts, int count) {
     GEOSGeometry *all = GEOSGeom_createCollection_r(e->geos, GEOS_GEOMETRYCOLLECTION, parts, (unsigned)count);
     GEOSGeometry *joined = all ? GEOSUnaryUnion_r(e->geos, all) : NULL;
@@ -476,7 +476,7 @@ static void index_grown(Enclosure *e) {
     e->grown_tree = box_tree_build(boxes, e->grown_count, e->scratch);
 }
 
-// A room with an implicit wall, by the first of those with which its walls hang together.
+// A room with an implicit wall. Rooms whose implicit walls are connected form a group, named by the lowest room index in it.
 typedef struct Member {
     int group, room;
     GEOSGeometry *outline, *grown;
@@ -499,7 +499,7 @@ static void find_groups(Enclosure *e, Member *members, int count) {
     qsort(members, (size_t)count, sizeof *members, by_group);
 }
 
-// The walls around the rooms of one group.
+// Makes the implicit walls around the rooms of one group.
 static bool add_group(Enclosure *e, const Member *members, int count) {
     GEOSGeometry **outlines = ARENA_ARRAY(e->scratch, GEOSGeometry *, count),
                  **grown = ARENA_ARRAY(e->scratch, GEOSGeometry *, count);
@@ -544,7 +544,7 @@ bool enclose_implicit_walls(Enclosure *e) {
 
 // ---- small gaps
 
-// Closes the space within GAP of walls on both sides: the walls grown and shrunk again, less the walls.
+// Fills gaps of up to GAP between walls, or walls and openings: the fillings are these grown and shrunk again, less the originals.
 bool enclose_plugs(Enclosure *e, bool *any) {
     const Sketch *s = e->sketch;
     *any = false;

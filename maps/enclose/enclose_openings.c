@@ -1,23 +1,23 @@
-// enclose_openings.c - doors and windows in the building: their lines on the grid, their leaves, and once the regions stand, the regions
-// that they join and the spandrels around those that are no rectangles.
+// enclose_openings.c - doors and windows in the building: their lines on the grid, their leaves, and, once the regions exist, the
+// regions that they join and the spandrels around openings that are not rectangles.
 #include "maps/enclose/enclose.h"
 
 // An end of a door's line lies within this of its vertex on the grid, mm.
 static const double LINE_REACH = 3;
 
-// ---- leaves: those of the model, or one leaf or two that fill the doorway, made as boxes. A glazed leaf is a frame around a pane,
-// unless it is all of glass.
+// ---- leaves: those of the model, or one or two boxes that fill the doorway. A glazed leaf is a frame around a pane, unless its
+// material is transparent.
 
 // A leaf keeps this clear of jamb, sill and head, metres: more than VIS_TOUCH and than the planes' noise.
 static const double INSET = 0.01;
-// Metres; less where the wall is thin, by this share of its depth.
+// The thickness of a leaf, metres, but at most this share of the wall's depth.
 static const double THICKNESS = 0.04, THICKNESS_IN_WALL = 0.6;
 // The frame of a glazed leaf, metres.
 static const double STILE = 0.09, RAIL = 0.09, KICK = 0.2;
-// Narrower leaves are not worth a frame, lower ones neither, metres.
+// Leaves narrower or lower than this get no frame, metres.
 static const double LEAST_GLAZED = 0.4;
 
-// Turns about its hinged end, far enough from the jamb that its back clears it, or slides.
+// Makes a leaf that slides, or turns about its hinged end, far enough from the jamb for its back to clear the jamb.
 static Leaf make_leaf(const Opening *o, Vec2 hinge, Vec2 tip, double thickness, double turn, Vec2 slide) {
     Vec2 along = vec2_sub(tip, hinge);
     along = vec2_scale(along, 1 / vec2_length(along));
@@ -83,7 +83,7 @@ static void assign_leaves(Enclosure *e) {
 
 // ---- polygons
 
-// A box in the leaf's own frame: u along its axis, v up, w across.
+// Adds a box in the leaf's own frame: u along its axis, v up, w across.
 static void add_leaf_box(Enclosure *e, const Leaf *leaf, Vec2 u, Vec2 v, double w, int material) {
     static const int SIDES[6][4] = {{0, 1, 5, 4}, {3, 2, 6, 7}, {0, 4, 6, 2},
                                     {1, 3, 7, 5}, {0, 2, 3, 1}, {4, 5, 7, 6}};
@@ -170,7 +170,7 @@ static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *
         const Shape *piece = &pieces.items[i];
         int n = piece->ring[1];
         Vec3 *corner = ARENA_ARRAY(e->scratch, Vec3, n);
-        // GEOS promises no sense of its rings; counter-clockwise, they face the side of v[0].
+        // GEOS promises no direction of its rings; a counter-clockwise ring faces the side of v[0].
         double turn = 0;
         for (int k = 0; k < n; k++) turn += vec2_cross(piece->points[k], piece->points[(k + 1) % n]);
         for (int side = 0; side < 2; side++) {
@@ -185,7 +185,7 @@ static void add_spandrel_half(Enclosure *e, const Frame *f, const GEOSGeometry *
     if (rest) GEOSGeom_destroy_r(e->geos, rest);
 }
 
-// The inner side of the cut-out, where it is not the rectangle's own side.
+// Adds the inner side of the cut-out, where it is not the rectangle's own side.
 static void add_intrados(Enclosure *e, const Frame *f, const Shape *cutout, const double *v, int material) {
     for (int k = 0, n = cutout->ring[1]; k < n; k++) {
         Vec2 a = cutout->points[k], b = cutout->points[(k + 1) % n];
@@ -227,7 +227,8 @@ static void add_spandrels(Enclosure *e, int hole, int material) {
     }
 }
 
-// The two faces of a wall may have two colours; the frame takes the one beside the opening.
+// Returns the material of each opening's spandrels: [opening_count]. The two faces of a wall may differ, so the spandrels take
+// the material of the wall beside the opening.
 static int *spandrel_colours(Enclosure *e) {
     const Building *b = e->b;
     int *colours = ARENA_ARRAY(e->scratch, int, b->opening_count);
@@ -264,7 +265,7 @@ static void list_faces(Enclosure *e) {
     e->hole_first = first;
 }
 
-// The grid's vertex at an end of an opening's line; of two as near, that of the lower edge.
+// The plan's vertex at an end of an opening's line; of two equally near, that of the edge with the lower index.
 static Vec2 on_grid(const Enclosure *e, int hole, Vec2 end) {
     const Plan *p = &e->pass.plan;
     Vec2 best = vec2(nearbyint(end.x), nearbyint(end.y));
@@ -319,7 +320,7 @@ typedef struct Flood {
     int *queue;      // [span_count]
     bool *mark;      // [span_count] met before
     double *length;  // [region_count] contact with the side asked for, mm^2
-    int *regions;    // [region_count] those with any
+    int *regions;    // [region_count] the regions with contact
     int region_count;
 } Flood;
 
@@ -338,7 +339,7 @@ static int span_of_hole(const Enclosure *e, int face, int hole) {
 
 static bool is_space(const Span *s) { return s->kind == SPAN_ROOM || s->kind == SPAN_OUTDOORS; }
 
-// The region with the longest contact; of two with the same, the lower.
+// The region with the largest contact; of two equal ones, the region with the lower index.
 static int best_region(const Flood *flood) {
     int best = -1;
     for (int i = 0; i < flood->region_count; i++) {
@@ -362,7 +363,7 @@ static bool on_side(const Enclosure *e, int hole, int side, int h) {
     return (orient2d(at->line[0], at->line[1], m) > 0) == (side == 0);
 }
 
-// Adds up the contacts of a span; other openings' spans not met before go into the queue.
+// Adds up the contacts of a span; other openings' spans not met before go into the queue. Returns the queue's new end.
 static int spread(const Enclosure *e, Flood *flood, int span, int face, int hole, int side, int tail) {
     const Plan *p = &e->pass.plan;
     for (int k = 0; k < p->faces[face].half_count; k++) {

@@ -1,12 +1,12 @@
 // enclose_plan.c - the planar arrangement of all linework on the 1 mm grid.
 //
-// Noding by snap rounding (J. Hobby, Practical segment intersection with finite precision output, 1999) and
-// polygonizing are GEOS's; faces, edges and vertices are then held here as indices over whole millimetres,
-// where equality is exact.
+// GEOS nodes the linework by snap rounding (J. Hobby, Practical segment intersection with finite precision output,
+// 1999) and polygonizes it; faces, edges and vertices are then held here as indices over whole millimetres, where
+// equality is exact.
 #include <stdio.h>
 #include <stdlib.h>
 
-// In this object, so that no library is needed for it.
+// xxHash is compiled into this file, so that its library is not needed.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -107,13 +107,13 @@ void shapes_from_geos(Enclosure *e, const GEOSGeometry *geometry, double narrowe
 
 // ---- linework
 
-// Where there are more storeys than these, equal lines are noded once, since the square of their number would be looked at. Where
-// there are fewer, all are noded, since the order of the faces follows from them.
+// With more storeys than this, equal lines are noded only once, since GEOS would look at all pairs of them. With fewer, all
+// lines are noded, since the order of the faces follows from them.
 enum { STOREYS_ONCE = 200 };
 
-// More lines than these are noded in an order without pattern, short ones before long ones. GEOS keeps the points where lines cross in
-// a k-d tree that it does not balance: those along one straight wall, in the order in which they lie, would make it a list. Few lines
-// are noded as they come, since the order of the faces follows from theirs.
+// More lines than this are noded in an order without pattern, short lines before long ones. GEOS keeps the points where lines
+// cross in a k-d tree that it does not balance: points along one straight wall, added in the order in which they lie, would make
+// the tree a list. Fewer lines are noded as they come, since the order of the faces follows from that of the lines.
 enum { LINES_IN_ORDER = 4000 };
 
 // A ring, or an open line.
@@ -188,7 +188,7 @@ static bool lines_equal(const Line *a, const Line *b) {
            memcmp(a->points, b->points, sizeof(Vec2) * (size_t)a->count) == 0;
 }
 
-// Whether no line before has the same points.
+// Whether no earlier line has the same points; enters the line into the hash.
 static bool line_is_new(const Lines *lines, Hash *hash, int line) {
     const Line *l = &lines->items[line];
     size_t at = XXH3_64bits(l->points, sizeof(Vec2) * (size_t)l->count) & hash->mask;
@@ -209,7 +209,7 @@ static int by_rank(const void *pa, const void *pb) {
     return (a->rank > b->rank) - (a->rank < b->rank);
 }
 
-// By the power of two next to a line's extent; among those of the same, by a number that follows from the line's place in the list.
+// Sorts lines by the power of two below their extent; lines of the same power by a hash of their place in the list.
 static void mix_lines(Enclosure *e, const Lines *lines) {
     for (int i = 0; i < lines->count; i++) {
         Line *line = &lines->items[i];
@@ -261,7 +261,7 @@ static int find_half(Plan *plan, Hash *hash, int a, int b) {
     return 2 * (plan->edge_count - 1) + (a == high);
 }
 
-// Adds a ring with the face on its left: turned if its area has the wrong sign.
+// Adds a ring with the face on its left: reversed if its area has the wrong sign.
 static void add_ring(Plan *plan, Hash *vertices, Hash *edges, const Vec2 *points, int count, bool hole) {
     double area = 0;
     for (int i = 1; i + 1 < count; i++) {
@@ -287,7 +287,7 @@ static int by_value(const void *pa, const void *pb) {
     return (a > b) - (a < b);
 }
 
-// The widest place on the level y; its score is the smaller of width and `gap`.
+// Finds the middle of the widest place of a face on the level y. Returns its score: the smaller of the width and `gap`.
 static double widest_at(const Plan *plan, const PlanFace *face, double y, double gap, double *x, Vec2 *best) {
     int count = 0;
     for (int k = 0; k < face->half_count; k++) {

@@ -1,16 +1,16 @@
-// enclose_regions.c - regions from columns: like spans of neighbouring faces become one prism, its outline
+// enclose_regions.c - regions from columns: like spans of neighbouring faces become one prism, whose outline
 // is traced as simple rings.
 //
-// Edges between equal columns vanish, then vertices in the middle of a straight line do; every vertex left
+// Edges between equal columns are dissolved, then vertices in the middle of a straight line; every vertex left
 // lies on the boundary of all regions that pass it, so that touching regions share their vertices.
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
 #include "maps/enclose/enclose.h"
 
-// A wall's side counts for an edge it does not cover when it is this near, mm.
+// A side of a wall that does not cover the face behind an edge counts for the edge when the side is this near, mm.
 static const double SIDE_REACH = 30;
-// Sides of walls that cover the solid behind an edge go before others by this, mm.
+// Sides of walls that cover the face behind an edge are preferred to other sides by this distance, mm.
 static const double COVER_BONUS = 100;
 
 void enclose_push_point(Enclosure *e, Vec2 metres, int material) {
@@ -48,7 +48,7 @@ static bool wall_covers(const Pass *pass, int wall, int face) {
     return low < pass->cover_first[face + 1] && pass->cover_wall[low] == wall;
 }
 
-// The sketch's own points: the shape may have lost doubled ones, and with them the count.
+// Takes the points from the sketch: the wall's shape may lack repeated points, so that its sides count otherwise.
 static void side_ends(const Enclosure *e, int wall, int side, Vec2 ends[2]) {
     const SketchWall *w = &e->sketch->walls[wall];
     ends[0] = enclose_local(e, e->sketch->points[w->first_point + side]);
@@ -83,7 +83,7 @@ static void index_sides(Enclosure *e) {
     e->side_tree = box_tree_build(boxes, count, e->scratch);
 }
 
-// The side of the wall that lies behind half-edge h on one storey, or -1.
+// The material of the side of a wall that lies behind half-edge h on one storey, or -1.
 static int wall_side(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     const Sketch *s = e->sketch;
@@ -95,7 +95,7 @@ static int wall_side(Enclosure *e, int storey, int h) {
     for (int found = 0; found < e->near.count; found++) {
         int i = e->near.items[found];
         bool covers = wall_covers(&e->pass, i, half_right(p, h));
-        // Farther sides of a wall that covers are all as far: the first stands for them.
+        // All farther sides of a covering wall count as equally far: its first side stands for them.
         while (next < e->sides.count && e->side_wall[e->sides.items[next]] < i) next++;
         for (int k = covers ? 0 : -1;
              k >= 0 || (next < e->sides.count && e->side_wall[e->sides.items[next]] == i); k = -1) {
@@ -122,7 +122,7 @@ static int owner_material(const Enclosure *e, int room) {
     return material_good(e, material) ? material : e->sketch->outer_material;
 }
 
-// The material of the right side of half-edge h, seen from the left on `storey`; -1: from outdoors, any storey.
+// The material of the surface behind half-edge h, seen from its left on `storey`; -1: seen from outdoors, any storey.
 static int half_material(Enclosure *e, int storey, int h) {
     const Plan *p = &e->pass.plan;
     int outer = e->sketch->outer_material, right = half_right(p, h);
@@ -146,9 +146,9 @@ static int half_material(Enclosure *e, int storey, int h) {
 typedef struct Tracer {
     Enclosure *e;
     int *parent;        // [span_count] union of like spans
-    bool *kept;         // [edge_count] columns differ
+    bool *kept;         // [edge_count] the columns left and right differ
     bool *gone;         // [vertex_count] in the middle of a straight line
-    int *material;      // [2 * edge_count * (storey_count + 1)], of kept edges; storey + 1, 0: outdoors
+    int *material;      // [2 * edge_count][storey_count + 1] of kept edges, by storey + 1; 0: outdoors
     int *first, *list;  // spans of a root: list[first[r]] ..
     int *span_face;     // [span_count]
     int *next_out;      // scratch of tracing: [vertex_count] first boundary half out of a vertex, -1
@@ -301,7 +301,7 @@ static void split_loop(Tracer *t, const int *halves, int count, int *stack, Loop
     if (depth) keep_loop(t, stack, depth, loops);
 }
 
-// All boundary loops of the spans of one root.
+// Traces all boundary loops of the spans of one root.
 static void trace_root(Tracer *t, int root, int *boundary, int *loop, int *stack, bool *used, Loops *loops) {
     Enclosure *e = t->e;
     const Plan *p = &e->pass.plan;
@@ -351,7 +351,7 @@ static void append_ring(Tracer *t, const Loop *loop, const Span *span) {
     }
 }
 
-// Names and materials as drawn, where they are of use.
+// Sets the region's name and materials to those drawn, where they are valid.
 static void describe_room(const Enclosure *e, const SketchRoom *room, Region *r) {
     r->name = arena_string(e->arena, room->name ? room->name : "");
     if (material_good(e, room->floor_material)) r->floor_material = room->floor_material;
@@ -393,7 +393,7 @@ static bool loop_contains(const Plan *p, const Loop *loop, Vec2 q) {
     return inside;
 }
 
-// Which outer loop a hole lies in: that around a point just beside one of the hole's edges.
+// Whether a hole lies in an outer loop: the loop contains a point just beside one of the hole's edges.
 static bool hole_in(const Plan *p, const Loop *hole, const Loop *outer) {
     int h = hole->halves[0];
     Vec2 a = p->vertices[half_from(p, h)], b = p->vertices[half_to(p, h)], d = vec2_sub(b, a);

@@ -5,7 +5,7 @@
 
 // A room that keeps less than this share of its area is lost.
 static const double LEAST_KEPT = 0.1;
-// Overlaps of rooms and losses of openings below are not worth a note, mm^2 and share.
+// Overlaps of rooms up to this area, mm^2, and losses of openings up to this share are not noted.
 static const double SMALL_OVERLAP = 5e4, SMALL_LOSS = 0.2;
 
 typedef struct RoomAreas {
@@ -122,12 +122,12 @@ void indoor_report(Enclosure *e) {
     report_plugs(e);
 }
 
-// ---- leaks: where rooms lie open to the outdoors, and the way from the room through the gap out. Each room is looked at by its own
-// gaps and faces, since plans that lie open in many places are no rarity.
+// ---- leaks: where rooms lie open to the outdoors, and the way from the room through the gap to the outside. The work for a room
+// depends on its own gaps and faces, since plans that lie open in many places are common.
 
 typedef struct LeakSearch {
     int *from;     // [face_count] half-edge that led into a face, -1: start
-    int *reached;  // [face_count] by the search of this number
+    int *reached;  // [face_count] number of the last search that reached the face
     int *queue;
     int search;
 } LeakSearch;
@@ -187,7 +187,7 @@ static int by_space(const void *pa, const void *pb) {
     return a->id != b->id ? a->id - b->id : a->half - b->half;
 }
 
-// All of a storey, space by space. Returns how many.
+// Lists all slits of a storey, space by space. Returns their number.
 static int find_slits(const Plan *p, const Spot *spots, Slit *out) {
     int count = 0;
     for (int h = 0; h < 2 * p->edge_count; h++) {
@@ -232,7 +232,7 @@ static Gap widest_gap(const Plan *p, const Slit *slits, int count, int *parent, 
     return best;
 }
 
-// [ids] the largest face of each space of a storey.
+// Finds the largest face of each space of a storey: largest[ids], -1: none.
 static void find_largest(const Plan *p, const Spot *spots, int *largest, int ids) {
     for (int id = 0; id < ids; id++) largest[id] = -1;
     for (int f = 0; f < p->face_count; f++) {
@@ -242,7 +242,7 @@ static void find_largest(const Plan *p, const Spot *spots, int *largest, int ids
     }
 }
 
-// `start`: a face of the space.
+// Notes the leak of the space that holds the face `start`, with the way out through `gap`.
 static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Gap gap, LeakSearch *way) {
     const Plan *p = &e->pass.plan;
     int id = spots[start].indoor, in = half_left(p, gap.half), out = half_right(p, gap.half);

@@ -16,7 +16,7 @@ static double region_area(const Building *b, const Region *r) {
     return sum;
 }
 
-// Distance to the outline, negative outside.
+// The distance of q to the region's outline, negative outside, metres.
 static double depth_in(const Building *b, const Region *r, Vec2 q) {
     double nearest = INFINITY;
     bool inside = false;
@@ -41,7 +41,7 @@ typedef struct Furniture {
 // Collects the furniture that can be nearer to a place in the rectangle than the rectangle's sides are.
 static Furniture furniture_near(const Building *b, Vec2 low, Vec2 high, double z0, double z1, Arena *arena) {
     Furniture out = {ARENA_ARRAY(arena, const Object *, b->object_count), 0};
-    double reach = fmin(high.x - low.x, high.y - low.y);  // twice as far as any side
+    double reach = fmin(high.x - low.x, high.y - low.y);  // twice as far as a place can be from the sides
     for (int i = 0; i < b->object_count; i++) {
         const Object *o = &b->objects[i];
         if (o->proxy_z1 <= o->proxy_z0 || o->proxy_z0 >= z1 || o->proxy_z1 <= z0 || o->leaf >= 0) continue;
@@ -55,7 +55,7 @@ static Furniture furniture_near(const Building *b, Vec2 low, Vec2 high, double z
     return out;
 }
 
-// How clear of furniture a person stands there, at most `limit`.
+// The distance from q to the nearest furniture, negative inside it, at most `limit`, metres.
 static double clear_of(const Furniture *furniture, Vec2 q, double limit) {
     for (int i = 0; i < furniture->count; i++) {
         const Object *o = furniture->objects[i];
@@ -91,7 +91,7 @@ static Vec2 best_stand(const Building *b, const Region *r, Arena *arena) {
             double depth = depth_in(b, r, q);
             if (depth <= 0 || depth <= most) continue;
             depth = clear_of(&furniture, q, depth);
-            // Inside furniture is worse than beside it, outside the room worse than both.
+            // A place inside furniture, below 0, is worse than a place beside it; places outside the room are skipped above.
             if (depth > most) {
                 most = depth;
                 best = q;
@@ -101,7 +101,7 @@ static Vec2 best_stand(const Building *b, const Region *r, Arena *arena) {
     return best;
 }
 
-// The direction of the longest view.
+// The yaw of the longest view within the region.
 static double longest_view(const Building *b, const Region *r, Vec2 from) {
     enum { WAYS = 32 };
     double best = 0, yaw = 0;
@@ -139,7 +139,7 @@ static bool *find_entrances(const Building *b, Arena *arena) {
     return entrance;
 }
 
-// The largest room with a door to the outdoors, else the largest room, else the open air.
+// Starts in the largest room with a door to the outdoors, else in the largest room, else in the open air.
 void enclose_choose_start(Enclosure *e) {
     Building *b = e->b;
     const bool *entrance = find_entrances(b, e->scratch);

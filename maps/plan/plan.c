@@ -104,7 +104,7 @@ static bool unknown_statement(Plan *plan, const char *word) {
                      list);
 }
 
-// Lines that go on with the shape of the line above.
+// Whether lines of this statement add to the shape of the lines above.
 static bool adds_to_shape(const Statement *s) {
     return s->read_shape == plan_read_trim || s->read_shape == plan_read_ball;
 }

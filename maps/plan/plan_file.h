@@ -1,4 +1,4 @@
-// plan_file.h - a .plan file while it is read: the part that its statements share.
+// plan_file.h - the state of reading a .plan file, which the functions that read its statements share.
 #ifndef MAPS_PLAN_FILE_H
 #define MAPS_PLAN_FILE_H
 
@@ -17,15 +17,15 @@ typedef struct Plan {
     struct Stretch *stretches;  // of explicit walls; private to plan_statements.c
     int *opening_line;          // [sketch.opening_count] the lines of the openings, for messages
     int stretch_count, stretch_capacity, opening_line_count, opening_line_capacity;
-    int storey;      // under which statements stand now
-    int block;       // the block in which lines stand now
-    int block_line;  // where it began
+    int storey;      // of the statements now read
+    int block;       // of the lines now read
+    int block_line;  // the line on which the block began
     bool begun, ground;
     Vec3 start;
     double start_yaw;
     int start_line;      // 0: the file names no start
     int stair_polygons;  // of all flights so far
-    int ramp_count;      // flights beyond their share of polygons: each is a slope
+    int ramp_count;      // flights that became slopes, beyond their share of polygons
     Vec3 first_ramp;
     const char *first_ramp_place;
 } Plan;
@@ -48,7 +48,7 @@ bool plan_read_view(Plan *plan);
 bool plan_read_tour(Plan *plan);
 bool plan_read_tour_eye(Plan *plan);
 bool plan_read_start(Plan *plan);
-// Once the free space is known: the start that the file names replaces the one that maps_enclose chose.
+// Call once the free space is known: the start that the file names, if any, replaces the start that maps_enclose chose.
 bool plan_set_start(Plan *plan);
 
 bool plan_read_room(Plan *plan);
@@ -57,7 +57,7 @@ bool plan_read_door(Plan *plan);
 bool plan_read_passage(Plan *plan);
 bool plan_read_window(Plan *plan);
 
-// Once all rooms and walls are known: openings without a depth take that of the wall they stand in.
+// Call once all rooms and walls are known: gives each opening without a depth the depth of the wall in which it stands.
 bool plan_fit_openings(Plan *plan);
 
 #endif

@@ -16,9 +16,9 @@ static const char PRISM_FACES[] = "top bottom";
 
 // A shape that asks for more polygons is refused.
 enum { MAX_SHAPE_POLYGONS = 100000 };
-// Radii, metres, of balls and metaballs too; those of a cone's top may be 0.
+// Limits of radii, metres, also of balls and metaballs; the radius of a cone's top may be 0.
 static const double LEAST_RADIUS = 0.001, MOST_RADIUS = 100;
-// A mesh may exceed its tolerance by so much, metres.
+// A mesh may exceed its tolerance by this much, metres.
 static const double ROUNDING = 1e-9;
 enum { MAX_TRIMS = 200, MAX_BALLS = 100 };
 static const double LEAST_WEIGHT = 0.001, MOST_WEIGHT = 1000;  // of controls
@@ -31,7 +31,7 @@ static const double LEAST_THRESHOLD = 0.001, MOST_THRESHOLD = 100;
 
 // ---- boxes, prisms, polygons
 
-// The faces of a box but those in `without`, each counter-clockwise from outside.
+// Adds the faces of a box except those in `without`, each counter-clockwise seen from outside.
 static void add_model_box(Arena *arena, Building *models, Vec3 a, Vec3 b, unsigned without, int material) {
     static const unsigned char CORNERS[6][4] = {{4, 5, 7, 6}, {0, 2, 3, 1}, {0, 4, 6, 2},
                                                 {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}};
@@ -136,7 +136,7 @@ bool plan_read_poly(PlanLine *line, Building *models) {
 
 // ---- curved shapes
 
-// Appends the polygons of the last shape. Fails where they are too many.
+// Appends the polygons of the last shape. Fails where they are too many, miss the shape's tolerance or have no area.
 static bool tessellate(PlanLine *line, Building *models) {
     CurvedShape *shape = &models->shapes[models->shape_count - 1];
     Arena scratch = {0};
@@ -173,7 +173,7 @@ static bool tessellate(PlanLine *line, Building *models) {
     return true;
 }
 
-// Appends a shape to the last model; the parts that it consists of, and its polygons, come after.
+// Appends a shape to the last model; the caller adds the shape's parts and polygons afterwards.
 static CurvedShape *add_shape(PlanLine *line, Building *models, CurvedKind kind, int material,
                               double tolerance) {
     CurvedShape *shape = ARENA_PUSH(line->arena, models->shapes, models->shape_count, models->shape_capacity);
@@ -224,7 +224,7 @@ bool plan_read_ellipsoid(PlanLine *line, Building *models) {
            add_ball(line, models, centre, radii, angle, material, tolerance);
 }
 
-// Two directions across `axis`, right-handed with it.
+// Two vectors of the given length across `axis`, right-handed with it.
 static void across(Vec3 axis, double length, Vec3 out[2]) {
     Vec3 n = vec3_normalize(axis), helper = fabs(n.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
     out[1] = vec3_scale(vec3_normalize(vec3_cross(n, helper)), length);
@@ -323,7 +323,7 @@ static bool lies_on_a_line(const CurvedControl *control) {
     return off < thin;
 }
 
-// Normals that turn by more than a right angle from one sample to the next: no surface that is drawn does.
+// Refuses a patch whose normals turn by a right angle or more from one sample to the next: no surface that is drawn does so.
 static bool check_patch(PlanLine *line, const Building *models, const char *what) {
     enum { SAMPLES = 32 };
     const CurvedControl *control = models->controls + models->shapes[models->shape_count - 1].first_control;
@@ -358,7 +358,7 @@ static CurvedControl quarter(int i, int quarter, double radius, double z, Vec3 c
     return (CurvedControl){vec3_add(centre, at), w[i]};
 }
 
-// A segment of the profile, turned a quarter.
+// Appends a patch that a segment of the profile sweeps over a quarter turn, the quarter `which` of four.
 static void add_quarter(PlanLine *line, Building *models, const Vec2 profile[4], int which, Vec3 centre,
                         int material, double tolerance) {
     CurvedShape *shape = add_shape(line, models, CURVED_PATCH, material, tolerance);
@@ -400,7 +400,7 @@ bool plan_read_lathe(PlanLine *line, Building *models) {
     return true;
 }
 
-// ---- patches with their trims, and metaballs: shapes of several lines, which are checked and become polygons when the next one begins
+// ---- patches with their trims, and metaballs: shapes of several lines, which become polygons when the next statement begins
 
 static bool read_controls(PlanLine *line, Building *models) {
     int count = 0;
@@ -435,7 +435,7 @@ bool plan_read_patch(PlanLine *line, Building *models) {
     return check_patch(line, models, "the patch");
 }
 
-// The curves of a loop, each beginning where the one before it ends.
+// Appends the curves of a loop; each begins where the curve before it ends.
 static void add_trims(PlanLine *line, Building *models, const PlanList *loop, const PlanList *weights) {
     for (int k = 0; k + 3 < loop->count; k += 3) {
         CurvedTrim trim;
@@ -587,7 +587,7 @@ void plan_add_ramp(Arena *arena, Building *models, Vec3 size, int material) {
 
 // ---- models in a building
 
-// Where a stand puts a point of a model, and a direction.
+// A stand with the cosine and sine of its angle, to place points and directions of a model.
 typedef struct PlanTurn {
     PlanStand stand;
     double cosine, sine;
@@ -622,7 +622,7 @@ static void stand_patch(Arena *arena, const Building *models, const PlanTurn *tu
     bool mirror = turn->stand.mirror;
     shape->first_control = b->control_count;
     for (int i = 0; i < PATCH_CONTROLS; i++) {
-        // Mirrored, u runs the other way, so that the normal stays outside.
+        // In a mirrored patch u runs the other way, so that the normal still points outside.
         CurvedControl c = control[mirror ? i / 4 * 4 + 3 - i % 4 : i];
         c.point = turn_point(turn, c.point);
         *ARENA_PUSH(arena, b->controls, b->control_count, b->control_capacity) = c;
@@ -646,7 +646,8 @@ static void stand_balls(Arena *arena, const Building *models, const PlanTurn *tu
     }
 }
 
-// The curved shapes of a model; `placed` [polygons of the model + 1]: where in the building its polygons begin.
+// Appends the curved shapes of a model. `placed` [polygons of the model + 1]: the first polygon of the building that each
+// polygon of the model became.
 static void stand_shapes(Arena *arena, const Building *models, int model, const PlanTurn *turn,
                          const int *placed, Building *b) {
     int first = models->objects[model].first_polygon;

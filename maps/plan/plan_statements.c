@@ -1,5 +1,5 @@
-// plan_statements.c - the statements of .plan files that build, and those from which one looks: storeys, materials, stairs, lights, inlays,
-// places of models; rooms, walls and openings; views, tours and the start.
+// plan_statements.c - most statements of .plan files: storeys, materials, stairs, lights, inlays and places of models; rooms, walls
+// and openings; views, tours and the start.
 #include "maps/plan/plan_file.h"
 
 #include "engine/core/box_tree.h"
@@ -191,7 +191,8 @@ bool plan_read_stair(Plan *plan) {
     Building one = {0};
     building_add_object(plan->arena, &one, OBJECT_STAIR, name);
     PlanStand stand = {vec3(at.x, at.y, storey_floor(plan) + at.z), angle, false};
-    // Beyond half of all polygons allowed a flight is one slope: more steps do not make a building more usable.
+    // Once flights take half of all polygons allowed, each further flight is one slope: more steps do not make a building more
+    // usable.
     if (plan->stair_polygons <= building_polygons_allowed(plan->b->file_size) / 2) {
         plan_add_stair(plan->arena, &one, size, steps, material);
     } else {
@@ -338,12 +339,12 @@ bool plan_read_room(Plan *plan) {
     return true;
 }
 
-// Where the side `offset` to the left of a wall's axis turns at p between the directions u and v (unit), one of
-// which is the stretch's `own`.
+// The corner of the wall's side, `offset` to the left of its axis, where the axis turns at p from direction u to
+// direction v (unit). `own` is the direction of the stretch itself: u or v.
 static Vec2 mitre(Vec2 p, Vec2 u, Vec2 v, Vec2 own, double offset) {
     Vec2 n = vec2(-u.y, u.x), m = vec2(-v.y, v.x), sum = vec2_add(n, m);
     double scale = vec2_dot(sum, sum) / 2;
-    // A hairpin's mitre would run away: from 150 degrees on the ends stay square.
+    // The mitre of a hairpin would be very long: for turns from 150 degrees on, the ends stay square.
     if (scale < 0.15) return vec2_add(p, vec2_scale(vec2(-own.y, own.x), offset));
     return vec2_add(p, vec2_scale(sum, offset / scale));
 }
@@ -353,7 +354,7 @@ typedef struct WallForm {
     int material;
 } WallForm;
 
-// One stretch of a wall along points i, i + 1 of the axis, mitred with its neighbours.
+// Adds one stretch of a wall along points i, i + 1 of the axis, mitred with its neighbours.
 static void add_stretch(Plan *plan, const PlanList *axis, int i, bool closed, WallForm form) {
     Vec2 a = axis->points[i], b = axis->points[i + 1];
     int last = axis->count - 1,
@@ -481,7 +482,7 @@ static bool read_opening(Plan *plan, OpeningKind kind) {
          .max = PLAN_MAX_OPENING},
         {.word = "open", .kind = PLAN_PURE, .out = &o.open, .min = 0, .max = 1},
         {.word = "glazed", .kind = PLAN_FLAG, .out = &o.glazed}};
-    // Only doors have a leaf: the last five words are theirs.
+    // Only doors have a leaf: the last five options are for doors.
     int count = kind == OPENING_DOOR ? 12 : 7;
     if (!plan_name(line, "the opening's name", &o.name) || !plan_point(line, "its centre", &o.centre) ||
         !plan_options(line, options, count))
@@ -498,7 +499,7 @@ bool plan_read_window(Plan *plan) { return read_opening(plan, OPENING_WINDOW); }
 static const double PARALLEL = 0.02;  // sine up to which an opening lies along a wall (about 1 degree)
 static const double FIT = 0.002;      // how far outside a wall an opening's centre may lie, metres
 
-// Where walls are: rooms with theirs around them, and stretches, on their storeys.
+// Where walls are, on their storeys: boxes of rooms with the walls around them, and boxes of stretches.
 typedef struct Walls {
     BoxTree rooms, stretches;
     BoxHits near;  // found last
@@ -522,8 +523,8 @@ static Walls index_walls(Plan *plan) {
     for (int i = 0; i < s->room_count; i++) {
         const SketchRoom *r = &s->rooms[i];
         Box box = box_on_storey(s->points + r->first_point, r->point_count, r->storey);
-        // A face is as far as its beginning is, and may lie askew: along its length a wall strays from the opening by the
-        // sine of that, sqrt(2) PARALLEL.
+        // room_face takes the distance to a face at the face's first corner, and a face may be askew by an angle with the sine
+        // sqrt(2) PARALLEL: along its length it strays from the opening by this share.
         double askew = 1.5 * PARALLEL * vec3_length(vec3_sub(box.max, box.min));
         rooms[i] = r->wall > 0 ? widen_in_plan(box, r->wall + 2 * FIT + askew) : box_empty();
     }
@@ -537,14 +538,15 @@ static Walls index_walls(Plan *plan) {
                    {0}};
 }
 
-// Puts those around an opening's centre into walls->near, in the order of the file. Returns how many.
+// Puts the items of `tree` whose boxes hold an opening's centre into walls->near, in the order of the file. Returns their
+// number.
 static int find_around(const Plan *plan, const BoxTree *tree, const SketchOpening *o, Walls *walls) {
     Box centre = box_on_storey(&o->centre, 1, o->storey);
     return box_tree_find(tree, centre, plan->arena, &walls->near);
 }
 
-// How far from the centre, along `way`, the face of a room's wall lies; INFINITY when none lies within the wall.
-// `wall` receives its thickness.
+// Returns how far from the opening's centre, along `way`, the nearest face of a room's wall lies; INFINITY when no face lies
+// within its wall's thickness. `wall` receives the wall's thickness.
 static double room_face(const Plan *plan, Walls *walls, const SketchOpening *o, Vec2 way, double *wall) {
     const Sketch *s = &plan->sketch;
     double nearest = INFINITY;
@@ -556,7 +558,7 @@ static double room_face(const Plan *plan, Walls *walls, const SketchOpening *o, 
         for (int i = 0; i < room->point_count; i++) {
             Vec2 a = p[i], edge = vec2_sub(p[(i + 1) % room->point_count], a);
             double length = vec2_length(edge), facing = turn * vec2_cross(edge, way);
-            // The room must lie beyond its edge, and the edge across the way.
+            // The room must lie beyond its edge, and the edge must run across `way`.
             if (!(length > 0) || facing < length * (1 - PARALLEL * PARALLEL)) continue;
             Vec2 to = vec2_sub(a, o->centre);
             double along = -vec2_dot(to, edge) / length, distance = vec2_dot(to, way);
@@ -569,7 +571,8 @@ static double room_face(const Plan *plan, Walls *walls, const SketchOpening *o, 
     return nearest;
 }
 
-// A stretch of explicit wall around the centre, along the opening: its depth is the wall's.
+// Fits an opening to a stretch of explicit wall that runs along it and holds its centre: the opening takes the wall's depth and is
+// centred in it. Returns false where no stretch fits.
 static bool fit_to_stretch(const Plan *plan, Walls *walls, SketchOpening *o, Vec2 axis) {
     int count = find_around(plan, &walls->stretches, o, walls);
     for (int i = 0; i < count; i++) {
@@ -593,7 +596,7 @@ static bool fit_opening(Plan *plan, Walls *walls, int index) {
     double wall[2] = {0}, face[2];
     for (int s = 0; s < 2; s++)
         face[s] = room_face(plan, walls, o, s ? vec2_scale(normal, -1) : normal, &wall[s]);
-    // Rooms on both sides: from face to face. On one side: as deep as that room's wall.
+    // With rooms on both sides the opening reaches from face to face; with a room on one side it is as deep as that room's wall.
     if (isfinite(face[0]) && !isfinite(face[1])) face[1] = wall[0] - face[0];
     if (isfinite(face[1]) && !isfinite(face[0])) face[0] = wall[1] - face[1];
     double depth = face[0] + face[1];
@@ -618,7 +621,7 @@ bool plan_fit_openings(Plan *plan) {
 
 // ---- views, tours, the start
 
-static const double EYE_HEIGHT = 1.6;  // above the floor
+static const double EYE_HEIGHT = 1.6;  // above the floor, metres
 static const double DEFAULT_FOV = 70 * (M_PI / 180);
 
 static bool read_eye(Plan *plan, Viewpoint *v) {
@@ -673,7 +676,7 @@ bool plan_read_tour_eye(Plan *plan) {
     return true;
 }
 
-// Whether q lies in the region's plan: inside an odd number of its rings.
+// Whether q lies in the region's plan: inside an odd number of the region's rings.
 static bool region_holds(const Building *b, const Region *region, Vec2 q) {
     bool in = false;
     for (int k = 0; k < region->ring_count; k++) {

@@ -25,7 +25,7 @@ bool plan_fail(const PlanLine *line, const char *format, ...) {
     return error_set(line->error, "%s:%d: %s", line->path, line->number, text);
 }
 
-// Finds where a quoted word ends; NULL when it does not.
+// Returns the quote that ends a quoted word; NULL, with the error set, when there is none.
 static char *quoted_end(PlanLine *line, char *start) {
     char *end = strchr(start, '"');
     if (!end) {

@@ -20,7 +20,7 @@ typedef struct PlanLine {
     char **words;
     int count, capacity, next;  // words[next] is read next
     const PlanNames *materials;
-    int open_line;  // of the patch or the metaballs, the last shape, to which lines may still be added; 0: none
+    int open_line;  // line of the last shape while it is a patch or metaballs that may get more lines; 0: none
     Arena *arena;
     Error *error;
 } PlanLine;
@@ -73,10 +73,10 @@ bool plan_place(PlanLine *line, const char *what, bool z_needed, Vec3 *out);  //
 bool plan_points(PlanLine *line, const char *what, int least, PlanList *out);
 bool plan_options(PlanLine *line, PlanOption *options, int count);  // to the end of the line
 bool plan_end(PlanLine *line);
-bool plan_is(const PlanLine *line, const char *word);   // the next word
+bool plan_is(const PlanLine *line, const char *word);   // the next word is `word`
 bool plan_is_point(const PlanLine *line, int numbers);  // the next word looks like x,y (2) or x,y,z (3)
 
-int plan_find(const PlanNames *names, const char *name);  // its index, or -1
+int plan_find(const PlanNames *names, const char *name);  // the name's index, or -1
 bool plan_declare(PlanLine *line, PlanNames *names, const char *what, const char *name, int index);
 
 #endif

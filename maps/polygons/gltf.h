@@ -1,7 +1,7 @@
 // gltf.h - the parts that both files of the glTF reader share: the document, its parts with their JSON paths, and accessors.
 //
-// Failures are sticky: the first one is kept with its place, and values asked for after it come back empty. So values
-// may be read one after another and `failed` be asked once.
+// Failures are sticky: the first failure is kept with its place, and values asked for afterwards come back empty. A reader can
+// therefore read many values and test `failed` once.
 #ifndef MAPS_GLTF_H
 #define MAPS_GLTF_H
 
@@ -9,10 +9,12 @@
 
 #include "maps/polygons/soup_readers.h"
 
-// Limits of one document: above any building seen, below a size at which reading would hang. Polygons and vertices as for every soup.
+// Limits of one document: above any building seen, below a size at which reading would hang. The limits on polygons and vertices
+// are those of every soup.
 #define GLTF_MAX_JSON ((size_t)128 << 20)  // bytes; parsed it takes up to twenty times as many
 #define GLTF_MAX_LIST 1000000              // nodes, accessors, children ...
-// Numbers decoded from accessors, all together; of a small file fewer: so many, and so many a byte.
+// The most numbers decoded from all accessors together: GLTF_FREE_VALUES and GLTF_VALUES_A_BYTE for each byte of the files, but
+// at most GLTF_MAX_VALUES.
 #define GLTF_MAX_VALUES (96 << 20)
 #define GLTF_FREE_VALUES (24 << 20)
 #define GLTF_VALUES_A_BYTE 16
@@ -24,7 +26,7 @@
 typedef struct Gltf {
     const char *path;
     json_t *root;
-    Bytes chunk;  // the BIN chunk of a .glb, else without data
+    Bytes chunk;  // the BIN chunk of a .glb; no data in a .gltf
     SoupReader reader;
     Arena *arena;    // of the building
     Arena *scratch;  // until the document is read
@@ -37,8 +39,8 @@ typedef struct Gltf {
     struct GltfImage *images;  // [images] private to gltf.c
     struct {
         int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
-    } tally;                                     // left out or changed
-    int values, faces;                           // decoded; placed
+    } tally;                                     // counts of things left out or changed
+    int values, faces;                           // numbers decoded; faces placed
     double pixels;                               // of images that may still be decoded
     size_t size;                                 // bytes of the document, without the files beside it
 } Gltf;
@@ -64,14 +66,14 @@ GltfItem gltf_extension(Gltf *g, const GltfItem *item, const char *name);
 // Element i of one of the document's own lists.
 GltfItem gltf_item(Gltf *g, const char *list, int i);
 int gltf_list_count(Gltf *g, const char *list);
-// Values within low .. high; `absent` where there is none.
+// Read a value within low .. high; `absent` is returned where there is no value.
 int gltf_int(Gltf *g, const GltfItem *item, const char *key, int low, int high, int absent);
 double gltf_number(Gltf *g, const GltfItem *item, const char *key, double low, double high, double absent);
 bool gltf_flag(Gltf *g, const GltfItem *item, const char *key);
 const char *gltf_text(Gltf *g, const GltfItem *item, const char *key, const char *absent);
 // An index into one of the document's lists, or -1.
 int gltf_index(Gltf *g, const GltfItem *item, const char *key, const char *list);
-// Element i of an array of such indices.
+// Element i of an array of indices into one of the document's lists, or -1.
 int gltf_index_at(Gltf *g, const GltfItem *item, const char *key, int i, const char *list);
 // An array of exactly `count` numbers within low .. high; false where it is absent.
 bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, double low, double high,
@@ -79,14 +81,14 @@ bool gltf_numbers(Gltf *g, const GltfItem *item, const char *key, int count, dou
 
 // ---- bytes
 
-// Reads the bytes of a URI: base64 within it, or a file beside. A file that is missing is a failure only where it is needed.
+// Reads the bytes of a URI: base64 data within it, or a file beside the document. A missing file is a failure only if `needed`.
 bool gltf_read_uri(Gltf *g, const GltfItem *item, const char *uri, bool needed, Bytes *out);
 bool gltf_read_view(Gltf *g, int view, Bytes *out, int *stride);
 
 // ---- numbers
 
-// Decodes an accessor of `components` numbers an element, at most `most` elements. `integer`: indices, so u8, u16 or u32.
-// Returns how many elements there are, their numbers in `out`; 0 where it fails.
+// Decodes an accessor with `components` numbers in each of at most `most` elements. `integer`: the numbers are indices, so they
+// must be u8, u16 or u32. Returns the number of elements, with their numbers in `out` (in `arena`); 0 on failure.
 int gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, Arena *arena, double **out);
 
 #endif

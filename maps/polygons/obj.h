@@ -33,22 +33,22 @@ typedef struct ObjModel {
     int vertex_count, corner_count, face_count, group_count, material_count;
     int vertex_capacity, corner_capacity, face_capacity, group_capacity, material_capacity;
     int skipped;         // lines that could not be used
-    const char *fault;   // the first such vertex or face, as `LINE: sentence`; NULL: none
+    const char *fault;   // the first unusable vertex or face, as `LINE: sentence`; NULL: none
     const char *absent;  // the first library or image that could not be read; NULL: none
     int nameless;        // lines with a name beyond OBJ_MAX_NAMES
     Box box;             // of the vertices that faces use
     bool fixed_box;      // the box is given, and the faces need not fill it
 } ObjModel;
 
-// Where material libraries and images are looked for. `name` as the file spells it; `read` may be NULL.
+// Reads the material libraries and images that a model refers to. `name` is as the file spells it; `read` may be NULL.
 typedef struct ObjFiles {
     bool (*read)(void *context, const char *name, Arena *arena, Bytes *out);
     void *context;
     double *pixels;  // of images that may still be decoded, see texture_mean; NULL: any
 } ObjFiles;
 
-// Tolerant: lines that make no sense are skipped and counted. Fails on a model without a single usable face and
-// on one beyond the limits.
+// Lines that make no sense are skipped and counted. Fails on a model without a usable face and on a model beyond the
+// limits.
 bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
               Error *error);
 

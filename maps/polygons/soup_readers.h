@@ -9,11 +9,11 @@
 // Limits of one soup: a furnished office building has some 100,000 polygons; four million still fit into memory.
 #define SOUP_MAX_POLYGONS (4 << 20)
 #define SOUP_MAX_VERTICES (4 << 20)
-// Materials are compared one by one.
+// The most materials, since they are compared one by one.
 #define SOUP_MAX_MATERIALS 10000
-// Corners of one face: cutting a concave one into triangles takes up to cubic time.
+// The most corners of one face: cutting a concave face into triangles takes up to cubic time.
 #define SOUP_MAX_CORNERS 256
-// Bytes of all files beside the one read, and how many they are.
+// The most bytes of all files beside the one read, and the most files beside it.
 #define SOUP_MAX_BYTES ((size_t)1 << 30)
 #define SOUP_MAX_FILES 1000
 
@@ -24,7 +24,7 @@ typedef struct SoupReader {
     const char *path;
     Arena *arena;  // of the building
     Building *b;
-    uint64_t hash;  // of the files beside that were read
+    uint64_t hash;  // of the files read beside `path`
     size_t bytes;   // of these files
     int files;
     int capped;                // colours above MAPS_MAX_REFLECTANCE
@@ -32,21 +32,21 @@ typedef struct SoupReader {
     double most_capped;
 } SoupReader;
 
-// Reads the file `name`. It may lie in the folder of `path` or below it, not outside: names that are empty, absolute or
-// hold `..` are refused, and so are files beyond the limits above. Backslashes count as slashes, as exporters write them.
+// Reads the file `name`, which must lie in the folder of `path` or below: names that are empty, absolute or hold `..` are
+// refused, and so are files beyond the limits above. Backslashes count as slashes, since some exporters write them.
 bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes *out, Error *error);
 
-// A linear reflectance of 0 or more, capped; colours that had to be are counted.
+// Returns a linear reflectance, which is 0 or more, capped at MAPS_MAX_REFLECTANCE. Counts the colours above this limit.
 Rgb soup_cap(SoupReader *reader, Rgb reflectance, const char *material);
-// The end of every reader of a soup: notes colours that were capped and a size that no building has (`resize` says how the file
-// can state another), and sets the world's box and the start: at the first viewpoint, else at eye height in the
-// middle. Fails on a soup without a polygon.
+// Every reader of a soup ends with this call. It notes colours that were capped and a size that no building has (`resize` says how
+// the file can state another size), and sets the world's box and the start: the first viewpoint, else a place at eye height in
+// the middle. Fails on a soup without a polygon.
 bool soup_finish(const SoupReader *reader, const char *resize, Error *error);
 
 // ---- soup_merge.c
 
 typedef struct SoupFace {
-    int first_corner, corner_count;  // counter-clockwise from its front
+    int first_corner, corner_count;  // counter-clockwise seen from its front
     int material;
 } SoupFace;
 
@@ -59,10 +59,10 @@ typedef struct SoupMesh {
 
 // Joins faces of one material that share an edge, run along it in opposite directions, lie in one plane and are convex
 // together: triangles into which an exporter cut a polygon become that polygon again. No vertex moves and none is left out. `out`
-// shares the vertices of `mesh` and lies in `arena`; faces are in the order of the first of each that joined.
+// shares the vertices of `mesh` and lies in `arena`; its faces are in the order of the first face joined into each.
 void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
 
-// For each vertex the first one at the same place: [count], in `arena`.
+// Returns for each vertex the index of the first vertex at the same place: [count], in `arena`.
 int *soup_weld(const Vec3 *vertices, int count, Arena *arena);
 
 #endif

@@ -4,12 +4,12 @@
 
 #include "maps/building/building.h"
 
-// An object of a soup with more polygons than this is parted.
+// An object of a soup with more polygons than this is split into parts.
 enum { SOUP_PART_POLYGONS = 256 };
 
-// Parts each large object, but for leaves of doors and lamps, into objects of its name and kind: polygons that hang
-// together by common corners stay together, unless they are a shell that spans the building, and neighbours are gathered up to
-// SOUP_PART_POLYGONS polygons. Polygons change their order, none its corners. Run after soup_find_doors.
+// Splits each large object, except leaves of doors and lamps, into objects of the same name and kind. Polygons connected by
+// common corners stay together, unless they are a shell that spans the building, and neighbours are gathered into objects of up to
+// SOUP_PART_POLYGONS polygons. The order of polygons changes, their corners do not. Run after soup_find_doors.
 void soup_split(Arena *arena, Building *b);
 
 #endif

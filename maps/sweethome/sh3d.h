@@ -1,9 +1,9 @@
-// sh3d.h - the parts of the Sweet Home 3D reader; private to maps/, and to its tests, which look at the plan
-// before it is enclosed.
+// sh3d.h - the parts of the Sweet Home 3D reader; private to maps/ and to its tests, which look at the plan before
+// it is enclosed.
 //
-// The file's plan is in centimetres with y down. Everything is turned into metres with y up as soon as it is read:
-// a mirror image, so angles change their sign there, while left stays left as seen on the screen. Only the plan is
-// mirrored: a model's right, up and front become x, z and -y, which is a turn, and lettering stays legible.
+// The file's plan is in centimetres with y down. Each value is converted to metres with y up as soon as it is read.
+// This mirrors the plan: angles change their sign, and left on the screen stays left. Only the plan is mirrored: a
+// model's right, up and front become x, z and -y, which is a rotation, so that lettering stays legible.
 #ifndef MAPS_SH3D_H
 #define MAPS_SH3D_H
 
@@ -12,25 +12,25 @@
 #include "maps/polygons/obj.h"
 #include "maps/sweethome/sh3d_xml.h"
 
-// Bytes of Home.xml: real ones have below 1 MB.
+// The most bytes of Home.xml; real files have below 1 MB.
 #define SH3D_MAX_XML ((size_t)64 << 20)
 // Bounds on the numbers of a file, in its own centimetres and radians.
 #define SH3D_CM 0.01             // metres
 #define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
 #define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
 #define SH3D_MAX_ANGLE 1e6       // cameras really turn many times round
-// How near two heights count as equal, metres: files hold them in single precision centimetres.
+// Heights that differ by at most this count as equal, metres: files hold heights as single-precision centimetres.
 #define SH3D_SAME_HEIGHT 0.01
 
 typedef struct Sh3dLevel {
     const XmlNode *node;  // NULL in a home without levels
     const char *id;
     double floor, height, slab;  // metres
-    int index;                   // among levels of the same elevation
+    int index;                   // order among levels of the same elevation
     int storey;
 } Sh3dLevel;
 
-// Things that are counted over the home and noted once, with the first of their names.
+// One kind of fault or omission, counted over the whole home and noted once, with the names of the first few.
 typedef struct Sh3dTally {
     int count, shown;
     char names[320];  // the first few, each once
@@ -46,7 +46,7 @@ typedef struct Sh3d {
     Error *error;
     bool failed;  // the first error is in `error`; values read after it mean nothing
     const XmlNode *home;
-    double wall_height;  // of walls that state none, metres
+    double wall_height;  // for walls that state no height, metres
     Sh3dLevel *levels;
     struct Sh3dWall *walls;        // private to sh3d_walls.c
     struct Sh3dModel *models;      // private to sh3d_pieces.c
@@ -54,7 +54,7 @@ typedef struct Sh3d {
     double pixels;                 // of images that may still be decoded
     int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
         texture_capacity;
-    int wall_material, floor_material, ceiling_material;  // of those that name no colour
+    int wall_material, floor_material, ceiling_material;  // for surfaces that name no colour
     Sh3dTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes;
     bool has_observer;
     Viewpoint observer;
@@ -62,7 +62,8 @@ typedef struct Sh3d {
 
 // ---- sh3d_attributes.c
 
-// Attributes. `missing` is the value when absent; NAN makes it required. A bad value sets s->failed.
+// Read an attribute of a node. `missing` is returned for an absent attribute; NAN makes the attribute required. A bad
+// value sets s->failed.
 double sh3d_number(Sh3d *s, const XmlNode *node, const char *name, double missing, double low, double high);
 double sh3d_length(Sh3d *s, const XmlNode *node, const char *name, double missing);      // metres, >= 0
 double sh3d_coordinate(Sh3d *s, const XmlNode *node, const char *name, double missing);  // metres, as signed
@@ -76,26 +77,26 @@ void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place);
 const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node);  // never NULL
 int sh3d_add_point(Sh3d *s, Vec2 point, int material);
 
-// The material of an attribute `colour` or of the child texture whose attribute is `texture`; else `missing`.
+// Returns the material of the child texture whose attribute is `texture`, else of the attribute `colour`, else `missing`.
 int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing);
 int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour);                       // an opaque material
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb);  // false: absent
 bool sh3d_texture(Sh3d *s, const XmlNode *texture, Rgb *mean);
-bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in its name or catalogue id
+bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in the node's name or catalogue id
 
 // ---- sh3d.c
 
 // Reads a home into a plan (storeys into the building, the rest of the plan into `sketch`) and appends furniture,
-// lights, viewpoints and tours to `b`. `archive` may be NULL. Opening i of the building will be opening i of the
-// sketch: maps_enclose keeps them one to one, and objects of doors refer to them by that.
+// lights, viewpoints and tours to `b`. `archive` may be NULL. Objects of doors and windows refer to openings by their
+// index in the sketch, until maps_enclose replaces it by the index in the building.
 bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, Building *b, Sketch *sketch,
                  Error *error);
 
 // ---- sh3d_walls.c
 
-bool sh3d_read_walls(Sh3d *s);           // after levels; sets the storeys' heights
+bool sh3d_read_walls(Sh3d *s);           // call after the levels are read; sets the storeys' heights
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
-void sh3d_add_sloped_ceilings(Sh3d *s);  // after rooms and walls
+void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
 
 // ---- sh3d_pieces.c: furniture, stairs, lights and the models of doors
 
@@ -103,13 +104,13 @@ void sh3d_read_pieces(Sh3d *s);
 
 // ---- sh3d_openings.c
 
-// Appends a door or window to the sketch; false where it cannot be used.
+// Appends a door or window to the sketch; returns false where the node cannot be used.
 bool sh3d_read_opening(Sh3d *s, const XmlNode *node);
 
 // ---- sh3d_shape.c
 
-// The largest figure of an SVG path (all commands but S and T), curves as polylines, into `out`; returns its
-// point count, 0 where the path makes no sense or has more than `max` points.
+// Writes the largest figure of an SVG path (all commands but S and T) to out[max], with curves as polylines. Returns
+// the figure's point count, or 0 where the path makes no sense or has more than `max` points.
 int sh3d_shape(const char *path, Vec2 *out, int max);
 #define SH3D_MAX_SHAPE 256
 double sh3d_shape_area(const Vec2 *points, int count);  // signed, counter-clockwise positive

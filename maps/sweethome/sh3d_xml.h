@@ -4,20 +4,21 @@
 
 #include "engine/core/file.h"
 
-// Elements in one file; nesting (furniture groups may nest). Real homes: below 10,000 and 6.
+// The most elements in one file, and their deepest nesting (furniture groups may nest). Real homes have below 10,000
+// elements, nested below 6 deep.
 #define XML_MAX_ELEMENTS (2 << 20)
 #define XML_MAX_DEPTH 64
 
 typedef struct XmlNode XmlNode;
 struct XmlNode {
     const char *name;
-    const char **attributes;  // [2 * attribute_count] of each its name and its value
+    const char **attributes;  // [2 * attribute_count] name and value in turn
     int attribute_count;
     int line;
     XmlNode *parent, *first, *last, *next;  // first and last child; next sibling
 };
 
-// `where` names the file in messages. Document types and entities are refused: homes have none, bombs do.
+// `where` names the file in messages. Document types and entities are refused: homes have none, XML bombs need them.
 bool xml_parse(Bytes content, const char *where, Arena *arena, const XmlNode **root, Error *error);
 
 const char *xml_get(const XmlNode *node, const char *name);  // NULL: no such attribute

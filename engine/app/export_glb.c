@@ -156,14 +156,16 @@ typedef struct Export {
     // The binary part, each with its own view.
     float (*position)[3];
     uint16_t (*colour)[4];
+    float (*radiant)[3];  // exitance, W/m^2, without an end
     uint32_t *index;
-    int position_count, position_capacity, colour_count, colour_capacity, index_count, index_capacity;
+    int position_count, position_capacity, colour_count, colour_capacity, radiant_count, radiant_capacity,
+        index_count, index_capacity;
     // The vertex that a node of light became in the primitive at hand.
     int *vertex, *stamp, now;  // [nodes.count]
 } Export;
 
 // Views of the binary part.
-enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_INDICES, EXPORT_VIEWS };
+enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_RADIANT, EXPORT_INDICES, EXPORT_VIEWS };
 
 // A place of middling brightness becomes this in linear light, as in a walk behind its curve.
 static const double MIDDLE = 0.52;
@@ -267,9 +269,12 @@ static void add_position(Export *e, Vec3 p) {
     at[2] = (float)p.z;
 }
 
+// The colour ends at the exposure, as glTF demands of COLOR_0; the radiant exitance does not.
 static void add_colour(Export *e, const double b[3]) {
+    float *radiant = *ARENA_PUSH(&e->arena, e->radiant, e->radiant_count, e->radiant_capacity);
     uint16_t *at = *ARENA_PUSH(&e->arena, e->colour, e->colour_count, e->colour_capacity);
     for (int c = 0; c < 3; c++) at[c] = (uint16_t)lrint(FULL * fmin(b[c] * e->exposure, 1));
+    for (int c = 0; c < 3; c++) radiant[c] = (float)b[c];
     at[3] = FULL;
 }
 
@@ -324,6 +329,7 @@ static void add_pane(Export *e, const ExportNode *node, int polygon, int first_v
         vertex[i] = e->position_count - first_vertex;
         add_position(e, vec3_sub(v[i], from));
         add_colour(e, bright);
+        memset(e->radiant[e->radiant_count - 1], 0, sizeof *e->radiant);
     }
     export_triangles(e, v, vertex, p->vertex_count);
     arena_free(&scratch);
@@ -371,16 +377,20 @@ static json_t *add_primitive(Export *e, const ExportNode *node, const Shown *sho
                                             "byteOffset", (json_int_t)vertex * (json_int_t)sizeof *e->colour,
                                             "componentType", UNSIGNED_SHORT, "normalized", 1, "count",
                                             e->colour_count - vertex, "type", "VEC4"));
+    int radiant =
+        add_accessor(e, json_pack("{s:i s:I s:i s:i s:s}", "bufferView", EXPORT_RADIANT, "byteOffset",
+                                  (json_int_t)vertex * (json_int_t)sizeof *e->radiant, "componentType", FLOAT,
+                                  "count", e->radiant_count - vertex, "type", "VEC3"));
     int indices =
         add_accessor(e, json_pack("{s:i s:I s:i s:i s:s}", "bufferView", EXPORT_INDICES, "byteOffset",
                                   (json_int_t)index * (json_int_t)sizeof *e->index, "componentType",
                                   UNSIGNED_INT, "count", e->index_count - index, "type", "SCALAR"));
     int material = export_material(e, shown->key / EXPORT_LOOKS, (ExportLook)(shown->key % EXPORT_LOOKS));
-    return json_pack("{s:{s:i s:i} s:i s:i}", "attributes", "POSITION", positions, "COLOR_0", colours,
-                     "indices", indices, "material", material);
+    return json_pack("{s:{s:i s:i s:i} s:i s:i}", "attributes", "POSITION", positions, "COLOR_0", colours,
+                     "_RADIANT_EXITANCE", radiant, "indices", indices, "material", material);
 }
 
-// The mesh of a node\'s objects, as index in the document.
+// The mesh of a node's objects, as index in the document.
 static int export_mesh(Export *e, const ExportTree *tree, const ExportNode *node) {
     ShownList list = {0};
     list_shown(e, tree, node, &list);
@@ -462,7 +472,7 @@ static int export_nodes(Export *e, const ExportTree *tree, json_t *nodes, json_t
     return 0;
 }
 
-// ---- the document
+// ---- the exposure, and the start
 
 // The factor that brings the logarithmic mean of the radiosity to MIDDLE (Reinhard, Stark, Shirley & Ferwerda 2002). The mean
 // is over the elements that do not emit, each weighted by the light that leaves it.
@@ -513,6 +523,7 @@ static ExportTree make_tree(Export *e) {
 static size_t view_size(const Export *e, int view) {
     return view == EXPORT_POSITIONS ? (size_t)e->position_count * sizeof *e->position
            : view == EXPORT_COLOURS ? (size_t)e->colour_count * sizeof *e->colour
+           : view == EXPORT_RADIANT ? (size_t)e->radiant_count * sizeof *e->radiant
                                     : (size_t)e->index_count * sizeof *e->index;
 }
 
@@ -524,7 +535,7 @@ static json_t *views_of(const Export *e, size_t *total) {
         json_t *view = json_pack("{s:i s:I s:I s:i}", "buffer", 0, "byteOffset", (json_int_t)*total,
                                  "byteLength", (json_int_t)view_size(e, v), "target",
                                  v == EXPORT_INDICES ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
-        int stride = v == EXPORT_POSITIONS ? sizeof *e->position : sizeof *e->colour;
+        int stride = v == EXPORT_COLOURS ? sizeof *e->colour : sizeof *e->position;
         if (v != EXPORT_INDICES) json_object_set_new(view, "byteStride", json_integer(stride));
         json_array_append_new(views, view);
         *total += view_size(e, v);
@@ -533,10 +544,10 @@ static json_t *views_of(const Export *e, size_t *total) {
 }
 
 static json_t *extras_of(const Export *e) {
-    return json_pack("{s:f s:f s:s}", "exposure_m2_per_W", e->exposure, "W_per_m2_per_unit", 1 / e->exposure,
-                     "light",
-                     "COLOR_0, linear, is radiant exitance times the exposure; above 1 (lamps, and what is "
-                     "close to them) it is cut off at 1");
+    return json_pack(
+        "{s:f s:f s:s}", "exposure_m2_per_W", e->exposure, "W_per_m2_per_unit", 1 / e->exposure, "light",
+        "COLOR_0, linear, is radiant exitance times the exposure, cut off at 1; _RADIANT_EXITANCE, "
+        "W/m2, is all of it, of lamps and of surfaces close to them, too");
 }
 
 static json_t *document_of(Export *e, size_t *binary) {
@@ -589,6 +600,7 @@ static bool write_container(const char *path, const Export *e, const char *text,
     at = put_head(at + whole(length) - length, whole(binary), "BIN\0");
     at = put_bytes(at, e->position, view_size(e, EXPORT_POSITIONS));
     at = put_bytes(at, e->colour, view_size(e, EXPORT_COLOURS));
+    at = put_bytes(at, e->radiant, view_size(e, EXPORT_RADIANT));
     put_bytes(at, e->index, view_size(e, EXPORT_INDICES));
     bool good = file_write(path, file, total, error);
     memory_free(file);

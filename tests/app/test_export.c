@@ -137,7 +137,8 @@ static double number(const json_t *json, const char *key) {
 }
 
 // Proves that colours are the light of vertices times the exposure told: of a room's walls, brightest and darkest vertex and the
-// number of those, to half a step of 16 bits; and that lamps are cut off at 1.
+// number of those, to half a step of 16 bits, and that lamps are cut off at 1; and that the radiant exitance beside them is the light
+// itself to the last bit of a float, lamps included.
 Test(export, colours_are_light) {
     Lit *lit = lit_new();
     Arena arena = {0};
@@ -149,12 +150,13 @@ Test(export, colours_are_light) {
     const unsigned char *binary;
     json_t *json = document_of(support_read(&arena, w.path), &binary);
     const json_t *extras = json_object_get(json_array_get(json_object_get(json, "scenes"), 0), "extras");
-    double exposure = number(extras, "exposure_m2_per_W"), low = INFINITY, high = 0;
+    double exposure = number(extras, "exposure_m2_per_W"), low_light = INFINITY, high_light = 0;
     cr_assert_float_eq(exposure * number(extras, "W_per_m2_per_unit"), 1, 1e-12);
     for (int i = 0; i < lit->mesh.corner_count; i++) {
-        low = fmin(low, light.corner[i][1] * exposure);
-        high = fmax(high, light.corner[i][1] * exposure);
+        low_light = fmin(low_light, light.corner[i][1]);
+        high_light = fmax(high_light, light.corner[i][1]);
     }
+    double low = low_light * exposure, high = high_light * exposure;
     cr_assert(low > 0 && low < 1 && high > 1);
     const json_t *view = json_array_get(json_object_get(json, "bufferViews"), 1);
     const uint16_t *colour = (const void *)(binary + (size_t)number(view, "byteOffset"));
@@ -166,6 +168,16 @@ Test(export, colours_are_light) {
     }
     cr_assert_float_eq(least / 65535.0, low, 1.0 / 65535, "%g, not %g", least / 65535.0, low);
     cr_assert_eq(most, 65535);
+    view = json_array_get(json_object_get(json, "bufferViews"), 2);
+    const float *radiant = (const void *)(binary + (size_t)number(view, "byteOffset"));
+    float darkest = INFINITY, brightest = 0;
+    cr_assert_eq((int)number(view, "byteLength"), 12 * count);
+    for (int i = 0; i < count; i++) {
+        darkest = fminf(darkest, radiant[3 * i + 1]);
+        brightest = fmaxf(brightest, radiant[3 * i + 1]);
+    }
+    cr_assert_eq(darkest, (float)low_light, "%g, not %g", (double)darkest, low_light);
+    cr_assert_eq(brightest, (float)high_light, "%g, not %g", (double)brightest, high_light);
     json_decref(json);
     arena_free(&arena);
     lit_free(lit);

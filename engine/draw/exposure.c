@@ -1,16 +1,16 @@
 // exposure.c - an exposure by the logarithmic mean (Reinhard, Stark, Shirley & Ferwerda 2002, equation 1) of the elements in
-// view, weighted by solid angle and the root of their light: counted alike, a dark garden behind a window would make a room
-// too bright; counted by their light, the spot above a lamp would make it too dark.
-// From the elements rather than from the frame before: no pixels to read back, and the same view has the same exposure.
+// view, weighted by solid angle and the root of their light: by solid angle alone, a dark garden behind a window would make a room
+// too bright; by solid angle and all of their light, the spot above a lamp would make it too dark.
+// The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/draw/exposure.h"
 
-// A place of middling brightness becomes this before the curve of the screen: rooms are mostly light paint.
+// A place of middling brightness gets this value before the curve of the screen; it is high because rooms are mostly light paint.
 static const double MIDDLE = 0.65;
-// How much of a difference between what is seen and the whole building the eye makes up for: dark rooms stay a little darker.
+// The share of the difference between view and whole building that the eye makes up for: dark rooms stay a little darker.
 static const double ADAPTATION = 0.85;
-// An eye adapts no further than to this factor below and above the building's level: the dark is dark.
+// An eye adapts to views at most by this factor darker or brighter than the building's level, so that the dark stays dark.
 static const double REACH = 1000;
-// In which the difference falls to 1/e, seconds: soon enough not to be waited for, too slow to flicker.
+// The time in which the difference falls to 1/e, seconds: too short to wait for, too long to flicker.
 static const double ADAPTATION_SECONDS = 0.4;
 
 typedef struct Sum {
@@ -27,7 +27,7 @@ static void add_element_exposure(const LitMesh *lit, const LitLight *light, cons
     if (ahead <= 0 || fabs(vec3_dot(way, camera->right)) > camera->tan_x * ahead ||
         fabs(vec3_dot(way, camera->up)) > camera->tan_y * ahead)
         return;
-    // The angle of a disc seen from its axis, as good as exact; bounded where the eye is near.
+    // The solid angle of a disc seen from its axis, nearly exact; it stays bounded where the eye is near.
     double r2 = vec3_dot(way, way), area = (double)spot[3];
     double angle = area * fabs(vec3_dot(way, n)) / (sqrt(r2) * (r2 + area));
     double weight = angle * sqrt(b);
@@ -39,7 +39,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
                       int object_count) {
     const Mesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->graph;
-    // Walls, floors and ceilings tell enough; a soup has objects alone.
+    // Walls, floors and ceilings are enough to meter; the graph of a polygon soup has no surfaces of cells, only objects.
     bool surfaces_only = graph->surface_first[graph->cell_count] > graph->surface_first[0];
     Vec3 eye = vec3_sub(camera->eye, lit->origin);
     Sum sum = {0};

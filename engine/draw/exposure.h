@@ -1,4 +1,4 @@
-// exposure.h - how bright what is seen is, and how the eye adapts to it in time.
+// exposure.h - measures how bright a view is, and adapts the exposure to it over time, as an eye does.
 #ifndef WALK_EXPOSURE_H
 #define WALK_EXPOSURE_H
 
@@ -7,18 +7,19 @@
 
 typedef struct Exposure {
     bool fixed;    // the eye no longer adapts
-    double stops;  // brighter by so many powers of two
-    double level;  // what the eye has adapted to, W/m^2 by light_luminous; 0: nothing was seen yet
+    double stops;  // the picture is brighter by so many powers of two
+    double level;  // the brightness the eye has adapted to, W/m^2 by light_luminous; 0: nothing was seen yet
 } Exposure;
 enum { EXPOSURE_STOPS_MOST = 8 };
 
-// The logarithmic mean of what is seen of these objects, each place by how large it is to the eye and by the root of its light; 0: nothing
-// is lit. A function of the view alone.
+// The logarithmic mean of the light of these objects' elements in view, W/m^2 by light_luminous; each element is weighted by its solid
+// angle at the eye and by the root of its light. 0: nothing in view is lit. The same view has the same mean.
 double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
                       int object_count);
-// Time goes on, seconds, before what the meter says in a building of the level `usual`. The first time the eye adapts at once.
+// Lets the eye adapt for so many seconds to `seen`, a result of exposure_meter, in a building of the level `usual` (LitLight.level). At the
+// first call the eye adapts at once.
 void exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
-// The factor of radiosities, m^2/W.
+// The factor by which radiosities are multiplied for the screen, m^2/W.
 double exposure_scale(const Exposure *exposure);
 
 #endif

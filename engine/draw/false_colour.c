@@ -5,13 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The steps of the scale.
+// The powers of ten that a scale spans.
 static const int DECADES = 3;
 // In Oklab: the ends of the line, and a chroma that sRGB has for all hues and lightnesses on it.
 static const double DARK = 0.24, LIGHT = 0.95, CHROMA = 0.092;
 static const double HUE_DARK = 300 * M_PI / 180, HUE_LIGHT = 105 * M_PI / 180;
 
-// For too little or too much: lightness and chroma at both ends, which sRGB has for both hues, blue and red.
+// Deviations: lightness and chroma at both ends, which sRGB has for both hues, blue and red.
 static const double ENDS = 0.5, CHROMA_ENDS = 0.16;
 static const double HUE_BELOW = 260 * M_PI / 180, HUE_ABOVE = 27 * M_PI / 180;
 
@@ -39,7 +39,7 @@ double false_colour_value(FalseColour quantity, const double radiosity[3], const
     return sum;
 }
 
-// 1, 2 or 5 times a power of ten: the n-th from 1.
+// The n-th number from 1 (n = 0) in the series 1, 2 or 5 times a power of ten.
 static double round_number(int n) {
     static const double STEPS[] = {1, 2, 5};
     int decade = n >= 0 ? n / 3 : -((2 - n) / 3);

@@ -5,11 +5,11 @@
 
 #include "engine/core/memory.h"
 
-// A frame of 16,384 x 16,384 pixels and no more.
+// The largest file and the largest image, bytes: enough for a frame of 16,384 x 16,384 pixels.
 #define IMAGE_LIMIT ((size_t)1 << 30)
 
 bool image_write_png(const char *path, const uint8_t *rgb, int width, int height, Error *error) {
-    // Tour frames come by the hundred: speed before size.
+    // Tour frames are written by the hundred: speed matters more than size.
     png_image image = {.version = PNG_IMAGE_VERSION,
                        .width = (png_uint_32)width,
                        .height = (png_uint_32)height,

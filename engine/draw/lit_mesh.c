@@ -5,10 +5,10 @@
 #include "engine/draw/lit_twins.h"
 #include "radiosity/show/reconstruct.h"
 
-// How far behind its place a face is drawn where another lies that has the light of both: more than depths are uncertain by at ten
-// metres, less than is seen at its border. Metres.
+// Where two faces lie in one place, the face that light does not reach is drawn this far behind, metres: more than depths are uncertain
+// by at ten metres, less than is seen at the face's border.
 static const double SET_BACK = 5e-4;
-// The scales of false colours leave out this much: this share of the area is brighter than they reach, the places right above lamps.
+// The scales of false colours end below the brightest places, right above lamps: this share of the area is brighter than their end.
 static const double BRIGHTEST_AREA = 0.002;
 
 Vec3 lit_origin(const CellGraph *graph) {
@@ -30,7 +30,7 @@ static void put_vertex(const LitMesh *lit, int vertex, Vec3 at, const Face *face
     lit->source[vertex] = source;
 }
 
-// How much of each a polygon takes.
+// How many vertices and indices a polygon takes.
 static void count_polygon(const Mesh *mesh, int object, int polygon, int *vertices, int *indices) {
     int f = mesh->face_of[polygon], corners = mesh->graph->polygons[polygon].vertex_count;
     *vertices = *indices = 0;
@@ -89,7 +89,7 @@ static void put_spot(const LitMesh *lit, int element, const Vec3 *v, int count) 
     spot[3] = (float)lit->mesh->elements[element].area;
 }
 
-// `whole`: the polygon is drawn as one.
+// `whole`: the polygon is drawn whole, so that its elements get spots but no vertices. `twin`: see lit_twins.
 static void fill_elements(const LitMesh *lit, int polygon, bool whole, bool twin, Arena *scratch) {
     const Mesh *mesh = lit->mesh;
     const Face *face = &mesh->faces[mesh->face_of[polygon]];
@@ -165,7 +165,7 @@ static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLi
     out->level = weights > 0 ? exp(logs / weights) : 0;
 }
 
-// Areas by the value there, in bins of a tenth of an octave around 1.
+// A histogram of areas by the value on them, in bins of a tenth of an octave, with the value 1 in the middle.
 enum { BINS = 800, BINS_AN_OCTAVE = 10 };
 
 static LightRange range_of(const LitMesh *lit, const RadSolution *solution, FalseColour quantity) {

@@ -1,5 +1,5 @@
-// lit_mesh.h - what the baked look draws, in memory: elements as triangles, and states of the light at their corners. Made by
-// whoever bakes, in any thread; walk_lit.h brings it to OpenGL.
+// lit_mesh.h - the data that the baked look draws, in memory: elements as triangles, and states of the light at their corners. Any
+// thread may make the data; walk_lit.h uploads it to OpenGL.
 #ifndef WALK_LIT_MESH_H
 #define WALK_LIT_MESH_H
 
@@ -8,30 +8,31 @@
 
 typedef struct LitVertex {
     float position[3], normal[3];
-    int32_t material, emits;  // in Building; 0 or 1
+    int32_t material, emits;  // index in Building.materials; 0 or 1: does it emit
 } LitVertex;
 
-// The graph's polygons in their order; of leaves, which move, polygons whole. What the mesh lacks (glass) has no vertices.
+// The triangles of the graph's polygons, in the order of the polygons. Polygons of door leaves, which move, are drawn whole instead of
+// by elements. Polygons that the mesh lacks (glass) have no vertices.
 typedef struct LitMesh {
     const Mesh *mesh;
-    Vec3 origin;                      // places are relative to it
+    Vec3 origin;                      // positions are relative to this point
     int *first_vertex, *first_index;  // [polygon_count + 1] in `vertex` and `index`
-    LitVertex *vertex;                // leaves as when closed
-    int *source;                      // [vertex_count] in Mesh.corners; of leaves the face, as -1 - face
+    LitVertex *vertex;                // [vertex_count] leaves as when closed, until walk_lit_pose moves them
+    int *source;                      // [vertex_count] index in Mesh.corners; of a leaf -1 - its face
     unsigned *index;
     Plane *plane;      // [polygon_count]
-    float (*spot)[4];  // [element_count] as the eye's exposure takes it: the middle; the area, m^2
+    float (*spot)[4];  // [element_count] for the exposure: the element's middle; its area, m^2
 } LitMesh;
 
-// A state of the light.
+// One state of the light.
 typedef struct LitLight {
-    float (*vertex)[3];  // [vertex_count] W/m^2
-    float *luminous;     // [element_count] light_luminous of it; 0 of lamps
-    double level;        // the logarithmic mean of all that, as exposure_meter takes it by areas; 0: dark
-    LightRange ranges[FALSE_COLOURS];  // of all but lamps
+    float (*vertex)[3];  // [vertex_count] radiosity, W/m^2
+    float *luminous;     // [element_count] light_luminous of the element; 0 for lamps
+    double level;        // logarithmic mean of `luminous`, weighted by area and root of light; 0: dark
+    LightRange ranges[FALSE_COLOURS];  // a scale for each quantity, of all elements but lamps
 } LitLight;
 
-// Where positions of a graph are relative to: floats stay exact enough far from the building's own origin.
+// The point that a graph's positions are relative to: floats stay exact enough far from the building's own origin.
 Vec3 lit_origin(const CellGraph *graph);
 
 LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena);

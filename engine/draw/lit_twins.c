@@ -1,13 +1,14 @@
-// lit_twins.c - faces sorted by their planes' distances; of those next to each other outlines are clipped by one another.
+// lit_twins.c - sorts faces by the distances of their planes, and clips the outlines of faces in one plane by one another.
 #include "engine/draw/lit_twins.h"
 
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
 
-// Planes nearer to each other than this are one, metres: what the rows of form factors take for a tie, but for their size.
+// Planes nearer to each other than this are one plane, metres: about the tolerance of ties in the rows of form factors, which also
+// depends on the planes' coefficients.
 static const double SAME_PLACE = 1e-6;
-// And normals that lean by less, 1 - cosine.
+// Normals that lean by less than this are one direction, 1 - cosine.
 static const double SAME_WAY = 1e-10;
 // Faces that overlap by less than this, metres, are neighbours.
 static const double OVERLAP = 1e-3;

@@ -1,7 +1,8 @@
 // walk_bake.c - light computed beforehand, by the formulas of walk_shade.h, with ambient occlusion by distances.
 //
-// A texel is how bright a surface is on the screen by its brightness in usual light, in which its colour is given: one
-// channel of eleven bits shows no steps on a wall near by, where three of eight would, and is filtered in less time.
+// A texel is a surface's brightness on the screen divided by its brightness in usual light; the surface's own colour is stored as it
+// looks in usual light. One channel of eleven bits shows no steps on a wall near by, where three of eight would, and is filtered in
+// less time.
 //
 // The texels of all surfaces in one plane lie on one grid through the origin, and reach past the surface's edge: two
 // surfaces that meet there have the same texels on both sides, so that no seam shows between them.
@@ -12,21 +13,21 @@
 #include "engine/draw/walk_occlusion.h"
 #include "engine/draw/walk_shade.h"
 
-// Sides of texels, metres: rooms show the occlusion of corners, the outdoors that of houses.
+// The sides of texels, metres: indoors they show the occlusion of corners, outdoors that of houses.
 #define TEXEL_INDOORS 0.125
 #define TEXEL_OUTDOORS 0.5
-// A surface has at most so many texels each way, so that rows hold a few.
+// A surface has at most so many texels each way, so that one row of the atlas holds several surfaces.
 #define TEXELS_MOST 512
 #define ATLAS_WIDTH 2048
 // All texels together: 2 MiB as halves, computed in a fifth of a second.
 #define TEXELS_BUDGET (1 << 20)
-// Even so, texels grow no larger than this many times: then each surface has its fewest, four.
+// If they are still too many, texels grow until they are about this many times as large: by then each surface has its fewest, four.
 #define COARSENESS_MOST 100.0
-// The share of a lamp's strength that usually falls on a surface; and no surface counts as darker than this on the screen, so that
-// black ones can be divided by.
+// The share of a lamp's strength that usually falls on a surface; and the least brightness on the screen that a surface counts as, so
+// that one can divide by the brightness of black surfaces.
 #define USUAL_LAMP 0.4f
 #define DARKEST (1.0f / 255)
-// Rounding may not reach for a texel that is not there: so far from the outermost middles, in texels.
+// The middles of the outermost texels lie at least this far outside a surface, in texels, so that rounding asks for no texel beyond them.
 #define TEXEL_MARGIN (1.0 / 16)
 
 // A surface's texels: texel (i, j) is at row + j, column + i; its middle is (first_u + i + 0.5, first_v + j + 0.5)
@@ -117,7 +118,7 @@ static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 poi
     return rgb_screen(m->alpha < 1 ? rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE) : light);
 }
 
-// The same in the usual light of the room: alike for all surfaces of a material that face one way.
+// The colour of a surface in the usual light of its room: the same for all surfaces of a material that face one way.
 static Rgb usual_look(const WalkBake *bake, int object, const Material *m, Vec3 n) {
     const WalkLights *lights = bake->lights;
     Rgb light = ambient_light(n, walk_outdoors(bake->graph, bake->lights, object));
@@ -150,7 +151,7 @@ typedef struct Axes {
     Vec3 u, v;
 } Axes;
 
-// One of the two axes in a level or upright plane; the same for all surfaces in it.
+// The two axes in a level or upright plane; the same for all surfaces in it.
 static Axes axes_of(Plane plane) {
     if (fabs(plane.n.z) > 0.5) return (Axes){{1, 0, 0}, {0, 1, 0}};
     return (Axes){{-plane.n.y, plane.n.x, 0}, {0, 0, 1}};
@@ -171,7 +172,7 @@ static Extent extent_of(const WalkBake *bake, int polygon, Axes axes) {
     return e;
 }
 
-// The first texel whose middle is not past x, and how many there are up to the first one past y.
+// The number of the first texel, whose middle is not past x, and the number of texels from it to the first whose middle is past y.
 static double first_texel(double x, double side) { return floor(x / side - 0.5 - TEXEL_MARGIN); }
 static int texels_to(double first, double y, double side) {
     return (int)(floor(y / side - 0.5 + TEXEL_MARGIN) - first) + 2;
@@ -197,7 +198,7 @@ static int by_height(const void *p, const void *q) {
     return (*a > *b) - (*a < *b);
 }
 
-// Rows of patches of like height, the highest first. Returns the height of all.
+// Lays patches out in rows of like height, the highest first. Returns the height of all rows.
 static int place_patches(WalkBake *bake, Patch **order) {
     for (int i = 0; i < bake->patch_count; i++) order[i] = &bake->patches[i];
     qsort(order, (size_t)bake->patch_count, sizeof *order, by_height);
@@ -228,7 +229,7 @@ static void fill_patch(const WalkBake *bake, int index, const WalkAtlas *atlas) 
     const Patch *patch = &bake->patches[index];
     Axes axes = axes_of(patch->plane);
     Vec3 n = patch->plane.n;
-    // The origin's foot on the plane, from where u and v lead to any point of it.
+    // The point of the plane nearest to the origin, from which u and v lead to any other point of the plane.
     Vec3 foot = vec3_sub(bake->origin, vec3_scale(n, plane_distance(patch->plane, bake->origin)));
     const Material *m =
         &bake->graph->building->materials[bake->graph->polygons[bake->first_polygon + index].material];

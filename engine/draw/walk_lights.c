@@ -1,22 +1,22 @@
-// walk_lights.c - lamps by room. Not light transport: no shadows, no bounces, and strengths that make a room of any
-// size pleasantly bright, so that a plan can be looked at before its light is computed.
+// walk_lights.c - collects the lamps of each room. This is no light transport: there are no shadows and no bounces, and strengths make a
+// room of any size pleasantly bright, so that a plan can be looked at before its light is computed.
 #include "engine/draw/walk_lights.h"
 
 #include "engine/core/polygon.h"
 
-// A lamp let into a ceiling is found in the room below: how far down to look, metres.
+// A lamp let into a ceiling belongs to the room below it: how far down that room is looked for, metres.
 #define LAMP_DROP 0.4
-// A polygon that emits is a lamp this far in front of it, metres: the ceiling around a panel is lit a little too.
+// A polygon that emits becomes a lamp this far in front of it, metres, so that the ceiling around a panel is lit a little too.
 #define LAMP_FRONT 0.15
-// Lamps nearer than this are one, metres: the arms of a chandelier, the parts of a panel that spans cells.
+// Lamps nearer to each other than this become one, metres: the arms of a chandelier, the parts of a panel that spans cells.
 #define LAMP_JOIN 0.7
-// So many lamps in one room are told apart, so that the shader's loop stays short; others join the nearest.
+// The most lamps of a room that stay separate, so that the shader's loop stays short; further lamps join the nearest.
 enum { LAMPS_IN_ROOM = 8 };
 
 typedef struct Lamp {
     Vec3 position;
     Rgb flux;
-    double weight;  // of what joined so far
+    double weight;  // of all lamps that joined it so far
 } Lamp;
 
 typedef struct RoomLamps {
@@ -29,7 +29,7 @@ static int region_at(const CellGraph *graph, Vec3 p) {
     return cell >= 0 ? graph->cells[cell].region : -1;
 }
 
-// The region of an object: where its middle is; else any region it is registered in.
+// Finds the region of each object: the one that its middle is in, otherwise any region that the object is registered in.
 static void find_regions(const CellGraph *graph, int *region) {
     for (int o = 0; o < graph->object_count; o++) {
         Box box = graph->object_boxes[o];
@@ -77,7 +77,7 @@ static void add_lamp(RoomLamps *room, Vec3 position, Rgb flux) {
     nearest->flux = (Rgb){nearest->flux.r + flux.r, nearest->flux.g + flux.g, nearest->flux.b + flux.b};
 }
 
-// Lamps of the building's own list are drawn with a glowing shade, which is no second lamp.
+// Is the object in the building's own list of lights? It is then a lamp's glowing shade, which is no second lamp.
 static bool has_light(const Building *b, int object) {
     for (int i = 0; i < b->light_count; i++) {
         if (b->lights[i].object == object) return true;
@@ -117,7 +117,7 @@ static RoomLamps *find_lamps(const CellGraph *graph, const int *region, Arena *s
     return rooms;
 }
 
-// The lamps of a room share what makes it bright by their flux; more of them make it a little brighter.
+// The lamps of a room share a given strength in proportion to their flux; a room with more lamps is a little brighter.
 static void write_lamps(const RoomLamps *room, Vec3 origin, WalkLamp *out) {
     double sum = 0;
     for (int i = 0; i < room->count; i++) sum += room->lamps[i].weight;

@@ -1,5 +1,5 @@
-// walk_lit.c - two buffers of light: while one is shown the next state of the light goes into the other, a slice a frame, and
-// then the shader fades from the one to the other. So no frame waits for a large building, and none shows half a state.
+// walk_lit.c - two buffers of light: while one is shown, the next state of the light is written to the other, a slice a frame; then the
+// shader fades from the first to the second. No frame waits for a large building, and none shows half a state.
 #include "engine/draw/walk_lit.h"
 
 #include <glad/gl.h>
@@ -10,19 +10,19 @@ enum { LIGHTS = 2 };
 
 struct WalkLit {
     LitMesh *mesh;
-    float *share;        // [leaf_count] where leaves stand; NAN before the first time
-    unsigned *list;      // of the frame
-    int things, all;     // indices in it: of things, and with the surfaces
-    int vertices_there;  // of LitMesh, uploaded
+    float *share;        // [leaf_count] how far leaves are open; NAN before the first pose
+    unsigned *list;      // indices of the frame's triangles
+    int things, all;     // counts of indices in it: of things, and of things and surfaces
+    int vertices_there;  // vertices of LitMesh uploaded so far
     int light_there,
-        newest;  // of the light that comes; which buffer holds the last one that is complete, -1: none
+        newest;  // vertices of the arriving light uploaded so far; the newest complete buffer, -1: none
     double fade;
     unsigned array, vertex_buffer, list_buffer, light_buffer[LIGHTS], material_buffer, material_texture;
 };
 
 // ---- upload
 
-// Places in the shaders.
+// Locations of the vertex attributes in the shaders.
 enum { PLACE_POSITION = 0, PLACE_NORMAL = 1, PLACE_KIND = 4, PLACE_BEFORE = 8, PLACE_LIGHT = 9 };
 
 static void describe_vertices(const WalkLit *lit) {
@@ -52,7 +52,7 @@ static unsigned make_buffer(size_t bytes) {
     return buffer;
 }
 
-// Two texels a material: reflectance, exitance.
+// Two texels a material: reflectance and radiant exitance, W/m^2.
 static void upload_materials(WalkLit *lit) {
     const Building *b = lit->mesh->mesh->graph->building;
     Arena scratch = {0};
@@ -100,7 +100,7 @@ void walk_lit_free(WalkLit *lit) {
 
 const LitMesh *walk_lit_mesh(const WalkLit *lit) { return lit->mesh; }
 
-// The next slice of an array of vertices; lessens `bytes` by it.
+// Uploads the next slice of an array of vertices; lessens `bytes` by its size.
 static void upload_slice(unsigned buffer, const void *data, size_t size, int count, int *there,
                          size_t *bytes) {
     size_t most = *bytes / size + 1, first = (size_t)*there, left = (size_t)count - first;
@@ -183,7 +183,7 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bo
         const Object *o = &graph->objects[objects[k]];
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            // As in the other looks: where two surfaces lie back to back, each is seen from inside its cell only.
+            // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
             if (surfaces && plane_distance(mesh->plane[p], eye) <= 0) continue;
             int indices = mesh->first_index[p + 1] - mesh->first_index[p];
             memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);

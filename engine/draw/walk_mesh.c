@@ -1,5 +1,5 @@
-// walk_mesh.c - one vertex buffer for both looks, and an index buffer written anew each frame: what is drawn in one
-// call, nearest first, costs a rasteriser by software far less than hundreds of calls in the order of the file.
+// walk_mesh.c - one vertex buffer for both looks, and an index buffer written anew each frame: one draw call with the nearest polygons
+// first costs a software rasteriser far less than hundreds of calls in the order of the file.
 #include "engine/draw/walk_mesh.h"
 
 #include <glad/gl.h>
@@ -11,10 +11,10 @@
 
 typedef struct WalkVertex {
     float position[3], normal[3];
-    uint8_t colour[4], emission[4];  // the fine look's; colour: square root of the reflectance, alpha
+    uint8_t colour[4], emission[4];  // for the fine look; colour: square root of the reflectance, alpha
     int16_t lamps[2];
-    Rgba8 front, back;  // the fast look's, as seen from either side; of a surface in usual light
-    float place[2];     // of a surface, in the atlas
+    Rgba8 front, back;  // for the fast look, as seen from either side; of a surface in usual light
+    float place[2];     // for surfaces: the place in the atlas
 } WalkVertex;
 
 typedef struct Ordered {
@@ -27,16 +27,16 @@ struct WalkMesh {
     Vec3 origin;
     WalkLights lights;
     WalkBake *bake;
-    WalkAtlas atlas;           // its texels are OpenGL's
+    WalkAtlas atlas;           // its texels are in OpenGL's memory
     int *first_vertex;         // [polygon_count + 1] in the vertex buffer
     int *first_index;          // [polygon_count + 1] in `index`
     unsigned *index;           // triangles of all polygons
     Plane *plane;              // [polygon_count]
     unsigned char *has_glass;  // [object_count]
-    float *share;              // [leaf_count] where leaves stand; NAN before the first time
-    WalkVertex *moved;         // room for the vertices of any one leaf, and its corners
+    float *share;              // [leaf_count] how far leaves are open; NAN before the first pose
+    WalkVertex *moved;         // room for the vertices of any one leaf, and for its corners
     Vec3 *corners;
-    Ordered *order;       // [object_count] of the list under way
+    Ordered *order;       // [object_count] of the list being made
     unsigned *list;       // the frame's indices, as uploaded
     int end[WALK_PARTS];  // in `list`: where each part ends and the next begins
     unsigned array, vertex_buffer, list_buffer, line_buffer, lamp_buffer, lamp_texture, atlas_texture;
@@ -46,7 +46,7 @@ Vec3 walk_mesh_origin(const WalkMesh *mesh) { return mesh->origin; }
 
 // ---- vertices
 
-// A polygon whose corners are `v` at the moment.
+// Writes the vertices of a polygon whose corners are `v` at the moment.
 static void fill_polygon(const WalkMesh *mesh, int polygon, int object, const Vec3 *v, WalkVertex *out) {
     const Polygon *p = &mesh->graph->polygons[polygon];
     const Material *m = &mesh->graph->building->materials[p->material];
@@ -108,7 +108,7 @@ void walk_mesh_pose(WalkMesh *mesh, const float *door_open) {
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
         if (mesh->share[leaf] != share) move_leaf(mesh, o, (double)share);
     }
-    // Only now: several objects may be parts of one leaf.
+    // Updated only now, because several objects may be parts of one leaf.
     for (int i = 0; i < b->leaf_count; i++) mesh->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
 }
 
@@ -131,7 +131,7 @@ static void count_all(WalkMesh *mesh, Arena *arena) {
     mesh->moved = ARENA_ARRAY(arena, WalkVertex, most + 1);
     mesh->corners = ARENA_ARRAY(arena, Vec3, most + 1);
     mesh->index = ARENA_ARRAY(arena, unsigned, indices + 1);
-    // Lines need two indices an edge.
+    // Edges drawn as lines need two indices each.
     mesh->list = ARENA_ARRAY(arena, unsigned, (indices > 2 * vertices ? indices : 2 * vertices) + 1);
 }
 
@@ -292,7 +292,7 @@ static int add_object(WalkMesh *mesh, int object, int part, Vec3 eye, int at) {
     const Object *o = &mesh->graph->objects[object];
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
         if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
-        // Where two surfaces lie back to back each hides nothing: they are seen from inside their cells only.
+        // Where two surfaces lie back to back, neither may hide the other: each is seen only from inside its own cell.
         if (part == WALK_SURFACES && plane_distance(mesh->plane[p], eye) <= 0) continue;
         at = mesh_polygon(mesh, p, at);
     }
@@ -306,7 +306,7 @@ static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int
         bool surface = mesh->graph->objects[o].kind == OBJECT_SURFACE;
         if (part == WALK_PANES ? !mesh->has_glass[o] : surface != (part == WALK_SURFACES)) continue;
         Box box = mesh->graph->object_boxes[o];
-        // Glass is blended over what is behind it, the farthest middle first; else what is near hides what is far.
+        // Panes are blended over what is behind them: the farthest middle comes first. In other parts the nearest box comes first.
         double distance = part == WALK_PANES ? -vec3_length(vec3_sub(vec3_lerp(box.min, box.max, 0.5), eye))
                                              : distance_to_box(box, eye);
         mesh->order[chosen++] = (Ordered){distance, o};

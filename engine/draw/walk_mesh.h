@@ -1,4 +1,4 @@
-// walk_mesh.h - a building in OpenGL's memory, uploaded once; the leaves of doors moved; and draw lists.
+// walk_mesh.h - a building in OpenGL's memory: uploaded once, with leaves of doors that move, and with draw lists.
 #ifndef WALK_MESH_H
 #define WALK_MESH_H
 
@@ -6,31 +6,31 @@
 
 typedef struct WalkMesh WalkMesh;
 
-// Where its textures are bound: lamps for the fine look, two texels each, and baked surfaces for the fast one.
+// Texture units: lamps for the fine look, two texels each; baked surfaces for the fast look; a unit free for other textures.
 enum { WALK_UNIT_LAMPS, WALK_UNIT_ATLAS, WALK_UNIT_FREE };
 
 WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error);
 void walk_mesh_free(WalkMesh *mesh);  // NULL is allowed
 
-// Positions are relative to this: floats stay exact enough far from the building's own origin.
+// Positions are relative to this point: floats stay exact enough far from the building's own origin.
 Vec3 walk_mesh_origin(const WalkMesh *mesh);
 
-// Puts the leaves of doors where `door_open` has them, as for vis_query; at first all are wide open. Light falls anew on
-// what has moved since the last time; nothing else costs.
+// Puts the leaves of doors where `door_open` has them, as for vis_query; at first all are wide open. The light is baked anew on
+// leaves that have moved since the last call; other leaves cost nothing.
 void walk_mesh_pose(WalkMesh *mesh, const float *door_open);
 
 enum {
-    WALK_THINGS,    // polygons of the building, nearest object first
-    WALK_SURFACES,  // of cells, nearest first, without those that face away
+    WALK_THINGS,    // opaque polygons of all other objects, nearest object first
+    WALK_SURFACES,  // surfaces of cells, nearest first, without those that face away
     WALK_PANES,     // glass, farthest object first
     WALK_PARTS
 };
 
-// Makes the draw list of these objects for an eye. Then each part can be drawn any number of times.
+// Makes the draw list of these objects for an eye. After that, each part can be drawn any number of times.
 void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_count);
-void walk_mesh_bind(const WalkMesh *mesh);  // its vertices and textures
+void walk_mesh_bind(const WalkMesh *mesh);  // binds its vertices and textures
 void walk_mesh_draw(const WalkMesh *mesh, int part);
-// The edges of these objects' polygons, as lines; leaves the draw list alone.
+// Draws the edges of these objects' polygons as lines; leaves the draw list alone.
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count);
 
 #endif

@@ -1,43 +1,44 @@
 // walk_occlusion.c - ambient occlusion from distances (A. Evans, Fast approximations for global illumination on dynamic
-// scenes, 2006): steps are taken from the point along its normal, and where something is nearer than the step is long,
-// part of the light is blocked. Distances are to upright boxes: walls are boxes without thickness, furniture has its
-// proxies, floors and ceilings are planes.
+// scenes, 2006): steps are taken from the point along its normal, and where something is nearer to a step's end than the step is
+// long, part of the light is blocked. Distances are to upright boxes: walls are boxes without thickness, furniture has its
+// proxies; floors and ceilings are planes.
 #include "engine/draw/walk_occlusion.h"
 
 #include "engine/draw/walk_shade.h"
 
-// Furniture larger than this in plan both ways is hollow (a pergola, a roof): nothing is dark for being in its box, m.
+// Furniture larger than this in plan both ways is hollow (a pergola, a roof): its box darkens nothing, metres.
 #define OCCLUDER_MOST 2.6
-// Thinner furniture lies flat and occludes nothing (carpets), metres.
+// Furniture thinner than this lies flat and occludes nothing (carpets), metres.
 #define OCCLUDER_LEAST 0.05
-// Squares of the plan are no smaller than this, metres, and no more of them than this each way.
+// Squares of the plan are no smaller than this, metres, and there are at most so many of them each way.
 #define SQUARE_LEAST 1.0
 #define SQUARES_MOST 256
 
-// Furniture does not fill its box: it blocks so much of what a wall would.
+// Furniture does not fill its box: it blocks this share of the light that a wall would block.
 #define FURNITURE_BLOCKS 0.6
-// The steps, as shares of the reach, and how much each can block. In a corner of two walls all is blocked that can be.
+// The steps, as shares of the reach, and the share of the light that each can block. In a corner of two walls each step blocks its whole
+// share.
 static const double STEP[] = {0.15, 0.4, 1.0}, STEP_BLOCKS[] = {0.18, 0.19, 0.18};
 enum { STEPS = sizeof STEP / sizeof *STEP };
 
 typedef struct Occluder {
-    Vec2 middle, along;  // plan; along: unit
+    Vec2 middle, along;  // in plan; `along` is the unit direction of its first side
     double half_x, half_y, half_z, z;
-    double blocks;  // 1: all that it could
+    double blocks;  // the share of each step's light that it can block
     int object;
 } Occluder;
 
 struct WalkOcclusion {
     const CellGraph *graph;
     Occluder *occluders;
-    int *square_first;  // [nx * ny + 1] in square_occluders, of those within reach of the square
+    int *square_first;  // [nx * ny + 1] in square_occluders: the occluders within reach of each square
     int *square_occluders;
     Vec2 corner;
     double side;  // of a square
     int nx, ny, count, capacity;
 };
 
-// ---- what occludes
+// ---- occluders
 
 static void add_box(WalkOcclusion *occlusion, Arena *arena, int object) {
     const Object *o = &occlusion->graph->objects[object];
@@ -86,7 +87,7 @@ static void add_occluders(WalkOcclusion *occlusion, Arena *arena) {
     for (int o = 0; o < occlusion->graph->object_count; o++) {
         ObjectKind kind = occlusion->graph->objects[o].kind;
         if (kind == OBJECT_SURFACE) add_wall(occlusion, arena, o);
-        // The box of stairs is mostly air.
+        // Stairs are left out: their box is mostly air.
         if (kind == OBJECT_FURNITURE || kind == OBJECT_LOW_WALL) add_box(occlusion, arena, o);
     }
 }
@@ -103,7 +104,7 @@ typedef struct SquareRange {
 } SquareRange;
 
 static SquareRange squares_within_reach(const WalkOcclusion *occlusion, const Occluder *o) {
-    // Steps go up to the reach from the point, and things count up to the reach from there.
+    // The end of a step is up to the reach away from the point, and occluders count up to the reach from there.
     double far = 2 * WALK_OCCLUSION_REACH;
     double x = fabs(o->along.x) * o->half_x + fabs(o->along.y) * o->half_y + far;
     double y = fabs(o->along.y) * o->half_x + fabs(o->along.x) * o->half_y + far;
@@ -122,7 +123,7 @@ static void fill_squares(WalkOcclusion *occlusion, Arena *arena) {
     occlusion->ny = (int)(depth / occlusion->side) + 1;
     int squares = occlusion->nx * occlusion->ny;
     int *first = occlusion->square_first = ARENA_ARRAY(arena, int, squares + 1);
-    // Counted, then filled from the end of each run: afterwards `first` holds where it begins.
+    // Occluders are counted, then each square's run is filled from its end: afterwards `first` holds where each run begins.
     for (int pass = 0; pass < 2; pass++) {
         for (int k = 0; k < occlusion->count; k++) {
             SquareRange r = squares_within_reach(occlusion, &occlusion->occluders[k]);
@@ -154,10 +155,10 @@ WalkOcclusion *walk_occlusion_new(const CellGraph *graph, Arena *arena) {
 
 // ---- how open
 
-// fmax is a call, since it minds NAN: a third of the time.
+// A comparison replaces fmax, which is a call because it minds NAN: calls would take a third of the time.
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
-// Negative inside.
+// The distance from a point to the occluder's box; negative inside.
 static double distance_to(const Occluder *o, Vec3 p) {
     Vec2 from = vec2(p.x - o->middle.x, p.y - o->middle.y);
     double x = fabs(vec2_dot(o->along, from)) - o->half_x, y = fabs(vec2_cross(o->along, from)) - o->half_y,
@@ -168,7 +169,7 @@ static double distance_to(const Occluder *o, Vec3 p) {
     return sqrt(ox * ox + oy * oy + oz * oz);
 }
 
-// The distance to the region's floor or ceiling, unless the point lies on it: then it is as far as the step is long.
+// The distance from the end of a step to the region's floor or ceiling. For a point on that floor or ceiling it is the step's length.
 static double distance_to_levels(const WalkOcclusion *occlusion, Vec3 p, int region) {
     if (region < 0) return INFINITY;
     const Region *r = &occlusion->graph->building->regions[region];

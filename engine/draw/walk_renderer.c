@@ -1,6 +1,7 @@
-// walk_renderer.c - a frame in one of two looks. Fast: what stands in rooms and their surfaces, lit beforehand, then
-// sky and glass. Fine: depth alone, ambient occlusion from it, the surfaces lit in the fragment with four samples a
-// pixel, then sky and glass. Row 0 of all frames is the top of the image: drawn upside down, read as they are.
+// walk_renderer.c - a frame in one of several looks. Fast: things in rooms and surfaces of cells, lit beforehand, then sky and glass.
+// Fine: depth alone, ambient occlusion from it, the surfaces lit in the fragment shader with four samples a pixel, then sky and glass.
+// Baked: elements in their light, then sky and glass. Row 0 of all frames is the top of the image: frames are drawn upside down, so that
+// they are read as they are.
 #include "engine/draw/walk_renderer.h"
 
 #include <glad/gl.h>
@@ -18,18 +19,18 @@
 
 typedef struct LitLook {
     unsigned lit, numbers;  // programs
-    unsigned scale;         // of false colours, a texture
+    unsigned scale;         // the scale of false colours, a texture
 } LitLook;
 
-// The light to be seen.
+// How the light is shown.
 typedef struct LitTone {
-    double exposure;       // radiosities are multiplied by it, m^2/W
-    FalseColour quantity;  // instead, if it is one
+    double exposure;       // the factor of radiosities, m^2/W
+    FalseColour quantity;  // shown instead, unless it is FALSE_COLOUR_OFF
 } LitTone;
 
-// Each look draws to its own, made when first asked for in a size.
+// The frames that looks draw to. Each is made when it is first needed in a size.
 typedef enum WalkTarget {
-    WALK_TARGET_FINAL,      // colour alone: what is shown and read
+    WALK_TARGET_FINAL,      // colour alone: the frame that is shown and read
     WALK_TARGET_FAST,       // the same colour, with depth
     WALK_TARGET_FINE,       // colour and depth, several samples a pixel
     WALK_TARGET_DEPTH,      // depth alone, a texture
@@ -40,7 +41,7 @@ typedef enum WalkTarget {
 
 typedef struct WalkTargets {
     unsigned frame[WALK_TARGETS];    // framebuffer objects, 0: not made
-    unsigned texture[WALK_TARGETS];  // of those with one
+    unsigned texture[WALK_TARGETS];  // of the targets that are textures
     unsigned fast_depth, fine_colour, fine_depth;
     int width, height;
 } WalkTargets;
@@ -94,7 +95,7 @@ static void set_named_vector(unsigned program, const char *name, double x, doubl
     glUniform3f(glGetUniformLocation(program, name), (float)x, (float)y, (float)z);
 }
 
-// Everything drawn from here on is shaded so. `clip` [16] by columns; `eye` relative to the mesh's origin; `fade` as of
+// Everything drawn from here on is shaded by this look. `clip` [16] by columns; `eye` relative to the mesh's origin; `fade` as in
 // walk_lit.h; `range` of the quantity.
 static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange range, const float *clip,
                          Vec3 eye, double fade) {
@@ -118,10 +119,10 @@ static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange ra
     glBindTexture(GL_TEXTURE_2D, look->scale);
 }
 
-// ---- framebuffer objects by need: a window in the fast look never pays for the fine one's samples.
+// ---- framebuffer objects, made when needed: a window in the fast look never pays for the fine look's samples.
 
 #define FINE_SAMPLES 4
-// Ambient occlusion is smooth: it is computed for each second pixel each way.
+// Ambient occlusion is smooth: it is computed for every second pixel each way.
 #define COARSE 2
 
 static int coarse(int pixels) { return (pixels + COARSE - 1) / COARSE; }
@@ -134,7 +135,7 @@ static void walk_targets_free(WalkTargets *t) {
     *t = (WalkTargets){0};
 }
 
-// Starts anew when the size is another one.
+// Drops the frames when the size has changed; they are made again when needed.
 static bool walk_targets_resize(WalkTargets *t, int width, int height, Error *error) {
     if (t->width == width && t->height == height) return true;
     walk_targets_free(t);
@@ -155,7 +156,7 @@ typedef struct TextureKind {
 } TextureKind;
 
 static const TextureKind TEXTURES[WALK_TARGETS] = {
-    // Asked for in a software window's own order of bytes: showing it is then a plain copy there, a sixth of the time.
+    // This format is a software window's own order of bytes: showing the frame is then a plain copy there, in a sixth of the time.
     // A sized format would be laid out in the order of its name.
     [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
                            false},
@@ -221,12 +222,12 @@ static bool make(WalkTargets *t, WalkTarget which, Error *error) {
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return gl_check("making a frame", error);
     error_set(error, "OpenGL: no frame of %d x %d pixels", t->width, t->height);
-    // Not to be taken for made the next time.
+    // The frame must not pass for a complete one the next time.
     walk_targets_free(t);
     return false;
 }
 
-// Binds a frame for drawing, with its viewport; makes it first where that is still to do.
+// Binds a frame for drawing, with its viewport; makes the frame first if there is none.
 static bool walk_targets_bind(WalkTargets *t, WalkTarget which, Error *error) {
     if (!t->frame[which] && !make(t, which, error)) return false;
     bool is_coarse = TEXTURES[which].coarse;
@@ -235,18 +236,18 @@ static bool walk_targets_bind(WalkTargets *t, WalkTarget which, Error *error) {
     return true;
 }
 
-// Nearer than this nothing is drawn, metres: less than a head's distance from any wall; depth, a float of 1 - near/z,
+// Nothing nearer than this is drawn, metres: it is less than a head's distance from any wall; depth, a float of 1 - near/z,
 // is then good to a fifth of a millimetre at 10 m.
 #define WALK_NEAR 0.05
-// Surfaces of cells lie a trifle farther than drawn, so that what stands on them, or is let into them, shows: by this
-// share of their slope a pixel (a rasteriser rounds vertices to a 256th) and these roundings of depth.
+// Surfaces of cells are drawn a trifle farther than they lie, so that things on them, or let into them, show: by this
+// share of their slope a pixel (a rasteriser rounds vertices to a 256th) and this many roundings of depth.
 #define WALK_OFFSET_SLOPE (1.0f / 64)
 #define WALK_OFFSET_UNITS 8.0f
 
-// A new state of the light is faded to in this time.
+// The picture fades to a new state of the light in this time.
 #define FADE_SECONDS 0.25
 
-// In false colours, of what has no value: glass is left out, and the sky is grey (linear in the screen's own curve).
+// False colours leave out glass, which has no value, and show the sky in this grey (linear in the screen's own curve).
 #define NO_VALUE 0.12f
 
 const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
@@ -261,7 +262,7 @@ typedef enum SceneShader {
     SCENE_SHADERS
 } SceneShader;
 
-// A program that draws the building, and the places of its uniforms; -1 where it has none of the name.
+// A program that draws the building, and the locations of its uniforms; -1 for uniforms that it lacks.
 typedef struct SceneProgram {
     unsigned program;
     int clip, eye, size, colour, day;
@@ -270,7 +271,7 @@ typedef struct SceneProgram {
 struct WalkRenderer {
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
-    const LitLight *light;  // the newest state of it that is all there, or NULL
+    const LitLight *light;  // the newest state that is uploaded whole, or NULL
     bool plain;             // one sample a pixel
     LitLook lit_look;
     LitTone tone;
@@ -279,7 +280,7 @@ struct WalkRenderer {
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
     int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
-    unsigned no_vertices;  // the array of programs that make up their own
+    unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
 // ---- set-up
@@ -432,7 +433,7 @@ static void use_texture(unsigned texture) {
     glBindTexture(GL_TEXTURE_2D, texture);
 }
 
-// Depth of the solid surfaces, then the open share of each pixel.
+// Draws the depth of the solid surfaces, then the open share of each pixel.
 static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) {
     WalkTargets *t = &w->targets;
     if (!walk_targets_bind(t, WALK_TARGET_DEPTH, error)) return false;
@@ -530,7 +531,7 @@ static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     return true;
 }
 
-// All that drawing here relies on: others draw in the same context.
+// Sets all the state that drawing here relies on, since others draw in the same context.
 static void set_state(void) {
     static const unsigned OFF[] = {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST,
                                    GL_POLYGON_OFFSET_FILL};

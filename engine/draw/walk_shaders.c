@@ -1,7 +1,7 @@
-// walk_shaders.c - a soft sky and ground light by the surface's direction, three weak lights from fixed directions so
-// that walls differ, the lamps of the room, and ambient occlusion from the depth buffer (after M. Mittring, Finding
+// walk_shaders.c - the shaders. The fine look has a soft sky and ground light by the surface's direction, three weak directional lights
+// so that walls differ, the lamps of the room, and ambient occlusion from the depth buffer (after M. Mittring, Finding
 // next gen: CryEngine 2, 2007; here samples on a disc around the pixel count by how far they rise over its surface),
-// which darkens corners and the floor under furniture. Or all of that baked, and nothing left to do but to show it.
+// which darkens corners and the floor under furniture. In the fast look all of that is baked, and its shaders only show it.
 #include "engine/draw/walk_shaders.h"
 
 #include "engine/draw/walk_shade.h"
@@ -11,7 +11,7 @@
 #define TRIPLE(name) "const vec3 " #name " = vec3(" WALK_TEXT(WALK_##name) ");\n"
 #define NUMBER(name) "const float " #name " = " WALK_TEXT(WALK_##name) ";\n"
 
-// The constants of walk_shade.h, without the prefix.
+// The constants of walk_shade.h, without their prefix.
 #define CONSTANTS                                                                                            \
     TRIPLE(BELOW)                                                                                            \
     TRIPLE(ABOVE)                                                                                            \
@@ -51,7 +51,7 @@
     "               step(vec3(0.0031308), light));\n"                                                        \
     "}\n"
 
-// Glass mirrors the sky at a grazing angle (Schlick 1994).
+// Glass mirrors the sky more at a grazing angle (Schlick 1994).
 #define GLASS                                                                                                \
     "float glass(float alpha, vec3 n, vec3 view) {\n"                                                        \
     "    float around = 1.0 - abs(dot(n, normalize(view))), square = around * around;\n"                     \
@@ -140,7 +140,7 @@ const char WALK_BAKED_FRAGMENT[] =
             "out vec4 result;\n"
             "void main() { result = vec4(vColour * texture(atlas, vPlace).r, 1.0); }\n";
 
-// Lit from both sides; a polygon is flat, so that all its corners choose alike.
+// Polygons have colours for both sides; all corners of a polygon choose the same side, since it is flat.
 const char WALK_THING_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
                                          "layout(location = 1) in vec3 normal;\n"
                                          "layout(location = 5) in vec4 front;\n"
@@ -180,8 +180,8 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
     "uniform vec3 eye;\n"                                                                                    \
     "uniform float fade;\n"
 
-// The back of a face reflects nothing, as light is computed. Curtains and leaves are one polygon all the same: they show
-// some of their front's light. Lamps are bright however little the exposure leaves of them.
+// Light is computed as if the back of a face reflected nothing. But curtains and leaves are single polygons: their backs show
+// some of their front's light. Lamps stay bright however low the exposure is.
 const char WALK_LIT_VERTEX[] =
     VERSION CONSTANTS LIT_PLACES "uniform float exposure;\n"
                                  "centroid out vec3 vLight;\n"
@@ -194,8 +194,8 @@ const char WALK_LIT_VERTEX[] =
                                  "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
                                  "}\n";
 
-// By the curve of walk_shade.h; then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: a power a pixel takes longer
-// than all the rest.
+// The curve of walk_shade.h, then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: computing a power at each pixel takes
+// longer than everything else.
 const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
     "centroid in vec3 vLight;\n"
     "out vec4 result;\n"
@@ -208,7 +208,8 @@ const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
             "    result = vec4(mix(12.92 * x, y, step(vec3(0.0031308), x)), 1.0);\n"
             "}\n";
 
-// The arriving light is the leaving light less the emission, by the reflectance; where nothing is reflected it is not known: -1.
+// The arriving light is the leaving light less the emission, divided by the reflectance; -1 where nothing is reflected, since it is then
+// unknown.
 const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
     "uniform samplerBuffer materials;\n"
     "uniform vec3 weights;\n"
@@ -248,11 +249,11 @@ const char WALK_SCREEN_VERTEX[] =
     VERSION "out vec2 at;\n"
             "void main() {\n"
             "    at = vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID & 2) * 2 - 1);\n"
-            // At the far plane, so that what was drawn before stays.
+            // The sky lies at the far plane, so that everything drawn before stays.
             "    gl_Position = vec4(at, 1.0, 1.0);\n"
             "}\n";
 
-// Mixed on the screen, of colours that a compiler makes once: a power a pixel took longer than all the rest.
+// The sky is mixed from three display colours, which a compiler computes once: a power at each pixel took longer than everything else.
 const char WALK_SKY_FRAGMENT[] =
     VERSION CONSTANTS DISPLAY "in vec2 at;\n"
                               "uniform vec3 forward, right, up;\n"
@@ -268,8 +269,8 @@ const char WALK_SKY_FRAGMENT[] =
                               "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
                               "}\n";
 
-// Depth d is 1 - near / z. Around each pixel, directions on a spiral disc whose radius is half a metre there; a sample
-// counts by how far it rises over the surface's tangent plane, found from the depths themselves.
+// Depth d is 1 - near / z. Samples around each pixel lie on a spiral in a disc, whose radius is half a metre at the pixel's depth; a
+// sample counts by how far it rises over the surface's tangent plane, which is found from the depths themselves.
 const char WALK_OCCLUSION_FRAGMENT[] = VERSION CONSTANTS
     "in vec2 at;\n"
     "uniform sampler2D depth;\n"

@@ -2,16 +2,16 @@
 #ifndef WALK_SHADERS_H
 #define WALK_SHADERS_H
 
-extern const char WALK_FINE_VERTEX[], WALK_FINE_FRAGMENT[];  // surfaces, lit in the fragment
-extern const char WALK_DEPTH_FRAGMENT[];                     // nothing but depth
+extern const char WALK_FINE_VERTEX[], WALK_FINE_FRAGMENT[];  // polygons, lit in the fragment shader
+extern const char WALK_DEPTH_FRAGMENT[];                     // depth alone
 extern const char WALK_BAKED_VERTEX[],
     WALK_BAKED_FRAGMENT[];  // surfaces of cells, lit beforehand in a texture
 extern const char WALK_THING_VERTEX[],
     WALK_THING_FRAGMENT[];                                 // other polygons, lit beforehand at their corners
-extern const char WALK_PANE_FRAGMENT[];                    // of those, glass
+extern const char WALK_PANE_FRAGMENT[];                    // glass, lit beforehand
 extern const char WALK_LIT_VERTEX[], WALK_LIT_FRAGMENT[];  // elements in their light
-extern const char WALK_FALSE_VERTEX[], WALK_FALSE_FRAGMENT[];  // the same as numbers
-extern const char WALK_LINE_VERTEX[], WALK_LINE_FRAGMENT[];    // one colour
+extern const char WALK_FALSE_VERTEX[], WALK_FALSE_FRAGMENT[];  // elements in false colours
+extern const char WALK_LINE_VERTEX[], WALK_LINE_FRAGMENT[];    // lines in one colour
 extern const char WALK_SCREEN_VERTEX[];                        // one triangle over the whole frame
 extern const char WALK_SKY_FRAGMENT[];
 extern const char WALK_OCCLUSION_FRAGMENT[], WALK_BLUR_FRAGMENT[];

@@ -1,12 +1,12 @@
-// font.c - glyphs by stb_truetype, packed on shelves: from left to right, as high as the highest of its shelf.
+// font.c - glyphs by stb_truetype, packed on shelves: from left to right, each shelf as high as its highest glyph.
 //
-// Outlines are not hinted. Instead the vertical scale is the one near the asked-for that makes small letters a whole
-// number of pixels high, as FreeType's light hinting does: their tops and feet are sharp, their widths are true.
+// Outlines are not hinted. Instead the vertical scale is the one nearest to that asked for at which small letters are a whole
+// number of pixels high, as in FreeType's light hinting: their tops and feet are sharp, their widths are true.
 #include "engine/overlay/font.h"
 
 #include "engine/core/error.h"
 
-// stb_truetype frees as it goes; here all it needs for one glyph goes at once.
+// stb_truetype frees each block by itself; here its memory for a glyph comes from an arena, which is freed after the glyph.
 #define STBTT_malloc(size, arena) arena_alloc((arena), (size), 1)
 #define STBTT_free(memory, arena) ((void)(memory), (void)(arena))
 #define STBTT_assert(condition) CORE_ASSERT(condition)
@@ -20,7 +20,7 @@
 #include <stb/stb_truetype.h>
 #pragma GCC diagnostic pop
 
-// The assembler copies the file into the program; the Makefile tells it the folder.
+// The assembler copies the font file into the program; the Makefile gives it the folder.
 __asm__(".pushsection .rodata\n"
         ".globl font_file\n"
         "font_file: .incbin \"DejaVuSans.ttf\"\n"
@@ -30,7 +30,7 @@ extern const unsigned char font_file[];
 enum {
     IMAGE_WIDTH = 1024,
     FIRST_HEIGHT = 128,
-    MOST_HEIGHT = 4096,  // 4 MB: all that a window shows at the highest scale, several times over
+    MOST_HEIGHT = 4096,  // 4 MB: several times the glyphs that a window shows at the highest scale
     FIRST_SLOTS = 1024,  // of the table of glyphs; a power of two
     NOT_UTF8 = 0xfffd,
 };
@@ -56,7 +56,7 @@ struct Font {
 Font *font_new(Arena *arena) {
     Font *font = ARENA_ARRAY(arena, Font, 1);
     font->arena = arena;
-    // The file was read when the program was built: only another file than DejaVuSans.ttf could fail.
+    // The file was read when the program was built: this could fail only for another file than DejaVuSans.ttf.
     CORE_ASSERT(stbtt_InitFont(&font->info, font_file, 0));
     font->info.userdata = &font->scratch;
     int x0, y0, x1, y1;
@@ -71,7 +71,8 @@ Font *font_new(Arena *arena) {
 
 // ---- UTF-8
 
-// How many bytes follow the first of a character, and the least character that needs so many; -1: none starts so.
+// Returns how many bytes follow the first byte of a character, and the least character that needs so many bytes; -1: no character starts
+// with this byte.
 static int tail_length(unsigned char first, int *character, int *least) {
     static const struct {
         int mask, lead, least;
@@ -91,7 +92,7 @@ int font_decode(const char **utf8) {
     int character = 0, least = 0, tail = tail_length(*text, &character, &least);
     bool good = tail >= 0;
     for (int i = 1; good && i <= tail; i++) {
-        good = (text[i] & 0xc0) == 0x80;  // the final zero is none, so nothing is read beyond it
+        good = (text[i] & 0xc0) == 0x80;  // the final zero fails this test, so nothing is read beyond it
         character = character << 6 | (text[i] & 0x3f);
     }
     good =
@@ -140,7 +141,7 @@ static Glyph rasterise(Font *font, int character, int size, int step) {
     int advance, bearing, x1, y1;
     stbtt_GetGlyphHMetrics(info, glyph.index, &advance, &bearing);
     glyph.advance = (float)advance * across;
-    // A control character is neither seen nor takes up room.
+    // A control character is invisible and takes up no room.
     if (character < ' ') return (Glyph){.index = glyph.index};
     stbtt_GetGlyphBitmapBoxSubpixel(info, glyph.index, across, up, shift, 0, &glyph.left, &glyph.top, &x1,
                                     &y1);
@@ -154,7 +155,7 @@ static Glyph rasterise(Font *font, int character, int size, int step) {
     }
     stbtt_MakeGlyphBitmapSubpixel(info, font->coverage + (size_t)glyph.y * IMAGE_WIDTH + glyph.x, glyph.width,
                                   glyph.height, IMAGE_WIDTH, across, up, shift, 0, glyph.index);
-    arena_free(&font->scratch);  // not reset: nobody frees a font, it goes with its arena
+    arena_free(&font->scratch);  // not reset: nobody frees a font, which lives as long as its arena
     return glyph;
 }
 

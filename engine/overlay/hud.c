@@ -4,19 +4,19 @@
 enum { HUD_PANELS = 6, FIGURE_ROWS = 8, MESSAGE_LINES = 6, HUD_FLAGS = 16 };
 static const char RECORDING[] = "recording";
 
-// Points, all of them.
+// All lengths are in points.
 static const double TEXT = 12, SMALL = 10, LINE = 17, PAD = 10, MARGIN = 12, GAP = 8, ROUND = 6;
 static const double FIGURES_WIDTH = 232, LABEL_WIDTH = 64, MESSAGE_WIDTH = 560, HELP_GAP = 14, HELP_LINE = 19;
 static const double KEY_PAD = 5, KEY_ROUND = 3;
-// How far down the prompt stands, as a share of the window: below what is looked at.
+// How far down the prompt stands, as a share of the window: below the point that is looked at.
 static const double PROMPT_DOWN = 0.7;
-// The plan's longer side: the first of these that fits; and what is less than this share of the window.
+// The plan's longer side is the first of these that fits into the window and is less than PLAN_SHARE of it.
 static const double PLAN_SIDES[] = {250, 200, 150, 110};
 static const double PLAN_SHARE = 0.5, PLAN_FRAME = 4;
-// A metre of plan takes at least so much: a door is then 9 points wide.
+// A metre of plan takes at least this many points: a door is then 9 points wide.
 static const double PLAN_POINTS_PER_METRE = 10;
 static const double LEAST_FOR_CROSSHAIR = 80;
-// The scale of false colours: the first of these that fits.
+// The height of the scale of false colours is the first of these that fits.
 static const double LEGEND_HEIGHTS[] = {200, 150, 100, 60};
 
 static const unsigned PANEL = 0x0e1318, DARK = 0x14181c, BRIGHT = 0xf2f5f7, DIM = 0x9fb0c0, ACCENT = 0xffc857,
@@ -37,7 +37,7 @@ typedef struct Hud {
 
 // ---- layout
 
-// At 0 of the way across and down it is at the left and top margin, at 1 at the right and bottom one.
+// A rectangle of this size: `across` and `down` 0 put it at the left and top margins, 1 at the right and bottom margins.
 static Rectangle anchored(const Hud *hud, double across, double down, double width, double height) {
     return (Rectangle){MARGIN + across * (hud->width - 2 * MARGIN - width),
                        MARGIN + down * (hud->height - 2 * MARGIN - height), width, height};
@@ -89,8 +89,8 @@ static const char *shortened(const Hud *hud, double size, const char *string, do
     return arena_format(hud->state->scratch, "%s%s", start_of(hud, string, length), DOTS);
 }
 
-// Breaks the text between words, and within words that are wider than a line; what is more than `most` lines ends in
-// dots. Returns how many lines it makes.
+// Breaks the text between words, and within words that are wider than a line; the last of `most` lines ends in dots if text is left.
+// Returns the number of lines.
 static int wrap(const Hud *hud, double size, const char *string, double width, const char **lines, int most) {
     int count = 0;
     for (string += strspn(string, " \n"); *string && count < most; string += strspn(string, " \n")) {
@@ -111,7 +111,7 @@ static int wrap(const Hud *hud, double size, const char *string, double width, c
 
 // ---- panels
 
-// Over everything else: it is gone soon.
+// Draws the message over everything else, since it is gone soon.
 static void draw_message(const Hud *hud) {
     const HudState *s = hud->state;
     double shown = s->message_is_error ? HUD_ERROR_SECONDS : HUD_MESSAGE_SECONDS;
@@ -131,7 +131,7 @@ static void draw_message(const Hud *hud) {
     }
 }
 
-// A key as on a keyboard.
+// The width of a key drawn as on a keyboard.
 static double key_width(const Hud *hud, const char *keys) {
     return overlay_text_width(hud->overlay, SMALL, keys) + 2 * KEY_PAD;
 }
@@ -162,7 +162,7 @@ typedef struct HelpTable {
     Rectangle place;
 } HelpTable;
 
-// With as few columns as there is room for. False where there is none at all.
+// Places the table with as few columns as the room allows. False where there is no room at all.
 static bool place_help(Hud *hud, HelpTable *t) {
     const HudState *s = hud->state;
     *t = (HelpTable){0};
@@ -227,7 +227,7 @@ static void draw_figures(const Hud *hud, Rectangle r) {
     draw_figure(hud, r, 7, "light", f->light ? f->light : "");
 }
 
-// Small signs in a row, of recording first; what no longer fits is left out.
+// Draws small signs in a row, that of recording first; signs that no longer fit are left out.
 static void draw_flags(Hud *hud, double top) {
     const HudState *s = hud->state;
     int first = s->recording ? -1 : 0, end = first;
@@ -254,7 +254,7 @@ static void draw_flags(Hud *hud, double top) {
 
 // ---- the plan
 
-// Under the map, at its left: how long so many metres are.
+// Draws below the map the storey's name at the left and a bar with its length in metres at the right.
 static void draw_scale(const Hud *hud, const OverlayMap *map, Rectangle r) {
     static const double LENGTHS[] = {1, 2, 5, 10, 20, 50};
     double metres = LENGTHS[0];
@@ -306,7 +306,7 @@ static void draw_legend(Hud *hud) {
     }
 }
 
-// Light within dark, so that it shows on anything.
+// A light spot within a dark one, so that it shows on any background.
 static void draw_crosshair(const Hud *hud) {
     if (!hud->state->crosshair || fmin(hud->width, hud->height) < LEAST_FOR_CROSSHAIR) return;
     Vec2 middle = {hud->width / 2, hud->height / 2};
@@ -322,7 +322,7 @@ void hud_draw(Overlay *overlay, const HudState *state) {
     HelpTable help;
     draw_crosshair(&hud);
     draw_prompt(&hud);
-    // Help was asked for just now: figures give way to it.
+    // Help was asked for just now: the figures give way to it.
     Rectangle figures = anchored(&hud, 0, 0, FIGURES_WIDTH, FIGURE_ROWS * LINE + PAD);
     bool shown = state->figures && take_place(&hud, figures), helped = place_help(&hud, &help);
     if (shown && !helped && state->help) {

@@ -1,4 +1,4 @@
-// hud.h - what the walkthrough window shows over its picture: figures, help, messages, the plan.
+// hud.h - the panels that the walkthrough window shows over its picture: figures, help, messages, the plan.
 #ifndef WALK_HUD_H
 #define WALK_HUD_H
 
@@ -15,15 +15,15 @@ typedef struct HudFigures {
     int polygons_drawn, polygon_count;
     double query_us, frame_ms, frames_per_second;
     Vec3 eye;
-    const char *room, *storey;  // where the eye is; "" and NULL: nowhere
-    const char *light;          // what there is of it
+    const char *room, *storey;  // where the eye is; room "": outdoors, storey NULL: none
+    const char *light;          // the state of the light, in words
 } HudFigures;
 
 typedef struct HudState {
-    const HudFigures *figures;  // NULL: not shown; so with all below
+    const HudFigures *figures;  // NULL: not shown; likewise for the pointers below
     const HudKey *help;
     int help_count;
-    const char *const *flags;  // words such as "frozen", each a small sign
+    const char *const *flags;  // words like "frozen", each shown as a small sign
     int flag_count;
     bool recording;  // a sign in red
     const char *message;
@@ -36,12 +36,12 @@ typedef struct HudState {
     Arena *scratch;  // for this frame; the caller resets it
 } HudState;
 
-// For how long a message is seen, seconds, the last of them fading.
+// How long a message is shown, seconds; it fades during the last second.
 #define HUD_MESSAGE_SECONDS 4.0
 #define HUD_ERROR_SECONDS 12.0
 
-// In a frame that was begun. What the window has no room for is left out: first the plan, then the legend, signs, figures, help,
-// the prompt. Messages lie over all else.
+// Draws between overlay_begin and overlay_end. Panels that the window has no room for are left out: first the plan, then the legend,
+// signs, figures, help, and at last the prompt. Messages lie over everything else.
 void hud_draw(Overlay *overlay, const HudState *state);
 
 #endif

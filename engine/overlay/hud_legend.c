@@ -1,5 +1,5 @@
-// hud_legend.c - a bar of the colours themselves, round numbers beside it: all of 1, 2, 5 where there is room, else powers of
-// ten.
+// hud_legend.c - draws a bar of the colours with round numbers beside it: all steps of 1, 2, 5 where there is room, otherwise powers
+// of ten alone.
 #include "engine/overlay/hud_legend.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 static const double TEXT = 12, SMALL = 10, LINE = 17, PAD = 10, BAR = 16, TICK = 4, ROUND = 6, WIDTH = 104;
 static const unsigned PANEL = 0x0e1318, BRIGHT = 0xf2f5f7, DIM = 0x9fb0c0;
 static const double OPACITY = 0.82;
-// The steps of the bar, each of one colour.
+// The bar consists of this many slabs, each of one colour.
 enum { SLABS = 96 };
 
 double hud_legend_width(void) { return WIDTH; }
@@ -18,7 +18,7 @@ static unsigned hex(Rgb c) {
     return (unsigned)lrintf(255 * c.r) << 16 | (unsigned)lrintf(255 * c.g) << 8 | (unsigned)lrintf(255 * c.b);
 }
 
-// 0.05, 2, 1 000.
+// The number as text: 0.05, 2, 1 000.
 static const char *number(double value, Arena *scratch) {
     if (value >= 1e6) return arena_format(scratch, "%g", value);
     if (value >= 1000) return arena_format(scratch, "%d %03d", (int)value / 1000, (int)lrint(value) % 1000);

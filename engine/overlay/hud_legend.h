@@ -1,4 +1,4 @@
-// hud_legend.h - the scale of false colours as a panel: what is shown, in which unit, and which colour is how much.
+// hud_legend.h - the scale of false colours as a panel: the quantity shown, its unit, and the number that each colour stands for.
 #ifndef WALK_HUD_LEGEND_H
 #define WALK_HUD_LEGEND_H
 
@@ -10,7 +10,7 @@ typedef struct HudLegend {
     LightRange range;
 } HudLegend;
 
-// The whole panel, points; `height` is the scale's own.
+// The size of the whole panel, points; `height` is the height of the scale alone.
 double hud_legend_width(void);
 double hud_legend_height(double height);
 void hud_legend_draw(Overlay *overlay, const HudLegend *legend, double x, double y, double height,

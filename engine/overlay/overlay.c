@@ -1,6 +1,6 @@
-// overlay.c - everything is quadrilaterals of three kinds. Fills are flat. On a shape the fragment measures its distance
-// from a box: shapes are the points within a radius of one, so a line is a box without width, a circle one without
-// extent; coverage is the distance to the edge in pixels, plus a half (Green 2007, with an exact distance instead of a
+// overlay.c - everything is drawn as quadrilaterals of three kinds. Fills are flat. In a shape, the fragment shader measures the
+// distance from a box: a shape is the set of points within a radius of a box, so a line is a box without width, a circle a box
+// without extent; coverage is the distance to the edge in pixels, plus a half (Green 2007, with an exact distance instead of a
 // stored one). Letters lie on whole pixels, one texel each.
 #include "engine/overlay/overlay.h"
 
@@ -20,8 +20,8 @@ typedef struct FillCorner {
 typedef struct ShapeCorner {
     float x, y;      // pixels
     float local[2];  // from the box's middle along its sides, pixels
-    float half[2];   // of the box
-    float radius;    // around it
+    float half[2];   // half the box's sides, pixels
+    float radius;    // around the box, pixels
     uint8_t rgba[4];
 } ShapeCorner;
 
@@ -42,24 +42,24 @@ typedef struct Letter {
     LetterCorner corner[4];
 } Letter;
 
-// Pixels: x0 <= x < x1.
+// A rectangle of pixels: x0 <= x < x1, y0 <= y < y1.
 typedef struct Clip {
     int x0, y0, x1, y1;
 } Clip;
 
 typedef enum Kind { FILLS, SHAPES, LETTERS, KINDS } Kind;
 
-// The shapes drawn in one call: neighbours of a kind that are clipped alike.
+// Quadrilaterals drawn in one call: neighbours of a kind that are clipped alike.
 typedef struct Run {
     Kind kind;
     int first, count;
     Clip clip;
 } Run;
 
-// How a kind is drawn.
+// The OpenGL objects that draw one kind.
 typedef struct Pen {
     unsigned program, array, vertex_buffer;
-    int size;  // uniform
+    int size;  // location of the uniform
 } Pen;
 
 struct Overlay {
@@ -227,13 +227,13 @@ void overlay_clip(Overlay *o, double x, double y, double width, double height) {
 
 void overlay_unclip(Overlay *o) { o->clip = (Clip){0, 0, o->width, o->height}; }
 
-// Does anything between these pixels show? Not a number does not.
+// Does anything between these pixels show? For coordinates that are not numbers the answer is no.
 static bool shows(const Overlay *o, double x0, double y0, double x1, double y1) {
     const Clip *c = &o->clip;
     return x0 < c->x1 && x1 > c->x0 && y0 < c->y1 && y1 > c->y0;
 }
 
-// The last run, in which the next of this kind will lie, counting it.
+// Counts one more quadrilateral in the last run; begins a run where the last has another kind or clip.
 static void add_to_run(Overlay *o, Kind kind) {
     Run *last = o->run_count ? &o->runs[o->run_count - 1] : NULL;
     if (!last || last->kind != kind || memcmp(&last->clip, &o->clip, sizeof o->clip) != 0) {
@@ -254,7 +254,7 @@ static void set_colour(uint8_t rgba[4], unsigned rgb, double opacity) {
 
 // ---- shapes
 
-// All points within `radius` of a box, in pixels; `along` is the unit direction of the box's first side.
+// Adds all points within `radius` of a box, in pixels; `along` is the unit direction of the box's first side.
 static void add_shape(Overlay *o, Vec2 middle, Vec2 along, Vec2 half, double radius, unsigned rgb,
                       double opacity) {
     double x = half.x + radius + OVERLAY_FRINGE, y = half.y + radius + OVERLAY_FRINGE;
@@ -285,7 +285,7 @@ void overlay_polygon(Overlay *o, const Vec2 *points, int count, unsigned rgb, do
     if (count < 3 || opacity <= 0 || !shows(o, box.min.x, box.min.y, box.max.x, box.max.y)) return;
     FillCorner corner = {0};
     set_colour(corner.rgba, rgb, opacity);
-    // A fan of quadrilaterals; of an odd count the last one has two corners in one place.
+    // A fan of quadrilaterals; where the fan has an odd number of triangles, the last quadrilateral has two corners in one place.
     for (int i = 1; i + 1 < count; i += 2) {
         int at[4] = {0, i, i + 1, i + 2 < count ? i + 2 : i + 1};
         add_to_run(o, FILLS);
@@ -304,7 +304,7 @@ void overlay_rectangle(Overlay *o, double x, double y, double width, double heig
     double y0 = round(y * o->scale), y1 = round((y + height) * o->scale);
     if (!(x1 > x0 && y1 > y0)) return;
     Vec2 half = {(x1 - x0) / 2, (y1 - y0) / 2};
-    // The half pixel of a smoothed edge must lie within the radius; no rectangle is smaller.
+    // The half pixel of a smoothed edge must lie within the radius; no rectangle has a smaller radius.
     double r = fmax(0.5, fmin(radius * o->scale, fmin(half.x, half.y)));
     add_shape(o, vec2((x0 + x1) / 2, (y0 + y1) / 2), vec2(1, 0), vec2(half.x - r, half.y - r), r, rgb,
               opacity);
@@ -343,7 +343,7 @@ static int pixel_size(const Overlay *o, double size) {
     return (int)lround(fmin(fmax(size * o->scale, FONT_SMALLEST), FONT_LARGEST));
 }
 
-// Moves the pen over the next character, and puts it there unless `rgba` is NULL. Pixels.
+// Moves the pen over the next character, and draws the character unless `rgba` is NULL. Positions are in pixels.
 static void set_character(Overlay *o, double *pen, int row, int size, int character, Glyph *before,
                           const uint8_t *rgba) {
     Glyph glyph = font_glyph(o->font, character, size, 0);
@@ -391,7 +391,7 @@ size_t overlay_text_fit(Overlay *o, double size, const char *utf8, double width)
 
 // ---- to OpenGL
 
-// Two triangles for each quadrilateral; the same for all kinds.
+// Writes two triangles for each quadrilateral; all kinds share these indices.
 static void grow_indices(Overlay *o, int count) {
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, o->index_buffer);
     if (count <= o->indexed) return;
@@ -457,7 +457,7 @@ bool overlay_end(Overlay *o, Error *error) {
     glEnable(GL_SCISSOR_TEST);
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
-    // An opaque pixel stays opaque, for windows whose system looks at alpha.
+    // An opaque pixel stays opaque, for systems that take alpha into account when they show a window.
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     upload_image(o);
     upload(o, FILLS, o->fills, sizeof *o->fills);

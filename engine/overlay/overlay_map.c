@@ -1,7 +1,7 @@
-// overlay_map.c - the overlay's back end of the drawing table: plan metres to points, y turned over.
+// overlay_map.c - the overlay's back end of the drawing table: converts metres of plan to points, with y turned over.
 #include "engine/overlay/overlay.h"
 
-// Dashes shorter than this are not told apart, points.
+// Dashes are at least this long, points: shorter ones could not be told apart.
 #define MAP_LEAST_DASH 2.0
 
 OverlayMap overlay_map(Overlay *overlay, Box area, double x, double y, double width, double height) {
@@ -24,7 +24,7 @@ static void begin_map(const OverlayMap *map) {
     overlay_clip(map->overlay, map->x, map->y, map->width, map->height);
 }
 
-// The part of a -> b, as shares of it, that can show: what is far outside is not worth its dashes.
+// The part of a -> b, as shares of its length, that can show: dashes far outside need not be made.
 static bool part_shown(const OverlayMap *map, Vec2 a, Vec2 b, double margin, double *from, double *to) {
     double start[2] = {a.x, a.y}, way[2] = {b.x - a.x, b.y - a.y};
     double least[2] = {map->x - margin, map->y - margin};
@@ -50,7 +50,7 @@ static void draw_line(void *context, Vec2 a, Vec2 b, const DrawStyle *style) {
     if (style->dash <= 0) {
         overlay_line(map->overlay, from, vec2_add(from, way), width, style->stroke, 1);
     } else if (part_shown(map, from, vec2_add(from, way), width, &first, &last)) {
-        // Counted from a, so that dashes stay where they are on the plan when the map moves.
+        // Dashes are counted from a, so that they stay where they are on the plan when the map moves.
         for (double at = 2 * dash * floor(first * length / (2 * dash)); at < last * length; at += 2 * dash) {
             double end = fmin(at + dash, length);
             overlay_line(map->overlay, vec2_add(from, vec2_scale(way, at / length)),
@@ -63,7 +63,7 @@ static void draw_line(void *context, Vec2 a, Vec2 b, const DrawStyle *style) {
 static void draw_polygon(void *context, const Vec2 *points, int count, const DrawStyle *style) {
     enum { FEW = 64 };
     const OverlayMap *map = context;
-    // A fan from points[0] in parts: each takes the last corner of the one before.
+    // A fan from points[0] is drawn in parts: each part begins with the last corner of the part before.
     for (int first = 1; style->fill_opacity > 0 && first + 1 < count; first += FEW - 2) {
         Vec2 part[FEW] = {place(map, points[0])};
         int held = 1;
@@ -81,7 +81,7 @@ static void draw_circle(void *context, Vec2 centre, double radius, const DrawSty
     const OverlayMap *map = context;
     double line = style->width * map->scale;
     begin_map(map);
-    // The outline is a larger disc below: right for fillings that hide it.
+    // The outline is a larger disc below the filling: right for fillings that are opaque.
     if (line > 0)
         overlay_circle(map->overlay, place(map, centre), radius * map->scale + line / 2, style->stroke, 1);
     overlay_circle(map->overlay, place(map, centre), radius * map->scale - line / 2, style->fill,

@@ -1,18 +1,18 @@
-// plan_view.c - the plan in layers: cells as the eye sees them, stairs and tree, walls and doors, names, the eye.
+// plan_view.c - draws the plan in layers: cells tinted by visibility, stairs, view, walls, stab tree, openings, names, and the eye on top.
 #include "engine/overlay/plan_view.h"
 
 #include "engine/sim/body.h"
 #include "visibility/prepare/figure.h"
 
-// Cut at this height over the floor, metres: through doors, and through most windows.
+// The plan is cut at this height over the floor, metres: through doors, and through most windows.
 #define PLAN_CUT 1.2
-// Kept free around the rooms and the eye, metres.
+// The margin kept around the rooms and the eye, metres.
 #define PLAN_MARGIN 0.6
-// Treads of stairs are hatched so far apart, metres: as real ones are.
+// Hatching shows the treads of stairs this far apart, metres, as far as real treads are.
 #define PLAN_TREAD 0.28
-// Seen cells pale to half at this distance from the eye, metres: a large room.
+// The tint of seen cells fades to half at this distance from the eye, metres: a large room.
 #define PLAN_FADE 8.0
-// Deeper levels of the tree are left out: by then lines cross everywhere.
+// Deeper levels of the tree are left out: lines would cross everywhere.
 #define PLAN_TREE_LEVELS 24
 
 // Sizes below are in points.
@@ -48,9 +48,9 @@ static double cut_height(const PlanView *view) {
     return s->floor + fmin(PLAN_CUT, s->height / 2);
 }
 
-// ---- what to show
+// ---- the part that shows
 
-// The part of least .. most that is no longer than `longest`, around `middle` as far as the ends allow.
+// Shortens the range least .. most to `longest`, around `middle` as far as its ends allow.
 static void shorten(double *least, double *most, double middle, double longest) {
     if (*most - *least <= longest) return;
     double from = fmin(fmax(middle - longest / 2, *least), *most - longest);
@@ -92,7 +92,7 @@ static unsigned mixed(unsigned below, unsigned above, double share) {
     return out;
 }
 
-// Each cell once: the blue of what is seen is mixed here, not on the screen.
+// Each cell is drawn once: the blue of seen cells is mixed in here, not on the screen.
 static void draw_cells(const PlanDrawing *d) {
     const PlanView *view = d->view;
     const CellGraph *graph = view->graph;
@@ -107,7 +107,7 @@ static void draw_cells(const PlanDrawing *d) {
         if (!cell_shows(d, c) || (outdoors && c != view->cell && strength[c] == 0)) continue;
         unsigned ground = outdoors ? OUTDOORS : kind == REGION_ROOM ? ROOM : THRESHOLD;
         DrawStyle style = {.fill = mixed(ground, SEEN, strength[c]), .fill_opacity = 1};
-        // A garden is too large for so strong a colour.
+        // A garden is too large for the full colour.
         if (c == view->cell) style.fill = mixed(ground, HERE, outdoors ? 0.4 : 1);
         figure_fill(graph, c, &style, d->draw);
     }
@@ -117,7 +117,7 @@ static void draw_cells(const PlanDrawing *d) {
 
 typedef struct TreeStep {
     int from, to;  // portals; from -1: the eye
-    int depth;     // the least, 0: there is no such step
+    int depth;     // the least depth of this step in the tree; 0: it is not in the tree
 } TreeStep;
 
 static bool portal_shows(const CellGraph *graph, int portal, double z) {
@@ -125,7 +125,7 @@ static bool portal_shows(const CellGraph *graph, int portal, double z) {
     return figure_portal(graph, portal, z, ends);
 }
 
-// Which way of the cell is the portal?
+// The index of the portal among the cell's ways.
 static int way_of(const CellGraph *graph, int cell, int portal) {
     const Cell *c = &graph->cells[cell];
     for (int i = 0; i < c->way_count; i++) {
@@ -134,8 +134,8 @@ static int way_of(const CellGraph *graph, int cell, int portal) {
     return 0;
 }
 
-// The steps of the tree, each once: those from a cell's way i to its way j are at first[cell] + i * ways
-// + j, and last come the ways out of the root.
+// The steps of the tree, each once: the step from a cell's way i to its way j is at first[cell] + i * ways + j; the ways out of the root
+// come last.
 static TreeStep *tree_steps(const PlanDrawing *d, int *count) {
     const CellGraph *graph = d->view->graph;
     const StabForest *forest = d->view->forest;
@@ -164,7 +164,7 @@ static Vec2 portal_middle(const CellGraph *graph, int portal) {
     return vec2_scale(vec2_add(graph->portals[portal].left, graph->portals[portal].right), 0.5);
 }
 
-// From yellow at the root over red to violet, darker and thinner: deep steps first, so that the near ones lie on top.
+// Colours go from yellow at the root over red to violet, and lines get thinner; deep steps are drawn first, so that near steps lie on top.
 static void draw_tree(const PlanDrawing *d) {
     static const unsigned LEVELS[] = {0xffe14d, 0xffb02e, 0xff7a3c, 0xf4506a, 0xd048a8, 0xa04ccc, 0x7a50c8};
     enum { LEVEL_COUNT = sizeof LEVELS / sizeof *LEVELS };
@@ -187,7 +187,7 @@ static void draw_tree(const PlanDrawing *d) {
 
 // ---- things
 
-// The outline of an object's coarse box, hatched across its longer side: treads.
+// Draws the outline of an object's coarse box, with treads hatched across its longer side.
 static void draw_stair(const PlanDrawing *d, const Object *object) {
     DrawStyle line = {.stroke = 0x9aa6b4, .width = 0.7 * d->point};
     const Vec2 *p = object->proxy;
@@ -201,7 +201,7 @@ static void draw_stair(const PlanDrawing *d, const Object *object) {
     for (int i = side; i < 4; i += 2) d->draw->line(d->draw->context, p[i], p[(i + 1) % 4], &line);
 }
 
-// Those that stand on this storey or come up to it.
+// Draws the stairs that stand on this storey or come up to it.
 static void draw_stairs(const PlanDrawing *d) {
     const Building *b = d->view->graph->building;
     for (int i = 0; i < b->object_count; i++) {
@@ -218,7 +218,7 @@ static void draw_walls(const PlanDrawing *d) {
     DrawStyle portal = {.stroke = 0x8fb4dc, .width = 0.45 * d->point};
     DrawStyle wall = {.stroke = 0xe4e9ee, .width = 1.5 * d->point};
     for (int c = 0; c < graph->cell_count; c++) {
-        // Cells under the sky are large and many; how they are cut says nothing.
+        // Cells under the sky are large and many, and the portals between them say nothing.
         bool outdoors = vis_region(graph, c)->kind == REGION_OUTDOORS;
         if (!outdoors && cell_shows(d, c)) figure_portals(graph, c, d->z, &portal, d->draw);
     }
@@ -228,7 +228,7 @@ static void draw_walls(const PlanDrawing *d) {
     if (graph->building->form == FORM_SOUP) figure_polygons(graph, d->z, d->area, &wall, d->draw);
 }
 
-// Green stands open, red is closed, amber is between. A leaf is thinner than lines are wide, or hardly thicker: a line.
+// A leaf is green where the door stands open, red where it is closed, amber between. Leaves are about as thin as a line: one line each.
 static void draw_leaves(const PlanDrawing *d, const Opening *door) {
     const PlanView *view = d->view;
     const Building *b = view->graph->building;
@@ -253,7 +253,7 @@ static void draw_openings(const PlanDrawing *d) {
         if (o->sill > d->z || o->head < d->z) continue;
         Box box = box_add(box_add(box_empty(), vec3(o->line[0].x, o->line[0].y, 0)),
                           vec3(o->line[1].x, o->line[1].y, 0));
-        // An open leaf reaches as far as the opening is wide.
+        // An open leaf reaches as far from the opening as the opening is wide.
         double reach = vec2_length(vec2_sub(o->line[1], o->line[0]));
         if (!in_area(d, box_grow(box, reach))) continue;
         if (o->kind == OPENING_WINDOW) d->draw->line(d->draw->context, o->line[0], o->line[1], &glass);
@@ -261,7 +261,7 @@ static void draw_openings(const PlanDrawing *d) {
     }
 }
 
-// Where it fits and does not hide the eye.
+// Draws the name where it fits and does not hide the eye.
 static void draw_name(const PlanDrawing *d, int region, const char *name) {
     const PlanView *view = d->view;
     double size = NAME_SIZE * d->point, margin = 2 * NAME_MARGIN * d->point;
@@ -293,7 +293,7 @@ static Vec2 from_eye(const PlanDrawing *d, double angle, double distance) {
     return vec2_add(vec2(d->view->eye.x, d->view->eye.y), vec2_scale(vec2(cos(angle), sin(angle)), distance));
 }
 
-// The eye's view as a sector; sectors of half a turn and more are cut in pieces, which are convex.
+// Draws the eye's view as a sector, in two halves, which are convex even where the sector is wider than half a turn.
 static void draw_wedge(const PlanDrawing *d) {
     enum { ARC = 16 };
     double reach = WEDGE_REACH * d->point, from = d->view->yaw - d->view->fov / 2, step = d->view->fov / ARC;

@@ -1,4 +1,4 @@
-// plan_view.h - the plan of a storey as a map: where the eye is, which way it looks, what it sees, how doors stand.
+// plan_view.h - the plan of a storey as a map: where the eye is, which way it looks, which cells it sees, how doors stand.
 #ifndef WALK_PLAN_VIEW_H
 #define WALK_PLAN_VIEW_H
 
@@ -8,23 +8,24 @@
 typedef struct PlanView {
     const CellGraph *graph;
     const StabForest *forest;  // the stab tree of the eye's cell is drawn; NULL: no tree
-    const VisResult *visible;  // its cells are drawn; NULL: none
+    const VisResult *visible;  // its cells are tinted; NULL: none
     const float *door_open;    // as for vis_query
     Vec3 eye;
     double yaw, fov;  // radians, see Viewpoint
     int cell;         // the eye's, or -1
-    int storey;       // the one to show; -1: none, the plan is cut about the eye
+    int storey;       // the one to show; -1: none, it is cut at a height relative to the eye
 } PlanView;
 
-// The storey of a place: that of its cell, or under the sky the highest whose floor is not above the eye; -1 in a
-// building without storeys.
+// The storey of a place: that of its cell; under the sky the highest storey whose floor is not above the eye; -1 in a building
+// without storeys.
 int plan_view_storey(const CellGraph *graph, int cell, Vec3 eye);
 
-// The rooms of the storey and the eye, with a margin; of what is larger than `most` metres a window around the eye.
-// Heights do not matter.
+// The box around the rooms of the storey and the eye, with a margin; of a plan longer than `most` metres, a window around the eye.
+// The heights of the box do not matter.
 Box plan_view_area(const PlanView *view, double most);
 
-// `area` is what shows of the plan; a `point`, metres of plan, is the unit of the lines and letters.
+// Draws the plan. `area` is the part of the plan that shows; `point`, in metres of plan, is the unit for widths of lines and sizes of
+// letters.
 void plan_view_draw(const PlanView *view, Box area, double point, Arena *scratch, const Draw *draw);
 
 #endif

@@ -10,7 +10,7 @@ double glass_fresnel(double cosine, double ratio) {
     return 0.5 * (across * across + within * within);
 }
 
-// The sum of F + F (1 - F)^2 (1 + F^2 + F^4 ...).
+// The sum over all reflections inside the sheet: F + F (1 - F)^2 (1 + F^2 + F^4 ...).
 double glass_sheet(double cosine, double index) {
     double once = glass_fresnel(cosine, index);
     return 2 * once / (1 + once);

@@ -1,4 +1,4 @@
-// still.c - pixels: samples of each, stratified, their mean exposed as in the walkthrough.
+// still.c - draws pixels: each is the mean of stratified samples, exposed as in the walkthrough.
 #include "engine/stills/still.h"
 
 #include <stdatomic.h>
@@ -10,11 +10,11 @@
 
 const char *const STILL_DIRECT_NAMES[STILL_DIRECTS] = {"baked", "rays"};
 
-// A ray that counts less than this in its pixel is not followed: half of a step of a screen's 255.
+// A ray whose weight in its pixel is less than this is not followed: half a step of a screen's 255.
 static const double THRESHOLD = 1.0 / 512;
 // Shadow rays of each sample.
 enum { LAMP_RAYS = 2 };
-// Pixels each way of what a thread takes at once.
+// The side of a tile, pixels; a thread takes one tile at a time.
 enum { TILE = 16 };
 
 StillOptions still_default_options(void) {
@@ -22,8 +22,8 @@ StillOptions still_default_options(void) {
 }
 
 typedef struct Sky {
-    double day[3];    // radiosity of what lies above the horizon, W/m^2
-    double exposure;  // of night, which the walkthrough gives as it is on the screen
+    double day[3];    // radiosity of the even sky above the horizon, W/m^2; 0: night
+    double exposure;  // divides the night sky, which is given as it is on the screen
 } Sky;
 
 typedef struct Tile {
@@ -49,7 +49,7 @@ typedef struct Still {
 
 // ---- on the screen
 
-// A channel on the screen, 0 .. 255, of light times exposure.
+// A channel on the screen, 0 .. 255, for light times exposure.
 static uint8_t tone(double light) {
     double x = fmin(fmax(light, 0), WALK_WHITE);
     x = fmin(WALK_CURVE(x), 1);
@@ -64,7 +64,7 @@ static double smooth_step(double low, double high, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// As the walkthrough draws it (walk_shaders.c): of an even sky of day, nothing but what it is.
+// By night the sky that the walkthrough draws (walk_shaders.c); by day an even sky.
 static void sky_at(const void *context, Vec3 direction, double out[3]) {
     static const double ZENITH[3] = {WALK_NIGHT_ZENITH}, HORIZON[3] = {WALK_NIGHT_HORIZON},
                         GROUND[3] = {WALK_NIGHT_GROUND};
@@ -99,7 +99,7 @@ static double expose(const StillSource *source, const Camera *camera, double sto
 
 // ---- pixels
 
-// Halves again and again (van der Corput 1935).
+// The bits of i in reverse order, as a fraction of 1 (van der Corput 1935).
 static double radical_inverse(unsigned i) {
     i = __builtin_bswap32(i);
     i = (i & 0x0f0f0f0fu) << 4 | (i & 0xf0f0f0f0u) >> 4;
@@ -120,7 +120,7 @@ static void draw_pixel(const Still *s, int x, int y, WhittedWork *work) {
         Ray ray = {s->camera->eye, way, 0, INFINITY};
         double light[3];
         whitted_trace(&s->whitted, &ray, &s->media, seed, i, work, light);
-        // A white pixel becomes no brighter: a lamp's edge has steps else.
+        // A sample is cut off at white: otherwise a lamp's edge would have steps.
         for (int c = 0; c < 3; c++) sum[c] += fmin(light[c] * s->exposure, WALK_WHITE);
     }
     for (int c = 0; c < 3; c++) s->rgb[3 * (y * s->camera->width + x) + c] = tone(sum[c] / samples);

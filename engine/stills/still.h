@@ -1,4 +1,4 @@
-// still.h - a picture of a baked building by rays.
+// still.h - draws a picture of a baked building by rays.
 #ifndef STILLS_STILL_H
 #define STILLS_STILL_H
 
@@ -6,7 +6,7 @@
 #include "engine/scene/walk_light.h"
 #include "engine/stills/whitted.h"
 
-// Light straight from lamps: as it was baked, or by rays.
+// Light straight from lamps: as it was baked, or found by shadow rays.
 enum { STILL_BAKED, STILL_RAYS, STILL_DIRECTS };
 extern const char *const STILL_DIRECT_NAMES[STILL_DIRECTS];
 
@@ -16,7 +16,7 @@ typedef struct StillOptions {
     int threads;   // 0: all cores; the picture is the same on any number
     int direct;    // light straight from lamps: STILL_BAKED, STILL_RAYS
     int tree;      // STILL_TREE_OWN ..
-    double stops;  // brighter by so many powers of two
+    double stops;  // the picture is brighter by so many powers of two
 } StillOptions;
 StillOptions still_default_options(void);
 
@@ -24,18 +24,18 @@ StillOptions still_default_options(void);
 typedef struct StillSource {
     const StabForest *forest;
     const WalkLight *light;
-    const RadSolution *lamps_only;  // of the same mesh; for STILL_RAYS
+    const RadSolution *lamps_only;  // of the same mesh, light straight from lamps; for STILL_RAYS
 } StillSource;
 
 typedef struct StillReport {
     WhittedWork work;
-    double exposure;       // m^2/W
-    double seconds_scene;  // of all that is made once
-    double seconds;        // of the picture
+    double exposure;       // factor of radiosities, m^2/W
+    double seconds_scene;  // for the parts made once
+    double seconds;        // for the picture alone
     int lamps;
 } StillReport;
 
-// Into `rgb` [height * width * 3] sRGB, rows from the top. False: progress asked to stop.
+// Draws into `rgb` [height * width * 3], sRGB, rows from the top. False: progress asked to stop.
 bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
                 const Progress *progress, uint8_t *rgb, StillReport *report);
 

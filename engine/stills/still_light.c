@@ -1,4 +1,4 @@
-// still_light.c - radiosity split in two: what lamps send straight is found anew for each point, so that shadows are sharp; what
+// still_light.c - radiosity split in two: light straight from lamps is found anew for each point, so that shadows are sharp; light that
 // came by way of other surfaces is smooth, and is looked up where it was baked (Shirley 1990, A Ray Tracing Method for Illumination
 // Calculation in Diffuse-Specular Scenes).
 #include "engine/stills/still_light.h"
@@ -11,48 +11,49 @@
 #include "radiosity/factors/analytic.h"
 #include "radiosity/show/gather.h"
 
-// A place before whose surface one asks for light.
+// A place on a surface, to which the light of lamps is asked for.
 typedef struct StillPlace {
     Vec3 point, normal;
-    int element;  // of the mesh, on which it lies or near which
-    bool front;   // of it
+    int element;  // the element of the mesh on or near which it lies
+    bool front;   // is it on the element's front?
 } StillPlace;
 
-// ---- what lamps would send to a place if nothing stood between is known in closed form (Heitz, Hill & McGuire 2018,
-// Combining Analytic Direct Illumination and Stochastic Shadows). About how much of it is seen is known of each element: that much is
-// taken, and shadow rays say by how much more or less it is, each to a point of a lamp that is chosen by how much that may be (a
-// control variate: Kalos & Whitlock 1986). So there is noise only where something hides a part of a lamp, however many there are.
+// ---- the light that lamps would send to a place if nothing stood between is known in closed form (Heitz, Hill & McGuire 2018,
+// Combining Analytic Direct Illumination and Stochastic Shadows). For each element the share of each lamp that is seen is roughly known:
+// that share of the light is taken, and shadow rays correct its error, each towards a point of a lamp chosen by the size that the error
+// may have (a control variate: Kalos & Whitlock 1986). Noise arises only where something hides a part of a lamp, however many lamps there
+// are.
 //
-// The share of a lamp before a place: Lambert 1760 for polygons; Snyder 1996, Area Light Sources for Real-Time Graphics, for balls.
-// Points are drawn by the light that they send (Talbot, Cline & Egbert 2005, Importance Resampling).
+// The share of a place's light that would meet a lamp: Lambert 1760 for polygons; Snyder 1996, Area Light Sources for Real-Time Graphics,
+// for balls. Points of lamps are drawn by the light that they send (Talbot, Cline & Egbert 2005, Importance Resampling).
 
-// Lamps of which an element saw nothing are asked for once in a while.
+// The probability with which an element asks for the light of lamps that its looks did not see.
 static const double ONCE_IN_A_WHILE = 0.25;
-// An element's few looks may have missed what hides a lamp, or a gap: the share of its light in doubt is never less.
+// An element's few looks may have missed a thing that hides a lamp, or a gap: the doubt about a lamp's light is never less than this.
 static const double LEAST_DOUBT = 0.15;
-// Looks from an element: two for each sample of a pixel, within bounds.
+// Looks from an element to a group of lamps: two for each sample of a pixel, within bounds.
 enum { LEAST_LOOKS = 16, MOST_LOOKS = 128 };
-// Shadow rays end so far before a lamp, metres; and of a lamp with facets, by the tolerance of those.
+// Shadow rays end this far before a lamp, metres; before a lamp made of facets, farther by twice the facets' tolerance.
 static const double BEFORE = 1e-5;
 
 typedef struct Lamp {
     int first_corner, corner_count;  // 0: a ball
     Vec3 centre, normal;
-    Vec3 four[4];         // of a quadrilateral: where Gauss's rule looks
-    double area, radius;  // of a polygon: that holds all of it
+    Vec3 four[4];         // of a quadrilateral: the points of Gauss's rule
+    double area, radius;  // radius of a polygon: of a ball around all of it
     double before;
     double exitance[3], luminous;
-    int cell;   // where it shines, -1: not known
-    int group;  // those of one object: they are seen together or not at all
+    int cell;   // the cell it shines into, -1: unknown
+    int group;  // the lamps of one object: they are seen together or not at all
 } Lamp;
 
-// A lamp as a side of an element may see it.
+// A lamp that a side of an element may see.
 typedef struct Candidate {
     int lamp;
-    float seen;  // about so much of it, 0 .. 1
+    float seen;  // about this share of it is seen, 0 .. 1
 } Candidate;
 
-// First those of which it saw something.
+// The lamps that the looks from the side of the element saw come first.
 typedef struct Candidates {
     int seen_count, count;
     Candidate lamp[];
@@ -64,22 +65,22 @@ struct StillLamps {
     Vec3 *corners;
     const StabForest *forest;
     _Atomic(Candidates *)
-        *of_element;  // [2 * element_count] of the front and back of each, when they were asked for
+        *of_element;  // [2 * element_count] for the front and back of each, once they were asked for
     pthread_mutex_t lock;
-    Arena found;       // behind the lock
+    Arena found;       // memory of the candidates, guarded by the lock
     int *group_first;  // [group_count + 1] in `lamps`
     int count, group_count;
-    int looks;  // rays from an element to the lamps of an object that say how much it sees of them
+    int looks;  // rays from an element to the lamps of an object, to estimate the share it sees
 };
 
-// Before what is lit: a place and its axes.
+// A place to which light is asked for, and its axes.
 typedef struct LampFrame {
     Vec3 x, y, n, point;
 } LampFrame;
 
 static inline double lamp_fraction(double a) { return a - floor(a); }
 
-// The next of a sequence.
+// The next point of the sequence.
 static void lamp_numbers_next(StillNumbers *numbers, double u[3]) {
     // Powers of 1 / 1.2207440846, the root of x^4 = x + 1.
     static const double STEP[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
@@ -95,7 +96,7 @@ static bool is_ball(const CurvedShape *shape) {
     return true;
 }
 
-// The shape that is drawn exactly of which the face is a part; NULL: none.
+// The exactly drawn shape that the face is a part of; NULL: none.
 static const CurvedShape *lamp_shape_of(const StillScene *scene, const Face *face) {
     const CellGraph *graph = scene->mesh->graph;
     const Building *b = graph->building;
@@ -108,17 +109,17 @@ static const CurvedShape *lamp_shape_of(const StillScene *scene, const Face *fac
     return NULL;
 }
 
-// ---- the share of a lamp before a place
+// ---- the share of a place's light that would meet a lamp
 
-// Seen from farther than so many times its radius, a polygon is as good as a point of its area, and a quadrilateral as four: within
-// 1 %.
+// From farther than this many times its radius a polygon counts as a point of its area (FAR), and a quadrilateral as four points
+// (MIDDLING): within 1 %.
 static const double FAR = 8, MIDDLING = 2;
-// Points of a lamp, of which one is chosen by what it sends.
+// Points drawn on a lamp; one of them is chosen by the light that it sends.
 enum { POINTS = 4 };
-// From farther than so many times its radius all points of a lamp send much the same.
+// From farther than this many times its radius, all points of a lamp send much the same light.
 static const double EVEN = 4;
 
-// The share of the light that leaves a place towards a ball at `to`, of which the horizon hides what is below it.
+// `to` is relative to the place; the horizon hides the part of the ball below it.
 double still_ball_share(Vec3 normal, Vec3 to, double radius) {
     double d2 = vec3_dot(to, to), far2 = d2 / (radius * radius), cosine = vec3_dot(normal, to) / sqrt(d2);
     if (far2 <= 1) return 1;
@@ -138,7 +139,7 @@ static double near_share(const StillLamps *lamps, const Lamp *lamp, const LampFr
     return analytic_point(local, lamp->corner_count);
 }
 
-// The share of the light that leaves the place that would meet the lamp's front.
+// The share of the light leaving the place that would meet the lamp's front.
 static double lamp_share(const StillLamps *lamps, const Lamp *lamp, const LampFrame *f) {
     Vec3 to = vec3_sub(lamp->centre, f->point);
     double ahead = vec3_dot(f->n, to);
@@ -161,7 +162,7 @@ static double lamp_share(const StillLamps *lamps, const Lamp *lamp, const LampFr
 
 // ---- points of a lamp
 
-// Uniform over the triangles between the first corner and each edge.
+// A point uniform over the polygon, in one of the triangles between the first corner and each edge.
 static Vec3 point_of_polygon(const StillLamps *lamps, const Lamp *lamp, double u, double v) {
     const Vec3 *c = lamps->corners + lamp->first_corner;
     double left = u * lamp->area, area = 0;
@@ -175,7 +176,7 @@ static Vec3 point_of_polygon(const StillLamps *lamps, const Lamp *lamp, double u
     return vec3_lerp(c[0], vec3_lerp(c[i], c[i + 1], along), sqrt(v));
 }
 
-// Uniform over the directions from the place.
+// A point of the ball, uniform over the directions from the place.
 static Vec3 point_of_ball(const Lamp *lamp, Vec3 from, double u, double v) {
     Vec3 to = vec3_sub(lamp->centre, from), x, y;
     double d2 = vec3_dot(to, to), r2 = lamp->radius * lamp->radius, d = sqrt(d2);
@@ -195,7 +196,7 @@ static double sends(const Lamp *lamp, const LampFrame *f, Vec3 point) {
     return d2 > 0 ? ahead * fmax(-vec3_dot(lamp->normal, to), 0) / (d2 * d2) : 0;
 }
 
-// One of a few points, by what each sends; false: none sends anything.
+// Chooses one of a few points, by the light that each sends; false: none sends any.
 static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const LampFrame *f, const double u[2],
                          double pick, Vec3 *out) {
     Vec3 point[POINTS], to = vec3_sub(lamp->centre, f->point);
@@ -203,7 +204,7 @@ static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const LampFr
     bool even = vec3_dot(to, to) > EVEN * EVEN * lamp->radius * lamp->radius;
     int points = even && vec3_dot(f->n, to) > lamp->radius ? 1 : POINTS;
     for (int i = 0; i < points; i++) {
-        // Two by two, each in a quarter of its own.
+        // Four points lie two by two, each half a unit from the others in u or v.
         double a = lamp_fraction(u[0] + 0.5 * (i & 1)), b = lamp_fraction(u[1] + 0.5 * (i >> 1));
         point[i] = lamp->corner_count == 0 ? point_of_ball(lamp, f->point, a, b)
                                            : point_of_polygon(lamps, lamp, a, b);
@@ -227,12 +228,12 @@ static bool lamp_sees(const StillLamps *lamps, const Lamp *lamp, const LampFrame
     return !still_rays_blocked(lamps->scene->opaque, &ray);
 }
 
-// ---- lamps that a side of an element sees, found when they are first asked for: the others are hidden from it or turn away
+// ---- lamps that a side of an element sees, found when first asked for; lamps that its cells cannot see or that turn away are left out
 
-// On curved shapes facets say little of what lies around them: of all that may be seen something is taken to be.
+// Facets of curved shapes tell little of the shape's surroundings: of every lamp that may be seen, at least this share counts as seen.
 static const float CURVED_SEEN = 0.2f;
 
-// Uniform over its triangles.
+// A point of the element, uniform over each of its triangles.
 static Vec3 point_of_element(const Mesh *mesh, const Element *e, double u, double v) {
     const int *corner = mesh->corners + e->first_corner;
     int i = 1 + (int)(u * (e->corner_count - 2));
@@ -241,7 +242,7 @@ static Vec3 point_of_element(const Mesh *mesh, const Element *e, double u, doubl
     return vec3_lerp(mesh->vertices[corner[0]], far, out);
 }
 
-// One of a group's lamps that turns its front to a point, from one of them on; NULL: none does.
+// One of a group's lamps that turns its front to a point: the first from the lamp that u gives; NULL: none does.
 static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, double u) {
     int first = lamps->group_first[group], count = lamps->group_first[group + 1] - first,
         start = (int)(u * count);
@@ -252,7 +253,7 @@ static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, dou
     return NULL;
 }
 
-// The share of looks from an element that meet nothing before the lamps of a group.
+// The share of looks from an element to the lamps of a group that meet nothing before the lamps.
 static float seen_share(const StillLamps *lamps, const Element *element, Vec3 normal, int group) {
     int seen = 0;
     StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
@@ -267,7 +268,7 @@ static float seen_share(const StillLamps *lamps, const Element *element, Vec3 no
     return (float)seen / (float)lamps->looks;
 }
 
-// Is any of an element before a lamp? What lies around one on a curved shape is elsewhere.
+// Does any corner of an element lie before a lamp? On a curved shape the answer is yes, since its points lie elsewhere than the facet.
 static bool may_matter(const StillLamps *lamps, const Element *element, const Lamp *lamp, bool curved) {
     const Mesh *mesh = lamps->scene->mesh;
     if (curved || lamp->corner_count == 0) return true;
@@ -278,15 +279,15 @@ static bool may_matter(const StillLamps *lamps, const Element *element, const La
     return false;
 }
 
-// The cells into which a side of an element looks; count 0: not known.
+// The cells into which a side of an element looks; count 0: unknown.
 enum { MOST_CELLS = 4 };
 typedef struct Cells {
     int cell[MOST_CELLS], count;
 } Cells;
 
-// A wall lies in one cell; a thing in a room may reach into several.
+// The cells of a side of an element: a wall lies in one cell; a thing in a room may reach into several.
 static Cells cells_of(const StillLamps *lamps, const Element *element, bool front) {
-    static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
+    static const double INWARDS = 1e-3;  // share of the way to the middle: a corner lies on walls
     const Mesh *mesh = lamps->scene->mesh;
     const Face *face = &mesh->faces[element->face];
     const Patch *patch = &mesh->patches[element->patch];
@@ -312,7 +313,7 @@ static bool any_sees(const StillLamps *lamps, const Cells *cells, const Lamp *la
     return false;
 }
 
-// Does any of a lamp rise above the plane of a face?
+// Does any part of a lamp rise above the plane of a face?
 static bool rises(const StillLamps *lamps, const Lamp *lamp, Vec3 n, double d) {
     if (lamp->corner_count == 0) return vec3_dot(n, lamp->centre) + lamp->radius > d;
     for (int i = 0; i < lamp->corner_count; i++)
@@ -329,8 +330,8 @@ static Candidates *find_candidates(const StillLamps *lamps, int index, bool fron
     bool curved = lamp_shape_of(lamps->scene, face) != NULL;
     Cells cells = cells_of(lamps, element, front);
     Candidates *out = arena_alloc(arena, 1, sizeof *out + (size_t)lamps->count * sizeof *out->lamp);
-    int hidden = lamps->count;  // from there on, for now
-    float seen = -1;            // of the group, -1: not looked for
+    int hidden = lamps->count;  // hidden lamps are kept from here to the end for now
+    float seen = -1;            // the share seen of the group, -1: not looked for
     for (int i = 0; i < lamps->count; i++) {
         const Lamp *lamp = &lamps->lamps[i];
         if (i == lamps->group_first[lamp->group]) seen = -1;
@@ -349,7 +350,7 @@ static Candidates *find_candidates(const StillLamps *lamps, int index, bool fron
     return out;
 }
 
-// Whoever comes first looks; two that look at once find the same.
+// The first thread that asks makes the list; threads that make it at the same time make the same list.
 static const Candidates *lamp_candidates(StillLamps *lamps, int element, bool front) {
     _Atomic(Candidates *) *place = &lamps->of_element[2 * element + !front];
     Candidates *found = atomic_load(place);
@@ -393,7 +394,7 @@ static void add_ball(StillLamps *lamps, int shape, Arena *arena, int *capacity) 
     put_exitance(lamp, &graph->building->materials[s->material]);
 }
 
-// Gauss's two places along each of two directions, exact for cubics on a parallelogram.
+// Gauss's two points along each of two directions, exact for cubics on a parallelogram.
 static void put_four(Lamp *lamp, const Vec3 *c) {
     static const double PLACE[2] = {0.21132486540518713, 0.7886751345948129};
     if (lamp->corner_count != 4) return;
@@ -410,7 +411,7 @@ static void add_lamp_polygon(StillLamps *lamps, int face, double before, Arena *
     Lamp *lamp = ARENA_PUSH(arena, lamps->lamps, lamps->count, *capacity);
     *lamp =
         (Lamp){.first_corner = *corners, .normal = f->plane.n, .before = BEFORE + before, .group = f->object};
-    // Vertices of neighbours on its edges say nothing of it: the polygon as it was.
+    // The polygon as it was in the graph: vertices that neighbours put on the face's edges do not change it.
     const Polygon *p = &mesh->graph->polygons[f->polygon];
     Box box = box_empty();
     for (int i = 0; i < p->vertex_count; i++) {
@@ -426,9 +427,9 @@ static void add_lamp_polygon(StillLamps *lamps, int face, double before, Arena *
     put_exitance(lamp, mesh_material(mesh, face));
 }
 
-// A lamp that reaches into several cells may be seen from where none of them alone is.
+// The cell that a lamp shines into; -1 for a lamp that reaches into several cells, since it may be seen from where none of them alone is.
 static int find_cell(const StillLamps *lamps, const Lamp *lamp) {
-    static const double INWARDS = 1e-3;  // of the way: a corner lies on walls
+    static const double INWARDS = 1e-3;  // share of the way to the middle: a corner lies on walls
     const CellGraph *graph = lamps->scene->mesh->graph;
     int cell = gather_cell(graph, lamp->centre, lamp->normal, -1);
     for (int i = 0; i < lamp->corner_count; i++) {
@@ -457,7 +458,7 @@ static void list_lamps(StillLamps *lamps, Arena *arena) {
             add_ball(lamps, s, arena, &capacity);
 }
 
-// From objects, which come one after the other, to numbers of groups. A ball is one by itself.
+// Turns the objects of lamps, which come one after the other, into numbers of groups. Each ball is a group by itself.
 static void find_groups(StillLamps *lamps, Arena *arena) {
     int object = -1;
     lamps->group_first = ARENA_ARRAY(arena, int, lamps->count + 1);
@@ -494,14 +495,14 @@ int still_lamps_count(const StillLamps *lamps) { return lamps->count; }
 
 // ---- light
 
-// Lamps that are weighed at once, at most: of more the rest is left to a second go.
+// The most lamps that are weighed at once; further lamps are weighed in another round.
 enum { TOGETHER = 256 };
 
 typedef struct Weighed {
     int lamp[TOGETHER], count;
     double share[TOGETHER],
-        seen[TOGETHER];            // of the light that leaves the place; of that, what is taken to be seen
-    double weight[TOGETHER], sum;  // how much the light may be off
+        seen[TOGETHER];            // share of the place's light; share of the lamp that counts as seen
+    double weight[TOGETHER], sum;  // how large the error may be
 } Weighed;
 
 static void weigh(const StillLamps *lamps, const LampFrame *f, const Candidate *list, int count,
@@ -527,7 +528,7 @@ static void add_taken(const StillLamps *lamps, const Weighed *w, double scale, d
             out[c] += scale * w->share[i] * w->seen[i] * lamps->lamps[w->lamp[i]].exitance[c];
 }
 
-// The error as shadow rays tell it.
+// Adds the error of the light taken, as shadow rays estimate it.
 static void add_off(const StillLamps *lamps, const Weighed *w, const LampFrame *f, int rays, double scale,
                     StillNumbers *numbers, double out[3]) {
     for (int k = 0; k < rays; k++) {
@@ -554,8 +555,8 @@ static void add_all(const StillLamps *lamps, const LampFrame *f, const Candidate
     }
 }
 
-// The irradiance that lamps send there, W/m^2 a channel: what would arrive if nothing stood between, in closed form, times the share
-// that is seen of it, by `rays` shadow rays.
+// The irradiance that lamps send to a place, W/m^2 a channel: the light that would arrive if nothing stood between, in closed form, times
+// the share of it that is seen, by `rays` shadow rays.
 static void still_lamps_light(StillLamps *lamps, const StillPlace *place, int rays, StillNumbers *numbers,
                               double out[3]) {
     const Candidates *list = lamp_candidates(lamps, place->element, place->front);
@@ -571,10 +572,10 @@ static void still_lamps_light(StillLamps *lamps, const StillPlace *place, int ra
                 1 / ONCE_IN_A_WHILE, numbers, out);
 }
 
-// Facets of curved shapes are so small that shots hit some of them twice and others not at all: their light is a mean over those within
-// this of them, metres, and so many of their own sizes, that look the same way.
+// Facets of curved shapes are so small that shots hit some of them twice and others not at all. A facet's light is a mean over the facets
+// that look the same way within this distance, metres, or within this many of its own sizes, whichever is more.
 static const double SMOOTH = 0.04, SMOOTH_SIZES = 3;
-// Facets are looked for so many tolerances to either side of their shape.
+// Facets are looked for this many tolerances to either side of their shape.
 static const double FACET_REACH = 4;
 
 // ---- made once
@@ -590,13 +591,13 @@ static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[
     out[0] = out[1] = out[2] = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         for (int c = 0; c < 3; c++) out[c] += mesh->elements[e].area * solution->radiosity[e][c];
-        // Mirrors show the rest.
+        // Only the share that is no mirror counts as area: mirrors show the light of other surfaces.
         area += mesh->elements[e].area * (1 - (double)mesh_material(mesh, mesh->elements[e].face)->mirror);
     }
     for (int c = 0; c < 3 && area > 0; c++) out[c] /= area;
 }
 
-// The sum for one element, over those from `first` to `end`.
+// The mean for one element over the elements from `first` to before `end`.
 static void smooth_element(const Mesh *mesh, const Vec3 *centres, int element, int first, int end,
                            double (*from)[3], double out[3]) {
     const Element *e = &mesh->elements[element];
@@ -615,7 +616,7 @@ static void smooth_element(const Mesh *mesh, const Vec3 *centres, int element, i
     for (int c = 0; c < 3; c++) out[c] /= weights;
 }
 
-// The faces of a shape follow each other.
+// Smooths the light of each shape. The faces of a shape follow each other.
 static void smooth_shapes(const Mesh *mesh, double (*light)[3]) {
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
@@ -648,7 +649,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         difference(mesh, solution, lamps_only, shown.radiosity);
         smooth_shapes(mesh, shown.radiosity);
-        // Light gathered at nodes is not split.
+        // Light gathered at nodes cannot be split in two: it is not used.
         shown.node = NULL;
         shown.node_count = 0;
     }
@@ -663,7 +664,7 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
 
 typedef struct Spot {
     int element;  // -1: none
-    Vec3 point;   // of its plane
+    Vec3 point;   // in its plane
 } Spot;
 
 static int facet_near(const StillScene *scene, const CurvedShape *shape, const SurfaceHit *hit, Vec3 at,
@@ -680,7 +681,7 @@ static int facet_near(const StillScene *scene, const CurvedShape *shape, const S
     return -1;
 }
 
-// Among a shape's faces the one whose middle is nearest: where no facet lies before the point.
+// The face of an object whose middle is nearest to a point: used where no facet lies near the point of a shape.
 static int face_near(const Mesh *mesh, int object, Vec3 at) {
     const Object *o = &mesh->graph->objects[object];
     int best = -1;
@@ -730,14 +731,14 @@ void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *h
     Vec3 at = still_ray_at(ray, hit->at.t), normal = vec3_scale(hit->at.normal, hit->front ? 1 : -1);
     Spot spot = find_spot(light->scene, s, hit, at);
     out[0] = out[1] = out[2] = 0;
-    // The back of a polygon reflects nothing, as light is computed; curtains are one all the same, and show some of their front's.
+    // Light is computed as if the back of a polygon reflected nothing. Curtains are one polygon, and show some of their front's light.
     double share = hit->front ? 1 : WALK_BACK_SHARE;
     if (spot.element >= 0) {
         reconstruct_in(light->scene->mesh, &light->baked, spot.element, spot.point, out);
         for (int c = 0; c < 3; c++) out[c] *= share;
         if (light->lamps) add_lamps(light, s, &spot, at, normal, hit->front, rays, numbers, out);
     }
-    // Elsewhere it is in what was baked.
+    // In the other cases the baked light contains the emission.
     if (hit->front && (light->lamps || spot.element < 0)) {
         out[0] += (double)s->material->emission.r;
         out[1] += (double)s->material->emission.g;

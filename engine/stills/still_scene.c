@@ -1,12 +1,12 @@
-// still_scene.c - which polygons and shapes there are, which of them are glass, and what glass is closed.
+// still_scene.c - chooses the polygons and shapes that rays meet, tells glass from opaque surfaces, and finds closed bodies of glass.
 #include "engine/stills/still_scene.h"
 
 #include "visibility/vis.h"
 
 const char *const STILL_TREE_NAMES[STILL_TREES] = {"own", "grid"};
 
-// A body is closed where the vectors of its areas cancel, to this share of their sum; and has volume where that is more than
-// this share of the area's power of 3/2: two sheets back to back have none.
+// A body is closed where the sum of its area vectors is less than this share of its area; it has a volume where that is more than
+// this share of the area to the power of 3/2: two sheets back to back have none.
 static const double CLOSED = 1e-4, FLAT = 1e-9;
 
 struct StillRays {
@@ -44,13 +44,13 @@ static StillRays *make_rays(const RaySource *source, int kind, Arena *arena) {
 typedef struct Parts {
     const CellGraph *graph;
     int *object_of;      // [polygon_count]
-    int *shape_of;       // [polygon_count] of which shape's polygons it is one, -1: of none
-    int *body_of;        // [polygon_count] -1: of none
+    int *shape_of;       // [polygon_count] the shape that it is part of, -1: none
+    int *body_of;        // [polygon_count] -1: none
     int *body_of_shape;  // [shape_count]
     int body_count;
 } Parts;
 
-// Shapes on door leaves do not move with them: their polygons do.
+// Is the shape itself drawn? Not on a door leaf, because the shape does not move with the leaf: its polygons do.
 static bool is_drawn(const CellGraph *graph, const CurvedShape *shape) {
     return graph->objects[shape->object].leaf < 0;
 }
@@ -71,7 +71,7 @@ static void find_shapes(Parts *parts) {
     }
 }
 
-// The space that polygons of one material of an object enclose.
+// Do the polygons of one material of an object enclose a space?
 static bool is_closed(const CellGraph *graph, const Vec3 *vertices, const Object *object, int material) {
     Vec3 sum = {0, 0, 0}, origin = vertices[graph->polygons[object->first_polygon].first_vertex];
     double area = 0, volume = 0;
@@ -128,7 +128,7 @@ static Parts find_parts(const CellGraph *graph, const Vec3 *vertices, Arena *scr
 
 // ---- the scene
 
-// The polygons and shapes that are wanted: all, or the opaque ones; or the polygons of shapes.
+// The surfaces that are wanted: all, or the opaque ones, each as polygons and shapes; or the polygons of shapes.
 typedef enum Wanted { WANT_ALL, WANT_OPAQUE, WANT_FACETS } Wanted;
 
 static RaySource source_of(const StillScene *scene, const Parts *parts, const float *door_open, Wanted wanted,
@@ -195,14 +195,14 @@ StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, 
     return scene;
 }
 
-// ---- where one is
+// ---- the bodies around a point
 
-// Upwards, a little aslant, so that it lies in no wall.
+// Upwards, a little aslant, so that the ray lies in no wall.
 static const Vec3 LOOK_OUT = {0.0312, 0.0517, 0.9982};
-// Surfaces that are looked through, at most.
+// The most surfaces that the ray looks through.
 enum { LOOKS = 1024 };
 
-// A body is left before it is entered where one is inside of it. So the first one left is the innermost.
+// A ray from inside a body leaves the body before it enters it. The body left first is the innermost.
 Media still_scene_media(const StillScene *scene, Vec3 point) {
     Arena scratch = {0};
     bool *seen = ARENA_ARRAY(&scratch, bool, scene->body_count + 1);

@@ -1,23 +1,23 @@
-// whitted.c - each surface sends on a ray that is reflected and one that is refracted, as far as it is mirror or glass (Whitted 1980,
-// An Improved Illumination Model for Shaded Display). A ray is followed no further for one of four reasons: the surface does
-// neither; nothing was met; what it would bring is below a threshold; there are too many before it.
+// whitted.c - each surface sends on a reflected and a refracted ray, as far as it is mirror or glass (Whitted 1980,
+// An Improved Illumination Model for Shaded Display). A ray is followed no further for one of four reasons: its surface is neither
+// mirror nor glass; it meets nothing; its light would be below a threshold; its chain of rays is too long.
 //
-// Departures: for the last two reasons no light is lost. Of two rays that part, the one that counts too little leaves its share to
-// the other; a ray that is not followed brings the mean of the building. So what is as bright as all around it cannot be seen, and
-// the end of a tunnel of two mirrors is not dark.
+// Departures: for the last two reasons no light is lost. Where a ray parts in two and one part counts too little, that part leaves its
+// share to the other; a ray that is not followed brings the mean light of the building. Thus a surface as bright as everything around it
+// cannot be seen, and the end of a tunnel of two mirrors is not dark.
 #include "engine/stills/whitted.h"
 
 typedef struct Trace {
     const Whitted *w;
     uint64_t seed;
-    int sample, visits;  // surfaces that were lit so far
+    int sample, visits;  // visits: surfaces lit so far
     WhittedWork *work;
 } Trace;
 
 typedef struct Path {
     Ray ray;
     Media media;
-    double weight;  // what it counts in the pixel, at most, of any channel
+    double weight;  // the most that it counts in the pixel, in any channel
     int depth;
 } Path;
 
@@ -25,7 +25,7 @@ static void follow_ray(Trace *t, const Path *path, double out[3]);
 
 static double most_of(Rgb c) { return (double)fmaxf(c.r, fmaxf(c.g, c.b)); }
 
-// A pixel's samples go on where the one before ended, at each of their surfaces: one number a shadow ray, and one more.
+// At each surface a sample continues the pixel's sequence where the sample before ended: one number a shadow ray, and one more.
 static StillNumbers numbers_of(Trace *t, int rays) {
     Random random = {t->seed ^ (uint64_t)t->visits++ * 0x9e3779b97f4a7c15u};
     StillNumbers numbers = {.next = t->sample * (rays + 1)};
@@ -35,14 +35,14 @@ static StillNumbers numbers_of(Trace *t, int rays) {
 
 // ---- glass
 
-// The light after passing it: as far as it is opaque it has its colour.
+// The factor of the light that passes a surface: its opaque share gives the light the surface's colour.
 static Rgb tint_of(const Material *m) {
     float clear = 1 - m->alpha;
     return (Rgb){clear + m->alpha * m->reflectance.r, clear + m->alpha * m->reflectance.g,
                  clear + m->alpha * m->reflectance.b};
 }
 
-// A surface that is seen through: how much it reflects, and where the rest goes.
+// The passage through a surface: how much light it reflects, and where the rest goes.
 typedef struct Passage {
     double reflected;
     Vec3 through;
@@ -52,13 +52,13 @@ typedef struct Passage {
 
 static const Rgb CLEAR = {1, 1, 1};
 
-// A body that refracts.
+// The passage into or out of a body that refracts.
 static Passage refract(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
     double index = (double)s->material->index;
     Passage p = {.beyond =
                      front ? media_enter(&path->media, s->body, index) : media_leave(&path->media, s->body),
                  .tint = front ? tint_of(s->material) : CLEAR};
-    // Where it is left that was never entered, one is in it all the same.
+    // A ray that leaves a body which it never entered counts as inside the body all the same.
     double here = front ? media_index(&path->media) : index, beyond = front ? index : media_index(&p.beyond);
     double cosine = fmin(-vec3_dot(path->ray.direction, normal), 1);
     p.reflected = glass_fresnel(cosine, beyond / here);
@@ -66,7 +66,7 @@ static Passage refract(const Path *path, const StillSurface *s, bool front, Vec3
     return p;
 }
 
-// A thin one: straight through. A closed one has a second face, which reflects for itself.
+// The passage straight through thin glass. A closed body has a second face, which reflects by itself.
 static Passage pass(const Path *path, const StillSurface *s, bool front, Vec3 normal) {
     double index = s->material->index > 0 ? (double)s->material->index : GLASS_USUAL;
     double cosine = fmin(-vec3_dot(path->ray.direction, normal), 1);
@@ -91,7 +91,7 @@ static void go_on(Trace *t, const Path *path, Vec3 at, Vec3 direction, const Med
     add_light(out, light, share, tint);
 }
 
-// The share of the first of two rays, of which one that counts too little leaves its share to the other.
+// The share of the first of two rays; a ray that counts too little leaves its share to the other.
 static double without_faint(Trace *t, double weight, double share) {
     double least = t->w->threshold / weight;
     bool none = share > 0 && share < least, all = share < 1 && 1 - share < least;
@@ -111,9 +111,10 @@ static void see_through(Trace *t, const Path *path, const StillSurface *s, const
     if (reflected < 1) go_on(t, path, at, p.through, &p.beyond, 1 - reflected, p.tint, out);
 }
 
-// ---- what is not seen through
+// ---- opaque surfaces
 
-// A mirror reflects besides what it scatters. What has an index is glazed: of what its glaze reflects nothing comes to what is below.
+// A mirror reflects besides the light that it scatters. A material with an index is glazed: light that the glaze reflects does not reach
+// the layer below.
 static void see(Trace *t, const Path *path, const StillSurface *s, const SurfaceHit *hit, double out[3]) {
     const Material *m = s->material;
     double cosine = fmin(-vec3_dot(path->ray.direction, hit->at.normal), 1);

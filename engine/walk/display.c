@@ -29,7 +29,7 @@ static void press(Display *display, DisplayEvent event) {
     append(display, event, DISPLAY_QUEUE);
 }
 
-// Motion adds up: only where it led counts.
+// Motion adds up in one event: only the sum matters.
 static void look_around(Display *display, DisplayEvent event) {
     if (!display->mouse_held) return;
     DisplayEvent *last =

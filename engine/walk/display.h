@@ -1,14 +1,14 @@
-// display.h - where frames go and events come from: a window (GLFW) or memory (OSMesa), behind one small interface.
-// One renderer and one session stand above both and know neither.
+// display.h - where frames go to and events come from: a window (GLFW) or memory (OSMesa), behind one small interface.
+// One renderer and one session work on both displays and know neither.
 #ifndef WALK_DISPLAY_H
 #define WALK_DISPLAY_H
 
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
 
-// Keys are places on the keyboard, named after what an American one prints there: so W A S D lie under the hand on
-// every layout, and digits need no shift. Capitals, digits, blank and -=[];',./\` are their ASCII codes (those of the
-// keypad too), other keys have names.
+// Keys are places on the keyboard, named after the character that an American keyboard prints there: W A S D lie under the hand on
+// every layout, and digits need no shift. Capitals, digits, blank and -=[];',./\` are their ASCII codes (also for the
+// keypad's keys), other keys have names.
 enum {
     DISPLAY_KEY_ESCAPE = 128,
     DISPLAY_KEY_ENTER,
@@ -50,15 +50,15 @@ enum {
 
 typedef enum DisplayEventKind {
     DISPLAY_KEY_PRESSED,   // `key`, once for a press however long it is held
-    DISPLAY_KEY_RELEASED,  // `key`, once for each press: when the focus is lost with the key down, too
+    DISPLAY_KEY_RELEASED,  // `key`, once for each press, also when the focus is lost while the key is down
     DISPLAY_BUTTON_PRESSED,
     DISPLAY_BUTTON_RELEASED,
     DISPLAY_LOOK,      // the mouse went `x` points to the right and `y` down; only while it is held
     DISPLAY_SCROLLED,  // `x`, `y` notches of the wheel; y > 0 away from the hand
-    DISPLAY_RESIZED,   // now `x` by `y` pixels
+    DISPLAY_RESIZED,   // the size is now `x` by `y` pixels
     DISPLAY_FOCUS_LOST,
     DISPLAY_FOCUS_GAINED,
-    DISPLAY_CLOSED  // somebody wants it closed
+    DISPLAY_CLOSED  // somebody wants to close it
 } DisplayEventKind;
 
 typedef struct DisplayEvent {
@@ -67,7 +67,7 @@ typedef struct DisplayEvent {
     double x, y;
 } DisplayEvent;
 
-// An event that an off-screen display delivers once its clock has come to `at`.
+// An event that an off-screen display delivers once its clock has reached `at`.
 typedef struct DisplayCue {
     double at;  // seconds
     DisplayEvent event;
@@ -77,15 +77,15 @@ typedef struct DisplayOptions {
     const char *title;
     int width, height;  // points, 1 .. 8192
     bool full_screen;
-    bool vsync;              // present waits for the screen: frames neither tear nor come in vain
-    double scale;            // off-screen: pixels to a point; a window asks its screen
+    bool vsync;              // present waits for the screen: no frame is torn, and none is drawn in vain
+    double scale;            // off-screen: pixels to a point; a window takes its screen's scale
     const DisplayCue *cues;  // off-screen: [cue_count] in order of time
     int cue_count;
 } DisplayOptions;
 DisplayOptions display_default_options(void);
 
 typedef struct DisplaySize {
-    int width, height;  // pixels; 0 by 0 while it is minimised
+    int width, height;  // pixels; 0 by 0 while the window is minimised
     double scale;       // pixels to a point
 } DisplaySize;
 
@@ -94,21 +94,21 @@ typedef struct DisplayBackEnd DisplayBackEnd;  // see display_back_end.h
 
 extern const DisplayBackEnd DISPLAY_GLFW, DISPLAY_OFFSCREEN;
 
-// In the thread where the program began: windows want that. Its OpenGL 3.3 core context is current, with functions
-// loaded, until another is made so. NULL with the reason.
+// To be called in the thread where the program began, as windows require. The display's OpenGL 3.3 core context is current, with
+// functions loaded, until another context is made current. NULL with the reason in `error`.
 Display *display_open(const DisplayBackEnd *back_end, const DisplayOptions *options, Arena *arena,
                       Error *error);
-void display_close(Display *display);  // with all that was made in its context; NULL is allowed
+void display_close(Display *display);  // also frees what was made in its context; NULL is allowed
 
 DisplaySize display_size(const Display *display);
-unsigned display_framebuffer(const Display *display);  // what is drawn into this one, upright, is shown
-// False: no more for now. Ask until then, once a frame.
+unsigned display_framebuffer(const Display *display);  // frames drawn into it, upright, are shown
+// The next event; false: there is none for now. Call it once a frame until it returns false.
 bool display_next_event(Display *display, DisplayEvent *out);
 void display_present(Display *display);
-// Seconds since it was opened. Off-screen each present takes a sixtieth of a second, so that a walk driven by cues
+// Seconds since the display was opened. Off-screen, each present takes a sixtieth of a second, so that a walk driven by cues
 // comes out the same every time.
 double display_seconds(const Display *display);
-void display_hold_mouse(Display *display, bool held);  // out of sight, and its motion without bounds
+void display_hold_mouse(Display *display, bool held);  // hides the pointer; its motion has no bounds
 void display_fill_screen(Display *display, bool full);
 void display_title(Display *display, const char *title);
 

@@ -1,5 +1,5 @@
 // display_glfw.c - a window by GLFW 3.3, with a core OpenGL 3.3 context. The scene is drawn elsewhere and copied here, so
-// the window's own framebuffer has neither depth nor samples.
+// the window's own framebuffer has neither depth nor several samples.
 #include <glad/gl.h>
 
 #define GLFW_INCLUDE_NONE
@@ -35,9 +35,9 @@ static const struct {
             {GLFW_KEY_KP_EQUAL, 1, '='},
             {GLFW_KEY_KP_ENTER, 1, DISPLAY_KEY_ENTER}};
 
-// -1 for keys that have no name here.
+// The key's name in display.h; -1 for keys that have no name there.
 static int key_of(int glfw) {
-    // GLFW's names of printing keys are their ASCII codes on an American keyboard, too.
+    // Printing keys have the same names in GLFW: their ASCII codes on an American keyboard.
     if (glfw >= GLFW_KEY_SPACE && glfw <= GLFW_KEY_GRAVE_ACCENT) return glfw;
     for (size_t i = 0; i < sizeof RUNS / sizeof *RUNS; i++) {
         int place = glfw - RUNS[i].glfw;
@@ -59,7 +59,7 @@ static int button_of(int glfw) {
     }
 }
 
-// ---- what GLFW calls
+// ---- GLFW's callbacks
 
 static Display *display_of(GLFWwindow *glfw) { return glfwGetWindowUserPointer(glfw); }
 
@@ -85,7 +85,7 @@ static double scale_of(GLFWwindow *glfw) {
     return x > 0 ? (double)x : 1;
 }
 
-// Screen coordinates are pixels on some systems and points on others.
+// Points for one screen coordinate: screen coordinates are pixels on some systems and points on others.
 static double points(GLFWwindow *glfw) {
     int pixels, wide, high;
     glfwGetFramebufferSize(glfw, &pixels, &high);
@@ -114,7 +114,7 @@ static void on_size(GLFWwindow *glfw, int width, int height) {
 static void on_focus(GLFWwindow *glfw, int focused) {
     Display *display = display_of(glfw);
     Window *w = own(display);
-    // The mouse was elsewhere meanwhile: that is no motion.
+    // While the focus was lost the mouse moved elsewhere: that is no motion here.
     if (focused) glfwGetCursorPos(glfw, &w->x, &w->y);
     display_push(display, (DisplayEvent){.kind = focused ? DISPLAY_FOCUS_GAINED : DISPLAY_FOCUS_LOST});
 }
@@ -213,12 +213,12 @@ static double seconds_of(const Display *display) {
 static void hold_mouse(Display *display, bool held) {
     Window *w = own(display);
     glfwSetInputMode(w->glfw, GLFW_CURSOR, held ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
-    // Without the desktop's acceleration, where there is such a thing.
+    // The motion is taken without the desktop's acceleration, where the system can deliver it so.
     if (glfwRawMouseMotionSupported()) glfwSetInputMode(w->glfw, GLFW_RAW_MOUSE_MOTION, held);
     glfwGetCursorPos(w->glfw, &w->x, &w->y);
 }
 
-// The screen that holds the middle of the window, so that it fills the one it is on.
+// The screen that holds the middle of the window, so that the window fills the screen it is on.
 static GLFWmonitor *screen_of(const Window *w) {
     int count = 0, x = w->left + w->old_width / 2, y = w->top + w->old_height / 2;
     GLFWmonitor **screens = glfwGetMonitors(&count);

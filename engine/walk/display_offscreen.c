@@ -5,7 +5,7 @@
 #include "engine/gl/gl_context.h"
 #include "engine/walk/display_back_end.h"
 
-// Frames of a second of its clock.
+// The frames in a second of the display's clock.
 static const double FRAMES_PER_SECOND = 60;
 
 typedef struct Offscreen {
@@ -69,7 +69,7 @@ static void offscreen_gather(Display *display) {
     double now = seconds_of(display);
     for (; o->next_cue < o->cue_count && o->cues[o->next_cue].at <= now; o->next_cue++) {
         DisplayEvent event = o->cues[o->next_cue].event;
-        // A size that does not fit in memory shows when a frame is drawn.
+        // If a size does not fit in memory, drawing the next frame fails.
         if (event.kind == DISPLAY_RESIZED) resize(o, (int)event.x, (int)event.y, NULL);
         display_push(display, event);
     }

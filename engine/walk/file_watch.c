@@ -1,4 +1,4 @@
-// file_watch.c - polls with stat: works on every file system, and once a frame costs nothing to speak of.
+// file_watch.c - polls with stat, which works on every file system and costs next to nothing once a frame.
 #include "engine/walk/file_watch.h"
 
 static bool is_there(const struct stat *file) { return file->st_nlink > 0; }
@@ -12,7 +12,7 @@ static bool times_equal(struct timespec a, struct timespec b) {
     return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
-// Editors write in place or put a new file under the old name.
+// Is the file unchanged? Editors write in place or put a new file under the old name, so both time and inode count.
 static bool is_same(const struct stat *a, const struct stat *b) {
     return is_there(a) == is_there(b) && a->st_dev == b->st_dev && a->st_ino == b->st_ino &&
            a->st_size == b->st_size && times_equal(a->st_mtim, b->st_mtim) &&

@@ -1,4 +1,4 @@
-// file_watch.h - has a file changed on disk? Asked as often as one likes, once a frame for instance.
+// file_watch.h - has a file changed on disk? May be asked at any rate, for instance once a frame.
 #ifndef WALK_FILE_WATCH_H
 #define WALK_FILE_WATCH_H
 
@@ -6,8 +6,8 @@
 #include <sys/stat.h>
 
 typedef struct FileWatch {
-    const char *path;   // the caller's
-    struct stat known;  // as last reported; all 0: it was not there
+    const char *path;   // memory of the caller
+    struct stat known;  // as last reported; all 0: the file was not there
     struct stat seen;   // as last found
     double since;       // when `seen` was first found, seconds
 } FileWatch;
@@ -15,15 +15,15 @@ typedef struct FileWatch {
 // The answers of file_watch_look.
 enum {
     FILE_SAME,
-    FILE_CHANGED,  // and has been still for FILE_WATCH_STILL: said once for a change
-    FILE_GONE      // for as long: said once. When it comes back it has changed
+    FILE_CHANGED,  // the file has changed and then been still for FILE_WATCH_STILL; reported once a change
+    FILE_GONE      // it has been absent for as long; reported once. A file that comes back has changed
 };
 
-// A file that is being written is not read: it must have been still for so long, seconds. Longer than an editor or an
-// exporter pauses between two writes, shorter than anybody waits.
+// A file that is still being written is not read: it must have been still for this long, seconds. That is longer than an editor or an
+// exporter pauses between two writes, and shorter than a wait that anybody notices.
 #define FILE_WATCH_STILL 0.2
 
-// Takes the file as it is now for known: begin before reading it, so that no change is missed.
+// Takes the file's present state as known. Call this before reading the file, so that no change is missed.
 FileWatch file_watch_begin(const char *path);
 // `now`: seconds of any clock that only goes forward.
 int file_watch_look(FileWatch *watch, double now);

@@ -1,5 +1,5 @@
-// light_thread.c - the thread that bakes fills one state of the light while the walk holds another; a state that the walk has
-// not fetched yet is not made anew, so that a walk that stands still costs nothing.
+// light_thread.c - the baking thread fills one state of the light while the walk holds another; while a state waits to be fetched, no
+// new one is made, so that a walk that stands still costs nothing.
 #include "engine/walk/light_thread.h"
 
 #include <pthread.h>
@@ -10,10 +10,10 @@
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/ambient.h"
 
-// States of the light: a few in a second show it arriving, and each costs a pass over the building.
+// Seconds between states of the light: a few a second show the light arriving, and each costs a pass over the building.
 static const double SHOW_EVERY = 0.3;
-// A third of what a thread of the walk gets where both want the same core. The least of all (SCHED_IDLE) would be a
-// hundredth of that: where OpenGL is software, which takes all cores, the light would never come.
+// The thread gets a third of the time of a thread of the walk where both want the same core. The lowest priority (SCHED_IDLE) would give
+// it a hundredth of that: where software OpenGL takes all cores, the light would never come.
 enum { NICE = 5 };
 
 enum { STATES = 2 };
@@ -25,13 +25,13 @@ struct LightThread {
     Arena arena;  // of the bake
     Error error;
     atomic_bool stop;
-    atomic_int done, end;  // thousandths; LIGHT_UNDER_WAY ..
-    // Parts that are handed over. The lock is held for moments only.
+    atomic_int done, end;  // thousandths done; LIGHT_UNDER_WAY ..
+    // The parts that are handed over. The lock is held for moments only.
     pthread_mutex_t lock;
     pthread_cond_t received;
     _Atomic(LitMesh *) mesh;
     LitLight state[STATES];
-    int fresh, held;  // which the walk is to fetch, and which it has; -1: none
+    int fresh, held;  // the state that the walk is to fetch; the state it has; -1: none
 };
 
 // ---- in the bake's own thread
@@ -57,7 +57,7 @@ static void begin_mesh(LightThread *t, const Mesh *mesh) {
     atomic_store(&t->mesh, lit);
 }
 
-// With the light that is still on its way.
+// Shows a solution so far, with an estimate of the light that is still on its way.
 static void show(void *context, const Mesh *mesh, const RadSolution *so_far) {
     LightThread *t = context;
     if (atomic_load(&t->stop)) return;
@@ -74,7 +74,7 @@ static void show(void *context, const Mesh *mesh, const RadSolution *so_far) {
     arena_free(&scratch);
 }
 
-// The whole solution is shown even if the walk must fetch another state before it.
+// Shows the whole solution: waits until the walk has fetched the state before it.
 static void show_last(LightThread *t, const WalkLight *light) {
     if (!atomic_load(&t->mesh)) begin_mesh(t, light->mesh);
     pthread_mutex_lock(&t->lock);
@@ -95,7 +95,7 @@ static void *work(void *context) {
     return NULL;
 }
 
-// ---- in the walk's
+// ---- in the walk's thread
 
 LightThread *light_thread_start(const LightBaker *baker, Arena *arena) {
     LightThread *t = ARENA_ARRAY(arena, LightThread, 1);
@@ -110,7 +110,7 @@ LightThread *light_thread_start(const LightBaker *baker, Arena *arena) {
 LitMesh *light_thread_mesh(const LightThread *t) { return atomic_load(&t->mesh); }
 
 const LitLight *light_thread_light(LightThread *t) {
-    // The thread may have been put aside while it held the lock: then the next frame asks again.
+    // The baking thread may be suspended while it holds the lock: then the next frame asks again.
     if (pthread_mutex_trylock(&t->lock) != 0) return NULL;
     const LitLight *light = t->fresh >= 0 ? &t->state[t->fresh] : NULL;
     pthread_mutex_unlock(&t->lock);

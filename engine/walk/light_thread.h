@@ -1,5 +1,5 @@
-// light_thread.h - light baked in the background of a walk: a thread of lowest priority, whose states of the light the walk
-// takes one by one. Everything here but the bake itself is called from the walk's thread and never waits, unless it says so.
+// light_thread.h - bakes light in the background of a walk: a thread of low priority makes states of the light, which the walk
+// takes one by one. All functions here are called from the walk's thread and never wait, unless their comment says so.
 #ifndef WALK_LIGHT_THREAD_H
 #define WALK_LIGHT_THREAD_H
 
@@ -8,30 +8,30 @@
 
 typedef struct LightThread LightThread;
 
-// Lives in the arena, which may go only when the thread has ended; so it is with all that the baker uses. NULL where no
+// The result lives in the arena. The arena and all data that the baker uses may go only when the thread has ended. NULL where no
 // thread can be started.
 LightThread *light_thread_start(const LightBaker *baker, Arena *arena);
 
-LitMesh *light_thread_mesh(const LightThread *thread);  // NULL: not yet
-// A new state, or NULL. It stays as it is until the one after it was received.
+LitMesh *light_thread_mesh(const LightThread *thread);  // NULL: there is none yet
+// A new state, or NULL. The state stays unchanged until the next state has been received.
 const LitLight *light_thread_light(LightThread *thread);
-void light_thread_received(LightThread *thread);  // it was copied: the thread may fill the one before it anew
+void light_thread_received(LightThread *thread);      // the state was copied; the one before may change
 double light_thread_done(const LightThread *thread);  // 0 .. 1
 
 enum {
     LIGHT_UNDER_WAY,
     LIGHT_READY,   // the last state is the whole solution
-    LIGHT_FAILED,  // there is none; or it was stopped
+    LIGHT_FAILED,  // there is no solution, or the thread was stopped
 };
 int light_thread_end(const LightThread *thread);
-// A sentence for the user after the end; "": none.
+// A sentence for the user after the end; "": nothing to tell.
 const char *light_thread_note(const LightThread *thread);
 
 void light_thread_stop(LightThread *thread);
-// Waits until the thread has ended, up to so many seconds after it was asked to stop, and frees what it made. False: it is
-// still at work.
+// Waits until the thread has ended, at most for so many seconds, and frees all that it made; call light_thread_stop before. False: the
+// thread is still at work.
 bool light_thread_free(LightThread *thread, double seconds);
-// Lets one that is still at work go down with the program; all that it uses stays until then.
+// Lets a thread that is still at work end with the program; all data that it uses must stay until then.
 void light_thread_abandon(LightThread *thread);
 
 #endif

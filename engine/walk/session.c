@@ -1,4 +1,4 @@
-// session.c - time, and what is said.
+// session.c - the start, the end and the ticks of a walk, and reading its file again.
 #include <string.h>
 #include <unistd.h>
 
@@ -6,9 +6,9 @@
 
 #include "engine/walk/session_state.h"
 
-// A window that stood still for longer than this has not been walked in meanwhile, seconds.
+// If a window stood still for longer than this, seconds, the walk goes on for this time only.
 static const double LONGEST_STALL = 0.25;
-// Keys turn the head so fast, radians a second.
+// Keys turn the head at this speed, radians a second.
 static const double TURN = 1.8;
 // How long the end of a walk may take, seconds.
 static const double LEAVE_SECONDS = 0.01;
@@ -19,7 +19,7 @@ SessionOptions session_default_options(void) {
         .pictures = ".", .doors = WALK_DOORS_DRAWN, .culling = CULL_STAB, .look = WALK_LOOKS};
 }
 
-// By software the fine look takes a tenth of a second.
+// The best look that OpenGL draws in time: in software the fine look takes a tenth of a second.
 static WalkLook usual_look(void) {
     const char *name = (const char *)glGetString(GL_RENDERER);
     bool software = !name || strstr(name, "llvmpipe") || strstr(name, "softpipe") || strstr(name, "SWR");
@@ -66,7 +66,7 @@ void session_free(Session *s) {
     if (s->recording) session_record(s);
     if (s->trace >= 0) close(s->trace);
     overlay_free(s->overlay);
-    // A bake that does not stop at once goes down with the program, and keeps what it stands on until then.
+    // A bake that does not stop at once ends with the program; until then it keeps the data that it uses.
     if (!shown_free(s->shown, LEAVE_SECONDS)) light_thread_abandon(s->shown->baking);
     session_let_go(s);
     for (Shown *shown = s->leaving; shown; shown = shown->next) light_thread_abandon(shown->baking);
@@ -79,7 +79,7 @@ void session_free(Session *s) {
 
 void session_reload(Session *s) {
     Error error;
-    // Begun anew before it is read: what F5 reads is not read once more because it had changed.
+    // The watch begins anew before the file is read, so that a change read by F5 is not read once more.
     s->watch = file_watch_begin(s->options.file);
     Shown *next = shown_load(s, &error);
     if (!next) {
@@ -92,7 +92,7 @@ void session_reload(Session *s) {
     if (s->look == WALK_BAKED && !next->scene.light && !s->look_chosen) s->look = s->sketched;
     s->visible = (VisResult){.eye_cell = -1};
     s->frozen = false;
-    // A recording names the doors of the file as it was.
+    // A recorded path names the doors of the file as it was before.
     s->replay = NULL;
     if (s->recording) session_record(s);
     s->person.cell = -1;

@@ -1,5 +1,5 @@
-// session.h - a walk under way: a building, who walks in it, its doors, and what is shown of all that. It knows no
-// window: events go in, frames come out, so that a test drives it as a person does.
+// session.h - a walk under way: a building, the person who walks in it, its doors, and the frames that show them. It knows no
+// window: events go in, frames come out, so that a test can drive it as a person does.
 #ifndef WALK_SESSION_H
 #define WALK_SESSION_H
 
@@ -9,41 +9,41 @@
 #include "engine/walk/display.h"
 #include "engine/walk/walk_offscreen.h"
 
-// Loads the building, at first and when its file changes (walk_scene_load).
+// Loads the building at the start and whenever its file changes (walk_scene_load).
 typedef struct SessionLoader {
     bool (*load)(void *context, const char *path, Arena *arena, WalkScene *out, Error *error);
     void *context;
 } SessionLoader;
 
 typedef struct SessionOptions {
-    const char *file;      // shown, and watched for changes
-    const char *view;      // the stored viewpoint to begin at, or NULL: where the building says
+    const char *file;      // the building's file, watched for changes
+    const char *view;      // the stored viewpoint to begin at; NULL: the building's start
     const char *replay;    // a recorded path to follow from the start, or NULL
-    const char *pictures;  // folder for screenshots and recorded paths; made when the first is written
+    const char *pictures;  // folder for screenshots and recorded paths, made with the first of them
     const char *trace;     // a file that gets a JSON line ten times a second, or NULL
     WalkDoors doors;
     Culling culling;
-    WalkLook look;  // WALK_LOOKS: what the OpenGL at hand can do, and baked once there is light
+    WalkLook look;  // WALK_LOOKS: the best that OpenGL draws in time, and baked once there is light
     FalseColour false_colour;
-    bool full_screen;  // to begin with
+    bool full_screen;  // at the start
 } SessionOptions;
 SessionOptions session_default_options(void);
 
 typedef struct Session Session;
 
-// In the current OpenGL context, in which it is freed too. Fails when the building cannot be read.
+// Called in the current OpenGL context, in which session_free is called too. Fails when the building cannot be read.
 Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error);
-void session_free(Session *session);  // NULL is allowed; a recording under way is kept
-// Ends a recording under way, where there is one, for those who tell what becomes of it.
+void session_free(Session *session);  // NULL is allowed; a recording under way is written
+// Ends and writes a recording under way, if there is one, and reports a failure to write it.
 bool session_keep_recording(Session *session, Error *error);
 
 void session_event(Session *session, const DisplayEvent *event);
-// Time goes on, in ticks of a hundredth of a second or so; a long stall counts as a short one. `now` is of a clock that
-// only goes forward, seconds.
+// Lets the walk go on until `now`, in ticks of about a hundredth of a second; a long stall counts as a short one. `now` is of a clock
+// that only goes forward, seconds.
 void session_advance(Session *session, double now);
-// Draws a frame of so many pixels, `scale` of them to a point. Allocates only when something was loaded or resized.
+// Draws a frame of `width` x `height` pixels, `scale` of them to a point. Allocates only when something was loaded or resized.
 bool session_draw(Session *session, int width, int height, double scale, Error *error);
-// The last frame: to a framebuffer of the window, or as [height * width * 3] sRGB, rows from the top.
+// Shows the last frame in a framebuffer of the window, or reads it as [height * width * 3] sRGB, rows from the top.
 void session_show(Session *session, unsigned framebuffer, int width, int height);
 bool session_read(Session *session, uint8_t *rgb, Error *error);
 

@@ -1,9 +1,9 @@
-// session_draw.c - a frame: what is visible, the building, and over it what the keys asked for.
+// session_draw.c - draws a frame: finds what is visible, draws the building, and over it the panels that the keys asked for.
 #include "engine/core/clock.h"
 #include "engine/draw/view.h"
 #include "engine/walk/session_state.h"
 
-// Weight of the newest frame in the figures shown.
+// The weight of the newest frame in smoothed figures.
 static const double FRESH = 0.1;
 static const float HIDDEN_COLOUR[4] = {1.0f, 0.35f, 0.2f, 0.5f};
 
@@ -17,7 +17,7 @@ static void ask(Session *s, const Camera *camera) {
     smooth(&s->query_us, 1e6 * (clock_seconds() - start));
 }
 
-// The surfaces of cells that are not in the visible set.
+// Draws the surfaces of cells that are not in the visible set, as lines.
 static bool draw_hidden(Session *s, const Camera *camera, Error *error) {
     const CellGraph *graph = s->shown->scene.graph;
     int count = 0;

@@ -1,4 +1,4 @@
-// session_files.c - what a walk leaves behind: pictures, recorded paths, a trace.
+// session_files.c - the files that a walk writes: pictures, recorded paths, a trace.
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
@@ -10,10 +10,10 @@
 #include "engine/draw/image.h"
 #include "engine/walk/session_state.h"
 
-// Between two lines of a trace, seconds.
+// The time between two lines of a trace, seconds.
 static const double TRACE_PERIOD = 0.1;
 
-// The next name of the kind that no file has yet.
+// The next name of this kind that no file has yet.
 static const char *free_name(Session *s, const char *format, int *written) {
     char *path;
     do {
@@ -45,7 +45,7 @@ void session_write_picture(Session *s, int width, int height) {
 void session_record(Session *s) {
     const CellGraph *graph = s->shown->scene.graph;
     if (!s->recording) {
-        // Before a walk that would be lost, not after it.
+        // The folder and the name are checked before a walk that would be lost, not after it.
         Error error;
         int next = s->paths;
         if (!file_make_folder(s->options.pictures, &error) ||
@@ -103,7 +103,7 @@ void session_replay(Session *s) {
     }
 }
 
-// From here on one walks again, from where the path led. Doors stay as they are: where they went before is forgotten.
+// The person walks on from where the path led. Doors stay as they stand: where they were moving to is forgotten.
 void session_stop_replay(Session *s) {
     if (!s->replay) return;
     Doors *doors = &s->shown->doors;
@@ -148,7 +148,7 @@ static json_t *trace_light(const Session *s) {
                      FALSE_COLOUR_NAMES[s->false_colour]);
 }
 
-// From the end of one frame to the end of the next, ms: each that was drawn since the line before.
+// The times from the end of one frame to the end of the next, ms, of all frames since the last line.
 static json_t *trace_periods(Session *s) {
     json_t *periods = json_array();
     for (int i = 0; i < s->period_count; i++) json_array_append_new(periods, json_real(s->periods[i]));
@@ -163,7 +163,7 @@ bool session_open_trace(Session *s, Error *error) {
     return s->trace >= 0 || error_set(error, "%s: cannot be written: %s", path, strerror(errno));
 }
 
-// In one piece: whoever reads beside it, or after this program was killed, finds whole lines.
+// Writes a line in one piece: readers find whole lines, even while it is written and after this program was killed.
 static void write_line(Session *s, const json_t *line) {
     Arena scratch = {0};
     size_t size = json_dumpb(line, NULL, 0, JSON_COMPACT);

@@ -1,7 +1,7 @@
-// session_keys.c - what each key does: one table, which the help on the screen shows as well.
+// session_keys.c - the effect of each key: one table of actions, and one of texts for the help.
 #include "engine/walk/session_state.h"
 
-// Radians a point of the mouse's way: a hand's breadth turns half around.
+// Radians for each point that the mouse moves: a hand's breadth turns half around.
 static const double LOOK = 0.0024;
 // Each notch of the wheel widens or narrows the view by this factor, within these limits, radians.
 static const double ZOOM = 1.08, NARROWEST = 20 * M_PI / 180, WIDEST = 110 * M_PI / 180;
@@ -21,7 +21,7 @@ static void use_door(Session *s, int key) {
     doors_toggle(&s->shown->doors, door);
 }
 
-// All open, or all closed if all are.
+// Opens all doors, or closes all if all are open.
 static void use_all_doors(Session *s, int key) {
     (void)key;
     const Building *b = s->shown->scene.graph->building;
@@ -140,7 +140,7 @@ static void full_screen(Session *s, int key) {
     s->full_screen = !s->full_screen;
 }
 
-// First it lets go of what is held, then it ends.
+// Escape first closes the help, then frees the mouse, then ends the walk.
 static void leave(Session *s, int key) {
     (void)key;
     if (s->help) {

@@ -1,8 +1,8 @@
-// session_light.c - light in a walk: it arrives from a bake in the background, the eye adapts to it, keys correct what the eye
-// does, and false colours tell it in numbers.
+// session_light.c - light in a walk: it arrives from a bake in the background, the exposure adapts to it, keys correct the exposure, and
+// false colours show the light in numbers.
 #include "engine/walk/session_state.h"
 
-// A frame copies so much of the light that arrives, bytes: a tenth of a millisecond.
+// A frame copies so many bytes of the arriving light: a tenth of a millisecond.
 static const size_t SLICE = 512 << 10;
 static const double STOP = 0.5;
 
@@ -85,7 +85,7 @@ void session_change_colours(Session *s) {
     session_say(s, false, "false colours: %s", FALSE_COLOUR_NAMES[s->false_colour]);
 }
 
-// ---- what is said of it
+// ---- reports of the light
 
 double session_light_done(const Session *s) {
     if (s->shown->baking && light_thread_end(s->shown->baking) == LIGHT_UNDER_WAY)

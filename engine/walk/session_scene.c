@@ -1,9 +1,9 @@
-// session_scene.c - the building shown: read, read again, and where in it one stands.
+// session_scene.c - the building shown: read, read again, and the places in it where the person stands.
 #include <stdio.h>
 
 #include "engine/walk/session_state.h"
 
-// An eye that a body cannot come this near to is looked from in flight, metres.
+// An eye that no body can come this near to, metres, is looked from in flight.
 static const double NEAR_ENOUGH = 0.3;
 
 static void set_doors(Doors *doors, const Building *b, WalkDoors state) {
@@ -31,7 +31,7 @@ Shown *shown_load(const Session *s, Error *error) {
         walk_renderer_free(shown->renderer);
         shown->renderer = NULL;
     }
-    // From here on the arena lives in what it holds.
+    // From here on the arena is stored in the object that it holds.
     shown->arena = arena;
     if (!shown->renderer) {
         shown_free(shown, 0);
@@ -71,7 +71,7 @@ void session_let_go(Session *s) {
     }
 }
 
-// ---- where one stands
+// ---- where the person stands
 
 void session_stand(Session *s, Vec3 eye, double yaw, double pitch) {
     s->replay = NULL;
@@ -83,7 +83,7 @@ void session_stand(Session *s, Vec3 eye, double yaw, double pitch) {
     person_put(&s->person, &s->shown->world, eye, yaw, pitch);
 }
 
-// On foot, however far the nearest place for a body is.
+// Puts the person at the building's start, on foot, however far the nearest place for a body is.
 void session_start(Session *s) {
     const Building *b = s->shown->scene.graph->building;
     s->replay = NULL;
@@ -113,7 +113,7 @@ bool session_jump_to(Session *s, const char *name, Error *error) {
                      b->viewpoint_count);
 }
 
-// Over or under where one is; where nothing is free there, in the middle of the storey's first room.
+// Goes to the place above or below the person; if the storey has no free place there, to the middle of its first room.
 void session_change_storey(Session *s, int by) {
     const CellGraph *graph = s->shown->scene.graph;
     const Building *b = graph->building;

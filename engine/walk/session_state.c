@@ -1,4 +1,4 @@
-// session_state.c - what is told of a session's state: a sentence, a place, flags, the frame just drawn.
+// session_state.c - reports of a session's state: a sentence, a place, flags, the frame just drawn.
 #include "engine/walk/session_state.h"
 
 #include <stdarg.h>

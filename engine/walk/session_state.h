@@ -1,4 +1,4 @@
-// session_state.h - what the files session*.c share.
+// session_state.h - the state and the functions that the files session*.c share.
 #ifndef WALK_SESSION_STATE_H
 #define WALK_SESSION_STATE_H
 
@@ -10,14 +10,14 @@
 #include "engine/walk/light_thread.h"
 #include "engine/walk/session.h"
 
-// Ticks of a walk in a second. Recorded paths keep every second one.
+// Ticks of a walk in a second. Recorded paths keep one tick in SESSION_TICKS_KEPT.
 #define SESSION_TICKS 120
 #define SESSION_TICKS_KEPT (SESSION_TICKS / RECORDING_TICKS)
 
-// Frames whose times one line of the trace tells, at most: more than a screen shows in a tenth of a second.
+// One line of the trace holds the times of at most so many frames: more than a screen shows in a tenth of a second.
 enum { SESSION_PERIODS = 256 };
 
-// Keys that are held, not struck.
+// Actions that last while a key is held.
 enum {
     HELD_FORWARD,
     HELD_BACK,
@@ -31,7 +31,7 @@ enum {
     HELD_KEYS
 };
 
-// A building and everything that was made of it: swapped as a whole when the file is read again.
+// A building and everything that was made from it: replaced as a whole when the file is read again.
 typedef struct Shown {
     Arena arena;
     WalkScene scene;
@@ -39,10 +39,10 @@ typedef struct Shown {
     WalkRenderer *renderer;
     Doors doors;
     BodyWorld world;
-    int *hidden;          // [object_count] the surfaces of cells that are not visible
+    int *hidden;          // [object_count] room for the surfaces of cells that are not visible
     LightThread *baking;  // or NULL
-    bool told;            // that it has ended
-    struct Shown *next;   // of those that are no longer shown, but whose light is still being baked
+    bool told;            // the end of the bake has been reported
+    struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
 
 struct Session {
@@ -53,17 +53,17 @@ struct Session {
     Overlay *overlay;
     Person person;
     double fov;           // horizontal, radians
-    int held[HELD_KEYS];  // how many keys for it are down
+    int held[HELD_KEYS];  // how many keys for each action are down
     Culling culling;
     WalkLook look;
     WalkLook sketched;  // the look until there is light
-    bool look_chosen;   // no longer changed by itself
+    bool look_chosen;   // the look no longer changes by itself
     Exposure exposure;
     FalseColour false_colour;
     bool frozen, wireframe, stab_tree, plan, statistics, help, full_screen, mouse, ended;
     VisResult visible;
     // Time.
-    double now, behind;  // seconds; `behind`: not yet walked
+    double now, behind;  // seconds; `behind`: passed but not yet walked
     long tick;
     double frame_ms, query_us, frame_period, frames_per_second;  // smoothed
     double last_frame, drawn_at;
@@ -81,22 +81,22 @@ struct Session {
     Arena recording_arena, replay_arena, frame_arena;
     int pictures, paths;  // the numbers of the last ones written
     char last_path[1024];
-    bool picture_wanted;  // of the next frame
-    int trace;            // -1: none
+    bool picture_wanted;  // the next frame is to be written
+    int trace;            // file descriptor, -1: no trace
     double trace_due;
 };
 
 // ---- session_scene.c
 Shown *shown_load(const Session *s, Error *error);
-// Waits a moment for a bake under way to end, 0: not at all; false: it has not, and all stays as it is.
+// Frees it after waiting at most so many seconds for a bake under way to end. False: the bake has not ended, and its data stays.
 bool shown_free(Shown *shown, double seconds);
-// Frees what has ended of what was shown before.
+// Frees the buildings no longer shown whose bakes have ended.
 void session_let_go(Session *s);
-// The building shown gives way to another; it is freed when its bake has ended.
+// Stops showing a building; it is freed when its bake has ended.
 void session_leave(Session *s, Shown *shown);
-// On foot where this eye looks from, in flight where no body comes near enough to it. Ends a replay.
+// Puts the person on foot where this eye looks from, or in flight where no body comes near enough to the eye. Ends a replay.
 void session_stand(Session *s, Vec3 eye, double yaw, double pitch);
-// To a stored viewpoint; false if there are fewer.
+// Goes to a stored viewpoint; false if there are fewer viewpoints.
 bool session_jump(Session *s, int viewpoint);
 bool session_jump_to(Session *s, const char *name, Error *error);
 void session_start(Session *s);
@@ -104,23 +104,23 @@ void session_change_storey(Session *s, int by);
 
 // ---- session_files.c
 void session_take_picture(Session *s);
-void session_write_picture(Session *s, int width, int height);  // of the frame just drawn
-void session_record(Session *s);                                // begins, or ends and writes
+void session_write_picture(Session *s, int width, int height);  // the frame just drawn
+void session_record(Session *s);                                // begins a recording, or ends and writes it
 void session_replay(Session *s);                                // follows the last path written, or stops
 void session_stop_replay(Session *s);
 bool session_follow(Session *s, const char *path, Error *error);
 void session_record_tick(Session *s);
 bool session_replay_tick(Session *s);               // false: nothing is being replayed
-bool session_open_trace(Session *s, Error *error);  // true where none is asked for
+bool session_open_trace(Session *s, Error *error);  // true where none is wanted
 void session_trace(Session *s);
 
 // ---- session_light.c
-void session_receive_light(Session *s);                 // once a frame, before it
-void session_expose(Session *s, const Camera *camera);  // of what is visible
-bool session_light_shown(const Session *s);             // light by radiosity
+void session_receive_light(Session *s);                 // once a frame, before drawing
+void session_expose(Session *s, const Camera *camera);  // adapts to the visible objects
+bool session_light_shown(const Session *s);             // is light by radiosity shown?
 double session_light_done(const Session *s);            // 0 .. 1
 const char *session_light_text(const Session *s, Arena *arena);
-bool session_legend(const Session *s, HudLegend *out);  // false: there is none
+bool session_legend(const Session *s, HudLegend *out);  // false: no legend is shown
 void session_brighten(Session *s, int by);
 void session_fix_exposure(Session *s);
 void session_change_colours(Session *s);
@@ -128,18 +128,18 @@ void session_change_colours(Session *s);
 // ---- session_state.c
 void session_say(Session *s, bool error, const char *format, ...) __attribute__((format(printf, 3, 4)));
 const char *session_room(const Session *s);
-// -1: outdoors or nowhere.
+// The storey that the person is in (plan_view_storey); -1: the building has no storeys.
 int session_storey(const Session *s);
-// Looked at and within reach, or -1.
+// The door that is looked at within reach, or -1.
 int session_door(const Session *s);
-// A bake in the background has not yet ended.
+// Has a bake in the background not yet ended?
 bool session_light_arriving(const Session *s);
 enum { SESSION_FLAGS = 10 };
-// Words for everything that is not as usual; returns how many.
+// Writes a word for each state that is not as usual; returns how many.
 int session_flags(const Session *s, const char **out);
 
 // ---- session.c
-// Reads the file again; the walk goes on where it was. A fault is said, and the building shown stays.
+// Reads the file again; the walk goes on where it was. If that fails, a message says why, and the building shown stays.
 void session_reload(Session *s);
 
 #endif

@@ -1,4 +1,4 @@
-// verify.c - the culled frame against the unculled one, pixel for pixel.
+// verify.c - compares the culled frame with the unculled one, pixel for pixel.
 #include "engine/walk/verify.h"
 
 #include <string.h>
@@ -12,13 +12,13 @@ struct WalkVerify {
     VisQuery *query;
     GlContext *context;
     GlItems *items;
-    Arena images;  // of the present size
+    Arena images;  // of the present frame size
     ItemBuffer culled, unculled, with_glass;
     uint32_t *culled_colour, *unculled_colour;
     int *object_of;       // [polygon_count]
-    int *opaque, *glass;  // [object_count + 1] places in the items' list
-    unsigned *drawn;      // [object_count] the last frame whose draw list had it
-    unsigned *counted;    // [polygon_count] the last count it was part of
+    int *opaque, *glass;  // [object_count + 1] where each object's polygons begin in the items' list
+    unsigned *drawn;      // [object_count] the last frame whose draw list had the object
+    unsigned *counted;    // [polygon_count] the last count that the polygon was part of
     unsigned frame, count;
     const float *door_open;
     Vec3 *vertices;  // [vertex_count] with the leaves of doors where they stand
@@ -40,7 +40,7 @@ static uint32_t shade(const CellGraph *graph, int polygon) {
     return colour;
 }
 
-// The items' list: all opaque polygons in draw order, then all of glass.
+// The items' list: all opaque polygons in draw order, then all polygons of glass.
 static bool make_items(WalkVerify *v, Arena *arena, Error *error) {
     const CellGraph *graph = v->graph;
     Arena scratch = {0};
@@ -144,7 +144,7 @@ static int count_mismatches(const ItemBuffer *a, const ItemBuffer *b, const uint
     return count;
 }
 
-// Both frames once more with glass on top; what is missing there is added.
+// Draws both frames once more with glass on top, and adds the polygons missing there.
 static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out, Error *error) {
     if (!draw_objects(v, v->glass, true, error) ||
         !gl_items_read(v->items, &v->with_glass, v->unculled_colour, error)) {

@@ -1,5 +1,5 @@
-// verify.h - is anything visible lost? A frame drawn from the visible set alone against the same frame with nothing
-// culled: no blending, no antialiasing, one draw order, and the same pixels.
+// verify.h - is anything visible lost? Compares a frame drawn from the visible set alone with the same frame drawn without culling:
+// without blending and antialiasing, and in one draw order, so that the pixels must be the same.
 #ifndef WALK_VERIFY_H
 #define WALK_VERIFY_H
 
@@ -8,19 +8,19 @@
 
 typedef struct WalkVerify WalkVerify;
 
-// Opens an off-screen OpenGL context. What is drawn are the objects of the graph.
+// Opens an off-screen OpenGL context. The frames show the objects of the graph.
 WalkVerify *walk_verify_new(const CellGraph *graph, const StabForest *forest, Arena *arena, Error *error);
 void walk_verify_free(WalkVerify *verify);  // NULL is allowed
 
 typedef struct VerifyFrame {
-    VisResult visible;                   // of the query, until the next frame
+    VisResult visible;                   // result of the query, valid until the next frame
     double query_seconds, draw_seconds;  // draw: of the culled frame
     int mismatched_pixels;               // in the item buffers or the colour images
-    int missing_polygons;                // distinct ones seen in the unculled frame and not in the draw list
+    int missing_polygons;                // polygons seen in the unculled frame that the draw list lacks
     int missing;                         // one of them, or -1
 } VerifyFrame;
 
-// Opaque polygons are compared first, then, with these as background, glass drawn as if it were opaque.
+// First the opaque polygons are compared; then glass, drawn over them as if it were opaque.
 // `door_open` as for vis_query.
 bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const float *door_open,
                        Culling culling, VerifyFrame *out, Error *error);
@@ -30,11 +30,11 @@ const Vec3 *walk_verify_vertices(const WalkVerify *verify);
 
 // The culled image of the last frame, [height * width * 3] sRGB.
 void walk_verify_image(const WalkVerify *verify, uint8_t *rgb);
-// How many distinct polygons of an item buffer are not in the last frame's draw list. `missing` may be NULL.
+// The number of polygons in an item buffer that the last frame's draw list lacks. `missing` gets one of them; it may be NULL.
 int walk_verify_missing(WalkVerify *verify, const ItemBuffer *items, int *missing);
 
-// The opaque polygons that a door state shows, in draw order: what other methods are given. With an eye, surfaces of
-// cells that face away from it are left out: two may lie back to back, and the eye sees one. `list` [polygon_count].
+// Lists the opaque polygons that a door state shows, in draw order, for other methods. With an eye, surfaces of cells that face away
+// from it are left out: of two that lie back to back, the eye sees one. `list` [polygon_count]. Returns how many.
 int walk_opaque_polygons(const CellGraph *graph, const float *door_open, const Vec3 *eye, int *list);
 
 // A random view to be verified: eyes anywhere in free space, in doorways, within millimetres of corners, on and beside
@@ -42,10 +42,10 @@ int walk_opaque_polygons(const CellGraph *graph, const float *door_open, const V
 typedef struct RandomView {
     Camera camera;
     int cell;
-    const char *kind;  // which of these
+    const char *kind;  // which of these kinds of place
     float *door_open;  // [opening_count]
 } RandomView;
-// `out->door_open` must have room. False when the graph has no place of the kind drawn: draw again.
+// `out->door_open` must have room. False when no place of the drawn kind was found in the graph: call again.
 bool walk_random_view(const CellGraph *graph, Random *random, int width, int height, RandomView *out);
 
 #endif

@@ -1,14 +1,14 @@
-// verify_random.c - random views where visibility is most likely to go wrong. Eyes stay off solid surfaces by a
-// tenth of a millimetre: an eye in a wall's own plane sees into the wall, and there is nothing to be right about.
+// verify_random.c - random views from places where visibility is most likely to go wrong. Eyes keep a tenth of a millimetre
+// from solid surfaces: an eye in a wall's own plane would see into the wall, and no answer would be right.
 #include <string.h>
 
 #include "engine/sim/door_states.h"
 #include "engine/walk/verify.h"
 
-// How near corners the eyes come, metres.
+// How near the eyes come to corners, metres.
 #define NEAR_LEAST 1e-4
 #define NEAR_MOST 3e-3
-// Tries to find a cell or portal of the kind wanted.
+// How often a cell or portal of the wanted kind is looked for.
 #define TRIES 64
 
 typedef bool (*Place)(const CellGraph *graph, Random *random, Vec3 *eye);
@@ -21,7 +21,7 @@ static Vec2 centre_of_box(const CellGraph *graph, const Cell *cell) {
     return vec2_scale(sum, 1.0 / cell->edge_count);
 }
 
-// A convex mix of the plan's corners: inside, off the boundary.
+// A point of a cell: a convex mix of its plan's corners lies inside, off the boundary.
 static Vec3 point_in(const CellGraph *graph, int index, Random *random) {
     const Cell *cell = &graph->cells[index];
     Vec2 sum = {0, 0};
@@ -58,7 +58,7 @@ static bool doorway(const CellGraph *graph, Random *random, Vec3 *eye) {
     return in_kind(graph, random, REGION_OPENING, eye);
 }
 
-// Outdoors near the building, where its windows are.
+// A place outdoors, drawn towards the building, where its windows are.
 static bool outdoors(const CellGraph *graph, Random *random, Vec3 *eye) {
     if (!in_kind(graph, random, REGION_OUTDOORS, eye)) return false;
     Vec3 start = graph->building->start, near = vec3_lerp(start, *eye, random_between(random, 0.2, 1));
@@ -97,7 +97,7 @@ static const Portal *random_portal(const CellGraph *graph, Random *random, Vec3 
     return portal;
 }
 
-// Axis-aligned portals hold the eye exactly; others to the last digit.
+// An eye in the plane of a portal: exactly for portals across an axis, up to rounding for others.
 static bool on_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
     const Portal *portal = random_portal(graph, random, eye);
     if (!portal) return false;
@@ -111,7 +111,7 @@ static bool on_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
 static bool beside_portal(const CellGraph *graph, Random *random, Vec3 *eye) {
     const Portal *portal = random_portal(graph, random, eye);
     if (!portal) return false;
-    // From a nanometre to a millimetre, evenly in the exponent.
+    // The distance is from a nanometre to a millimetre, evenly in the exponent.
     double off = pow(10, random_between(random, -9, -3)) * (random_index(random, 2) ? 1 : -1);
     *eye = vec3_add(*eye, vec3_scale(portal->plane.n, off));
     return true;
@@ -163,7 +163,7 @@ bool walk_random_view(const CellGraph *graph, Random *random, int width, int hei
         out->door_open[i] = mood == 0 ? 1 : mood == 1 ? 0 : share;
     }
     double yaw = random_between(random, -M_PI, M_PI);
-    // One in four along an axis, as the walls are.
+    // One view in four looks along an axis, as walls do.
     if (random_index(random, 4) == 0) yaw = (random_index(random, 4) - 2) * (M_PI / 2);
     double pitch =
         random_index(random, 4) ? random_between(random, -0.5, 0.5) : random_between(random, -1.55, 1.55);

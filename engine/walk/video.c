@@ -1,6 +1,6 @@
-// video.c - raw frames piped to ffmpeg, started without a shell. The pipe is a socket, whose write can be told not to
-// raise SIGPIPE when ffmpeg dies. What ffmpeg writes is a draft that it inherits open: it opens no name, which others could have
-// made a link, and a draft without a name goes with the last of both programs.
+// video.c - raw frames piped to ffmpeg, which is started without a shell. The pipe is a socket, because a write to a socket can be told
+// not to raise SIGPIPE when ffmpeg dies. ffmpeg writes to a draft that it inherits open: it opens no name, which others could have made a
+// link, and a draft without a name vanishes with the last of both programs.
 #include "engine/walk/video.h"
 
 #include <errno.h>
@@ -22,19 +22,19 @@ extern char **environ;
 struct Video {
     const char *path;
     FileDraft draft;
-    int socket, log;  // ffmpeg's input; what it says, for the error message
+    int socket, log;  // ffmpeg's input; ffmpeg's messages
     pid_t process;
     size_t frame_size;
     MemoryEnd end;
-    bool ended;      // all is closed
-    char said[512];  // then: the last line of the log
+    bool ended;      // all is closed, `said` is set
+    char said[512];  // the last line of the log
 };
 
-// The descriptor of the draft in ffmpeg, which seeks in it and reads it again; ffmpeg does so in files alone.
+// The descriptor of the draft in ffmpeg. It is opened as a file, since ffmpeg seeks in its output and reads it again only in files.
 enum { DRAFT = 3 };
 #define DRAFT_PATH "/proc/self/fd/3"
 
-// Where the walk ends for lack of memory: no film, rather than half of one.
+// Called when the walk ends for lack of memory: leaves no film rather than half of one.
 static void undo(void *context) {
     const Video *video = context;
     if (video->process > 0) kill(video->process, SIGKILL);
@@ -45,12 +45,12 @@ static bool start_ffmpeg(Video *video, int input, int width, int height, int fra
                          Arena *arena) {
     char *size = arena_format(arena, "%dx%d", width, height),
          *rate = arena_format(arena, "%d", frames_per_second);
-    // Without /proc the draft has a name, which it made itself.
+    // Without /proc the draft has a name, which file_begin gave it.
     bool inherits = access("/proc/self/fd", F_OK) == 0;
     char *out = arena_format(arena, "file:%s", inherits ? DRAFT_PATH : video->draft.beside);
     char *arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo",
                          "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "pipe:0", "-an",
-                         // The codec's colours are stored two by two: odd sizes get a border.
+                         // The codec stores colours for two by two pixels: odd sizes get a border.
                          "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
                          "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y",
                          out, NULL};
@@ -97,7 +97,7 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
     return NULL;
 }
 
-// Closes all and waits. Returns whether it ended well, the first time.
+// Closes everything and waits for ffmpeg. Returns whether ffmpeg ended well; false if it had been waited for before.
 static bool finish(Video *video) {
     if (video->ended) return false;
     video->ended = true;
@@ -105,7 +105,7 @@ static bool finish(Video *video) {
     int status = 0;
     siginfo_t ended;
     while (waitid(P_PID, (id_t)video->process, &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) continue;
-    memory_hold_end();  // from here on its number may be another's
+    memory_hold_end();  // from here on the number may be that of another process
     while (waitpid(video->process, &status, 0) < 0 && errno == EINTR) continue;
     video->process = 0;
     memory_release_end();

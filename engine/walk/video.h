@@ -1,4 +1,4 @@
-// video.h - frames to an MP4 file, through the program ffmpeg.
+// video.h - writes frames to an MP4 file, through the program ffmpeg.
 #ifndef WALK_VIDEO_H
 #define WALK_VIDEO_H
 
@@ -9,7 +9,7 @@
 
 typedef struct Video Video;
 
-// The file appears when video_end has it whole: an earlier one survives any failure.
+// The file appears when video_end has completed it: an earlier file of the name survives any failure.
 Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena,
                    Error *error);
 bool video_add(Video *video, const uint8_t *rgb,

@@ -1,4 +1,4 @@
-// walk_offscreen.c - runs a tour frame by frame: locate the eye, ask what is visible, draw, write.
+// walk_offscreen.c - runs a tour frame by frame: locates the eye, asks what is visible, draws and writes.
 #include "engine/walk/walk_offscreen.h"
 
 #include "engine/core/clock.h"
@@ -14,7 +14,7 @@
 #include "engine/walk/video.h"
 #include "visibility/hidden/hidden.h"
 
-// Frames of a tour in a second of video.
+// Frames of a tour in a second of video, unless the options say otherwise.
 enum { USUAL_RATE = 12 };
 
 WalkOptions walk_default_options(void) {
@@ -28,7 +28,7 @@ WalkOptions walk_default_options(void) {
                          .path = tour_default_options()};
 }
 
-// The figures of one frame, drawn for its looks or verified.
+// The figures of one frame, which was drawn in a look or verified.
 typedef struct Frame {
     VisResult visible;
     double query_seconds, draw_seconds;
@@ -43,7 +43,7 @@ typedef struct Walk {
     VisQuery *query;
     GlContext *context;      // of the renderer
     WalkRenderer *renderer;  // NULL when verifying
-    Overlay *overlay;        // for a legend alone, or NULL
+    Overlay *overlay;        // for a legend, or NULL
     Exposure exposure;
     double frame_seconds;  // between two frames of the film
     WalkVerify *verify;    // or NULL
@@ -123,12 +123,12 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *d
     *out = (Frame){
         v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0};
     long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
-    // One each time the line through (0, 0) and (planned, rays) passes a whole number.
+    // A frame is chosen each time the line through (0, 0) and (planned, rays) passes a whole number.
     bool chosen = done * rays / w->planned != (done + 1) * rays / w->planned;
     return !chosen || compare_rays(w, camera, door_open, out, error);
 }
 
-// By the time of the film, not of the clock: the same frames come out every time.
+// The eye adapts by the time of the film, not of the clock, so that the same frames come out every time.
 static void expose(Walk *w, const Camera *camera, const VisResult *visible) {
     const LitLight *light = walk_renderer_lit(w->renderer);
     if (!light) return;
@@ -212,7 +212,7 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
 }
 
 static bool run_random(Walk *w, const Progress *progress, Error *error) {
-    // A building without doors has no place in the plane of a leaf: most draws are good, some never.
+    // Most draws find a place, but some kinds have none: a building without doors has no place in the plane of a leaf.
     enum { DRAWS = 100 };
     const WalkOptions *o = w->options;
     Random random = {o->seed};
@@ -305,7 +305,7 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
               .cell = -1};
     w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
     w.door_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);
-    if (!replay) set_doors(&w);  // a recorded path begins with all closed and says what is not
+    if (!replay) set_doors(&w);  // a recorded path begins with all doors closed and tells each change
     w.planned = path.frame_count + options->random;
     bool good = open_drawing(&w, forest, error) && run_tour(&w, &path, progress, error) &&
                 run_random(&w, progress, error);

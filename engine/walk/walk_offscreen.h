@@ -1,4 +1,4 @@
-// walk_offscreen.h - a tour drawn without a window: frames, video, statistics, and the check that nothing is lost.
+// walk_offscreen.h - draws a tour without a window: frames, video, statistics, and the check that no visible polygon is lost.
 #ifndef WALK_OFFSCREEN_H
 #define WALK_OFFSCREEN_H
 
@@ -9,15 +9,15 @@
 typedef struct WalkOptions {
     const char *tour;       // see tour_make
     const char *replay;     // a recorded path to draw instead, or NULL
-    const char *folder;     // frames go to frame-00000.png ... here; made if missing; NULL: none are written
+    const char *folder;     // frames are written here as frame-00000.png ...; made if missing; NULL: none are
     const char *video;      // an MP4 file, or NULL
-    const char *stats;      // a CSV file, a line a frame, or NULL
+    const char *stats;      // a CSV file with a line for each frame, or NULL
     int width, height;      // pixels, 16 .. 8192
-    int every;              // write and film each nth frame only, 1 ..
-    int frames_per_second;  // of the video, 1 .. 240; 0: 12, of a recorded path as many as it has
-    bool verify;            // each frame also without culling, flat colours, compared
-    int random;             // then so many random views, verified only
-    int raycast;            // so many of the verified frames, spread evenly, also against rays
+    int every;              // write and film every nth frame only, 1 ..
+    int frames_per_second;  // of the video, 1 .. 240; 0: the rate of a recorded path, 12 for a tour
+    bool verify;            // draw each frame also without culling, in flat colours, and compare
+    int random;             // after the tour, verify so many random views
+    int raycast;            // compare so many of the verified frames, spread evenly, also with rays
     uint64_t seed;          // of random views and random doors
     WalkDoors doors;
     Culling culling;
@@ -30,7 +30,7 @@ WalkOptions walk_default_options(void);
 
 typedef struct WalkTotals {
     int frames;         // of the tour
-    int random_frames;  // views beside it
+    int random_frames;  // random views verified
     int images;         // files written
     int reachable_cells, visited_cells;
     int polygons_total;
@@ -41,7 +41,7 @@ typedef struct WalkTotals {
     int raycast_frames;
     long raycast_missing;  // polygons that rays see and the draw list lacks
     int bad_frames;
-    const char *first_fault;  // where, for the first bad frame; or NULL
+    const char *first_fault;  // the place and view of the first bad frame, or NULL
 } WalkTotals;
 
 bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const WalkOptions *options,

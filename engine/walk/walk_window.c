@@ -1,4 +1,4 @@
-// walk_window.c - the loop: events in, time on, a frame out.
+// walk_window.c - the loop: events go in, time goes on, a frame comes out.
 #include "engine/walk/walk_window.h"
 
 static bool draw(double wanted, Display *display, Session *session, Error *error) {

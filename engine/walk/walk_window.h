@@ -4,8 +4,8 @@
 
 #include "engine/walk/session.h"
 
-// Pixels to a point are `scale`, or where that is 0 the screen's own. Fails when no window can be opened, when the building cannot be
-// read, or when OpenGL fails on the way.
+// `scale`: pixels to a point; 0: the screen's own. Fails when no window can be opened, when the building cannot be read, or when OpenGL
+// fails on the way.
 bool walk_window(const SessionOptions *session, const DisplayOptions *display, double scale,
                  const SessionLoader *loader, Arena *arena, Error *error);
 

@@ -93,14 +93,6 @@ static bool check_room(Bake *bake, Error *error) {
     return true;
 }
 
-// A file tells under which sky it was made.
-static bool check_sky(const Bake *bake, Error *error) {
-    const double *had = bake->solution.sky, *sky = bake->a->bake.sky;
-    if (memcmp(had, sky, sizeof bake->solution.sky) == 0) return true;
-    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)",
-                     bake->earlier, had[0], had[1], had[2], sky[0], sky[1], sky[2]);
-}
-
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
     Progress progress = app_progress_stoppable(0);
@@ -116,7 +108,7 @@ static bool shine(Bake *bake, Error *error) {
 static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
-               check_sky(bake, error);
+               light_check_sky(bake->earlier, &bake->solution, bake->a->bake.sky, error);
     bool day = rgb_sum(bake->a->bake.sky) > 0;
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);
@@ -433,12 +425,7 @@ static const Option ROWS[] = {
      .names = BAKE_DOORS_NAMES,
      .name_count = BAKE_DOORS,
      .help = "@ (default drawn)"},
-    {.name = "sky",
-     .value = "L",
-     .type = OPTION_SKY,
-     .at = AT(bake.sky),
-     .high = 1e6,
-     .help = "daylight: a sky of that radiance, W/m^2/sr, the same all over; @ (default 0)"},
+    OPTION_DAYLIGHT(AT(bake.sky)),
     {.name = "element",
      .value = "M",
      .type = OPTION_NUMBER,

@@ -93,7 +93,7 @@ static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error 
     LightBaker baker = light_baker(&r->scene, arena);
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     if (!baker.bake)
-        return error_set(error, "%s: nothing emits light (bake it with --sky, then --light FILE.rad)",
+        return error_set(error, "%s: nothing emits light: it has no lamps (--sky L brings daylight)",
                          r->a->file);
     LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
     bool good = baker.bake(baker.context, &hooks, arena, light, error);
@@ -228,6 +228,7 @@ static int render(const RenderArguments *arguments) {
 static const Option ROWS[] = {
     {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
     OPTION_MAP(AT(load.map)),
+    OPTION_DAYLIGHT(AT(load.sky)),
     {.name = "view",
      .value = "NAME",
      .type = OPTION_TEXT,

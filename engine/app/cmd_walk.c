@@ -53,6 +53,7 @@ static const Option ROWS[] = {
      .help = "the light that `enfilade bake` stored (default: FILE with the suffix .rad, or the light that "
              "`enfilade bake "
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
+    OPTION_DAYLIGHT(AT(load.sky)),
     {.name = "false-colour",
      .value = "Q",
      .type = OPTION_NAME,
@@ -214,6 +215,8 @@ static int check(const Arguments *a) {
                           "walk: --view, --trace and --full-screen are for the window, not --offscreen");
     if (a->off_screen ? a->no_bake : a->bake)
         return app_misuse("walk", "walk: --bake is for --offscreen, --no-bake for the window");
+    if (rgb_sum(a->load.sky) > 0 && a->walk.verify)
+        return app_misuse("walk", "walk: --sky is not for --verify, which shows no light");
     if (a->toured && a->walk.replay)
         return app_misuse("walk", "walk: --tour or --replay (one of them is allowed)");
     return APP_GOOD;
@@ -355,7 +358,9 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
-    bool bakes = !a->walk.verify && (a->off_screen ? a->bake : !a->no_bake);
+    // Daylight that is asked for is baked where no stored light has it.
+    bool day = rgb_sum(load->sky) > 0;
+    bool bakes = !a->walk.verify && (a->off_screen ? a->bake || day : !a->no_bake);
     load->work = "walking";
     load->find_light = !a->walk.verify;
     load->lamps = bakes ? SCENE_LAMPS_ALL : load->find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;

@@ -88,6 +88,11 @@ int app_misuse(const char *command, const char *format, ...) __attribute__((form
         .name = "memory", .value = "MB", .type = OPTION_MEGABYTES, .at = (field), .low = 16,                 \
         .high = 1000000, .help = "memory that may be used, @ (default: " text ")"                            \
     }
+#define OPTION_DAYLIGHT(field)                                                                               \
+    {                                                                                                        \
+        .name = "sky", .value = "L", .type = OPTION_SKY, .at = (field), .high = 1e6,                         \
+        .help = "daylight: a sky of that radiance, W/m^2/sr, the same all over; @ (default 0)"               \
+    }
 #define OPTION_JSON(field)                                                                                   \
     { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }
 #define OPTION_THREADS(field)                                                                                \

@@ -4,6 +4,8 @@
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/draw/exposure.h"
 
+#include "engine/draw/walk_shade.h"
+
 // A place of middling brightness gets this value before the curve of the screen; it is high because rooms are mostly light paint.
 static const double MIDDLE = 0.65;
 // The share of the difference between view and whole building that the eye makes up for: dark rooms stay a little darker.
@@ -68,3 +70,9 @@ void exposure_adapt(Exposure *e, double seen, double usual, double seconds) {
 }
 
 double exposure_scale(const Exposure *e) { return e->level > 0 ? MIDDLE / e->level * exp2(e->stops) : 1; }
+
+double exposure_on_screen(double light) {
+    double x = fmin(fmax(light, 0), WALK_WHITE);
+    x = fmin(WALK_CURVE(x), 1);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}

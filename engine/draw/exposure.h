@@ -21,5 +21,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
 void exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
 // The factor by which radiosities are multiplied for the screen, m^2/W.
 double exposure_scale(const Exposure *exposure);
+// A channel of light, times that factor, on the screen: sRGB, 0 .. 1, by the curve of walk_shade.h.
+double exposure_on_screen(double light);
 
 #endif

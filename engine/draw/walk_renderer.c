@@ -13,6 +13,7 @@
 #include "engine/draw/false_colour.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
+#include "engine/draw/walk_shade.h"
 #include "engine/draw/walk_shaders.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
@@ -279,7 +280,7 @@ struct WalkRenderer {
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
-    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
+    int sky_forward, sky_right, sky_up, sky_day, sky_lit, sky_ground, occlusion_tangents;
     unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
@@ -328,6 +329,8 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     w->sky_right = glGetUniformLocation(w->sky, "right");
     w->sky_up = glGetUniformLocation(w->sky, "up");
     w->sky_day = glGetUniformLocation(w->sky, "day");
+    w->sky_lit = glGetUniformLocation(w->sky, "lit");
+    w->sky_ground = glGetUniformLocation(w->sky, "lit_ground");
     w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
@@ -455,9 +458,19 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     return true;
 }
 
-static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day) {
+// `lit`: the sky of baked light, or NULL. As bright on the screen as the light that it sends.
+static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, const LitLight *lit) {
+    float above[4] = {0}, ground[3] = {0};
+    for (int c = 0; c < 3 && lit; c++) {
+        double light = (double)lit->sky[c] * w->tone.exposure;
+        above[c] = (float)exposure_on_screen(light);
+        ground[c] = (float)exposure_on_screen(WALK_DAY_GROUND * light);
+        if (light > 0) above[3] = 1;
+    }
     glUseProgram(w->sky);
     glUniform1f(w->sky_day, day);
+    glUniform4fv(w->sky_lit, 1, above);
+    glUniform3fv(w->sky_ground, 1, ground);
     set_vector(w->sky_forward, camera->forward);
     set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
     set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
@@ -491,7 +504,7 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
     walk_mesh_draw(w->mesh, WALK_THINGS);
     use_scene(w, SCENE_SURFACES, camera);
     draw_surfaces(w);
-    draw_sky(w, camera, true);
+    draw_sky(w, camera, true, NULL);
     draw_panes(w, SCENE_PANES, camera, true);
     return true;
 }
@@ -502,7 +515,7 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     use_scene(w, SCENE_FINE, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS);
     draw_surfaces(w);
-    draw_sky(w, camera, true);
+    draw_sky(w, camera, true, NULL);
     draw_panes(w, SCENE_FINE, camera, true);
     return true;
 }
@@ -526,8 +539,9 @@ static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     walk_lit_draw(w->lit, true);
     glDisable(GL_POLYGON_OFFSET_FILL);
     if (numbers) return true;
-    draw_sky(w, camera, false);
-    draw_panes(w, SCENE_PANES, camera, false);
+    const float *sky = w->light->sky;
+    draw_sky(w, camera, false, w->light);
+    draw_panes(w, SCENE_PANES, camera, sky[0] + sky[1] + sky[2] > 0);
     return true;
 }
 

@@ -254,20 +254,23 @@ const char WALK_SCREEN_VERTEX[] =
             "}\n";
 
 // The sky is mixed from three display colours, which a compiler computes once: a power at each pixel took longer than everything else.
-const char WALK_SKY_FRAGMENT[] =
-    VERSION CONSTANTS DISPLAY "in vec2 at;\n"
-                              "uniform vec3 forward, right, up;\n"
-                              "uniform float day;\n"
-                              "out vec4 result;\n"
-                              "void main() {\n"
-                              "    vec3 zenith = display(mix(NIGHT_ZENITH, vec3(0.30, 0.52, 0.82), day));\n"
-                              "    vec3 horizon = display(mix(NIGHT_HORIZON, vec3(0.82, 0.88, 0.93), day));\n"
-                              "    vec3 ground = display(mix(NIGHT_GROUND, vec3(0.50, 0.56, 0.44), day));\n"
-                              "    vec3 ray = forward + at.x * right + at.y * up;\n"
-                              "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
-                              "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
-                              "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
-                              "}\n";
+const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
+    "in vec2 at;\n"
+    "uniform vec3 forward, right, up;\n"
+    "uniform float day;\n"
+    "uniform vec4 lit;\n"  // the even sky of baked light, on the screen; a: there is one
+    "uniform vec3 lit_ground;\n"
+    "out vec4 result;\n"
+    "void main() {\n"
+    "    vec3 zenith = display(mix(NIGHT_ZENITH, vec3(0.30, 0.52, 0.82), day));\n"
+    "    vec3 horizon = display(mix(NIGHT_HORIZON, vec3(0.82, 0.88, 0.93), day));\n"
+    "    vec3 ground = display(mix(NIGHT_GROUND, vec3(0.50, 0.56, 0.44), day));\n"
+    "    if (lit.a > 0.0) { zenith = lit.rgb; horizon = lit.rgb; ground = lit_ground; }\n"
+    "    vec3 ray = forward + at.x * right + at.y * up;\n"
+    "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
+    "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
+    "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
+    "}\n";
 
 // Depth d is 1 - near / z. Samples around each pixel lie on a spiral in a disc, whose radius is half a metre at the pixel's depth; a
 // sample counts by how far it rises over the surface's tangent plane, which is found from the depths themselves.

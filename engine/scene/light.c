@@ -5,6 +5,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/scene/bake_mesh.h"
+#include "radiosity/shoot/sky.h"
 
 const char *light_place(const Building *building, Arena *arena) {
     return scene_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));
@@ -16,6 +17,13 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
     RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
     *shown = fine_light(fine, solution, arena);
     return (WalkLight){&fine->mesh, shown, doors, fine};
+}
+
+bool light_check_sky(const char *file, const RadSolution *solution, const double sky[3], Error *error) {
+    const double *had = solution->sky;
+    if (memcmp(had, sky, sizeof solution->sky) == 0) return true;
+    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)", file,
+                     had[0], had[1], had[2], sky[0], sky[1], sky[2]);
 }
 
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
@@ -30,7 +38,8 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
         Vec3 *vertices = bake_vertices(graph, doors, &scratch);
         options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
-               rad_load(path, mesh, doors, arena, solution, error);
+               rad_load(path, mesh, doors, arena, solution, error) &&
+               (rgb_sum(scene->sky) == 0 || light_check_sky(path, solution, scene->sky, error));
     }
     arena_free(&scratch);
     if (good) *out = show_fine(fine_mesh_new(mesh, arena), solution, doors, arena);
@@ -82,6 +91,18 @@ static void show_solution(void *context, const RadSolution *so_far) {
     shower->shown = clock_seconds();
 }
 
+// The light of the lamps, and by day that of the sky.
+static bool begin_light(const BakeOptions *options, const StabForest *forest, const float *doors,
+                        const Progress *progress, const Mesh *mesh, Arena *arena, RadSolution *out,
+                        Error *error) {
+    if (rgb_sum(options->sky) == 0) return rad_start(mesh, arena, out, error);
+    if (!rad_start_dark(mesh, arena, out, error)) return false;
+    if (!rad_shine(mesh, forest, doors, &options->rad, options->sky, progress, out))
+        return error_set(error, "stopped");
+    if (rgb_sum(out->emitted) > 0) return true;
+    return error_set(error, "nothing emits light, and none of the sky's comes in");
+}
+
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
     const SceneBake *bake = context;
     BakeOptions options = bake_default_options();
@@ -89,19 +110,22 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
     Shower shower = {.hooks = hooks};
     float *doors;
+    const StabForest *forest = &bake->scene->forest;
     options.rad.threads = hooks->threads;
+    memcpy(options.sky, bake->scene->sky, sizeof options.sky);
     if (!bake_mesh(&options, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
-        !progress_report(&hooks->progress, "mesh", 0) || !rad_start(mesh, arena, solution, error))
+        !progress_report(&hooks->progress, "mesh", 0))
         return false;
-    shower.fine = fine_mesh_new(mesh, arena);
     rad_fit(mesh, &options.rad);
+    if (!begin_light(&options, forest, doors, &hooks->progress, mesh, arena, solution, error)) return false;
+    shower.fine = fine_mesh_new(mesh, arena);
     if (hooks->show) {
         show_solution(&shower, solution);
         options.rad.show = show_solution;
         options.rad.show_due = show_is_due;
         options.rad.show_context = &shower;
     }
-    RadReport report = rad_shoot(mesh, &bake->scene->forest, doors, &options.rad, &hooks->progress, solution);
+    RadReport report = rad_shoot(mesh, forest, doors, &options.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");
     *error = (Error){""};
     if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
@@ -111,7 +135,8 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
 
 LightBaker light_baker(LoadedScene *scene, Arena *arena) {
     Error error;
-    if (!scene_emits(scene) || !scene_has_walls(scene, &error)) return (LightBaker){0};
+    bool lit = scene_emits(scene) || rgb_sum(scene->sky) > 0;
+    if (!lit || !scene_has_walls(scene, &error)) return (LightBaker){0};
     SceneBake *bake = ARENA_ARRAY(arena, SceneBake, 1);
     *bake = (SceneBake){scene, light_place(&scene->building, arena)};
     if (!scene_cache_takes(scene, bake->out, LIGHT_ROOM)) bake->out = NULL;

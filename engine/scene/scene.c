@@ -103,7 +103,7 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
-    *out = (LoadedScene){.warn = options->warn};
+    *out = (LoadedScene){.warn = options->warn, .sky = {options->sky[0], options->sky[1], options->sky[2]}};
     double start = clock_seconds();
     budget_open(path, options->memory, options->gentle);
     if (!maps_read_map(path, options->map, arena, &out->building, error) ||

@@ -50,12 +50,7 @@ typedef struct Still {
 // ---- on the screen
 
 // A channel on the screen, 0 .. 255, for light times exposure.
-static uint8_t tone(double light) {
-    double x = fmin(fmax(light, 0), WALK_WHITE);
-    x = fmin(WALK_CURVE(x), 1);
-    double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-    return (uint8_t)lrint(255 * y);
-}
+static uint8_t tone(double light) { return (uint8_t)lrint(255 * exposure_on_screen(light)); }
 
 // ---- the sky
 
@@ -64,7 +59,7 @@ static double smooth_step(double low, double high, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// By night the sky that the walkthrough draws (walk_shaders.c); by day an even sky.
+// By night the sky that the walkthrough draws (walk_shaders.c); by day an even sky, over ground that it lights.
 static void sky_at(const void *context, Vec3 direction, double out[3]) {
     static const double ZENITH[3] = {WALK_NIGHT_ZENITH}, HORIZON[3] = {WALK_NIGHT_HORIZON},
                         GROUND[3] = {WALK_NIGHT_GROUND};
@@ -74,7 +69,8 @@ static void sky_at(const void *context, Vec3 direction, double out[3]) {
     for (int c = 0; c < 3; c++) {
         double high = HORIZON[c] + up * (ZENITH[c] - HORIZON[c]);
         double night = (double)WALK_EXPOSURE * (GROUND[c] + above * (high - GROUND[c])) / sky->exposure;
-        out[c] = day ? above * sky->day[c] : night;
+        double ground = WALK_DAY_GROUND * sky->day[c];
+        out[c] = day ? ground + above * (sky->day[c] - ground) : night;
     }
 }
 

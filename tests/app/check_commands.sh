@@ -342,6 +342,24 @@ model/c.rad walk MODEL/c.plan --offscreen $work/frames --stats
 END
 diff -r "$work/model" "$work/model.kept" || fail 'a file that a model refers to is overwritten'
 
+# Daylight: a walk bakes it as `bake --sky` does and keeps it; light under another sky is baked anew, refused where it was given.
+sed 's/ emission [0-9]*//; /^ *light /d' $two >"$work/unlit.plan"
+rm -rf "$work/cache"
+expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --tour window --size 64x36 --sky 5
+expect 0 "$program" bake "$work/unlit.plan" --sky 5 -o "$work/day.rad"
+same "$work/day.rad" "$(ls "$work"/cache/enfilade/*.rad)" 'a walk bakes another daylight than bake'
+touch -d '2001-01-01' "$work"/cache/enfilade/*.rad
+expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day2" --tour window --size 64x36 --sky 5 && quiet
+same "$work/day/frame-00000.png" "$work/day2/frame-00000.png" 'stored daylight is shown otherwise'
+[ -z "$(find "$work"/cache/enfilade/*.rad -newermt 2002-01-01)" ] || fail 'stored daylight is baked again'
+expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --tour window --size 64x36 --sky 6 && says err 'passed over.*sky of 5,5,5'
+expect 1 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --sky 6 --light "$work/day.rad" && sentence &&
+    says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: 6,6,6)'
+expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -o "$work/day.png"
+rm -rf "$work/cache"
+expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--sky'
+expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
+
 # What is printed arrives, or the exit status tells: on a full disk, to a closed standard output, which no file takes the place of, and
 # to a reader that has gone, by the signal or without it. A file that the shell opened is written into.
 expect 1 bash -c "$program info $two >/dev/full" && says err 'standard output: cannot be written: No space left' && sentence

@@ -173,3 +173,40 @@ Test(renderer, doors_move, .timeout = 120) {
                  "no door is seen to move");
     renderer_check_close_stage(&s);
 }
+
+// Proves that the sky of baked light is as bright on the screen as the light that it sends, and the ground a fifth of that; and that
+// the sky of lamps alone is dark. A sky of radiance L has the radiosity pi L. Tolerance: rounding to 8 bits.
+Test(renderer, baked_sky_is_as_bright_as_its_light, .timeout = 120) {
+    static const double RADIANCE[2][3] = {{0, 0, 0}, {0.1, 0.2, 0.4}};
+    static const double EXPOSURE = 0.5;
+    for (int day = 0; day < 2; day++) {
+        Stage s;
+        Mesh mesh;
+        RadSolution solution;
+        Error error;
+        MeshOptions options = mesh_default_options();
+        options.element = 1;
+        renderer_check_open_stage(&s, "build/maps/two-rooms.plan");
+        cr_assert(mesh_build(&s.graph, NULL, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
+        cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
+        memcpy(solution.sky, RADIANCE[day], sizeof solution.sky);
+        WalkLight light = {.mesh = &mesh, .solution = &solution};
+        cr_assert(walk_renderer_light(s.renderer, &light, &s.arena, &error), "%s", error.text);
+        walk_renderer_tone(s.renderer, EXPOSURE, FALSE_COLOUR_OFF);
+        uint8_t *rgb = arena_alloc(&s.arena, WIDTH * HEIGHT, 3);
+        cr_assert(walk_renderer_draw(s.renderer, &s.camera, NULL, 0, WALK_BAKED, &error), "%s", error.text);
+        cr_assert(walk_renderer_finish_scene(s.renderer, &error), "%s", error.text);
+        cr_assert(walk_renderer_read(s.renderer, rgb, &error), "%s", error.text);
+        const uint8_t *above = rgb, *ground = rgb + 3 * (WIDTH * HEIGHT - 1);
+        for (int c = 0; c < 3; c++) {
+            double light_above = M_PI * RADIANCE[day][c] * EXPOSURE;
+            if (day) {
+                cr_expect_float_eq(above[c], 255 * exposure_on_screen(light_above), 1);
+                cr_expect_float_eq(ground[c], 255 * exposure_on_screen(0.2 * light_above), 1);
+            } else {
+                cr_expect(above[c] < 64 && ground[c] < 16, "night: %d over %d", above[c], ground[c]);
+            }
+        }
+        renderer_check_close_stage(&s);
+    }
+}

@@ -227,7 +227,7 @@ static void print_vis_help(void) {
         printf("  %-8s  %s\n", PAIR_METHODS[i]->name, PAIR_METHODS[i]->summary);
 }
 
-static const double MOST_LOOKS = 1.6e7;
+static const double MOST_LOOKS = 4e6;
 
 // Polygons registered in the cells that `from` may see, each once. `row`: these cells.
 static long polygons_seen(const LoadedScene *scene, int from, const uint64_t *row, int *stamp) {

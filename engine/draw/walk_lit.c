@@ -4,13 +4,15 @@
 
 #include <glad/gl.h>
 
+#include "engine/draw/lit_leaf.h"
 #include "engine/draw/walk_mesh.h"
 
 enum { LIGHTS = 2 };
 
 struct WalkLit {
     LitMesh *mesh;
-    float *share;        // [leaf_count] how far leaves are open; NAN before the first pose
+    float *share;        // [leaf_count] how far leaves are open; NAN before the first pose and in new light
+    float (*leaf)[3];    // the light of a leaf under way, [vertices of the largest]
     unsigned *list;      // indices of the frame's triangles
     int things, all;     // counts of indices in it: of things, and of things and surfaces
     int vertices_there;  // vertices of LitMesh uploaded so far
@@ -72,14 +74,28 @@ static void upload_materials(WalkLit *lit) {
     arena_free(&scratch);
 }
 
+// At the next pose all leaves are moved and lit anew.
+static void forget_leaves(WalkLit *lit) {
+    for (int i = 0; i < lit->mesh->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
+}
+
 WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
     const CellGraph *graph = mesh->mesh->graph;
     size_t vertices = (size_t)lit_vertex_count(mesh);
     *lit = (WalkLit){.mesh = mesh, .newest = -1};
     lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
-    for (int i = 0; i < graph->building->leaf_count; i++) lit->share[i] = NAN;
     lit->list = ARENA_ARRAY(arena, unsigned, mesh->first_index[graph->polygon_count] + 1);
+    int most = 0;
+    for (int o = 0; o < graph->object_count; o++) {
+        const Object *object = &graph->objects[o];
+        if (object->leaf < 0) continue;
+        int count = mesh->first_vertex[object->first_polygon + object->polygon_count] -
+                    mesh->first_vertex[object->first_polygon];
+        most = count > most ? count : most;
+    }
+    lit->leaf = arena_alloc(arena, (size_t)most + 1, sizeof *lit->leaf);
+    forget_leaves(lit);
     glGenVertexArrays(1, &lit->array);
     lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
     for (int i = 0; i < LIGHTS; i++) lit->light_buffer[i] = make_buffer(vertices * sizeof(float[3]));
@@ -126,6 +142,7 @@ bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
     lit->fade = lit->newest < 0 ? 1 : 0;
     lit->newest = next;
     lit->light_there = 0;
+    forget_leaves(lit);
     return true;
 }
 
@@ -140,7 +157,7 @@ static void put_place(float out[3], Vec3 p) {
     out[2] = (float)p.z;
 }
 
-static void move_leaf(WalkLit *lit, int object, double open) {
+static void move_leaf(WalkLit *lit, const LitLight *light, int object, double open) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->mesh->graph;
     const Object *o = &graph->objects[object];
@@ -160,18 +177,23 @@ static void move_leaf(WalkLit *lit, int object, double open) {
         Vec3 n = vec3_normalize(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
         for (int i = 0; i < polygon->vertex_count; i++) put_place(vertex[i].normal, n);
     }
+    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *mesh->vertex),
                     (GLsizeiptr)((size_t)(end - first) * sizeof *mesh->vertex), mesh->vertex + first);
+    if (!light || lit->newest < 0) return;
+    lit_leaf_light(mesh, light, object, open, lit->leaf);
+    glBindBuffer(GL_ARRAY_BUFFER, lit->light_buffer[lit->newest]);
+    glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)((size_t)first * sizeof *lit->leaf),
+                    (GLsizeiptr)((size_t)(end - first) * sizeof *lit->leaf), lit->leaf);
 }
 
-void walk_lit_pose(WalkLit *lit, const float *door_open) {
+void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) {
     const Building *b = lit->mesh->mesh->graph->building;
-    glBindBuffer(GL_ARRAY_BUFFER, lit->vertex_buffer);
     for (int o = 0; o < b->object_count; o++) {
         int leaf = lit->mesh->mesh->graph->objects[o].leaf;
         if (leaf < 0) continue;
         float share = door_open ? door_open[b->leaves[leaf].opening] : 1;
-        if (lit->share[leaf] != share) move_leaf(lit, o, (double)share);
+        if (lit->share[leaf] != share) move_leaf(lit, light, o, (double)share);
     }
     for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
 }

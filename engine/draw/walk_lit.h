@@ -13,14 +13,15 @@ void walk_lit_free(WalkLit *lit);  // NULL is allowed
 const LitMesh *walk_lit_mesh(const WalkLit *lit);
 
 // Uploads the vertices, then the rest of the new light, up to about `bytes` bytes in all. True when everything is uploaded: from then on
-// the picture fades to this light, and `light` may be changed. May be called only when the fade before has ended.
+// the picture fades to this light, and `light` may be freed but for walk_lit_pose. May be called only when the fade before has ended.
 bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes);
 // Sets the share of the newest light in the picture, 0 .. 1; the rest is the light before it.
 void walk_lit_fade(WalkLit *lit, double share);
 double walk_lit_faded(const WalkLit *lit);
 
-// Puts the leaves of doors where `door_open` has them, as for vis_query; each of their polygons has the mean light of its face.
-void walk_lit_pose(WalkLit *lit, const float *door_open);
+// Puts the leaves of doors where `door_open` has them, as for vis_query, in the light of lit_leaf.h: `light` is the one uploaded last,
+// unchanged, or NULL before there is any.
+void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open);
 // Makes the draw list of these objects for an eye: things first, then the surfaces that face the eye.
 void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count);
 void walk_lit_bind(const WalkLit *lit);  // binds the table of materials

@@ -362,7 +362,7 @@ bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, 
 void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
     CORE_ASSERT(!w->lit);
     w->lit = walk_lit_new(mesh, arena);
-    walk_lit_pose(w->lit, NULL);
+    walk_lit_pose(w->lit, NULL, NULL);
 }
 
 bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
@@ -400,7 +400,7 @@ void walk_renderer_free(WalkRenderer *w) {
 
 void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
     walk_mesh_pose(w->mesh, door_open);
-    if (w->lit) walk_lit_pose(w->lit, door_open);
+    if (w->lit) walk_lit_pose(w->lit, w->light, door_open);
 }
 
 // ---- the scene

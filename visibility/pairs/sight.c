@@ -30,15 +30,19 @@ bool sight_passes(const WayShape *way, Sight sight, double epsilon) {
     return margin(way, sight) >= SIGHT_MARGIN * epsilon;
 }
 
-static bool passes(const Flow *flow, int depth, Sight sight) {
+// The work of a portal that a line is tried against, and of a pair that is recorded, see ways_work.
+enum { WORK_PORTAL = 50, WORK_PAIR = 40 };
+
+static bool passes(Flow *flow, int depth, Sight sight) {
     for (int i = 0; i <= depth; i++) {
+        flow->spent += WORK_PORTAL;
         if (!sight_passes(&flow->ways->ways[flow->steps[i]->beam.way], sight, flow->ways->epsilon))
             return false;
     }
     return true;
 }
 
-bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
+bool sight_from_point(Flow *flow, int depth, Vec3 from, Sight *out) {
     Separator cone[WINDING_MAX];
     Winding left = {.count = 0};
     double epsilon = flow->ways->epsilon;
@@ -60,7 +64,7 @@ bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out) {
     return passes(flow, depth, *out);
 }
 
-bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out) {
+bool sight_to_middle(Flow *flow, int depth, Vec3 from, Sight *out) {
     for (int i = 0; i <= depth; i++) {
         if (flow->ways->ways[flow->steps[i]->beam.way].coarse) return false;
     }
@@ -68,7 +72,7 @@ bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out) {
     return depth > 0 && passes(flow, depth, *out);
 }
 
-bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out) {
+bool sight_through(Flow *flow, int depth, const Winding *source, Sight *out) {
     static const double INWARDS =
         0.02;  // corners and sides are tried from so far inside: on them no line passes
     Vec3 middle = winding_middle(source);
@@ -92,8 +96,6 @@ static void set_places(Flow *flow, int depth, Sight sight) {
         in = out;
     }
 }
-
-enum { WORK_PAIR = 40 };  // see ways_work
 
 void sight_record(Flow *flow, int depth, Sight sight) {
     const WayShape *ways = flow->ways->ways;

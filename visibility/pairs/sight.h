@@ -12,13 +12,13 @@ bool sight_passes(const WayShape *way, Sight sight, double epsilon);
 
 // Looks from a point of the first portal of the chain steps[0 .. depth] through all its portals; exact but for rounding,
 // which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.
-bool sight_from_point(const Flow *flow, int depth, Vec3 from, Sight *out);
+bool sight_from_point(Flow *flow, int depth, Vec3 from, Sight *out);
 
 // The line from `from` to the middle of what is left of the chain's last portal, if it passes all of them so.
-bool sight_to_middle(const Flow *flow, int depth, Vec3 from, Sight *out);
+bool sight_to_middle(Flow *flow, int depth, Vec3 from, Sight *out);
 
 // The same from several points of `source`, a part of the first portal.
-bool sight_through(const Flow *flow, int depth, const Winding *source, Sight *out);
+bool sight_through(Flow *flow, int depth, const Winding *source, Sight *out);
 
 // Records that all cells along the chain see each other along `sight`, and takes them from the cells in doubt; the
 // flow's context is a Finding.

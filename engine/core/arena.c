@@ -8,7 +8,7 @@
 
 enum { ALIGNMENT = 64 };
 
-// Under the address sanitizer no code may touch memory that was not handed out, nor the gap behind each piece that was.
+// Under the address sanitizer, memory that was not handed out and the gap behind each piece that was are poisoned.
 #ifdef __has_feature
 #if __has_feature(address_sanitizer)
 #define __SANITIZE_ADDRESS__ 1
@@ -39,7 +39,7 @@ static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * 
 static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
     size_t size = arena->head ? arena->head->size * 2 : FIRST_BLOCK;
     if (size > LARGEST_GROWTH) size = LARGEST_GROWTH;
-    // Close to a limit no more than is needed.
+    // Close to the memory limit, no block is much larger than needed.
     while (size / 2 > least && !memory_fits(size)) size /= 2;
     if (size < least) size = least;
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;

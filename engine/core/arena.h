@@ -6,32 +6,33 @@
 #include <stddef.h>
 #include <string.h>
 
-// Memory of an arena.
+// A block of an arena's memory.
 typedef struct ArenaBlock ArenaBlock;
 
-// Start with {0}. One thread takes from it at a time. Whatever lies in it ends with arena_free.
+// Start with {0}. Only one thread at a time may allocate from an arena. arena_free frees everything that was allocated from it.
 typedef struct Arena {
     ArenaBlock *head;
     size_t used;  // bytes handed out, for reports
 } Arena;
 
-// Zeroed, aligned to 64 bytes. Never returns NULL: no memory ends the program (memory.h).
+// Returns zeroed memory, aligned to 64 bytes. Never returns NULL: lack of memory ends the program (memory.h).
 void *arena_alloc(Arena *arena, size_t count, size_t size);
 char *arena_string(Arena *arena, const char *text);  // a copy
 // A string in the arena, as printf would print it.
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
-// The same with the arguments in a list.
+// arena_format with the arguments in a list.
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
-void arena_free(Arena *arena);   // everything; the arena may be used again
+void arena_free(Arena *arena);   // frees everything; the arena may be used again
 void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
 
 #define ARENA_ARRAY(arena, type, count) ((type *)arena_alloc((arena), (size_t)(count), sizeof(type)))
 
-// A growing array: `array` (may be NULL), `count` and `capacity` are lvalues. Yields a pointer to the new,
-// zeroed last element. The memory of outgrown arrays stays in the arena (at most as much again).
+// Appends to a growing array: `array` (may be NULL), `count` and `capacity` are lvalues. Yields a pointer to the new, zeroed last
+// element. The memory of outgrown arrays stays in the arena: at most as much again as the array itself.
 #define ARENA_PUSH(arena, array, count, capacity)                                                            \
     ((array) = arena_grow((arena), (array), (count), &(capacity), sizeof *(array)), (array) + (count)++)
-// ARENA_PUSH calls this: an array with room for one more than `count`, the new element zeroed.
+// Called by ARENA_PUSH: returns the array, moved if it was full, with room for one element more than `count`; the new element is
+// zeroed.
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size);
 
 #endif

@@ -1,16 +1,18 @@
-// box_tree.c - a k-d tree of boxes: the boxes are halved at the median of their middles, across the direction in which these
-// lie farthest apart, until few are left. Medians, not the middle of space: one box far from all others costs a level at most.
+// box_tree.c - a k-d tree of boxes: the boxes are halved at the median of their middles, along the axis on which the middles lie
+// farthest apart, until few are left. The split is at the median, not at the middle of space, so that one box far from all others
+// costs one level at most.
 #include "engine/core/box_tree.h"
 
 #include <stdlib.h>
 
-// A node over the items order[first] .. order[first + count - 1]; depth-first, `next` is the one after its subtree.
+// A node over the items order[first] .. order[first + count - 1]. Nodes lie depth-first; `next` is the node after this node's
+// subtree.
 typedef struct BoxNode {
     Box box;
     int first, count, next;
 } BoxNode;
 
-enum { LEAF = 4 };  // boxes to a leaf: fewer make more nodes than they save tests
+enum { LEAF = 4 };  // most boxes in a leaf: smaller leaves cost more in nodes than they save in tests
 
 typedef struct Builder {
     BoxTree *tree;
@@ -19,7 +21,7 @@ typedef struct Builder {
 
 static double middle_along(Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-// Ties go to the lower index, so that the tree does not depend on how the boxes lay before.
+// Ties go to the lower index, so that the tree does not depend on the earlier order of the boxes.
 static bool is_box_before(const Builder *b, int axis, int i, int j) {
     double p = middle_along(b->middles[i], axis), q = middle_along(b->middles[j], axis);
     return p != q ? p < q : i < j;
@@ -77,7 +79,7 @@ BoxTree box_tree_build(const Box *boxes, int count, Arena *arena) {
         builder.middles[i] = vec3_scale(vec3_add(boxes[i].min, boxes[i].max), 0.5);
         tree.order[tree.count++] = i;
     }
-    // Leaves hold two boxes at least, but for a tree of one.
+    // Every leaf holds at least two boxes, except in a tree of one box, so that there are at most count + 1 nodes.
     tree.nodes = ARENA_ARRAY(arena, BoxNode, tree.count + 1);
     if (tree.count > 0) add_box_node(&builder, 0, tree.count);
     return tree;
@@ -109,8 +111,8 @@ int box_tree_find(const BoxTree *tree, Box box, Arena *arena, BoxHits *hits) {
     return hits->count;
 }
 
-// ---- where to part boxes: counted into bins by their centres along each axis; between two bins a split costs the surface of
-// either side times the number of boxes there
+// ---- splitting of boxes: they are counted into bins by their centres along each axis; a split between two bins costs the surface
+// area of either side times the number of boxes on that side
 
 enum { BINS = 16 };
 
@@ -130,7 +132,7 @@ static int bin_of(Bins bins, const BoxItem *item) {
     return bin < 0 ? 0 : bin >= BINS ? BINS - 1 : bin;
 }
 
-// The cheapest split after a bin: its cost, INFINITY where all lie in one.
+// The cost of the cheapest split, which lies after bin `after`; INFINITY where all boxes lie in one bin.
 static double cheapest(Bins bins, const BoxItem *items, int count, int *after) {
     Box box[BINS], sum = box_empty();
     int held[BINS] = {0}, n = 0;

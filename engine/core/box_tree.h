@@ -1,6 +1,6 @@
-// box_tree.h - boxes in hierarchies: which of many boxes meet a box, without looking at all of them; and where to part boxes for
-// a hierarchy of one's own, by the surface-area heuristic in bins (I. Wald, On fast construction of SAH-based bounding volume
-// hierarchies, 2007).
+// box_tree.h - hierarchies of boxes: finds the boxes that meet a box without looking at all of them, and splits sets of boxes for
+// hierarchies that callers build themselves, by the surface-area heuristic in bins (I. Wald, On fast construction of SAH-based
+// bounding volume hierarchies, 2007).
 #ifndef CORE_BOX_TREE_H
 #define CORE_BOX_TREE_H
 
@@ -22,34 +22,34 @@ typedef struct BoxHits {
     long long looked;  // nodes and boxes looked at, over all searches
 } BoxHits;
 
-// Boxes may overlap, be points, or be empty (box_empty): those are never found. The same boxes give the same tree.
+// Boxes may overlap, be points, or be empty (box_empty); empty boxes are never found. The same boxes always give the same tree.
 BoxTree box_tree_build(const Box *boxes, int count, Arena *arena);
 
-// Fills `hits` with the indices of the boxes that overlap or touch `box`, ascending. Returns how many. Looks at about
-// log(count) boxes more than it finds. `arena` is for hits->items.
+// Fills `hits` with the indices of the boxes that overlap or touch `box`, ascending, and returns their number. Looks at about
+// log(count) boxes more than it finds. `arena` provides the memory of hits->items.
 int box_tree_find(const BoxTree *tree, Box box, Arena *arena, BoxHits *hits);
 
 // A box that is sorted into a hierarchy.
 typedef struct BoxItem {
     Box box;
     Vec3 centre;
-    int item;  // the caller's
+    int item;  // the caller's index
 } BoxItem;
 
-double box_half_area(Box box);  // of its surface; 0 where it is empty
+double box_half_area(Box box);  // half the area of its surface; 0 for an empty box
 Box box_of_items(const BoxItem *items, int count);
 
-// Ways to part boxes.
+// Ways to split boxes.
 enum {
     BOX_SPLIT_ANY_AXIS,
-    // Along the axis on which the centres lie farthest apart alone: the tree is made in three fifths of the time.
+    // Only along the axis on which the centres lie farthest apart: the tree is built in three fifths of the time.
     BOX_SPLIT_LONGEST,
-    // Half of them, as they come.
+    // Into two halves, in the order given.
     BOX_SPLIT_HALVES
 };
 
-// Puts those first that the cheapest split parts from the others; returns how many, 1 .. count - 1 of two or more. Half, as they
-// come, where there is no telling them apart.
+// Moves the items on one side of the cheapest split to the front and returns their number, 1 .. count - 1 for two items or more.
+// Where no axis separates the centres, or with BOX_SPLIT_HALVES, the items keep their order and count / 2 is returned.
 int box_split(BoxItem *items, int count, int way);
 
 #endif

@@ -6,7 +6,7 @@
 Camera camera_look(Vec3 eye, double yaw, double pitch, double fov, int width, int height) {
     Camera camera = {.eye = eye, .width = width, .height = height};
     camera.forward = vec3(cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch));
-    // From the yaw alone, so that it stands when the view is straight up or down.
+    // `right` depends on the yaw alone, so that it is defined even when the view is straight up or down.
     camera.right = vec3(sin(yaw), -cos(yaw), 0);
     camera.up = vec3_cross(camera.right, camera.forward);
     camera.tan_x = tan(fov / 2);

@@ -12,9 +12,10 @@ typedef struct Camera {
     int width, height;             // pixels
 } Camera;
 
-// Looks along yaw and pitch (radians, counter-clockwise from +x; up from the horizon) with a horizontal field of view `fov`, radians.
+// A camera at `eye` that looks along yaw (radians, counter-clockwise from +x) and pitch (radians, up from the horizon), with the
+// horizontal field of view `fov`, radians.
 Camera camera_look(Vec3 eye, double yaw, double pitch, double fov, int width, int height);
-// The direction through pixel coordinates (i, j); its part along `forward` is 1, so it is no unit vector.
+// The direction through pixel coordinates (i, j). Its component along `forward` is 1, so it is not a unit vector.
 Vec3 camera_ray(const Camera *camera, double i, double j);
 
 #endif

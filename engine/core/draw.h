@@ -1,5 +1,5 @@
-// draw.h - debug and figure drawing as one table of function pointers, so that one drawing routine serves
-// the plan in a file, the overlay on the screen and, with no table, nothing at all.
+// draw.h - debug and figure drawing as one table of function pointers, so that one drawing routine can draw the plan into a file or
+// the overlay onto the screen and, without a table, draws nothing.
 #ifndef CORE_DRAW_H
 #define CORE_DRAW_H
 
@@ -7,7 +7,7 @@
 #include "engine/core/vec.h"
 
 typedef struct DrawStyle {
-    unsigned stroke, fill;  // 0xRRGGBB; width 0 leaves the line out, fill_opacity 0 the filling
+    unsigned stroke, fill;  // 0xRRGGBB; width 0 leaves the line out, fill_opacity 0 the fill
     double width;           // of the line, metres in plan space
     double fill_opacity;    // 0..1
     double dash;            // dash length in metres, 0 = solid
@@ -25,7 +25,7 @@ typedef struct Draw {
 
 typedef struct SvgDrawing SvgDrawing;
 
-// Draws into memory; plan space in `bounds` (z is not used), y up, `pixels` wide.
+// Begins a drawing in memory: the part of plan space in `bounds` (z is not used), y up, `pixels` wide.
 SvgDrawing *svg_begin(Arena *arena, Box bounds, int pixels);
 Draw svg_draw(SvgDrawing *svg);
 const char *svg_end(SvgDrawing *svg);  // the whole document, in the arena

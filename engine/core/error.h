@@ -12,9 +12,10 @@ typedef struct Error {
 // Always returns false, so that a reader can `return error_set(error, ...)`. `error` may be NULL.
 bool error_set(Error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Our own mistake, never bad input: prints the place and aborts, in release builds too.
+// For mistakes of the program itself, never for bad input: if the condition is false, prints the place and aborts, in release
+// builds too.
 #define CORE_ASSERT(condition) ((condition) ? (void)0 : error_assert(#condition, __FILE__, __LINE__))
-// CORE_ASSERT calls this.
+// Called by CORE_ASSERT.
 void error_assert(const char *condition, const char *file, int line) __attribute__((noreturn));
 
 #endif

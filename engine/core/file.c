@@ -1,5 +1,5 @@
-// file.c - reading of whole files, folders, the cache; and writing: files appear whole or not at all, written without a name, named
-// beside their own name, renamed.
+// file.c - reads whole files, makes folders, finds the cache, and writes files that appear whole or not at all: a file is written
+// without a name, gets a temporary name beside its own, and is renamed.
 #include "engine/core/file.h"
 
 #include <ctype.h>
@@ -14,13 +14,13 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
-// In this object, so that no library is needed for it.
+// XXH3 is compiled into this object, so that no library is needed for it.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "engine/core/memory.h"
 
-// Devices and pipes may have no end, or nobody who ever writes.
+// Only regular files are read: a device or a pipe may have no end, or nobody may ever write into it.
 static bool check_regular(const char *path, mode_t mode, Error *error) {
     if (S_ISREG(mode)) return true;
     const char *kind = S_ISDIR(mode)    ? "folder"
@@ -30,13 +30,13 @@ static bool check_regular(const char *path, mode_t mode, Error *error) {
     return error_set(error, "%s: is a %s (allowed: a regular file)", path, kind);
 }
 
-// -1, with a sentence, where there is none. Does not wait for whoever may write into a pipe.
+// Returns a descriptor, or -1 with an error. Does not wait for a writer of a pipe.
 static int open_regular(const char *path, struct stat *info, Error *error) {
     if (strcmp(path, "-") == 0) {
         error_set(error, "-: standard input is not read (allowed: a regular file; one of this name as ./-)");
         return -1;
     }
-    // Asked before it is opened, too: of some devices, opening alone has effects.
+    // The kind of the file is also checked before opening it, since opening alone has effects on some devices.
     int fd = -1;
     if (stat(path, info) == 0) {
         if (!check_regular(path, info->st_mode, error)) return -1;
@@ -94,7 +94,7 @@ bool file_make_folder(const char *path, Error *error) {
 }
 
 bool file_cache_folder(Arena *arena, char **path, Error *error) {
-    // Relative ones are invalid (XDG Base Directory Specification).
+    // A relative path in XDG_CACHE_HOME is invalid (XDG Base Directory Specification).
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     if (cache && *cache == '/') {
         *path = arena_format(arena, "%s/enfilade", cache);
@@ -112,9 +112,9 @@ uint64_t file_hash(const void *data, size_t size, uint64_t seed) {
 
 // ---- writing
 
-// Names on the way, for so many writers of one path at once. Most hold one for microseconds, so that waiting helps.
+// Temporary names: NAMES writers may write one path at once. Most writers hold a name for microseconds, so that waiting helps.
 enum { NAMES = 8, TRIES = 800, PAUSE = 1000 /* microseconds */ };
-enum { MOST_LINKS = 40 };  // as the system follows
+enum { MOST_LINKS = 40 };  // as many as the system follows
 #define BESIDE "%s.enfilade-%d"
 enum { BESIDE_BYTES = sizeof ".enfilade-0" };
 #define ACCESS_LIST "system.posix_acl_access"
@@ -126,7 +126,7 @@ static bool fail(const char *path, Error *error) {
 
 // ---- where
 
-// The descriptor of `/dev/fd/N`, to which `/dev/stdout` leads, else -1.
+// The number N of a path `/dev/fd/N` or `/proc/self/fd/N`, to which `/dev/stdout` leads; -1 for any other path.
 static int own_descriptor(const char *path) {
     static const char *const folders[] = {"/proc/self/fd/", "/dev/fd/"};
     for (int i = 0; i < 2; i++) {
@@ -139,7 +139,7 @@ static int own_descriptor(const char *path) {
     return -1;
 }
 
-// The end of a chain of symbolic links, `target` its beginning; nothing need be there. False with errno.
+// Replaces `target`, the beginning of a chain of symbolic links, by the end of the chain, which need not exist. False with errno.
 static bool follow_links(char target[FILE_LONGEST_PATH]) {
     char link[FILE_LONGEST_PATH], joined[FILE_LONGEST_PATH];
     for (int i = 0; i < MOST_LINKS; i++) {
@@ -174,7 +174,7 @@ static bool name_fits(const char *target) {
     return false;
 }
 
-// Fills all of the draft but its file. False with errno.
+// Fills in the draft except its descriptor. False with errno.
 static bool find_target(const char *path, FileDraft *draft, bool *exists) {
     struct stat info;
     *draft = (FileDraft){.fd = -1, .path = path};
@@ -186,7 +186,7 @@ static bool find_target(const char *path, FileDraft *draft, bool *exists) {
         errno = ENAMETOOLONG;
         return false;
     }
-    // The system follows links first: it refuses those that others put into folders of all (protected_symlinks).
+    // stat has the system follow the links first: it refuses links that others put into folders open to all (protected_symlinks).
     *exists = stat(path, &info) == 0;
     if ((!*exists && errno != ENOENT) || !follow_links(draft->target)) return false;
     int own = own_descriptor(draft->target);
@@ -210,7 +210,7 @@ static void put_folder(const char *path, char folder[FILE_LONGEST_PATH]) {
     }
 }
 
-// A rename is on disk only when the folder is.
+// A rename is on disk only once its folder is.
 static void sync_folder(const char *path) {
     char folder[FILE_LONGEST_PATH];
     put_folder(path, folder);
@@ -220,24 +220,25 @@ static void sync_folder(const char *path) {
     close(fd);
 }
 
-// ---- names on the way
+// ---- temporary names
 
 static void name_beside(const char *target, int i, char beside[FILE_LONGEST_PATH]) {
     CORE_ASSERT(snprintf(beside, FILE_LONGEST_PATH, BESIDE, target, i % NAMES) < FILE_LONGEST_PATH);
 }
 
-// Removes the file that a killed writer left. A writer holds a lock on its file, which no dead program does, on whatever machine.
+// Removes the files that killed writers left. A living writer holds a lock on its file, on whatever machine it runs; a dead one
+// does not.
 static void sweep(const char *target) {
     for (int i = 0; i < NAMES; i++) {
         char beside[FILE_LONGEST_PATH];
         name_beside(target, i, beside);
-        // Over a network a lock takes the right to write; elsewhere a file that is read-only will do.
+        // On a network file system an exclusive lock needs write access; elsewhere a descriptor for reading is enough.
         const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
         int fd = open(beside, O_RDWR | flags);
         if (fd < 0 && errno == EACCES) fd = open(beside, O_RDONLY | flags);
         if (fd < 0) continue;
         struct stat held, named;
-        // A writer that was about to rename it has done so when its lock is gone.
+        // Once the lock is free its writer may have renamed the file, so the name must still lead to the locked file.
         if (fstat(fd, &held) == 0 && S_ISREG(held.st_mode) && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
             lstat(beside, &named) == 0 && held.st_ino == named.st_ino && held.st_dev == named.st_dev)
             unlink(beside);
@@ -245,8 +246,8 @@ static void sweep(const char *target) {
     }
 }
 
-// A file without a name: a program that ends while it writes leaves nothing. False where the file system knows none, or where
-// none could be named later, which takes /proc.
+// Opens a file without a name, so that a program that ends while it writes leaves nothing. False where the file system has no
+// nameless files, or where the file could not be named later, which needs /proc.
 static bool open_nameless(FileDraft *draft, mode_t mode) {
     char folder[FILE_LONGEST_PATH], own[64];
     put_folder(draft->target, folder);
@@ -281,7 +282,7 @@ static bool open_named(FileDraft *draft, mode_t mode) {
         draft->fd = open(draft->beside, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (draft->fd < 0 && errno != EEXIST) break;
         struct stat info;
-        // Before it was locked another writer may have swept it away.
+        // Before this writer locked the file, another writer may have removed it.
         if (draft->fd >= 0) {
             flock(draft->fd, LOCK_EX);
             if (fstat(draft->fd, &info) == 0 && info.st_nlink > 0) return true;
@@ -296,7 +297,7 @@ static bool open_named(FileDraft *draft, mode_t mode) {
 
 // ---- drafts
 
-// False with errno.
+// Opens the device or pipe of a draft. False with errno.
 static bool open_stream(FileDraft *draft) {
     int own = own_descriptor(draft->target);
     draft->fd = own >= 0 ? fcntl(own, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)
@@ -311,7 +312,7 @@ static bool begin_draft(const char *path, bool named, FileDraft *draft, Error *e
     if (!find_target(path, draft, &exists)) return fail(path, error);
     if (draft->stream) return open_stream(draft) || fail(path, error);
     sweep(draft->target);
-    // A file that replaces a private one is private from its beginning.
+    // The earlier file may be private, so a file that replaces it is private from its beginning.
     mode_t mode = exists ? 0600 : 0666;
     if ((!named && open_nameless(draft, mode)) || open_named(draft, mode)) return true;
     if (!exists || (errno != EACCES && errno != EPERM)) return fail(path, error);
@@ -324,8 +325,8 @@ bool file_begin(const char *path, FileDraft *out, Error *error) {
     return begin_draft(path, false, out, error);
 }
 
-// A list tells who else may; without it the group's bits, which then are its bounds, would say too much. Returns whether
-// there is none, or it was copied.
+// Copies an access list. The list names further users with rights, and the group bits of the mode are then the upper bound of these
+// rights; without the list the group would get all of them. Returns true if the list was copied or there is none.
 static bool copy_access_list(int fd, const char *from) {
     char list[MOST_ACCESS_LIST];
     ssize_t size = getxattr(from, ACCESS_LIST, list, sizeof list);
@@ -333,7 +334,7 @@ static bool copy_access_list(int fd, const char *from) {
                     : fsetxattr(fd, ACCESS_LIST, list, (size_t)size, 0) == 0;
 }
 
-// The rights of an earlier file, never more than it gave.
+// Gives a draft the rights of the earlier file, and never more.
 static void take_over_rights(const FileDraft *draft) {
     struct stat old;
     if (stat(draft->target, &old) != 0 || !S_ISREG(old.st_mode)) return;
@@ -344,7 +345,7 @@ static void take_over_rights(const FileDraft *draft) {
     if (!copy_access_list(draft->fd, draft->target)) fchmod(draft->fd, others_too);
 }
 
-// Onto the disk and under its name. False with errno.
+// Flushes a draft to disk and puts it under its name. False with errno.
 static bool settle_draft(FileDraft *draft) {
     take_over_rights(draft);
     return fsync(draft->fd) == 0 && (*draft->beside || name_nameless(draft)) &&
@@ -364,7 +365,7 @@ bool file_keep(FileDraft *draft, Error *error) {
 }
 
 void file_drop(FileDraft *draft) {
-    // While the lock is held the name is this writer's.
+    // While this writer holds the lock, the temporary name is its own.
     if (*draft->beside) unlink(draft->beside);
     close(draft->fd);
 }
@@ -383,7 +384,8 @@ static bool write_all(int fd, const char *data, size_t size) {
 }
 
 static bool write_whole(const char *path, const void *data, size_t size, Error *error) {
-    // A file system may make files without names and yet refuse to name them. Any other failure occurs again on the second try.
+    // A file system may make nameless files and yet refuse to name them, so the second try uses a named file. Any other failure
+    // occurs again on the second try.
     for (int named = 0; named < 2; named++) {
         FileDraft draft;
         if (!begin_draft(path, named, &draft, error)) return false;
@@ -409,7 +411,7 @@ bool file_write(const char *path, const void *data, size_t size, Error *error) {
 bool file_check(const char *path, size_t size, Error *error) {
     FileDraft draft;
     bool exists;
-    // Into a pipe nothing is written, nor is it opened: whoever reads there would see its end.
+    // A pipe is neither written nor opened: its reader would see the end of the data.
     if (strcmp(path, "-") != 0) {
         if (!find_target(path, &draft, &exists)) return fail(path, error);
         if (draft.stream) return true;
@@ -430,7 +432,7 @@ bool file_same(const char *a, const char *b) {
     return find_target(a, &p, &there) && find_target(b, &q, &there) && strcmp(p.target, q.target) == 0;
 }
 
-// ---- the common head of derived files: written, and held against kind, version, building and checksum
+// ---- the common head of derived files: written, and checked for kind, version, building and checksum
 
 static const uint32_t BYTE_ORDER_MARK = 0x01020304;
 

@@ -14,49 +14,54 @@ typedef struct Bytes {
     size_t size;
 } Bytes;
 
-// Fails on a missing or unreadable file, on a file of more than `limit` bytes, and, without waiting, on all but regular files.
+// Reads a whole regular file. Fails on a missing or unreadable file, on a file of more than `limit` bytes and, without waiting, on
+// anything but a regular file.
 bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error);
 
-// Writes beside `path`, flushes to disk and renames: an earlier file survives any failure. A symbolic link stays, and the file
-// that it leads to is written. The new file has the owner, group, mode and access list of the earlier one, as far as the user may
-// give them; as after other writing it loses the set-user-ID and set-group-ID bits, and other hard links keep the earlier content.
-// A read-only file is refused, and so is one whose folder takes no other file. A device, a pipe or /dev/stdout is written into.
+// Writes a new file beside `path`, flushes it to disk and renames it, so that an earlier file survives any failure. A symbolic link
+// stays, and the file that it leads to is replaced. The new file has the owner, group, mode and access list of the earlier file, as
+// far as the user may set them; as after any other write it loses the set-user-ID and set-group-ID bits, and other hard links keep
+// the earlier content. A read-only file is refused, and so is a file in whose folder no other file can be made. A device, a pipe or
+// /dev/stdout is written into directly.
 bool file_write(const char *path, const void *data, size_t size, Error *error);
 
-// Could a file of so many bytes be written there now? Leaves nothing behind.
+// Could a file of `size` bytes be written at `path` now? The check leaves nothing behind.
 bool file_check(const char *path, size_t size, Error *error);
 
-// Are both the same file, or would they be?
+// Do both paths lead to the same regular file or, where neither file exists, would they once it is written?
 bool file_same(const char *a, const char *b);
 
-// A file while it is written, for callers that write piece by piece. The file has no name, or, where the file system knows only
-// files with names, a name beside its own. A file that a killed program leaves under that name goes when the path is written again.
-enum { FILE_LONGEST_PATH = 4096 };  // as the system takes, with a zero
+// A file that is being written, for callers that write piece by piece. Until file_keep it has no name or, where the file system has
+// no nameless files, a temporary name beside its own. A file that a killed program left under a temporary name is removed when the
+// path is written again.
+enum { FILE_LONGEST_PATH = 4096 };  // the system's limit, with the zero byte
 typedef struct FileDraft {
     int fd;
     const char *path;                // as given
     char target[FILE_LONGEST_PATH];  // with links followed
-    char beside[FILE_LONGEST_PATH];  // the name until it is kept; "": none
+    char beside[FILE_LONGEST_PATH];  // the temporary name; "": none
     bool stream;                     // a device or a pipe: bytes that were written cannot be taken back
 } FileDraft;
 bool file_begin(const char *path, FileDraft *out, Error *error);
-bool file_keep(FileDraft *draft,
-               Error *error);  // in place of an earlier file; ends the draft, whatever comes of it
+// Puts the file in place of an earlier one. Ends the draft, whether it succeeds or fails.
+bool file_keep(FileDraft *draft, Error *error);
 void file_drop(FileDraft *draft);
 
-// Makes the folder and those above it.
+// Makes the folder and the missing folders above it.
 bool file_make_folder(const char *path, Error *error);
 
-// `$XDG_CACHE_HOME/enfilade` or `~/.cache/enfilade`, which need not be there. Fails where neither variable is set.
+// Gives `$XDG_CACHE_HOME/enfilade` or `~/.cache/enfilade`; the folder need not exist. Fails where neither XDG_CACHE_HOME nor HOME
+// is set.
 bool file_cache_folder(Arena *arena, char **path, Error *error);
 
 uint64_t file_hash(const void *data, size_t size, uint64_t seed);  // XXH3, 64 bits
 
-// ---- files that are made from a building and can be made again (.vis, .rad): how each file begins, and which files are refused
-// before their contents are looked at
+// ---- derived files, which are made from a building and can be made again (.vis, .rad): how each file begins, and which files are
+// refused before their contents are looked at
 //
-// A header that begins with a DerivedHead, then a body, in the machine's own byte order. A file is read in two steps, since the
-// length of the body stands in the header: derived_read, the caller's look at its header, derived_check_body.
+// A derived file is a header that begins with a DerivedHead, then a body, in the machine's own byte order. It is read in two steps,
+// since the length of the body follows from the header: derived_read and, after the caller has looked at the header,
+// derived_check_body.
 
 // The beginning of a derived file.
 typedef struct DerivedHead {
@@ -73,22 +78,22 @@ typedef struct DerivedKind {
     const char *name;  // of the format, for messages: ".vis"
     uint32_t version;
     size_t header;   // bytes, DerivedHead included
-    size_t largest;  // bytes of a file that is read
+    size_t largest;  // bytes; a larger file is refused
 } DerivedKind;
 
-// Returns zeroed memory for a file of this kind, to be freed by memory_free. Returns NULL, with a sentence, where there is none: a
-// result that took hours to make is not lost for lack of memory to store it.
+// Returns zeroed memory for a file of this kind, to be freed by memory_free, or NULL, with an error, if there is not enough: a
+// result that took hours to make must not be lost for lack of memory to store it.
 unsigned char *derived_new(const char *path, const DerivedKind *kind, size_t body_size, Error *error);
 
-// Fills the DerivedHead of a file that is complete but for it, and writes the file.
+// Fills in the DerivedHead of a file that is otherwise complete, and writes the file.
 bool derived_write(const char *path, const DerivedKind *kind, uint64_t building, uint64_t geometry,
                    unsigned char *file, size_t body_size, Error *error);
 
-// Reads a file that is of this kind, version and building; `out` holds a header at least.
+// Reads a file and checks that it is of this kind, version and building. `out` then holds at least a header.
 bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena, Bytes *out,
                   Error *error);
 
-// Is the body as long as the header tells, and as it was written?
+// Has the body `body_size` bytes, the length that the caller took from the header, and the checksum of the head?
 bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, size_t body_size,
                         Error *error);
 

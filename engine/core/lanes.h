@@ -1,6 +1,6 @@
 // lanes.h - eight floats, or four doubles, at a time, by the vector extensions of GCC and clang, with functions for the operations
-// that the extensions lack. A comparison gives a mask: all bits or none. Doubles are for computations for which floats are too
-// rough, and for short lists that would leave most of eight lanes empty.
+// that the extensions lack. A comparison gives a mask: in each lane all bits are set, or none. Doubles are for computations for
+// which floats are too rough, and for short lists that would leave most of eight lanes empty.
 #ifndef CORE_LANES_H
 #define CORE_LANES_H
 
@@ -13,7 +13,7 @@
 
 // ---- eight floats
 
-// Before a loop over the rows of a block, whose masks then stay in registers.
+// Stands before a loop over the rows of a block and unrolls it, so that the masks of the rows stay in registers.
 #ifdef __clang__
 #define LANE_UNROLL _Pragma("unroll")
 #else
@@ -30,7 +30,7 @@ static inline LaneInt lane_int_of(int32_t a) { return a - (LaneInt){0}; }
 static inline LaneInt lane_bits(Lane a) { return (LaneInt)a; }
 static inline Lane lane_abs(Lane a) { return (Lane)(lane_bits(a) & lane_int_of(0x7fffffff)); }
 
-// By the sign bits of the mask alone.
+// `yes` in the lanes in which the mask's sign bit is set, `no` in the others.
 static inline Lane lane_choose(LaneInt mask, Lane yes, Lane no) {
 #ifdef __AVX2__
     return (Lane)_mm256_blendv_ps((__m256)no, (__m256)yes, (__m256)mask);
@@ -44,7 +44,7 @@ static inline LaneInt lane_choose_int(LaneInt mask, LaneInt yes, LaneInt no) {
     return lane_bits(lane_choose(mask, (Lane)yes, (Lane)no));
 }
 
-// a * b + c, rounded once: said outright, it is the same everywhere.
+// a * b + c, rounded once. The fused operation is explicit, so that the result is the same on every machine.
 static inline Lane lane_multiply_add(Lane a, Lane b, Lane c) {
 #ifdef __FMA__
     return (Lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
@@ -81,7 +81,7 @@ static inline Lane lane_least(Lane a, Lane b) {
 #endif
 }
 
-// Where a or b is no number, b.
+// The larger of a and b in each lane; b where either is NaN.
 static inline Lane lane_most(Lane a, Lane b) {
 #ifdef __AVX2__
     return (Lane)_mm256_max_ps((__m256)a, (__m256)b);
@@ -90,7 +90,7 @@ static inline Lane lane_most(Lane a, Lane b) {
 #endif
 }
 
-// Bit i: lane i of the mask.
+// Bit i of the result is lane i of the mask.
 static inline unsigned lane_mask(LaneInt mask) {
 #ifdef __AVX2__
     return (unsigned)_mm256_movemask_ps((__m256)mask);
@@ -101,7 +101,7 @@ static inline unsigned lane_mask(LaneInt mask) {
 #endif
 }
 
-// The least of the eight.
+// The least of the eight lanes.
 static inline float lane_least_of(Lane a) {
     a = lane_least(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
     a = lane_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
@@ -111,7 +111,7 @@ static inline float lane_least_of(Lane a) {
 
 // ---- four doubles
 
-enum { FOUR = 4, FOUR_ALL = 15 };  // all: as lanes, a bit each
+enum { FOUR = 4, FOUR_ALL = 15 };  // FOUR_ALL: a bit for each of the four lanes
 typedef double Four __attribute__((vector_size(32)));
 typedef int64_t FourMask __attribute__((vector_size(32)));
 typedef float FourFloat __attribute__((vector_size(16)));
@@ -140,7 +140,7 @@ static inline Four four_choose(FourMask mask, Four yes, Four no) {
 #endif
 }
 
-// Where a or b is no number, b.
+// The smaller of a and b in each lane; b where either is NaN.
 static inline Four four_least(Four a, Four b) {
 #ifdef __AVX2__
     return (Four)_mm256_min_pd((__m256d)a, (__m256d)b);
@@ -166,7 +166,7 @@ static inline Four four_root(Four a) {
 #endif
 }
 
-// Bit i: lane i of the mask.
+// Bit i of the result is lane i of the mask.
 static inline unsigned four_lanes(FourMask mask) {
 #ifdef __AVX2__
     return (unsigned)_mm256_movemask_pd((__m256d)mask);
@@ -194,7 +194,7 @@ static inline double four_most_of(Four a) {
     return a[0];
 }
 
-// Lane by lane, of four rows.
+// The least, and the greatest, of four rows, lane by lane.
 static inline Four four_least_row(const Four row[4]) {
     return four_least(four_least(row[0], row[1]), four_least(row[2], row[3]));
 }
@@ -204,7 +204,7 @@ static inline Four four_most_row(const Four row[4]) {
 
 static inline double four_sum(Four a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
-// Rows become columns.
+// Transposes a block of four rows: rows become columns.
 static inline void four_transpose(Four row[4]) {
     Four a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
     Four b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
@@ -216,7 +216,8 @@ static inline void four_transpose(Four row[4]) {
     row[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-// Lanes whose bit is set in a set of bits: bit `at` is in word at / 64. One by one: processors gather slowly.
+// A bit for each lane whose number `at` is in a set of bits; number n is bit n % 64 of word n / 64. The words are loaded one by
+// one, since processors gather slowly.
 static inline unsigned four_in_set(const uint64_t *set, FourInt at) {
     unsigned lanes = 0;
     for (int i = 0; i < FOUR; i++) lanes |= (unsigned)(set[at[i] >> 6] >> (at[i] & 63) & 1) << i;

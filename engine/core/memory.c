@@ -15,34 +15,34 @@
 enum { ALIGNMENT = 64 };
 static const size_t MEGABYTE = (size_t)1 << 20;
 
-// A process has one memory: the global variables here belong to it.
+// A process has one memory, so the state of this file is global.
 static atomic_size_t used, peak;
 static atomic_long requests, failing;
 static atomic_bool injected;
-// Held by whoever ends the program, and never given back. Guards all below.
+// Held by the thread that ends the program, which never releases it. Guards the variables below that are not atomic.
 static pthread_mutex_t ending = PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP;
 static MemoryEnd *ends;
 static MemoryBudget budget = {.file = "", .base = SIZE_MAX, .most = SIZE_MAX};
-static size_t bytes_read;  // since then
+static size_t bytes_read;  // since the budget was set
 static const char *stage = "working";
 static atomic_size_t allowed = SIZE_MAX, most = SIZE_MAX;  // bytes in use
-static atomic_bool exceeded;                               // the allowed memory was
+static atomic_bool exceeded;                               // a request went beyond `allowed`
 static size_t fence_base;  // bytes of data not counted here; 0: no fence stands
 static struct rlimit unfenced;
 
-// The system's figures of this process.
+// The system's figures for this process.
 typedef struct Process {
     size_t data, resident_peak;  // bytes
     long threads;
 } Process;
 
-// A number of /proc/self/status, 0 where it is not there.
+// The number after `key` in the text of /proc/self/status, 0 if the key is missing.
 static size_t number_after(const char *text, const char *key) {
     const char *at = strstr(text, key);
     return at ? strtoul(at + strlen(key), NULL, 10) : 0;
 }
 
-// Takes no memory. False where the system does not tell.
+// Requests no memory. False where the system does not give the figures.
 static bool measure_process(Process *out) {
     char text[4096];
     int fd = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
@@ -59,18 +59,19 @@ static bool measure_process(Process *out) {
 void memory_hold_end(void) { pthread_mutex_lock(&ending); }
 void memory_release_end(void) { pthread_mutex_unlock(&ending); }
 
-// Flushing may wait for whoever writes just now, who may never go on.
+// Does not flush while another thread writes to standard output, since that thread may never go on.
 static void flush_output(void) {
     if (ftrylockfile(stdout) == 0) fflush_unlocked(stdout);
 }
 
-// Never gives back the hold, so that other threads that also find no memory do not repeat the sentence.
+// Ends the program. The caller holds the end (memory_hold_end) and it is never released, so that other threads that also find no
+// memory do not repeat the sentence.
 static _Noreturn void end(const char *sentence) {
     char line[sizeof(Error) + 16];
     int length = snprintf(line, sizeof line, "enfilade: %s\n", sentence);
     for (const MemoryEnd *one = ends; one; one = one->next) one->undo(one->context);
     flush_output();
-    // Where nobody reads the sentence there is nothing left to do about it.
+    // If the sentence cannot be written, there is nothing left to do about it.
     if (write(STDERR_FILENO, line, (size_t)length) != length) _exit(EXIT_FAILURE);
     _exit(EXIT_FAILURE);
 }
@@ -87,8 +88,9 @@ static _Noreturn void end_over(void) {
     end(error.text);
 }
 
-// Did the fence cause the lack of memory, and not the machine, nor a test? For a library's request neither the size is known nor
-// the memory that the library has freed since. Libraries grow a block by doubling it, so the block was at least a quarter of all.
+// Did the fence cause the lack of memory, and not the machine or a test? For a library's request (`bytes` 0) neither its size is
+// known nor the memory that the library has freed since. Libraries grow a block by doubling it, so the process had at least a
+// quarter of the limit in use.
 static bool at_fence(size_t bytes) {
     Process now;
     if (fence_base == 0 || atomic_load(&injected) || !measure_process(&now)) return false;
@@ -137,12 +139,12 @@ static void move_fence(void) {
 }
 
 static void raise_fence(void) {
-// The sanitizers' own memory is data too.
+// There is no fence under the address sanitizer, whose own memory is data too.
 #ifndef __SANITIZE_ADDRESS__
-    // A fence leaves so much to libraries beyond the budget, for heaps in pieces.
+    // Bytes that the fence leaves to libraries beyond the budget, for fragmented heaps.
     static const size_t SLACK = (size_t)32 << 20;
     Process now;
-    // Threads must not meet a fence: their stacks are data too.
+    // There is no fence for a process with several threads, whose stacks are data too.
     if (getrlimit(RLIMIT_DATA, &unfenced) != 0 || !measure_process(&now) || now.threads != 1 ||
         now.data <= memory_used())
         return;
@@ -212,7 +214,7 @@ long memory_fail_at(long nth) {
     return atomic_exchange(&requests, 0);
 }
 
-// Is there to be memory for this request?
+// Counts a request; false if memory_fail_at lets this request fail.
 static bool granted(void) {
     long nth = atomic_fetch_add_explicit(&requests, 1, memory_order_relaxed) + 1;
     if (nth != atomic_load_explicit(&failing, memory_order_relaxed)) return true;

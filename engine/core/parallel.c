@@ -1,6 +1,5 @@
-// parallel.c - a loop on several threads: started for each loop, they take indices from a common counter. OpenMP does
-// the same with less code, but its threads spin while they wait: on a busy machine short loops then take a hundred times
-// as long.
+// parallel.c - a loop on several threads, which are started for each loop and take indices from a common counter. OpenMP does the
+// same with less code, but its threads spin while they wait: on a busy machine short loops then take a hundred times as long.
 #include "engine/core/parallel.h"
 
 #include <pthread.h>
@@ -42,7 +41,7 @@ void parallel_for(int threads, int count, void (*body)(void *context, int index,
     pthread_t handles[MOST_THREADS];
     int started = 1;
     if (threads > count) threads = count;
-    // A thread that cannot be started is done without.
+    // If a thread cannot be started, the loop runs on the threads that were started before.
     for (; started < threads && started < MOST_THREADS; started++) {
         workers[started] = (Worker){&loop, started};
         if (pthread_create(&handles[started], 0, work, &workers[started]) != 0) break;

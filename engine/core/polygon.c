@@ -1,7 +1,8 @@
 // polygon.c - Sutherland & Hodgman 1974 clipping by one plane, and ear clipping of convex polygons.
 #include "engine/core/polygon.h"
 
-// A rest of a polygon with less than this share of its area has none: rounding puts vertices a millionth of its length off the line.
+// A remainder of a polygon with less than this share of the polygon's area counts as without area: rounding puts vertices a
+// millionth of the polygon's length off a line.
 static const double NO_AREA = 1e-6;
 
 // The cut is computed from the lexicographically smaller end, so that it is the same from both sides.
@@ -18,13 +19,13 @@ static Vec3 cut_edge(Vec3 a, double da, Vec3 b, double db) {
     return vec3_lerp(a, b, da / (da - db));
 }
 
-// The same where rounding has several corners of one edge go below the plane and come back: only the deepest run of corners below
-// goes, the others are no deeper than rounding. So there is one corner more at most, as of any convex polygon.
+// Clips where rounding has put several separate runs of corners below the plane: only the run with the deepest corner is cut off,
+// and the others are no deeper than rounding. The result has at most one corner more, as for any convex polygon.
 static int clip_deepest(const Vec3 *in, int count, Plane keep, double slack, Vec3 *out) {
     int deepest = 0, kept = 0;
     for (int i = 1; i < count; i++)
         if (plane_distance(keep, in[i]) < plane_distance(keep, in[deepest])) deepest = i;
-    int first = deepest, last = deepest;  // the corners above beside the run
+    int first = deepest, last = deepest;  // the kept corners on either side of the run
     while (plane_distance(keep, in[first]) + slack < 0) first = (first + count - 1) % count;
     while (plane_distance(keep, in[last]) + slack < 0) last = (last + 1) % count;
     Vec3 in_first = in[(first + 1) % count], in_last = in[(last + count - 1) % count];
@@ -71,8 +72,8 @@ static double ring_area(const Vec3 *vertices, const int *ring, int count) {
     return vec3_length(sum);
 }
 
-// The fattest ear that leaves area: one that swallows the last corner which is not collinear leaves a line, whose vertices
-// would be corners of no triangle that can be seen; neighbours that share the line would show a seam.
+// The fattest ear that leaves a remainder with area. An ear with the last corner that is not collinear leaves a line, whose
+// vertices would be corners of no visible triangle; neighbours that share the line would show a seam.
 static int find_ear(const Vec3 *vertices, const int *ring, int left) {
     double all = ring_area(vertices, ring, left), best_fatness = -INFINITY;
     int best = 0;

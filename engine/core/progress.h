@@ -4,14 +4,14 @@
 
 #include <stdbool.h>
 
-// Whom to tell; NULL, or without a `report`, nobody is told and no stage is asked to stop.
+// The receiver of progress reports. With a NULL Progress or a NULL `report` nothing is reported and no stage is asked to stop.
 typedef struct Progress {
     // Called now and then, from one thread at a time; `done` in [0, 1]. Returns false to ask the stage to stop.
     bool (*report)(void *context, const char *stage, double done);
     void *context;
 } Progress;
 
-// Tells the caller of a stage; false where the stage is to stop.
+// Reports to the caller of a stage; returns false if the stage is to stop.
 static inline bool progress_report(const Progress *progress, const char *stage, double done) {
     return !progress || !progress->report || progress->report(progress->context, stage, done);
 }

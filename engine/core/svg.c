@@ -82,7 +82,7 @@ static void draw_text(void *context, Vec2 at, double size, unsigned colour, cons
             break;
         default:
             if ((unsigned char)*c >= 0x20)
-                text_append(&svg->text, "%c", *c);  // XML knows no other control characters
+                text_append(&svg->text, "%c", *c);  // XML does not allow most control characters
         }
     }
     text_append(&svg->text, "</text>\n");

@@ -4,8 +4,8 @@
 
 #include "engine/core/arena.h"
 
-// Start with {.arena = ...}; `data` ends with a zero byte once something was appended. Outgrown text stays in the
-// arena, as much again at most.
+// Start with {.arena = ...}; `data` ends with a zero byte once something was appended. Outgrown text stays in the arena: at most as
+// many bytes again.
 typedef struct Text {
     Arena *arena;
     char *data;

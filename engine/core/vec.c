@@ -1,15 +1,15 @@
 // vec.c - the plane and the area of a polygon by Newell's sum over its edges; the orientation of three points, exactly.
 //
-// Source of the latter: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997: the
-// static filter of its section 4.3; where the filter cannot decide, the sum of the six products ax*by, ... as a non-overlapping
-// expansion (its sections 2.2 to 2.5). Of the stages in between there is only one, for points on a grid.
+// Source of the orientation test: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates, 1997: the static filter of its section 4.3 and, where the filter cannot decide, the sum of the six products ax*by,
+// ... as a non-overlapping expansion (its sections 2.2 to 2.5). There is only one stage in between, for points on a grid.
 #include "engine/core/vec.h"
 
 #include <float.h>
 
 static Vec3 newell(const Vec3 *v, int count) {
     Vec3 sum = {0, 0, 0};
-    // Relative to the first vertex, or a building far from the origin loses its digits.
+    // Vertices are taken relative to the first one, so that a building far from the origin does not lose its digits.
     for (int i = 1; i + 1 < count; i++) {
         sum = vec3_add(sum, vec3_cross(vec3_sub(v[i], v[0]), vec3_sub(v[i + 1], v[0])));
     }
@@ -68,13 +68,13 @@ static int orient_exact(Vec2 a, Vec2 b, Vec2 c) {
     return (top > 0) - (top < 0);
 }
 
-// The part of a - b that rounding took (Shewchuk's Two-Diff-Tail).
+// The rounding error of a - b (Shewchuk's Two-Diff-Tail).
 static double difference_tail(double a, double b) {
     double x = a - b, b_virtual = a - x, a_virtual = x + b_virtual;
     return (a - a_virtual) + (b_virtual - b);
 }
 
-// Was nothing rounded off? So it is on a grid, where most collinear points are: doorways in a row.
+// Is (a - b) * (c - d) computed without rounding? It is for points on a grid, where most collinear points lie: doorways in a row.
 static bool product_is_exact(double a, double b, double c, double d) {
     return difference_tail(a, b) == 0 && difference_tail(c, d) == 0 &&
            fma(a - b, c - d, -((a - b) * (c - d))) == 0;

@@ -28,8 +28,8 @@ typedef struct Box {
     Vec3 min, max;
 } Box;
 
-// A vector of the plan by its components; sum, difference, multiple, inner product, z of the cross product (positive where b lies to
-// the left of a), length; equal to the last bit.
+// Vectors in plan: from components, sum, difference, multiple, inner product, z of the cross product (positive where b lies to the
+// left of a), length, exact equality.
 static inline Vec2 vec2(double x, double y) { return (Vec2){x, y}; }
 static inline Vec2 vec2_add(Vec2 a, Vec2 b) { return vec2(a.x + b.x, a.y + b.y); }
 static inline Vec2 vec2_sub(Vec2 a, Vec2 b) { return vec2(a.x - b.x, a.y - b.y); }
@@ -39,7 +39,7 @@ static inline double vec2_cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; 
 static inline double vec2_length(Vec2 a) { return sqrt(vec2_dot(a, a)); }
 static inline bool vec2_equal(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 
-// The same in space; component 0, 1 or 2; cross product; the point a share t of the way from a to b.
+// The same for vectors in space, and component 0, 1 or 2, the cross product, and the point at share t of the way from a to b.
 static inline Vec3 vec3(double x, double y, double z) { return (Vec3){x, y, z}; }
 static inline double vec3_component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 static inline Vec3 vec3_add(Vec3 a, Vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
@@ -62,22 +62,23 @@ static inline Vec3 vec3_normalize(Vec3 a) {
 // Signed distance: positive on the open side.
 static inline double plane_distance(Plane plane, Vec3 p) { return vec3_dot(plane.n, p) - plane.d; }
 
-// The plane of a polygon by Newell's sum, which is right for convex, concave and slightly bent ones;
-// n is zero when the polygon has no area.
+// The plane of a polygon by Newell's sum, which is right for convex, concave and slightly bent polygons; n is zero when the polygon
+// has no area.
 Plane plane_of_polygon(const Vec3 *vertices, int count);
-// Its area, of a bent one that of its shadow along Newell's normal.
+// The area of a polygon; for a bent polygon, the area of its projection along Newell's normal.
 double polygon_area(const Vec3 *vertices, int count);
 
 // +1 when c lies left of the directed line a -> b, -1 right of it, 0 exactly on it. The sign is exact for all
 // finite coordinates whose products neither overflow nor underflow.
 int orient2d(Vec2 a, Vec2 b, Vec2 c);
 
-// The box of no point, to which points are added.
+// The empty box, to which points can be added.
 static inline Box box_empty(void) {
     return (Box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 static inline bool box_is_empty(Box b) { return !(b.min.x <= b.max.x); }
-// By comparisons, as fmin and fmax find it, which the compiler may not inline. Coordinates that are no numbers add nothing.
+// The box that also contains p. Comparisons give the result of fmin and fmax, which the compiler may not inline. Coordinates that
+// are NaN add nothing.
 static inline Box box_add(Box b, Vec3 p) {
     return (Box){
         {p.x <= b.min.x ? p.x : b.min.x, p.y <= b.min.y ? p.y : b.min.y, p.z <= b.min.z ? p.z : b.min.z},

@@ -5,7 +5,7 @@
 
 #include <GL/osmesa.h>
 
-// OSMesa insists on a buffer of its own; all drawing goes to framebuffer objects, so it is as small as can be.
+// OSMesa requires a buffer of its own; all drawing goes to framebuffer objects, so this buffer is as small as possible. Pixels.
 #define GL_CONTEXT_SIDE 4
 
 struct GlContext {
@@ -91,7 +91,7 @@ unsigned gl_program(const char *vertex, const char *fragment, Error *error) {
 bool gl_check(const char *stage, Error *error) {
     unsigned code = glGetError();
     if (code == GL_NO_ERROR) return true;
-    // OpenGL keeps one flag per kind of error.
+    // OpenGL keeps one flag per kind of error, so all of them are cleared.
     while (glGetError() != GL_NO_ERROR) continue;
     return error_set(error, "OpenGL: error 0x%04x while %s%s", code, stage,
                      code == GL_OUT_OF_MEMORY ? " (out of memory)" : "");

@@ -10,14 +10,14 @@
 // Each thread that draws has its own context; an object that is made in one context does not exist in another.
 typedef struct GlContext GlContext;
 
-// Becomes current. NULL with the reason when there is no OpenGL 3.3.
+// Makes a context and makes it current. Returns NULL, with the reason, when there is no OpenGL 3.3.
 GlContext *gl_context_open(Arena *arena, Error *error);
 bool gl_context_use(GlContext *context, Error *error);  // makes it current
 void gl_context_close(GlContext *context);              // frees all its objects; NULL is allowed
 
 // A linked program of the current context, 0 on failure.
 unsigned gl_program(const char *vertex, const char *fragment, Error *error);
-// False, naming `stage`, when OpenGL has reported an error since the last call (out of memory, mostly).
+// Returns false, with an error that names `stage`, when OpenGL has reported an error since the last call (out of memory, mostly).
 bool gl_check(const char *stage, Error *error);
 
 #endif

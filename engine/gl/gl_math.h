@@ -1,5 +1,5 @@
-// gl_math.h - cglm (float matrices for OpenGL) beside our own vectors, which bear the same names: in files that
-// include this, cglm's vec2 and vec3 are called glm_vec2_type and glm_vec3_type.
+// gl_math.h - cglm (float matrices for OpenGL) beside our own vectors, which have the same names: in files that include this
+// header, cglm's vec2 and vec3 are called glm_vec2_type and glm_vec3_type.
 #ifndef ENGINE_GL_MATH_H
 #define ENGINE_GL_MATH_H
 
@@ -11,9 +11,9 @@
 #undef vec2
 #undef vec3
 
-// The view without translation: world axes relative to the eye to right, up and forward, times the projection whose
-// clip coordinates are x, y (`flip`: downwards, so that row 0 of an image is its top), w - 2 near, w = forward part.
-// It clips at the near plane, and never far: depth is the drawing's own business.
+// The view without translation (from world axes relative to the eye to right, up and forward), times the projection whose clip
+// coordinates are x, y (`flip`: downwards, so that row 0 of an image is its top), z = w - 2 near, and w = the component along
+// `forward`. The projection clips at the near plane and has no far plane: depth is left to the drawing code.
 static inline void gl_clip_matrix(const Camera *camera, double near, bool flip, mat4 out) {
     Vec3 r = camera->right, u = camera->up, f = camera->forward;
     mat4 turn = {{(float)r.x, (float)u.x, (float)f.x, 0},

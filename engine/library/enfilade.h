@@ -3,12 +3,13 @@
 // Read a building (maps.h) or make one in memory (sketch.h), prepare it (prepare.h: cells, portals, stab trees), ask for
 // visible cells and objects (vis.h), move doors (doors.h) and a body that collides with walls, furniture and leaves (body.h).
 //
-// Lengths are metres, z is up, angles radians. A function that can fail returns false and one sentence in an Error; a result lies in the
-// caller's Arena and goes with it. Options come from a function `..._default_options`. Nothing here prints, and nothing is global but a
-// count of memory: buildings may be worked on side by side, each by one thread at a time; a building, its cells and its stab trees are
-// read only once they are made, and any number of threads may ask about them, each with a query, doors and a body of its own.
-// Each type that has memory or a state says whose it is and how long it lasts. All other types are plain values: copies are free, and
-// pointers in them lead to memory of the caller.
+// Lengths are metres, z is up, angles radians. A function that can fail returns false and one sentence in an Error; a result lies
+// in the caller's Arena and is freed with it. Options come from a function `..._default_options`. Nothing here prints, and the only
+// global state is a count of memory. Buildings may be worked on side by side, each by one thread at a time. A building, its cells
+// and its stab trees are read-only once they are made: any number of threads may query them, each with a query, doors and a body of
+// its own.
+// The comment of each type that has memory or a state says who owns it and how long it lasts. All other types are plain values:
+// they may be copied freely, and pointers in them lead to memory of the caller.
 #ifndef ENFILADE_H
 #define ENFILADE_H
 

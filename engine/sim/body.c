@@ -12,20 +12,21 @@
 static const double SKIN = 1e-4;
 // A piece of a way is no longer than this, metres: half the radius, so that no stair's tread is passed over.
 static const double PIECE = BODY_RADIUS / 2;
-// For the height of a step counts the ground under its middle, a disc of this radius, metres.
+// The height of a step is measured from the ground under the body's middle, a disc of this radius, metres.
 static const double MIDDLE = BODY_RADIUS / 2;
-// Pieces of a way shorter than this lead nowhere, metres.
+// A piece of a way shorter than this leads nowhere, metres.
 static const double NOWHERE = 1e-9;
-// The body climbs a solid that it cannot stand on at most this far above a solid that it can stand on, metres: thresholds,
-// rounded edges. Otherwise it would climb cushions and leaves a hair's breadth at a time.
+// The body climbs a solid that it cannot stand on at most this far above a solid that it can stand on, metres: thresholds, rounded
+// edges. Otherwise the body would climb cushions and leaves a hair's breadth at a time.
 static const double ROUGH = 0.05;
-// With its middle over nothing it still rises this much, metres: the rounded back of a chair would hold it by the rim for ever.
+// A body whose middle is over no ground may still rise this much, metres; otherwise the rounded back of a chair would hold the body
+// by its rim for ever.
 static const double RIM = 0.02;
 enum { MOST_CONTACTS = 4, MOST_ATTEMPTS = 5 };
 static const double GRAVITY = 9.81;    // m/s^2
 static const double TERMINAL = 50.0;   // m/s: of a person in air
-static const double DEEPEST = 1000.0;  // metres: storeys are no higher
-// Free places are looked for this far apart, metres.
+static const double DEEPEST = 1000.0;  // metres: no storey is higher
+// Places that are tried in the search for a free place are this far apart, metres.
 static const double PLACES_APART = 0.1;
 
 BodyWorld body_world(const CellGraph *graph, const float *door_open, Arena *arena) {
@@ -41,13 +42,13 @@ static Gathered gather_ground(BodyWorld *w, int cell, Vec2 at, double radius, do
     return g;
 }
 
-// Solids that a foot at some height finds over and under its disc.
+// The solids over and under the disc of a foot at some height.
 typedef struct Ground {
-    bool blocked;    // by something too high to step over and too low to duck under
-    double support;  // the highest below, -INFINITY without
-    double footing;  // the highest that is no slope too steep to stand on
-    double ceiling;  // the lowest above, INFINITY without
-    double head;     // the lowest above its middle, where the head is
+    bool blocked;    // by a solid too high to step over and too low to duck under
+    double support;  // the top of the highest solid below, -INFINITY if there is none
+    double footing;  // the same among solids that are not too steep to stand on
+    double ceiling;  // the underside of the lowest solid above, INFINITY if there is none
+    double head;     // the same over the middle of the disc, where the head is
 } Ground;
 
 static Ground ground_at(const Gathered *g, Vec2 at, double radius, double foot, double step) {
@@ -71,13 +72,13 @@ static Ground ground_at(const Gathered *g, Vec2 at, double radius, double foot, 
     return ground;
 }
 
-// Would it climb on something that it cannot stand on?
+// Would the body climb onto a solid that it cannot stand on?
 static bool is_rough(const Ground *ground, double foot) {
     return ground->support > foot && ground->support > ground->footing + ROUGH;
 }
 
-// How much higher the body may step: no more than a step above the solid under its middle, so that nobody climbs a bed by
-// its rim. Treads are deeper than the middle is wide.
+// How much higher the body may step: at most BODY_STEP above the solid under its middle, so that nobody climbs a bed by its rim.
+// Treads are deeper than the middle is wide.
 static double step_left(const Body *b, const Gathered *g) {
     if (!b->standing) return 0;
     Ground under = ground_at(g, plan_of(b->foot), MIDDLE, b->foot.z, 0);
@@ -96,13 +97,13 @@ static void note_place(BodyWorld *w, Vec3 foot) {
 
 // ---- a piece of a way
 
-// Where a slide turns, in plan.
+// The points at which a slide turns, in plan.
 typedef struct Slide {
     Vec2 at[MOST_CONTACTS + 2];
     int count;
 } Slide;
 
-// The first thing met; 1 and no normal if nothing is.
+// The share of the way after which the disc meets the first solid, and the normal there; 1, and no normal, if it meets none.
 static double first_contact(const Gathered *g, Band band, Vec2 from, Vec2 way, Vec2 *normal) {
     double first = 1;
     for (int i = 0; i < g->solid_count; i++) {
@@ -136,7 +137,8 @@ static Slide slide(const Gathered *g, Band band, Vec2 from, Vec2 way) {
     return s;
 }
 
-// Follows the slide from cell to cell, rising first and sinking last; -1 where it would leave them.
+// Follows the slide from cell to cell, rising first and sinking last. Returns the last cell, -1 where the slide would leave the
+// cells.
 static int follow_slide(BodyWorld *w, const Body *b, const Slide *s, double foot) {
     double start = b->foot.z + BODY_MIDDLE, end = foot + BODY_MIDDLE, level = fmax(start, end);
     int cell = b->cell;
@@ -160,8 +162,8 @@ static void take_place(Body *b, BodyWorld *w, const Slide *s, double foot, int c
     note_place(w, b->foot);
 }
 
-// An end that will not do may do when more is taken for a wall: a solid that hangs low over a step up, or one that cannot
-// be stood on. False when all of it is already.
+// A slide to another end may be possible when more solids count as walls: one that hangs low over a step up, or one that cannot be
+// stood on. Returns false when all of them count as walls already.
 static bool widen_band(Band *band, const Ground *ground, double old_foot, double foot) {
     Band was = *band;
     if (ground->blocked) return false;
@@ -170,7 +172,8 @@ static bool widen_band(Band *band, const Ground *ground, double old_foot, double
     return band->z0 < was.z0 || band->z1 > was.z1;
 }
 
-// Where the end of a slide will not do it is tried again with more taken for a wall, then shorter.
+// If the body cannot stand at the end of a slide, the piece is tried again with more solids as walls, then shorter. Returns false
+// if the body did not move.
 static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
     double start = b->foot.z;
     Vec2 from = plan_of(b->foot);
@@ -201,7 +204,7 @@ static bool walk_piece(Body *b, BodyWorld *w, Vec2 way) {
 
 // ---- up and down
 
-// As far as `drop` down, on to whatever is there.
+// Lowers the body by `drop`, or onto the first solid below it.
 static void sink(Body *b, BodyWorld *w, double drop) {
     Vec2 at = plan_of(b->foot);
     Gathered g = gather_ground(w, b->cell, at, BODY_RADIUS, b->foot.z - drop, b->foot.z + BODY_HEIGHT);
@@ -209,7 +212,7 @@ static void sink(Body *b, BodyWorld *w, double drop) {
     double foot = fmax(ground.support, b->foot.z - drop);
     Slide still = {.at = {at}, .count = 1};
     int cell = ground.blocked ? -1 : follow_slide(w, b, &still, foot);
-    // Where a floor is missing there is nothing to fall into.
+    // Where a floor is missing, there is no cell into which the body could fall.
     if (cell < 0) foot = b->foot.z;
     b->standing = cell < 0 || foot == ground.support;
     if (b->standing) b->fall = 0;
@@ -225,7 +228,7 @@ static void fall(Body *b, BodyWorld *w, double seconds) {
 
 // ---- free places
 
-// Is there room at this place for a body that stands on the ground under it?
+// Puts the body at this place, on the ground under it, if there is room; false if not. `region` -1: in any region.
 static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     int cell = vis_locate(w->graph, vec3(foot.x, foot.y, foot.z + BODY_MIDDLE), -1);
     if (cell < 0 || (region >= 0 && w->graph->cells[cell].region != region)) return false;
@@ -263,7 +266,7 @@ static double nearest_height(const CellGraph *graph, Vec3 foot) {
     return best;
 }
 
-// Rings about the place, ever wider.
+// Tries the places on ever wider rings around `foot`.
 static bool search_rings(Body *b, BodyWorld *w, Vec3 foot, int region) {
     for (double ring = 0; ring <= BODY_SEARCH; ring += PLACES_APART) {
         int places = (int)fmax(1, ceil(2 * M_PI * ring / PLACES_APART));
@@ -302,7 +305,7 @@ void body_step(Body *b, BodyWorld *w, Vec2 way, double seconds) {
     int pieces = (int)ceil(length / PIECE);
     double share = seconds / fmax(1, pieces);
     for (int i = 0; i < pieces; i++) {
-        // A solid that stopped it once stops it again.
+        // A solid that stopped the body once stops it again.
         if (!walk_piece(b, w, vec2_scale(way, 1.0 / pieces))) break;
         seconds -= share;
         if (!b->standing) fall(b, w, share);

@@ -1,7 +1,7 @@
-// collision_check.c - is a body where it may be, and did it get there as it may?
+// collision_check.c - checks whether a body is at an allowed place and got there by an allowed way.
 //
-// Each polygon is clipped to the heights that matter and laid on the plan; the rest of the polygon is tested for its
-// distance from the axis, or for a crossing with the way of the axis.
+// Each polygon is clipped to the heights that matter and projected onto the plan; the remainder is tested for its distance from the
+// axis, or for a crossing with the way of the axis.
 #include "engine/sim/collision_check.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ const char *const COLLISION_FAULT_NAMES[COLLISION_FAULTS] = {
     "none",           "outside the cells", "in something solid", "in a door", "through something solid",
     "through a door", "through a window"};
 
-// Side of a square, metres; the squares of a large world are larger.
+// Side of a square of the grid, metres; the squares of a large world are larger.
 static const double SQUARE = 0.5;
 enum { MOST_SQUARES = 512 };  // along a side
 
@@ -28,7 +28,7 @@ struct CollisionCheck {
     Box *box;               // [polygon_count]
     unsigned char *solid;   // [polygon_count]
     unsigned *seen, serial;
-    int *list;        // [polygon_count] the last answer
+    int *list;        // [polygon_count] the last answer of collision_check_near
     Vec3 *buffer[2];  // each with room for the largest polygon, clipped
     int *window_portals;
     int window_count;
@@ -42,7 +42,7 @@ static void mark_solid(CollisionCheck *check) {
         const Object *o = &graph->objects[i];
         bool frame = o->kind == OBJECT_FRAME && o->opening >= 0 &&
                      graph->building->openings[o->opening].kind == OPENING_DOOR;
-        // The frame that alone bars a door is the one thing drawn that is not felt.
+        // A frame that bars its door by itself is the only thing that is drawn but is no obstacle.
         bool barring =
             frame && !door_lets_pass(graph, o->opening, true) && door_lets_pass(graph, o->opening, false);
         bool solid = !o->plug && o->leaf < 0 && !barring;
@@ -143,7 +143,7 @@ int collision_check_near(CollisionCheck *check, Box box, const int **polygons) {
 
 // ---- plans
 
-// The part of a polygon between two heights; in a buffer of the check.
+// Clips a polygon to the heights z0 .. z1, into buffer[1] of the check. Returns the vertex count.
 static int cut_to(CollisionCheck *check, const Vec3 *v, int count, double z0, double z1) {
     count = polygon_clip(v, count, (Plane){{0, 0, 1}, z0}, 0, check->buffer[0]);
     return polygon_clip(check->buffer[0], count, (Plane){{0, 0, -1}, -z1}, 0, check->buffer[1]);
@@ -157,7 +157,7 @@ static double to_edge(Vec2 p, Vec2 a, Vec2 b) {
     return vec2_length(vec2_sub(p, vec2_add(a, vec2_scale(along, t / length))));
 }
 
-// By the crossings of a ray along +x: even outside, odd inside.
+// Is p inside the plan of a polygon? It is if a ray along +x crosses an odd number of edges.
 static bool encloses(const Vec3 *v, int count, Vec2 p) {
     bool inside = false;
     for (int i = 0, k = count - 1; i < count; k = i++)
@@ -172,7 +172,7 @@ double collision_plan_distance(const Vec3 *v, int count, Vec2 p) {
     return count > 0 && encloses(v, count, p) ? 0 : nearest;
 }
 
-// Does a plan way meet the outline, or lie within it?
+// Does a way in plan cross the outline of a polygon, or begin or end inside it?
 static bool plan_crossed(const Vec3 *v, int count, Vec2 from, Vec2 to) {
     if (count == 0) return false;
     for (int i = 0, k = count - 1; i < count; k = i++) {
@@ -197,7 +197,7 @@ static bool outside(const CellGraph *graph, Vec3 foot, double height) {
     double keep = BODY_RADIUS - BODY_TOLERANCE;
     if (foot.x < world.min.x + keep || foot.x > world.max.x - keep) return true;
     if (foot.y < world.min.y + keep || foot.y > world.max.y - keep) return true;
-    // From over its soles to under its crown, all of the axis is in free space.
+    // The axis must be in free space from above the body's soles to below its crown.
     for (int i = 1; i <= 4; i++) {
         int cell = vis_locate(graph, vec3(foot.x, foot.y, foot.z + height * i / 5), -1);
         if (cell < 0) return true;
@@ -207,7 +207,7 @@ static bool outside(const CellGraph *graph, Vec3 foot, double height) {
     return false;
 }
 
-// The door whose leaf, within [z0, z1], is too near to a place or crosses a way; -1: none.
+// The door whose leaf, within [z0, z1], is too near to the place `from` or, if `way`, crosses the way to `to`; -1: none.
 static int door_at_fault(const CollisionCheck *check, const float *door_open, Vec2 from, Vec2 to, double z0,
                          double z1, bool way) {
     const Building *b = check->graph->building;
@@ -249,7 +249,7 @@ CollisionFault collision_check_place(CollisionCheck *check, const float *door_op
     return door >= 0 ? fault(COLLISION_IN_LEAF, door, what) : fault(COLLISION_NONE, -1, what);
 }
 
-// A way at one height: the axis, between the highest step and the height of a ducking body, crosses no polygon.
+// Checks a level way: between the highest step and the height of a ducking body, the axis must cross no polygon.
 static CollisionFault check_level(CollisionCheck *check, const float *door_open, Vec3 from, Vec3 to,
                                   int *what) {
     const CellGraph *graph = check->graph;
@@ -278,7 +278,7 @@ CollisionFault collision_check_way(CollisionCheck *check, const float *door_open
         CORE_ASSERT(from.z == to.z);
         return check_level(check, door_open, from, to, what);
     }
-    // Up or down: nothing flat lies between.
+    // The way is vertical: no polygon may lie between its ends.
     double low = fmin(from.z, to.z) + BODY_TOLERANCE, high = fmax(from.z, to.z) - BODY_TOLERANCE;
     if (low >= high) return fault(COLLISION_NONE, -1, what);
     const int *near;

@@ -1,5 +1,5 @@
-// collision_check.h - is a body where it may be, and did it get there as it may? Answers by brute force over all
-// polygons, for tests and benchmarks; shares no geometry with the body that it checks.
+// collision_check.h - checks whether a body is at an allowed place and got there by an allowed way. Works by brute force over all
+// polygons, for tests and benchmarks; shares no geometry code with the body that it checks.
 #ifndef WALK_COLLISION_CHECK_H
 #define WALK_COLLISION_CHECK_H
 
@@ -9,9 +9,9 @@ typedef enum CollisionFault {
     COLLISION_NONE,
     COLLISION_OUTSIDE,        // the axis is in no cell, in a window, or at the border of the world
     COLLISION_IN_SOLID,       // a polygon is nearer than the radius
-    COLLISION_IN_LEAF,        // a leaf or a closed door is
+    COLLISION_IN_LEAF,        // a leaf or a closed door is nearer than the radius
     COLLISION_THROUGH_SOLID,  // the way of the axis crosses a polygon
-    COLLISION_THROUGH_LEAF,   // a leaf or a closed door
+    COLLISION_THROUGH_LEAF,   // the way of the axis crosses a leaf or a closed door
     COLLISION_THROUGH_WINDOW,
     COLLISION_FAULTS
 } CollisionFault;
@@ -20,17 +20,18 @@ extern const char *const COLLISION_FAULT_NAMES[COLLISION_FAULTS];
 typedef struct CollisionCheck CollisionCheck;
 CollisionCheck *collision_check_new(const CellGraph *graph, Arena *arena);
 
-// Checks a body of this height that stands or falls there. `door_open` is as for vis_query. `what` gets a polygon of the
-// graph or an opening, -1 for neither.
+// Checks a body of this height that stands or falls with its foot at `foot`. `door_open` is as for vis_query. `what` receives the
+// index of the polygon of the graph or of the opening at fault, -1 for neither.
 CollisionFault collision_check_place(CollisionCheck *check, const float *door_open, Vec3 foot, double height,
                                      int *what);
-// One straight piece of the way of a foot, upright or level.
+// Checks one straight piece of the path of a foot, vertical or level.
 CollisionFault collision_check_way(CollisionCheck *check, const float *door_open, Vec3 from, Vec3 to,
                                    int *what);
 
-// The solid polygons of the graph that may come into a box, each once; until the next call.
+// Lists the solid polygons of the graph whose boxes meet `box`, each once, and returns their number. The list is valid until the
+// next call.
 int collision_check_near(CollisionCheck *check, Box box, const int **polygons);
-// How near a polygon comes to a place in plan, metres; 0 over or under it.
+// The distance of a polygon from the place `at` in plan, metres; 0 where the polygon lies over or under the place.
 double collision_plan_distance(const Vec3 *vertices, int count, Vec2 at);
 
 #endif

@@ -1,4 +1,4 @@
-// collision_walk.c - a body that walks at random, watched at every step.
+// collision_walk.c - a body that walks at random, checked at every step.
 #include "engine/sim/collision_walk.h"
 
 #include <stdio.h>
@@ -9,15 +9,15 @@
 #include "engine/sim/collision_check.h"
 #include "engine/sim/doors.h"
 
-// Distance of neighbouring places, metres: a quarter of the radius of a body.
+// Distance of neighbouring places of the flood, metres: a quarter of the radius of a body.
 #define FLOOD_APART 0.05
-// Outdoors only so far from anything built, metres: beyond is nothing to meet.
+// The flood reaches this far from anything built, metres: farther outdoors there is nothing to meet.
 #define FLOOD_OUTDOORS 2.0
 
 typedef struct FloodRules {
-    double radius, spare;   // metres: of the disc that is carried, and how much more of it is kept clear
+    double radius, spare;   // metres: of the disc that is carried, and how much more is kept clear around it
     double step, headroom;  // metres
-    bool leaves;            // of doors, wide open, are in the way
+    bool leaves;            // the leaves of wide open doors are in the way
     bool strict;            // only even ground, and no way down that does not lead up again
 } FloodRules;
 
@@ -26,32 +26,32 @@ typedef struct FloodPlace {
     double middle;  // the height of the polygon that carries the middle of the disc
     double ceiling;
     int link[4];  // the place that a step along +x, +y, -x, -y leads to, -1 none
-    int next;     // of the same column, -1 none
+    int next;     // the next place of the same column, -1 none
 } FloodPlace;
 
 typedef struct CollisionFlood {
     FloodPlace *places;
-    int *column;  // [nx * ny] its first place, -1 none
+    int *column;  // [nx * ny] the first place of each column, -1 none
     Vec2 origin;
     int nx, ny, place_count, place_capacity;
 } CollisionFlood;
 
 // ---- every place of a plan grid that can be reached by foot.
 //
-// The search is breadth first. A place is taken when, between the height of a step and the headroom of a ducking body, no
-// polygon lies over or under a disc around the place. A regular polygon around the disc stands in for it, and upright and
-// sloping polygons are cut by that polygon.
+// The search is breadth first. A place is taken when, between the height of a step and the headroom of a ducking body, no polygon
+// lies over or under a disc around the place. A regular polygon around the disc stands in for the disc: upright and sloping
+// polygons are clipped to it.
 
 enum { SIDES = 32, MOST_CORNERS = 256 };
 // Slopes of more than 45 degrees carry nobody.
 static const double STEEP = 0.7;
-// More upright than this is the side of a step, which its tread tops.
+// A polygon whose normal has an upright component below this is the riser of a step, and the top of the step is its tread.
 static const double RISER = 0.1;
-// How deep ways lead down when they need not lead up again, metres.
+// How far a way may lead down when it need not lead up again, metres.
 static const double DEEPEST = 30.0;
 
-// Where a body surely gets: 2 cm of room to spare, which the straight ways between neighbours need: a disc of 0.2 m stays
-// within two of 0.22 m, 5 cm apart, all the way from one to the other.
+// The rules for places that a body surely reaches. Straight ways between neighbours need 2 cm of room to spare: a disc of 0.2 m
+// stays within two discs of 0.22 m, 5 cm apart, all the way from one to the other.
 static FloodRules flood_strict(void) {
     return (FloodRules){.radius = BODY_RADIUS,
                         .spare = 0.02,
@@ -61,22 +61,24 @@ static FloodRules flood_strict(void) {
                         .strict = true};
 }
 
-// Where a body may get at all: a disc so small that it is free at the grid's place nearest to any free body.
+// The rules for places that a body may reach at all: the disc is so small that it is free at the grid's place nearest to any free
+// body.
 static FloodRules flood_loose(void) {
-    // Half the diagonal of the grid nearer, and the circle about a polygon of so many sides within.
+    // The disc is smaller by half the diagonal of the grid, and the polygon around it, of SIDES sides, lies within this smaller
+    // radius.
     double radius = (BODY_RADIUS - FLOOD_APART * M_SQRT1_2) * cos(M_PI / SIDES) - 1e-3;
     return (FloodRules){.radius = radius, .step = 2 * BODY_STEP, .headroom = BODY_LOWEST - 0.02};
 }
 
 typedef struct Stand {
-    double foot, step;  // where it comes from, and how much higher it may step
+    double foot, step;  // the height from which the body comes, and how much higher it may step
     bool asked;         // false: nothing is known
     bool free;
-    double support;  // the highest under the disc itself
-    double middle;   // under its middle
-    double top,
-        footing;   // with the room to spare: the highest that is stepped over, and the highest that carries
-    double slope;  // with the room to spare: the highest that is neither level nor upright
+    double support;  // the highest point under the disc itself
+    double middle;   // the highest point under the middle of the disc
+    // With the room to spare: the highest polygon that is stepped over, and the highest that carries a body.
+    double top, footing;
+    double slope;  // with the room to spare: the highest polygon that is neither level nor upright
     double ceiling;
 } Stand;
 
@@ -91,7 +93,8 @@ typedef struct Flooder {
 
 // ---- a place
 
-// The heights of a polygon over a disc that it comes over or under; for the disc stands a regular polygon about it.
+// The lowest and highest point of the part of a polygon over or under a disc, for which a regular polygon around the disc stands
+// in; false if there is no such part. The polygon must come over or under the disc.
 static bool heights_over(const Vec3 *v, int count, Vec2 at, double radius, double *low, double *high) {
     Vec3 buffer[2][MOST_CORNERS];
     *low = *high = v[0].z;
@@ -115,7 +118,7 @@ static bool heights_over(const Vec3 *v, int count, Vec2 at, double radius, doubl
     return count > 0;
 }
 
-// True where it is something to step on.
+// Is a polygon between these heights one to step on? Otherwise it is a ceiling, or the place is not free.
 static bool stand_on(Stand *s, const FloodRules *r, double low, double high) {
     if (high <= s->foot + s->step) return true;
     if (low >= s->foot + r->headroom) {
@@ -166,7 +169,7 @@ static bool in_window(const CellGraph *graph, Vec3 place) {
     return opening >= 0 && graph->building->openings[opening].kind == OPENING_WINDOW;
 }
 
-// For one who comes from a foot height and may step so much higher.
+// The stand at a place in plan for a body that comes from the height `foot` and may step `step` higher.
 static Stand stand_at(const Flooder *f, Vec2 at, double foot, double step) {
     const FloodRules *r = f->rules;
     Stand s = {foot, step, false, true, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, INFINITY};
@@ -189,7 +192,7 @@ static Vec2 column_place(const CollisionFlood *flood, int i, int j) {
     return vec2(flood->origin.x + i * FLOOD_APART, flood->origin.y + j * FLOOD_APART);
 }
 
-// The stand in a column, remembered.
+// The stand in a column; the last answer for each column is kept.
 static Stand stand_in(Flooder *f, int i, int j, double foot, double step) {
     Stand *last = &f->last[j * f->out->nx + i];
     if (last->asked && last->foot == foot && last->step == step) return *last;
@@ -220,7 +223,7 @@ static void spread(Flooder *f, int from) {
     FloodPlace here = flood->places[from];
     int x = (int)lround((here.foot.x - flood->origin.x) / FLOOD_APART);
     int y = (int)lround((here.foot.y - flood->origin.y) / FLOOD_APART);
-    // For the height of a step counts the ground under the middle.
+    // The height of a step is measured from the ground under the middle.
     double step = f->rules->strict ? fmax(0, here.middle + f->rules->step - here.foot.z) : f->rules->step;
     for (int k = 0; k < 4; k++) {
         int i = x + STEPS[k][0], j = y + STEPS[k][1];
@@ -228,7 +231,7 @@ static void spread(Flooder *f, int from) {
         Stand s = stand_in(f, i, j, here.foot.z, step);
         if (!s.free) continue;
         double top = fmax(here.foot.z, s.support) + f->rules->headroom;
-        // Under a low ceiling nobody begins a step up.
+        // A body does not begin a step up under a low ceiling.
         if (f->rules->strict &&
             (here.foot.z - s.support > f->rules->step || here.ceiling < top || s.ceiling < top))
             continue;
@@ -243,7 +246,8 @@ static void lay(CollisionFlood *flood, const CellGraph *graph, const FloodRules 
         if (vis_region(graph, c)->kind != REGION_OUTDOORS) box = box_union(box, graph->cells[c].box);
     }
     box = box_is_empty(box) ? graph->box : box_grow(box, FLOOD_OUTDOORS);
-    // Nobody comes nearer to the border of the world: that of a soup runs along its outer walls, its roof within.
+    // No body comes nearer than its radius to the border of the world: the border of a polygon soup runs along its outer walls,
+    // with its roof inside.
     Box world = box_grow(graph->building->world, -rules->radius - rules->spare);
     box.min.x = fmax(box.min.x, world.min.x), box.max.x = fmin(box.max.x, world.max.x - FLOOD_APART);
     box.min.y = fmax(box.min.y, world.min.y), box.max.y = fmin(box.max.y, world.max.y - FLOOD_APART);
@@ -254,7 +258,7 @@ static void lay(CollisionFlood *flood, const CellGraph *graph, const FloodRules 
     for (int i = 0; i < flood->nx * flood->ny; i++) flood->column[i] = -1;
 }
 
-// The middle of each cell's corners, on its floor.
+// Starts the flood in a cell: at the mean of its corners, on its floor.
 static void seed(Flooder *f, int c) {
     CollisionFlood *flood = f->out;
     const Cell *cell = &f->graph->cells[c];
@@ -279,7 +283,8 @@ static CollisionFlood collision_flood(CollisionCheck *check, const CellGraph *gr
     return flood;
 }
 
-// Is a place of the flood within `reach` in plan and `rise` in height? True outside the grid, which says nothing there.
+// Is a place of the flood within `reach` of `foot` in plan and `rise` in height, metres? True outside the grid, where the flood is
+// unknown.
 static bool collision_flood_near(const CollisionFlood *flood, Vec3 foot, double reach, double rise) {
     int x0 = (int)ceil((foot.x - reach - flood->origin.x) / FLOOD_APART);
     int x1 = (int)floor((foot.x + reach - flood->origin.x) / FLOOD_APART);
@@ -296,17 +301,17 @@ static bool collision_flood_near(const CollisionFlood *flood, Vec3 foot, double 
     return false;
 }
 
-// Lengths of steps, metres: evenly spread over their logarithm.
+// The shortest and the longest step, metres: lengths are evenly distributed over their logarithm.
 static const double SHORTEST = 0.001, LONGEST = 5.0;
-// How often it turns, is put elsewhere, and a door is used: shares of the steps.
+// Shares of the steps at which the body turns, is put elsewhere, and a door is used.
 static const double TURNS = 0.1, MOVES = 0.002, DOORS = 0.05;
-// Between two steps, seconds; now and then the machine stalls.
+// The time between two steps, seconds: TICK, but STALL for a share STALLS of the steps, as when the machine stalls.
 static const double TICK = 1.0 / 60, STALL = 5.0, STALLS = 0.001;
-// A body is as near as this to where a foot may get: twice the diagonal of a square of the flood, in plan.
+// A body must be this near in plan to a place of the loose flood, metres: twice FLOOD_APART.
 static const double STRAY = 0.1;
-// Arrived where a way of the flood leads, metres.
+// A body this near to the end of a way of the flood has arrived, metres.
 static const double ARRIVED = 0.02;
-// Steps that lead less far lead nowhere, metres.
+// Steps that lead less far than this lead nowhere, metres.
 static const double STILL = 1e-3;
 enum { TRACE = 4096 };
 
@@ -322,10 +327,10 @@ typedef struct Watch {
     Body body;
     Random random;
     double heading;
-    bool fell;  // since it last was where a foot gets
+    bool fell;  // since the body was last near a place of the loose flood
 } Watch;
 
-// Writes a sentence, of which the first is kept.
+// Writes a sentence to `out`, unless an earlier sentence is there.
 static void report(const Watch *w, char out[256], const char *kind, Vec3 at, int what) {
     if (out[0]) return;
     snprintf(out, 256, "seed %llu, step %ld: %s (%d), foot at (%.9g, %.9g, %.9g)",
@@ -346,7 +351,7 @@ static void watch_way(Watch *w) {
     for (int i = 1; i < w->trace.count; i++) {
         int what;
         Vec3 from = w->trace.points[i - 1], to = w->trace.points[i], corner = vec3(from.x, from.y, to.z);
-        // Rising first, sinking last: a level part is at the height at which it was walked.
+        // The body rises first and sinks last, so that a level part is checked at the height at which it was walked.
         if (from.z > to.z) corner = vec3(to.x, to.y, from.z);
         CollisionFault f = collision_check_way(w->check, w->doors.open, from, corner, &what);
         if (f == COLLISION_NONE) f = collision_check_way(w->check, w->doors.open, corner, to, &what);
@@ -356,7 +361,8 @@ static void watch_way(Watch *w) {
     }
 }
 
-// A ledge of some centimetres carries the rim of a body, and one walks along it; the flood, whose disc is small, does not.
+// Does the body stand on the rim of its disc only? A ledge of some centimetres carries the rim, and the body walks along the ledge;
+// the flood, whose disc is small, does not.
 static bool stands_on_its_rim(Watch *w) {
     const double within = BODY_RADIUS / 2, level = 0.01;
     Vec3 foot = w->body.foot;
@@ -385,7 +391,7 @@ static void watch_place(Watch *w) {
         w->out->faults[f]++;
         report(w, w->out->first_fault, COLLISION_FAULT_NAMES[f], w->body.foot, what);
     }
-    // Who falls may land where nobody walks to.
+    // A body that falls may land where no body walks to.
     if (!w->body.standing) w->fell = true;
     if (collision_flood_near(&w->loose, w->body.foot, STRAY, 2 * BODY_STEP)) {
         w->fell = !w->body.standing;
@@ -395,7 +401,7 @@ static void watch_place(Watch *w) {
     }
 }
 
-// From where it is, does any way lead anywhere, with the doors as they are?
+// Does no way lead anywhere from the body's place, with the doors as they are?
 static bool is_stuck(Watch *w) {
     enum { WAYS = 16 };
     for (int i = 0; i < WAYS; i++) {
@@ -410,7 +416,8 @@ static bool is_stuck(Watch *w) {
     return true;
 }
 
-// Is it one door that holds it there, as when a leaf swings before a corner? Then a way leads where that one is open, or closed.
+// Does one door hold the body there, as when a leaf swings in front of a corner? If so, a way leads on with this door open or
+// closed.
 static bool is_shut_in(Watch *w) {
     bool shut = false;
     for (int i = 0; i < w->graph->building->opening_count && !shut; i++) {
@@ -459,7 +466,7 @@ static void take_step(Watch *w) {
 
 // ---- the ways of the flood
 
-// Begins as the flood stands there, if that is how a body stands.
+// Puts a body at a place of the flood; false if the body does not stay there.
 static bool take_stand(Watch *w, Vec3 foot, Body *out) {
     int cell = vis_locate(w->graph, vec3(foot.x, foot.y, foot.z + BODY_MIDDLE), -1);
     *out = (Body){.foot = foot, .height = BODY_LOWEST, .standing = true, .cell = cell};
@@ -493,7 +500,7 @@ static void walk_flood(Watch *w) {
     w->out->flood_places = w->strict.place_count;
 }
 
-// ---- all of it
+// ---- the whole walk
 
 static bool begin_watch(Watch *w, Arena *arena, Error *error) {
     const Building *b = w->graph->building;

@@ -3,8 +3,8 @@
 
 #include "engine/sim/body.h"
 
-// Lanes through a doorway are tried this far apart, and begin and end this far from the middle of the wall, metres:
-// most walls are thinner, and a swung leaf reaches farther than either.
+// Lanes through a doorway are tried LANE_APART from each other, and begin and end LANE_HALF from the middle of the wall, metres:
+// most walls are thinner, and a swung leaf reaches farther than the wall and the lane.
 static const double LANE_APART = 0.02, LANE_HALF = 0.4;
 
 int door_part_count(const Building *building, int opening) {
@@ -50,7 +50,7 @@ Box door_leaf_reach(const Leaf *leaf) {
 
 typedef struct Lane {
     Vec2 from, way;
-    Band band;  // the heights that a body may not step over nor duck under
+    Band band;  // the heights that a body may neither step over nor duck under
 } Lane;
 
 static bool stops(const Solid *solid, const Lane *lane) {

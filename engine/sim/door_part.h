@@ -13,14 +13,15 @@ typedef struct DoorPart {
 } DoorPart;
 
 int door_part_count(const Building *building, int opening);  // 0 for passages and windows
-// Where it is at share `open` of its way. A door without leaves is there only while closed: false when open.
+// The part as it stands when the door is at share `open` of its way. A door without leaves is an obstacle only while closed: false
+// when it is open.
 bool door_part(const Building *building, int opening, int part, double open, DoorPart *out);
-// As a solid; `plan` [LEAF_CORNERS] keeps its vertices.
+// The part as a solid, whose vertices are stored in `plan` [LEAF_CORNERS].
 Solid door_part_solid(const DoorPart *part, Vec3 *plan);
-// All that a leaf comes to on its way.
+// A box around all places that a leaf reaches on its way.
 Box door_leaf_reach(const Leaf *leaf);
 
-// Can a disc pass the door wide open? With its frame as drawn, or with none.
+// Can a body's disc pass the door when it is wide open? With its frame as drawn, or without a frame.
 bool door_lets_pass(const CellGraph *graph, int opening, bool with_frame);
 
 #endif

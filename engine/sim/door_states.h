@@ -14,9 +14,9 @@ typedef enum WalkDoors {
 } WalkDoors;
 extern const char *const WALK_DOORS_NAMES[WALK_DOORS];
 
-// How far one door is open, as for vis_query; `random` goes on with every call.
+// How far one door is open, as for vis_query. Every call advances `random`, whatever `doors` is.
 float walk_door_share(const Building *building, int opening, WalkDoors doors, Random *random);
-// Closed, wide open, or anything between, hardly open too.
+// A random share: closed, wide open, or anything between, including hardly open.
 float walk_random_share(Random *random);
 
 #endif

@@ -1,9 +1,9 @@
 // doors.c - doors that move.
 //
-// A door moves in steps so small that no point of its leaves goes farther than the distance that the leaves keep from
-// bodies and from other leaves. A step that would bring a leaf nearer than this distance is not taken, unless it leads
-// away. For this reason two leaves never cross, and no leaf ever touches a body. Leaves go through walls and furniture, as
-// the leaves of many drawn homes would have to: no doorway is lost by that.
+// A door moves in steps so small that no point of its leaves goes farther than the distance that the leaves keep from bodies and
+// from other leaves. A step that would bring a leaf nearer than this distance is not taken, unless it leads away. For this reason
+// two leaves never cross, and no leaf ever touches a body. Leaves pass through walls and furniture, since in many drawn homes a
+// leaf could not open otherwise: no doorway is lost this way.
 #include "engine/sim/doors.h"
 
 #include <string.h>
@@ -13,12 +13,12 @@
 
 // From closed to wide open, seconds.
 static const double SWING_SECONDS = 0.9;
-// Leaves keep this far from bodies and from other leaves, and no point of them goes farther than that in one step, so
-// that halfway through it they are clear too. Metres.
+// The distance that leaves keep from bodies and from other leaves, metres. No point of a leaf goes farther in one step, so that the
+// leaf is clear halfway through a step too.
 static const double CLEAR = 0.01;
-// A door that was moved by less is the same door, metres: more than a file's decimals, less than a door's width.
+// A door that was moved by less than this is the same door, metres: more than a file's decimals, less than a door's width.
 static const double SAME_PLACE = 0.01;
-// A ray is in the next cell this far beyond the last, metres: far above rounding, thinner than any wall.
+// A ray counts as in the next cell this far beyond the last cell, metres: far above rounding, thinner than any wall.
 static const double BEYOND = 1e-6;
 
 bool doors_usable(const Doors *doors, int opening) {
@@ -57,14 +57,15 @@ Doors doors_new(const CellGraph *graph, Arena *arena) {
     return d;
 }
 
-// How far the ends and the sill of an opening are from those of another, metres.
+// The greatest distance between the ends or the sills of two openings, metres.
 static double openings_apart(const Opening *a, const Opening *b) {
     double ends =
         fmax(vec2_length(vec2_sub(a->line[0], b->line[0])), vec2_length(vec2_sub(a->line[1], b->line[1])));
     return fmax(ends, fabs(a->sill - b->sill));
 }
 
-// The opening of `of` nearest to `to` and nearer than `reach`, by name where `named`, and not `taken` (NULL: all are free); -1: none.
+// The opening of the building `of` that is nearest to `to`, nearer than `reach` metres, not `taken` (NULL: all are free) and, if
+// `named`, of the same name; -1: none.
 static int nearest_opening(const Opening *to, const Building *of, double reach, bool named,
                            const unsigned char *taken) {
     int best = -1;
@@ -107,7 +108,7 @@ void doors_set(Doors *doors, int opening, float share) {
 
 // ---- obstacles that stop a step
 
-// A part before and after a step; before, it may not have been there.
+// A part of a door before and after a step. A door without leaves has no part while it is open: then `was_there` is false.
 typedef struct PartStep {
     DoorPart from, to;
     bool was_there;
@@ -123,7 +124,7 @@ static bool bands_overlap(Band a, Band b) { return a.z0 < b.z1 && b.z0 < a.z1; }
 
 static double overlap(Band a, Band b) { return fmin(a.z1, b.z1) - fmax(a.z0, b.z0); }
 
-// A part that comes up from below a foot.
+// Does the part rise from below the body's foot?
 static bool comes_under(const PartStep *s, const Body *body) {
     return s->was_there && s->from.heights.z1 <= body->foot.z + BODY_TOLERANCE &&
            s->to.heights.z1 > s->from.heights.z1 && s->to.heights.z1 > body->foot.z &&
@@ -134,7 +135,7 @@ static bool meets_body(const Doors *d, const PartStep *s, const Body *body) {
     Band upright = {body->foot.z, body->foot.z + body->height};
     Vec2 at = vec2(body->foot.x, body->foot.y);
     if (!bands_overlap(s->to.heights, upright)) return false;
-    // It carries whom it does not press against the ceiling.
+    // A rising part carries the body, unless it would press the body against the ceiling.
     if (comes_under(s, body) && body->cell >= 0)
         return d->graph->cells[body->cell].z1 < s->to.heights.z1 + BODY_LOWEST;
     double distance = part_distance(&s->to, at);
@@ -149,7 +150,7 @@ static bool meets_part(const PartStep *s, const DoorPart *other) {
     if (gap >= CLEAR) return false;
     if (!s->was_there) return true;
     double before = solid_gap(s->from.plan, s->from.count, other->plan, other->count);
-    // Those that are drawn through one another may part in whatever way.
+    // Leaves that are drawn through one another may move apart in any way.
     return before >= 0 && gap < before;
 }
 
@@ -165,7 +166,7 @@ static bool meets_doors(const Doors *d, int opening, const PartStep *s) {
     return false;
 }
 
-// A part of a door as it is, and as it is at another share; false where it is not there then.
+// A part of a door as it is now and as it is at another share; false where there is no part at that share.
 static bool part_step(const Doors *d, int opening, int part, float share, PartStep *out) {
     const Building *b = d->graph->building;
     out->was_there = door_part(b, opening, part, (double)d->open[opening], &out->from);
@@ -196,7 +197,7 @@ static void carry(const Doors *d, int opening, float share, Body *body) {
     }
 }
 
-// The share of its way in which no point of its leaves goes farther than CLEAR.
+// The share of a door's way in which no point of its leaves goes farther than CLEAR.
 static double small_step(const Building *b, const Opening *o) {
     double longest = CLEAR;
     for (int i = o->first_leaf; i < o->first_leaf + o->leaf_count; i++) {
@@ -218,7 +219,7 @@ void doors_advance(Doors *d, double seconds, Body *body) {
             double way = fmin(step, left), to_go = (double)d->wanted[i] - (double)d->open[i];
             float next =
                 fabs(to_go) <= way ? d->wanted[i] : (float)((double)d->open[i] + copysign(way, to_go));
-            // Less than a float can hold.
+            // The step is smaller than a float can represent.
             if (next == d->open[i]) break;
             d->halt[i] = (unsigned char)halted(d, i, next, body);
             if (d->halt[i] != DOOR_FREE) break;
@@ -231,7 +232,7 @@ void doors_advance(Doors *d, double seconds, Body *body) {
 
 // ---- looking at doors
 
-// How far a ray goes before it leaves a cell.
+// How far a ray goes before it leaves a cell, metres.
 static double way_out(const CellGraph *graph, const Cell *cell, Vec3 eye, Vec3 direction) {
     double out = INFINITY;
     if (direction.z != 0) out = ((direction.z > 0 ? cell->z1 : cell->z0) - eye.z) / direction.z;
@@ -246,25 +247,25 @@ static double way_out(const CellGraph *graph, const Cell *cell, Vec3 eye, Vec3 d
     return out;
 }
 
-// Where a ray meets a wall or a window, metres; no farther than `reach`.
+// How far a ray goes before it meets a wall or a window, metres; at most `reach`.
 static double clear_length(const CellGraph *graph, Vec3 eye, int cell, Vec3 direction, double reach) {
     const Building *b = graph->building;
     double gone = 0;
     while (cell >= 0 && gone < reach) {
         const Region *region = vis_region(graph, cell);
         if (region->opening >= 0 && b->openings[region->opening].kind == OPENING_WINDOW) break;
-        // A little farther each time, so that it ends even where rounding leaves it in a cell it has left.
+        // Each step goes a little farther, so that the loop ends even where rounding finds a cell that the ray has left.
         gone = fmax(gone, way_out(graph, &graph->cells[cell], eye, direction)) + BEYOND;
         cell = vis_locate(graph, vec3_add(eye, vec3_scale(direction, gone)), cell);
     }
     return fmin(gone, reach);
 }
 
-// Where a ray enters an upright prism, or INFINITY.
+// How far a ray goes before it enters an upright prism, metres, or INFINITY.
 static double prism_hit(const DoorPart *part, Vec3 eye, Vec3 direction) {
     double in = 0, out = INFINITY;
     for (int i = 0; i < part->count + 2; i++) {
-        // Beyond the plane where `off` + t * `speed` < 0.
+        // The ray is outside this side of the prism where `off` + t * `speed` < 0.
         double off, speed;
         if (i < part->count) {
             Vec2 a = part->plan[i], edge = vec2_sub(part->plan[(i + 1) % part->count], a);

@@ -12,7 +12,7 @@
 
 // Side of the squares in which polygons of furniture are looked up, metres: about a body's radius.
 static const double SQUARE = 0.25;
-// The squares are made larger until there are no more entries than this for each polygon.
+// The squares are made larger until there are at most ENTRIES_PER_POLYGON entries for each item, and LEAST_ENTRIES more.
 enum { ENTRIES_PER_POLYGON = 32, LEAST_ENTRIES = 1 << 16, MOST_SQUARES = 1024 };  // along a side
 // The upright share of a normal below which nobody stands on a polygon: slopes of more than 45 degrees, and walls.
 static const double STEEP = 0.7;
@@ -20,7 +20,8 @@ static const double STEEP = 0.7;
 // far below the grid of the plan.
 static const double TOUCH = 1e-6;
 
-// Items: polygons of furniture, then leaves of doors (polygon_count + leaf), these wherever they may come.
+// A grid in plan. Its items are polygons of furniture, then leaves of doors (polygon_count + leaf); a leaf is entered in all
+// squares that it may reach.
 typedef struct PlanGrid {
     Vec2 origin;
     double size;
@@ -36,12 +37,12 @@ struct Obstacles {
     bool *steep;                      // [polygon_count]
     Box *portal_box;                  // [portal_count]
     unsigned char *shut;              // [cell_count] inside a window: nobody enters
-    int *bare_door;                   // [portal_count] the door without leaves that closes it, or -1
+    int *bare_door;                   // [portal_count] the door without leaves that closes the portal, or -1
     Vec3 border[4][4];                // the sides of the world
-    Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] of leaves gathered
-    // The last call:
+    Vec3 (*leaf_plan)[LEAF_CORNERS];  // [leaf_count] plans of the leaves gathered
+    // The state of the last call:
     unsigned serial;
-    unsigned *cell_seen, *item_seen;  // the last call that saw it
+    unsigned *cell_seen, *item_seen;  // `serial` of the last call that saw the cell or item
     int *cells;                       // [cell_count] reached
     int cell_count;
     Solid *solids;  // [polygon_count + portal_count + leaf_count + 4]
@@ -69,12 +70,12 @@ static Range squares_under(const PlanGrid *grid, Box box) {
                    clamp((box.max.y - grid->origin.y) / grid->size, grid->ny)};
 }
 
-// The polygons that never move, then the leaves of doors. `list` [polygon_count + leaf_count].
+// Lists the polygons that never move, then the leaves of doors, in `list` [polygon_count + leaf_count]; returns their number.
 static int list_items(const CellGraph *graph, Arena *scratch, int *list) {
     const Building *b = graph->building;
     unsigned char *frameless = ARENA_ARRAY(scratch, unsigned char, b->opening_count + 1);
     for (int i = 0; i < b->opening_count; i++) {
-        // A frame that alone bars its door, as models cut into parts may have it, is seen and not felt.
+        // A frame that bars its door by itself, as in some models cut into parts, is drawn but is no obstacle.
         frameless[i] = b->openings[i].kind == OPENING_DOOR && !door_lets_pass(graph, i, true) &&
                        door_lets_pass(graph, i, false);
     }
@@ -105,7 +106,7 @@ static long count_entries(const Obstacles *o, const PlanGrid *grid, const int *l
     return entries;
 }
 
-// Counts the entries of each square when `fill` is NULL, else puts them in their places.
+// Counts the entries of each square when `fill` is NULL, otherwise puts the items into their squares.
 static void enter_items(Obstacles *o, const int *list, int count, int *fill) {
     PlanGrid *grid = &o->grid;
     for (int i = 0; i < count; i++) {
@@ -163,7 +164,7 @@ static void build_boxes(Obstacles *o, Arena *arena) {
     }
 }
 
-// Nobody enters windows, and doors without leaves bar the way of their halves.
+// Marks the cells inside windows, which nobody enters, and the portals between the two halves of a door without leaves.
 static void mark_openings(Obstacles *o, Arena *arena) {
     const CellGraph *graph = o->graph;
     const Building *b = graph->building;
@@ -185,7 +186,7 @@ static void mark_openings(Obstacles *o, Arena *arena) {
 
 static void build_border(Obstacles *o) {
     Box w = o->graph->building->world;
-    // The cells of a soup reach over its roof, where one may stand too.
+    // The cells of a polygon soup reach above its roof, where a body may stand too.
     w.min.z = fmin(w.min.z, o->graph->box.min.z);
     w.max.z = fmax(w.max.z, o->graph->box.max.z);
     double x[5] = {w.min.x, w.max.x, w.max.x, w.min.x, w.min.x},
@@ -216,7 +217,7 @@ Obstacles *obstacles_new(const CellGraph *graph, Arena *arena) {
 
 // ---- which cells
 
-// A path in plan, and how near it something must come, metres; `box` holds all of that.
+// A path in plan, and the distance within which it touches a portal, metres; `box` holds all points within that distance.
 typedef struct Path {
     Vec2 from, to;
     double reach;
@@ -248,7 +249,7 @@ static bool touches(const Obstacles *o, int portal, const Path *path) {
     const Portal *p = &o->graph->portals[portal];
     if (!box_overlap(o->portal_box[portal], path->box)) return false;
     if (!p->horizontal) return edge_to_edge(path->from, path->to, p->left, p->right) <= path->reach;
-    // In plan, outside one edge by more than the reach is away from it all.
+    // In plan, a path that is outside one edge by more than the reach is that far away from the whole portal.
     const Vec3 *v = o->graph->portal_vertices + p->first_vertex;
     double turn = p->plane.n.z > 0 ? 1 : -1;  // counter-clockwise from above, or from below
     for (int i = 0; i < p->vertex_count; i++) {
@@ -268,7 +269,7 @@ static void reach_cell(Obstacles *o, int cell) {
 }
 
 static void begin_cell(Obstacles *o, int cell) {
-    // The counter may turn over: then a cell or item that was seen 2^32 calls ago must not seem seen now.
+    // The counter may wrap around; a cell or item that was seen 2^32 calls ago must not count as seen now.
     if (++o->serial == 0) {
         memset(o->cell_seen, 0, (size_t)o->graph->cell_count * sizeof *o->cell_seen);
         size_t items = (size_t)(o->graph->polygon_count + o->graph->building->leaf_count);
@@ -281,7 +282,7 @@ static void begin_cell(Obstacles *o, int cell) {
 
 // ---- solids
 
-// Upright: a portal that nobody passes, the border of the world.
+// Adds an upright polygon: a portal that nobody passes, or a side of the border of the world.
 static void add_barrier(Obstacles *o, const Vec3 *vertices, int count, Box box) {
     o->solids[o->solid_count++] = (Solid){.vertices = vertices, .count = count, .steep = true, .box = box};
 }
@@ -313,7 +314,7 @@ static void add_leaf(Obstacles *o, int leaf, const float *door_open, const Box *
         (Solid){.vertices = o->leaf_plan[leaf], .count = count, .prism = true, .box = box};
 }
 
-// Its surfaces, and its portals that nobody passes; the others lead on.
+// Adds the surfaces of a cell and its portals that nobody passes; its other portals lead to further cells.
 static void add_cell(Obstacles *o, int cell, const float *door_open, const Path *path) {
     const CellGraph *graph = o->graph;
     for (int i = graph->surface_first[cell]; i < graph->surface_first[cell + 1]; i++) {
@@ -328,7 +329,7 @@ static void add_cell(Obstacles *o, int cell, const float *door_open, const Path 
         const Portal *p = &graph->portals[way.portal];
         int door = o->bare_door[way.portal];
         bool closed = door >= 0 && door_open && door_open[door] == 0;
-        // A closed door is met from either side: once is enough.
+        // A closed door is met from both of its sides but added only once.
         if (o->shut[way.cell] || (closed && o->cell_seen[way.cell] != o->serial)) {
             add_barrier(o, graph->portal_vertices + p->first_vertex, p->vertex_count,
                         o->portal_box[way.portal]);

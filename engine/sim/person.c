@@ -6,7 +6,7 @@
 static const double QUICKNESS = 14;
 // How fast the eye follows the body up and down, 1/s: a step of a stair takes about a tenth of a second.
 static const double EYE_QUICKNESS = 14;
-// As far as a neck bends, radians.
+// The steepest pitch, as far as a neck bends, radians.
 static const double STEEPEST = 1.5;
 
 static Vec3 eye_over(const Person *p) {
@@ -30,7 +30,7 @@ void person_put(Person *p, BodyWorld *world, Vec3 eye, double yaw, double pitch)
     p->cell = vis_locate(world->graph, eye, p->cell);
     p->eye = eye;
     if (p->flying) return;
-    // Without a place for a body anywhere near it flies, so that the building can be looked at all the same.
+    // If no body fits anywhere near, the person flies, so that the building can be looked at nevertheless.
     p->flying = !body_place_near(&p->body, world, vec3(eye.x, eye.y, eye.z - BODY_EYE));
     if (!p->flying) p->eye = eye_over(p);
     find_cell(p, world);
@@ -71,7 +71,7 @@ static void walk(Person *p, BodyWorld *world, const PersonWish *wish, double sec
     double before = p->eye.z;
     Vec2 start = vec2(p->body.foot.x, p->body.foot.y);
     body_step(&p->body, world, vec2_scale(p->velocity, seconds), seconds);
-    // Speed that a wall took away is gone; being put elsewhere is no speed.
+    // The velocity is that of the real movement, so that a wall takes speed away; being put elsewhere gives no speed.
     Vec2 moved = vec2_scale(vec2_sub(vec2(p->body.foot.x, p->body.foot.y), start), 1 / seconds);
     p->velocity = vec2_length(moved) > 2 * PERSON_RUN ? vec2(0, 0) : moved;
     follow_body(p, before, seconds);

@@ -1,4 +1,4 @@
-// person.h - who walks: wishes become steps, and the eye follows the body.
+// person.h - a person who walks or flies: wishes become steps, and the eye follows the body.
 #ifndef WALK_PERSON_H
 #define WALK_PERSON_H
 
@@ -10,7 +10,7 @@
 #define PERSON_FLY 4.0
 #define PERSON_FLY_FAST 14.0
 
-// The person's wish for this tick. Each way -1 .. 1.
+// The person's wish for this tick; each direction is -1 .. 1.
 typedef struct PersonWish {
     double forward, right, up;  // up only in flight
     bool hurry;
@@ -25,12 +25,12 @@ typedef struct Person {
     int cell;  // of the eye, or -1
 } Person;
 
-// Stands where an eye is looking, or as near as a body fits. In flight the eye stays where it is.
+// Puts the person where the eye is at `eye`, or as near as a body fits. In flight the eye is exactly at `eye`.
 void person_put(Person *person, BodyWorld *world, Vec3 eye, double yaw, double pitch);
 void person_fly(Person *person, BodyWorld *world, bool flying);
-// Turns the head, radians; up and down as far as a neck allows.
+// Turns the head by these angles, radians; the pitch only as far as a neck allows.
 void person_look(Person *person, double yaw, double pitch);
-// A tick of some hundredths of a second. Allocates nothing.
+// Advances by a tick of some hundredths of a second. Allocates nothing.
 void person_tick(Person *person, BodyWorld *world, const PersonWish *wish, double seconds);
 
 #endif

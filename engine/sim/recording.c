@@ -8,9 +8,9 @@
 #include "engine/core/text.h"
 #include "maps/plan/plan_words.h"
 
-// A line a frame of some 60 characters, four hours long, and a door in each.
+// Bytes: four hours, with a line of some 60 characters and a line for a door in each frame.
 static const size_t LARGEST_FILE = (size_t)256 << 20;
-// Greatest yaw, radians: eyes keep theirs within half a turn, but a path may wind.
+// Greatest yaw, radians: a person's yaw stays within half a turn, but that of a path may wind.
 static const double GREATEST_YAW = 1e6;
 static const double NARROWEST_FOV = 1e-3, WIDEST_FOV = 3.14;
 
@@ -35,7 +35,7 @@ static TourFrame frame_of(const double n[NUMBER_COUNT]) {
     return (TourFrame){.eye = {n[0], n[1], n[2]}, .yaw = n[3], .pitch = n[4], .fov = n[5]};
 }
 
-// Bit for bit: -0 is not 0.
+// Are two numbers equal bit for bit? -0 is not 0.
 static bool same_bits(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
 
 // ---- in memory
@@ -82,7 +82,7 @@ bool recording_add(Recording *r, const TourFrame *frame, const float *door_open)
     return true;
 }
 
-// The first change in this frame or later.
+// The index of the first change of a door in this frame or later.
 static int first_door(const Recording *r, int frame) {
     int low = 0, high = r->door_count;
     while (low < high) {
@@ -145,7 +145,7 @@ static int still_frames(const Recording *r, int frame, int next_door) {
 
 static void append_header(Text *text, const Recording *r) {
     text_append(text, "enfilade path 1\nbuilding \"");
-    // A name is a comment: `_` replaces each character that would end its quotes or its line.
+    // The name is only informative: `_` replaces each character that would end its quotes or its line.
     for (const unsigned char *c = (const unsigned char *)r->building; *c; c++)
         text_append(text, "%c", *c < ' ' || *c == 127 || *c == '"' ? '_' : *c);
     text_append(text, "\" %016llx\nticks %d\n", (unsigned long long)r->hash, RECORDING_TICKS);
@@ -180,8 +180,8 @@ typedef struct Reading {
     PlanLine line;
     const Building *building;
     Recording *recording;
-    int header;     // lines of it read so far
-    int last_door;  // since the last frame, or -1
+    int header;     // lines of the header read so far
+    int last_door;  // the last door read since the last frame, or -1
 } Reading;
 
 static bool take_word(PlanLine *line, const char *word) {
@@ -236,7 +236,8 @@ static bool read_door(Reading *reading) {
     Recording *r = reading->recording;
     int opening;
     double open;
-    // In order: so each stands once before a frame, and no file makes more of them than its frames have doors.
+    // Doors come in order, so that each comes at most once before a frame, and a file has at most as many door lines as its frames
+    // have doors.
     if (reading->last_door + 1 >= r->opening_count)
         return plan_fail(line, "too many doors (allowed: each of %d once before a frame, in order)",
                          r->opening_count);
@@ -293,7 +294,7 @@ static bool read_line(Reading *reading, char *text) {
     return read_frame(reading);
 }
 
-// Memory for the words of the lines comes from `scratch`.
+// Memory for the words of the lines comes from the arena of reading->line.
 static bool read_lines(Reading *reading, Bytes bytes) {
     char *text = (char *)bytes.data, *end = text + bytes.size;
     while (text < end) {

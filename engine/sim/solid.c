@@ -1,20 +1,20 @@
 // solid.c - convex solids against an upright disc.
 //
-// A disc that moves in plan touches a solid where its middle touches the solid's outline rounded by the radius
-// (Minkowski sum). The outline of the part between two heights is the plan of its edges cut to these heights and of the
-// two cuts; rounded, they are stadiums, and the first one entered is the place of impact. Flat and upright polygons,
-// whose plan has no width or no height, need no case of their own.
+// A disc that moves in plan touches a solid where its middle touches the solid's outline rounded by the radius (Minkowski sum). The
+// outline of the part between two heights consists, in plan, of the solid's edges cut to these heights and of the two cuts. Rounded
+// by the radius, these lines are stadiums, and the first stadium that the disc's middle enters is the place of impact. Flat
+// polygons, which have no height, and upright polygons, whose plan has no width, need no case of their own.
 #include "engine/sim/solid.h"
 
 #include "engine/core/polygon.h"
 
-// A way this much against a normal, as a share of its length, counts as along it: the rounding of a slide.
+// A way that leads against a normal by less than this share of its length counts as along the surface: the rounding of a slide.
 static const double ALONG = 1e-12;
-// Below this upright share of the normal a polygon's plan has no width to speak of.
+// A polygon whose normal has an upright component below this counts as having no width in plan.
 static const double UPRIGHT = 1e-9;
 
-// Edges shorter than a grid's step by far may be left by cuts; a triangle over one has less area than this, m^2, and says
-// nothing about sides.
+// Cuts may leave edges far shorter than a grid's step. A triangle over one of these edges has less area than this, m^2, and does
+// not tell on which side of the edge a point lies.
 static const double NO_AREA = 1e-9;
 
 static Vec2 plan_of(Vec3 v) { return vec2(v.x, v.y); }
@@ -34,18 +34,18 @@ static Outline outline_begin(const Solid *solid, Band band) {
     return (Outline){.solid = solid, .band = band, .edge = within ? 0 : solid->count + 2};
 }
 
-// Where the edge a -> b crosses a height its plan begins or ends there.
+// Moves the start or the end of the plan of the edge a -> b to the point at which the edge crosses the height z, if it does.
 static void cross_height(Outline *o, int which, Vec3 a, Vec3 b, double z, Vec2 *start, Vec2 *end) {
     bool a_over = a.z > z, b_over = b.z > z;
     if (a_over == b_over) return;
-    // From the lower end, so that two polygons that share an edge share the cut.
+    // The cut is computed from the lower end, so that two polygons that share an edge share the cut.
     Vec3 from = a_over ? b : a, to = a_over ? a : b;
     Vec2 at = plan_of(vec3_lerp(from, to, (z - from.z) / (to.z - from.z)));
     if (o->cut_count[which] < 2) o->cut[which][o->cut_count[which]++] = at;
     *(a_over == (which == 0) ? end : start) = at;
 }
 
-// The next edge a -> b in plan; false after the last.
+// Gives the next edge a -> b in plan; false after the last.
 static bool outline_next(Outline *o, Vec2 *a, Vec2 *b) {
     const Solid *s = o->solid;
     while (o->edge < s->count) {
@@ -76,7 +76,7 @@ static Vec2 nearest_on(Vec2 a, Vec2 b, Vec2 p) {
     return t <= 0 ? a : t >= 1 ? b : vec2_add(a, vec2_scale(along, t));
 }
 
-// Is `at` over or under the solid? A plan without width holds nothing.
+// Is `at` over or under the solid? A plan without width contains no point.
 static bool holds(const Solid *s, Vec2 at) {
     int left = 0, right = 0;
     for (int i = 0; i < s->count; i++) {
@@ -90,7 +90,7 @@ static bool holds(const Solid *s, Vec2 at) {
 
 static Plane plane_of(const Solid *s) { return plane_of_polygon(s->vertices, s->count); }
 
-// The height of a plane that is not upright.
+// The height, at a place in plan, of a plane that is not upright.
 static double height_at(Plane plane, Vec2 at) {
     return (plane.d - plane.n.x * at.x - plane.n.y * at.y) / plane.n.z;
 }
@@ -108,18 +108,18 @@ double solid_distance(const Solid *solid, Band band, Vec2 at) {
 
 // ---- moving
 
-// Into the circle about `middle`: the share of the way at which it is entered, or 1.
+// The share of the way at which the point `from` enters the circle around `middle`, or 1.
 static double enter_circle(Vec2 from, Vec2 way, Vec2 middle, double radius) {
     Vec2 to = vec2_sub(from, middle);
     double a = vec2_dot(way, way), b = vec2_dot(to, way), c = vec2_dot(to, to) - radius * radius;
     double root = b * b - a * c;
     if (b >= 0 || root < 0) return 1;
-    // The smaller root without cancellation.
+    // The smaller root, computed without cancellation.
     double t = c / (-b + sqrt(root));
     return t >= 0 && t < 1 ? t : 1;
 }
 
-// Into the straight sides of the stadium about a -> b.
+// The share of the way at which the point `from` enters the stadium around a -> b through a straight side, or 1.
 static double enter_side(Vec2 from, Vec2 way, Vec2 a, Vec2 b, double radius, Vec2 *normal) {
     Vec2 along = vec2_sub(b, a);
     double length = vec2_length(along);
@@ -186,7 +186,7 @@ double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double ra
 
 static Band band_add(Band band, double z) { return (Band){fmin(band.z0, z), fmax(band.z1, z)}; }
 
-// The part of the edge p -> q over the disc.
+// Adds the heights of the part of the edge p -> q that is over or under the disc.
 static Band add_edge(Band band, Vec3 p, Vec3 q, Vec2 at, double radius) {
     Vec2 to = vec2(p.x - at.x, p.y - at.y), along = vec2(q.x - p.x, q.y - p.y);
     double a = vec2_dot(along, along), b = vec2_dot(to, along), c = vec2_dot(to, to) - radius * radius;
@@ -198,8 +198,8 @@ static Band add_edge(Band band, Vec3 p, Vec3 q, Vec2 at, double radius) {
     return band_add(band_add(band, p.z + t0 * (q.z - p.z)), p.z + t1 * (q.z - p.z));
 }
 
-// Where the disc lies within a sloping polygon, its highest and lowest points are on the rim, up and down the slope; a
-// bent one may be somewhat higher or lower there than its plane.
+// Where the disc lies within a sloping polygon, the polygon's highest and lowest points over the disc are on the rim, up and down
+// the slope; a bent polygon may be somewhat higher or lower there than its plane.
 static Band add_rim(Band band, const Solid *s, Vec2 at, double radius) {
     Plane plane = plane_of(s);
     double slope = hypot(plane.n.x, plane.n.y);

@@ -10,7 +10,7 @@ typedef struct Solid {
     const Vec3 *vertices;  // [count] building space; of a prism its plan, counter-clockwise from above
     int count;
     bool prism;
-    bool steep;  // nobody stands on its slope; a matter for the caller
+    bool steep;  // too steep to stand on; used by the caller only
     Box box;
 } Solid;
 
@@ -22,15 +22,15 @@ typedef struct Band {
 // How near the part of a solid within the band comes to `at` in plan; 0 inside its outline, INFINITY if the band holds no part.
 double solid_distance(const Solid *solid, Band band, Vec2 at);
 
-// The share of `way` that a disc goes before its middle is `radius` from the part within the band, 1 if it never is;
-// otherwise `normal` points from the solid to the disc. A solid that is nearer already stops only a disc that would come
-// nearer still. `from` lies outside the part's outline.
+// The share of `way` that a disc goes before its middle is at distance `radius` from the part of the solid within the band; 1 if
+// the disc never comes so near. Below 1, `normal` points from the solid to the disc. A solid that is already nearer stops the disc
+// only if the way leads nearer still. `from` must lie outside the part's outline.
 double solid_sweep(const Solid *solid, Band band, Vec2 from, Vec2 way, double radius, Vec2 *normal);
 
-// From where to where the part of a solid over or under the disc reaches; false where there is none.
+// The range of heights of the part of a solid that lies over or under the disc; false where there is no such part.
 bool solid_levels(const Solid *solid, Vec2 at, double radius, Band *out);
 
-// How far apart two convex plans are by the best of their edges' directions, metres; below 0 how deep they overlap.
+// The gap between two convex plans, metres: the widest one over the normals of their edges; below 0, how deep they overlap.
 double solid_gap(const Vec2 *a, int a_count, const Vec2 *b, int b_count);
 
 #endif

@@ -1,6 +1,6 @@
-// tour.c - a tour of every cell that a person can reach. From where it stands it goes to the nearest place not yet
-// seen, by Dijkstra's shortest path through the portals that a person passes; cells it crosses on the path are seen.
-// Cells are convex, so straight lines between the crossings stay in free space (not clear of furniture).
+// tour.c - a tour of every cell that a person can reach. The tour always goes to the nearest place not yet seen, by Dijkstra's
+// shortest path through the portals that a person passes; cells that the path crosses count as seen. Cells are convex, so straight
+// lines between the crossings stay in free space (but not clear of furniture).
 #include "engine/sim/tour.h"
 
 #include <stdio.h>
@@ -17,9 +17,9 @@
 // The eye keeps this far from a ceiling and from the ends of a portal, metres: a head's radius, a shoulder's breadth.
 #define TOUR_HEADROOM 0.1
 #define TOUR_SHOULDER 0.35
-// How far it steps out of an outer door, metres.
+// How far the tour steps out of an outer door, metres.
 #define TOUR_STEP_OUT 1.5
-// Looks a little down, as one walks: half the drop of an eye over 20 m.
+// The pitch, radians, is a little down, as people look when they walk: half the drop of an eye over 20 m.
 #define TOUR_PITCH (-0.04)
 // Moves shorter than this do not turn the head, metres.
 #define TOUR_STILL 0.05
@@ -34,10 +34,10 @@ typedef struct Guide {
     Arena *arena;
     TourPath *path;
     unsigned char *passable;  // [portal_count]
-    int *room;                // [room_count] one for all the regions that a reader cut a room into (room_of)
-    unsigned char *looked;    // by room, a turn was made there
-    int *largest;             // by room, its largest cell, where the turn is made
-    int *from;                // [cell_count] the way by which the shortest path enters, -1
+    int *room;                // [room_count] the same number for all regions of one room (find_rooms)
+    unsigned char *looked;    // [room_count] a turn was made in this room
+    int *largest;             // [room_count] the room's largest cell, where the turn is made
+    int *from;                // [cell_count] the way by which the shortest path enters; -1: none
     double *cost;             // [cell_count]
     Vec3 *at;                 // [cell_count] where the shortest path stands in the cell
     int *heap, *heap_slot;    // [cell_count]
@@ -51,7 +51,7 @@ typedef struct Guide {
 
 static RegionKind kind_of(const CellGraph *graph, int cell) { return vis_region(graph, cell)->kind; }
 
-// A region, or, where there are none, the cell itself.
+// The region of a cell; the cell itself in a building without regions.
 static int room_of(const CellGraph *graph, int cell) {
     return graph->cells[cell].region >= 0 ? graph->cells[cell].region : cell;
 }
@@ -66,7 +66,7 @@ static bool enterable(const CellGraph *graph, int cell) {
     if (region->kind == REGION_OPENING && graph->building->openings[region->opening].kind == OPENING_WINDOW) {
         return false;
     }
-    // A slab is thin; one passes it upright.
+    // A shaft is only as high as the slab that it leads through, but a person passes it vertically.
     return region->kind == REGION_SHAFT || graph->cells[cell].z1 - graph->cells[cell].z0 >= TOUR_HEIGHT;
 }
 
@@ -78,7 +78,7 @@ static Box portal_box(const CellGraph *graph, const Portal *portal) {
     return box;
 }
 
-// Stairs stand in the hole or under it.
+// Does a stair stand in the hole or under it?
 static bool has_stair(const CellGraph *graph, Box hole) {
     for (int i = 0; i < graph->building->object_count; i++) {
         if (graph->objects[i].kind != OBJECT_STAIR) continue;
@@ -105,13 +105,13 @@ static bool passable(const CellGraph *graph, const Portal *portal) {
            fabs(a - b) <= TOUR_STEP_UP;
 }
 
-// The cells that a person reaches from a cell. `out` [cell_count]; returns how many.
+// Marks in `out` [cell_count] the cells that a person can reach from the cell `start`; returns their number.
 static int reachable(const CellGraph *graph, int start, unsigned char *out) {
     memset(out, 0, (size_t)graph->cell_count);
     if (start < 0) return 0;
     out[start] = 1;
     int count = 1;
-    // Sweeps to and fro until nothing is added: a handful, and no stack is needed.
+    // The loop sweeps over the portals until nothing is added: a handful of sweeps are enough, and no stack is needed.
     for (bool more = true; more;) {
         more = false;
         for (int i = 0; i < graph->portal_count; i++) {
@@ -174,7 +174,7 @@ static void emit(Guide *g) {
         (TourFrame){g->eye, g->yaw, TOUR_PITCH, g->options->fov};
 }
 
-// To (-pi, pi].
+// The same angle within -pi .. pi.
 static double wrap(double angle) { return remainder(angle, 2 * M_PI); }
 
 static void turn_by(Guide *g, double angle) {
@@ -199,7 +199,7 @@ static void go_to(Guide *g, Vec3 place) {
 
 // ---- the nearest place not yet seen
 
-// Ties go to the lower cell: the tour is the same on every machine.
+// Ties go to the lower cell, so that the tour is the same on every machine.
 static bool is_cheaper(const void *guide, const void *first, const void *second) {
     const Guide *g = guide;
     int a = *(const int *)first, b = *(const int *)second;
@@ -212,7 +212,7 @@ static Heap heap_of(const Guide *g) {
         .items = g->heap, .size = sizeof *g->heap, .before = is_cheaper, .context = g, .slot = g->heap_slot};
 }
 
-// The cell has become cheaper, or was never reached before.
+// Puts a cell that was never reached before into the heap, or lets a cell rise that has become cheaper.
 static void reach_cell(Guide *g, int cell) {
     const Heap heap = heap_of(g);
     heap_rise(&heap, g->heap_slot[cell] < 0 ? g->heap_count++ : g->heap_slot[cell], &cell);
@@ -246,7 +246,7 @@ static bool is_target(const Guide *g, int cell) {
     return !g->path->visited[cell];
 }
 
-// Dijkstra from where the tour stands; returns the nearest target or -1.
+// Dijkstra's algorithm from the place of the tour; returns the nearest target or -1.
 static int find_target(Guide *g) {
     const CellGraph *graph = g->graph;
     for (int c = 0; c < graph->cell_count; c++) {
@@ -283,7 +283,7 @@ static void enter(Guide *g, int cell) {
     g->path->visited[cell] = 1;
 }
 
-// Before an outer door: a step out, a look back.
+// Steps out of an outer door and looks back at it.
 static void look_back(Guide *g, const Portal *door) {
     int side = kind_of(g->graph, door->cell[0]) == REGION_OPENING ? 1 : 0;
     Vec3 out = vec3_scale(door->plane.n, side == 0 ? 1 : -1);
@@ -349,7 +349,7 @@ static int first_of_room(int *room, int region) {
     return region;
 }
 
-// Regions of one name that touch are pieces of one room.
+// Regions of the same name that touch are pieces of one room.
 static void find_rooms(Guide *g) {
     const CellGraph *graph = g->graph;
     const Building *b = graph->building;
@@ -404,7 +404,7 @@ static void tour_auto(const CellGraph *graph, const TourOptions *options, Arena 
     }
 }
 
-// Frames between two stored viewpoints, the second included.
+// Adds the frames between two stored viewpoints, the second included.
 static void interpolate(const TourOptions *options, Arena *arena, const Viewpoint *a, const Viewpoint *b,
                         TourPath *out) {
     double turn = wrap(b->yaw - a->yaw);

@@ -1,7 +1,7 @@
 // beam.h - the lines that come through a chain of portals, bounded by separating planes.
 //
 // A chain is a sequence of ways, each leading out of the cell where the one before leads in. All lines that come through
-// a chain lie, behind its last portal, in the beam: the separators of what is left of its first portal (the source) and
+// a chain lie, behind its last portal, in the beam: the separators of the rest of its first portal (the source) and
 // of its last (the pass). Each further portal is clipped by the beam, and the source by the separators of the new
 // portal and the pass. Where nothing is left no line comes through; where something is left there need not be one.
 #ifndef VISIBILITY_BEAM_H
@@ -13,7 +13,7 @@ enum { BEAM_MAX = 2 * WINDING_MAX };
 
 typedef struct Beam {
     int way;               // crossed last
-    Winding source, pass;  // what is left of the chain's first portal, and of this way's
+    Winding source, pass;  // the visible parts of the chain's first portal, and of this way's
     Separator planes[BEAM_MAX];
     int plane_count;
 } Beam;
@@ -28,7 +28,7 @@ int beam_planes(const Winding *source, const Winding *pass, double epsilon, Sepa
 // and which of them cut it.
 int beam_ball(const WayShape *way, const Separator *planes, int count, uint64_t *cutting);
 
-// The chain of `from` goes on through `way`: what is left of its portal, and of the source through which it is seen. Only
+// The chain of `from` goes on through `way`: the visible parts of its portal, and of the source through which it is seen. Only
 // the planes of `cutting` (beam_ball) are tried. `first` is the beam of the chain's first way. False when nothing is left.
 // The planes of `out` are not made.
 bool beam_narrow(const WayGraph *ways, const Beam *first, const Beam *from, int way, uint64_t cutting,

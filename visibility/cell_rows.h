@@ -36,7 +36,7 @@ CellRows cell_rows_new(int cell_count, Arena *arena);
 void cell_rows_set(CellRows *rows, int cell, const uint64_t *row, Arena *arena);
 // Adds a row to the array `row` [(cell_count + 63) / 64].
 void cell_rows_join(const CellRows *rows, int cell, uint64_t *row);
-// Takes from a row what the array lacks; whether there was any.
+// Removes from a row the cells that the array lacks; returns whether there was any.
 bool cell_rows_keep(CellRows *rows, int cell, const uint64_t *row, Arena *arena);
 // Takes from each row the cells whose rows lack its cell.
 void cell_rows_make_symmetric(CellRows *rows, Arena *arena);

@@ -16,7 +16,7 @@ typedef struct Sightline {
 
 // Appends a portal with its ends as seen when crossing it. Returns false, and leaves the sightline as it was, when
 // no line crosses them all; touching an end counts as crossing between portals that follow each other through convex
-// cells, and is left open where they lie anyhow. `undo` takes what must be restored to drop the portal again.
+// cells, and is left open where they lie anyhow. `undo` takes the state to restore when the portal is dropped again.
 typedef struct SightlineUndo {
     int ccw_from, ccw_to, cw_from, cw_to;
 } SightlineUndo;

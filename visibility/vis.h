@@ -21,7 +21,7 @@ typedef struct Cell {
     int first_way, way_count;    // in CellGraph.ways
     double z0, z1;
     Box box;
-    bool outdoors;  // of a building without regions: it reaches the border of what is built
+    bool outdoors;  // of a building without regions: it reaches the border of the building
 } Cell;
 
 // A convex planar polygon shared by two cells, with no surface in it.
@@ -62,7 +62,7 @@ typedef struct CellGraph {
     Object *objects;
     Polygon *polygons;
     Vec3 *vertices;
-    Box *object_boxes;   // [object_count]; of a leaf, all that it sweeps
+    Box *object_boxes;   // [object_count]; of a leaf, the box of its whole sweep
     int *surface_first;  // [cell_count + 1] the surfaces of cell c are objects surface_first[c] ..
     int object_count, polygon_count, vertex_count;
     // Which objects touch which squares of which cells (within `touch`). Run s is
@@ -174,10 +174,10 @@ typedef struct ChainWork {
     long long chains;      // sequences of portals followed
     long long clips;       // portals clipped by planes
     long long separators;  // separating planes made
-    long long given_up;    // searches that became too long: what was in doubt then counts as seen
+    long long given_up;    // searches that became too long: their pairs in doubt count as seen
 } ChainWork;
 
-// Ways to leave out of a view what it does not show.
+// Ways to leave out of a view the objects that it does not show.
 typedef enum Culling {
     CULL_NONE,       // nothing is left out
     CULL_FRUSTUM,    // objects outside the view volume
@@ -186,14 +186,14 @@ typedef enum Culling {
     CULL_STAB,       // stab trees, portals clipped in three dimensions
     QUERY_CULLINGS,  // vis_query takes those before
     // Those of views of form factors alone (viewer_look):
-    CULL_DEPTH = QUERY_CULLINGS,  // what the depths of faces drawn before hide
-    CULL_CELLS,                   // what no cell of the stab tree holds
+    CULL_DEPTH = QUERY_CULLINGS,  // faces behind those drawn before
+    CULL_CELLS,                   // faces in no cell of the stab tree
     CULLINGS
 } Culling;
 extern const char
     *const CULLING_NAMES[CULLINGS];  // "none", "frustum", "portals", "plan", "stab", "depth", "cells"
 
-// Where to look from, and what of the view is kept.
+// A place to look from, and the part of the view that is kept.
 typedef struct Eye {
     Vec3 position;
     Plane frustum[6];   // keep the positive side; all planes but the far one may pass through the eye
@@ -227,7 +227,7 @@ typedef struct VisResult {
 
 // `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
-// sides: it sees what either may see. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
+// sides: it sees all that is seen from either. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
 // cell, from vis_locate, or -1.
 VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, Culling culling);
 

@@ -24,19 +24,19 @@ typedef struct WayGraph {
     int *first;      // [cell_count + 1] the ways out of cell c are list[first[c]] ..
     int *list;       // [way_count]
     Box *boxes;      // [cell_count] of a cell's portals: whatever enters or leaves a cell does so within it
-    Vec3 origin;     // what was subtracted
+    Vec3 origin;     // the point that was subtracted
     double epsilon;  // metres: see WAY_EPSILON
     int cell_count, way_count, words;
     double scale;  // how much more work than for a file of 1 MB may be done: see ways_work
 } WayGraph;
 
 // An opening that lets lines through over less than this share of the building's size lets none through: wide above the rounding
-// of coordinates (1e-16) and of what is computed from them (1e-13), far below any gap that is meant.
+// of coordinates (1e-16) and of the numbers computed from them (1e-13), far below any gap that is meant.
 #define WAY_EPSILON 2.5e-10
 
-// Searches count their work in about nanoseconds of one core, each step by what it takes in the mean: the same on every
+// Searches count their work in about nanoseconds of one core, each step by its mean time: the same on every
 // machine and on any number of threads. A stage may do `small` of it for a file of up to 1 MB; for larger ones more, by the square of
-// their size, since so does the number of pairs that may see each other. What is open when it is spent counts as visible.
+// their size, since so does the number of pairs that may see each other. Pairs that are open when it is spent count as visible.
 static inline long long ways_work(const WayGraph *ways, double small) {
     return (long long)(small * ways->scale);
 }

@@ -1,4 +1,4 @@
-// winding.h - convex polygons while they are clipped a thousand times: what is left of a portal as seen through others.
+// winding.h - convex polygons while they are clipped a thousand times: the rest of a portal as seen through others.
 #ifndef VISIBILITY_WINDING_H
 #define VISIBILITY_WINDING_H
 
@@ -26,7 +26,7 @@ typedef struct Winding {
     Vec3 p[WINDING_MAX];
 } Winding;
 
-// A half-space dot(n, p) >= d; n has any length, `slack` is what an epsilon in metres is along it.
+// A half-space dot(n, p) >= d; n has any length, `slack` is an epsilon in metres times that length.
 typedef struct Separator {
     Vec3 n;
     double d, slack;

@@ -14,7 +14,7 @@ double analytic_point(const Vec3 *polygon, int count);
 
 // An occluder: the cone over a convex polygon seen from the origin, from the polygon's plane on.
 typedef struct AnalyticOccluder {
-    Plane beyond;       // keep: what lies behind the polygon
+    Plane beyond;       // keep: the side behind the polygon
     const Plane *edge;  // [edge_count] keep: inside; through the origin
     int edge_count;
     int rank;  // of polygons in one plane the lower one is seen

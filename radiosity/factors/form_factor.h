@@ -50,13 +50,13 @@ typedef struct FormFactorSamples {
 typedef struct RowSum RowSum;  // row.h
 
 // Among faces in one place the one that turns its front to the eye is seen, then the lower in the mesh: a wall without thickness,
-// which is two faces, is lit on both sides, and none swallows what the other should get.
+// which is two faces, is lit on both sides, and neither swallows light of the other.
 static inline int form_factor_rank(const ViewFace *face) {
     const int back = 1 << 30;  // above all faces
     return face->d > 0 ? face->face + back : face->face;
 }
 
-// A method at work: its tables and buffers. One thread's at a time; form_factor_end gives back what is not in the arena.
+// A method at work: its tables and buffers. One thread's at a time; form_factor_end frees the memory outside the arena.
 typedef struct FormFactor FormFactor;
 
 // A method: a row of the table.
@@ -74,7 +74,7 @@ typedef struct FormFactorMethod {
     bool mended;     // of faces close by the shares are put right (near_faces.h)
     // Tables for the options; `self` is the method's own, NULL allowed. All memory is taken here.
     void *(*start)(const Mesh *mesh, const FormFactorOptions *options, Arena *arena);
-    void (*stop)(void *self);  // what is not in the arena; NULL: nothing
+    void (*stop)(void *self);  // frees memory outside the arena; NULL: there is none
     // For projective methods. Items are indices of view->faces, -1 where nothing is seen; of faces in one place that of the
     // least form_factor_rank is seen, so that the order of the list does not show.
     const FormFactorSamples *(*samples)(void *self);
@@ -87,10 +87,10 @@ extern const FormFactorMethod *const FORM_FACTOR_METHODS[];  // ends with NULL
 // The row of that name; NULL: there is none.
 const FormFactorMethod *form_factor_method(const char *name);
 
-// All memory is taken here; `method`, `mesh` and what `options` refer to must outlive it.
+// All memory is taken here; `method`, `mesh` and all that `options` points to must outlive it.
 FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
                             const FormFactorOptions *options, Arena *arena);
-// Lets go of what is not in the arena.
+// Frees the memory outside the arena.
 void form_factor_end(FormFactor *self);
 // The row of a view; valid until the next one.
 const Row *form_factor_row(FormFactor *self, const View *view);

@@ -27,7 +27,7 @@ static inline void row_add(RowSum *sum, int element, double share) {
 // The row, its elements in order; the sum is empty then. Shares are divided by their total, so that they sum to 1.
 const Row *row_finish(RowSum *sum);
 
-// Sums what samples see: the elements where they meet their faces.
+// Sums the elements that samples see, where they meet faces.
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item);
 
 #endif

@@ -18,7 +18,7 @@ Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid 
                      double turn, Arena *arena);
 const FormFactorSamples *sampler_samples(const Sampler *self);
 
-// Draws what is in view. Of lines that are longer than a face's edge the ends come from the mesh.
+// Draws the faces in view. Of lines that are longer than a face's edge the ends come from the mesh.
 void sampler_draw(Sampler *self, const View *view, FormFactorWork *work);
 // The faces drawn, as indices of view->faces in the order of the samples.
 void sampler_items(const Sampler *self, int32_t *item);

@@ -1,4 +1,4 @@
-// view.h - what a point of a surface has before it: the faces that the stab trees allow it, in its own axes.
+// view.h - the faces in front of a point of a surface: those that the stab trees allow, in the axes of the point.
 #ifndef RADIOSITY_VIEW_H
 #define RADIOSITY_VIEW_H
 
@@ -21,7 +21,7 @@ typedef struct View {
     // Metres from the eye, in the view's axes: dot(x, v - eye) and so on, to the last bit. There is room for one more.
     Vec3 *vertices;
     int face_count, vertex_count;
-    bool by_depth;  // what lies wholly behind what was drawn may be passed over
+    bool by_depth;  // faces wholly behind drawn ones may be passed over
 } View;
 
 // Where to look from.
@@ -36,7 +36,7 @@ typedef struct Viewer Viewer;
 // `door_open` as for mesh_build. All memory is taken here.
 Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door_open, Arena *arena);
 // Valid until the next look. Allocates nothing. Of culling: CULL_NONE lists every face above the horizon; with all others the samplers
-// also leave out what the depths of faces drawn before hide, and with CULL_DEPTH this alone; CULL_PLAN takes the squares of each cell.
+// also leave out faces behind those drawn before, and with CULL_DEPTH this alone; CULL_PLAN takes the squares of each cell.
 const View *viewer_look(Viewer *viewer, const ViewPoint *from, Culling culling);
 // Axes for a normal, the same whenever asked.
 void view_axes(Vec3 normal, Vec3 *x, Vec3 *y);

@@ -6,7 +6,7 @@
 #include "radiosity/mesh/mesh.h"
 
 // How far the vertices of a straight line may lie off it, metres: above the rounding of readers' and clippers' arithmetic
-// far from the origin, below all that could show.
+// far from the origin, below any visible distance.
 #define RAD_STRAIGHT 1e-7
 
 // An edge of a face, counter-clockwise from its front, by two vertices of its line. Of the same line they are the same two,

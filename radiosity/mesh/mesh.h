@@ -27,13 +27,13 @@ enum {
 typedef struct MeshOptions {
     double element;            // edge length aimed at, metres, 0.01 .. 100
     int per_patch;             // elements along the side of a patch, 1 .. 16
-    double close;              // elements are cut along what is so near to a face, metres, 0: none is, .. 1
+    double close;              // elements are cut along objects so near to a face, metres, 0: not cut, .. 1
     const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
     double proxy;              // their tolerance, metres, 0: none, .. 1
     const Proxies *proxies;    // polygons that stand in for others, found with that; NULL: there are none
     bool replaced;             // those others alone, and no stand-ins
     bool
-        loose;  // vertices of neighbours on an element's edges do not become its corners: what is drawn of it has cracks
+        loose;  // vertices of neighbours on an element's edges do not become its corners: drawn, it has cracks
     int threads;  // 0: all cores; the mesh is the same on any number
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE but no proxies yet
@@ -76,7 +76,7 @@ typedef struct Patch {
     int face, first_element, element_count;
     int cell;     // of the graph, that its front looks into; -1: none (inside a wall)
     double area;  // m^2
-    Vec3 centre;  // of its area, a point of the polygon; where that is inside a wall, of what is in `cell`
+    Vec3 centre;  // of its area, a point of the polygon; where that is inside a wall, of the part in `cell`
 } Patch;
 
 // All of it. Read only once it is made: any number of threads. It lives in the arena of the call that made it; its graph outlives it.

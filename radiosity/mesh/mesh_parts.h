@@ -1,4 +1,4 @@
-// mesh_parts.h - what the files of the mesh share.
+// mesh_parts.h - the parts that the files of the mesh share.
 #ifndef RADIOSITY_MESH_PARTS_H
 #define RADIOSITY_MESH_PARTS_H
 
@@ -8,7 +8,7 @@
 // A line that elements of a face are cut along, from the face's origin.
 typedef struct MeshCut {
     Vec3 from, to;
-    Vec3 open;  // in the plane, away from what stands there; 0: not known
+    Vec3 open;  // in the plane, away from the object that stands there; 0: not known
 } MeshCut;
 
 typedef struct MeshBuilder {

@@ -21,7 +21,7 @@ typedef struct Nodes {
 Nodes nodes_of(const Mesh *mesh, Arena *arena);
 
 // Facets whose normals lean from each other by less belong to one curved surface: the cosine of 31 degrees. Models cut a circle
-// into 12 parts or more; a chamfer leans by 45 degrees, and what leans more is lit too differently for a mean to be either's.
+// into 12 parts or more; a chamfer leans by 45 degrees, and faces that lean more are lit too differently to share a mean.
 #define NODES_CURVED 0.857
 
 #endif

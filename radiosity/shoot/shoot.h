@@ -13,10 +13,10 @@ typedef struct RadOptions {
     const FormFactorMethod *method;
     FormFactorOptions form_factor;
     Culling culling;
-    bool lamps_only;  // only what is emitted is shot, nothing that was reflected
+    bool lamps_only;  // only emitted light is shot, no reflected light
     int lamp_detail;  // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
     double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
-    double residual;   // stop when unshot power is this share of all that was emitted, 0 .. 1
+    double residual;   // stop when unshot power is this share of the emitted power, 0 .. 1
     long long shots;   // or when the solution has so many, 0: no limit
     double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
@@ -30,7 +30,7 @@ typedef struct RadOptions {
 } RadOptions;
 // Hemisphere, portals, to a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
-// Puts, for a residual or a resolution of 0, what fits a mesh: where there are few patches, light may be found more exactly.
+// Replaces a residual or a resolution of 0 by one that fits a mesh: where there are few patches, light may be found more exactly.
 void rad_fit(const Mesh *mesh, RadOptions *options);
 
 // Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b. rad_shoot alone writes it, in its caller's thread; between two
@@ -41,7 +41,8 @@ struct RadSolution {
     double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
-    double sky[3];       // radiance of the sky that shone (sky.h), W/m^2/sr; what it sent in was emitted
+    double
+        sky[3];  // radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as emitted
     double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
     long long shots;
     // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.

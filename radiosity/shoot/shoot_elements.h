@@ -1,4 +1,4 @@
-// shoot_elements.h - what shots give to elements: a thread of its own adds it up, behind the one that chooses who shoots.
+// shoot_elements.h - the light that shots give to elements: a thread of its own adds it up, behind the one that chooses who shoots.
 #ifndef RADIOSITY_SHOOT_ELEMENTS_H
 #define RADIOSITY_SHOOT_ELEMENTS_H
 

@@ -10,7 +10,7 @@ typedef struct ShootRun {
     float share;
 } ShootRun;
 
-// A row as kept: in runs of elements of one patch, each with what a shot asks for. Shares are floats: `scale` times their
+// A row as kept: in runs of elements of one patch, each with the numbers that a shot needs. Shares are floats: `scale` times their
 // sum, back and escaped included, is 1 in doubles, so that no power is lost.
 typedef struct ShootRow {
     int run_count, element_count;

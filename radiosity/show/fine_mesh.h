@@ -1,4 +1,4 @@
-// fine_mesh.h - the fine model that stand-ins were there for (proxy.h), lit from them: what is shown, exported and probed.
+// fine_mesh.h - the fine model that stand-ins were there for (proxy.h), lit from them: the model that is shown, exported and probed.
 #ifndef RADIOSITY_FINE_MESH_H
 #define RADIOSITY_FINE_MESH_H
 

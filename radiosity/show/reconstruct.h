@@ -1,4 +1,4 @@
-// reconstruct.h - radiosities at vertices from those of elements, and between them: what is shown.
+// reconstruct.h - radiosities at vertices from those of elements, and between them: the light that is shown.
 #ifndef RADIOSITY_RECONSTRUCT_H
 #define RADIOSITY_RECONSTRUCT_H
 

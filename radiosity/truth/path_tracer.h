@@ -8,9 +8,9 @@
 // Faces in a hierarchy for rays. One caller's at a time, which may ask for several threads; it lives in the arena of path_tracer_new but
 // for what path_tracer_end lets go of, and the mesh outlives it.
 typedef struct PathTracer PathTracer;
-// `sky`: radiance of what lies above the horizon, W/m^2/sr a channel, where nothing is met; NULL: none.
+// `sky`: radiance of the sky above the horizon, W/m^2/sr a channel, where a path meets no face; NULL: none.
 PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena);
-// Lets go of what is not in the arena.
+// Frees the memory outside the arena.
 void path_tracer_end(PathTracer *tracer);
 
 // Where to ask, and when to be content: at either error, or after so many paths.

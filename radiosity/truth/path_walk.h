@@ -40,7 +40,7 @@ typedef struct PathWorld {
     const Mesh *mesh;
     PathScene *scene;
     PathLights *lights;
-    double sky[3];  // radiance of what lies above the horizon, W/m^2/sr a channel
+    double sky[3];  // radiance of the sky above the horizon, W/m^2/sr a channel
 } PathWorld;
 
 PathWorld path_world(const Mesh *mesh, const double sky[3], Arena *arena);  // `sky` NULL: none

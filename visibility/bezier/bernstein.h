@@ -12,7 +12,7 @@ enum { BERNSTEIN_DEGREE = 6 };  // the highest there may be
 double bernstein_value(const double *c, int degree, double s, double *slope);
 // The same polynomial with `low` .. `high` as its 0 .. 1.
 void bernstein_cut(double *c, int degree, double low, double high);
-// The first `max` roots in rising order, by Bezier clipping; a multiple root, or what touches 0 within slack, is one.
+// The first `max` roots in rising order, by Bezier clipping; a multiple root, or an extremum within slack of 0, is one.
 int bernstein_roots(const double *c, int degree, double slack, double *root, int max, CurvedWork *work);
 
 #endif

@@ -1,4 +1,4 @@
-// build.h - the steps that make a CellGraph, in their order. Each reads what the earlier ones wrote.
+// build.h - the steps that make a CellGraph, in their order. Each reads the results of the earlier ones.
 #ifndef VISIBILITY_BUILD_H
 #define VISIBILITY_BUILD_H
 
@@ -19,11 +19,11 @@ typedef struct CellBuilder {
 
 // cells.c: convex prisms from the regions of a plan, their portals and their surfaces.
 bool build_regions(CellBuilder *builder, Error *error);
-// given.c: cells and portals as they are given, and what a graph without walls needs of the other steps.
+// given.c: cells and portals as they are given, and the results of the other steps for a graph without walls.
 bool build_given(CellBuilder *builder, Error *error);
 // portals.c: where cells touch, vertically and horizontally.
 void build_portals(CellBuilder *builder);
-// surfaces.c: what closes cells where no portal is, and the closed leaves of doors.
+// surfaces.c: the surfaces that close cells where no portal is, and the closed leaves of doors.
 void build_surfaces(CellBuilder *builder);
 // squares.c: which cells lie where in plan, and which objects touch which squares of which cells.
 void build_locator(CellBuilder *builder);

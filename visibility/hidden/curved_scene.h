@@ -6,7 +6,7 @@
 #include "visibility/hidden/hidden.h"
 
 typedef struct CurvedScene {
-    Scene scene;        // what was given keeps its indices; after it come polygons of shapes
+    Scene scene;        // given polygons keep their indices; polygons of shapes follow
     int first_polygon;  // of those
     int *shape;         // [first_polygon + subdivided] in Building.shapes, -1: of none
     int subdivided;     // polygons made for this view

@@ -1,4 +1,4 @@
-// embree_device.h - Embree with one thread, which ends the program where it has no memory, rather than to trace what is left out.
+// embree_device.h - Embree with one thread, which ends the program where it has no memory, since Embree would trace an incomplete scene.
 #ifndef HIDDEN_EMBREE_DEVICE_H
 #define HIDDEN_EMBREE_DEVICE_H
 

@@ -18,7 +18,7 @@ typedef struct GlItems GlItems;
 // polygon is not drawn. Returns NULL on failure.
 GlItems *gl_items_new(const Scene *scene, const uint32_t *colours, const unsigned char *one_sided,
                       Arena *arena, Error *error);
-void gl_items_free(GlItems *items);  // what OpenGL holds
+void gl_items_free(GlItems *items);  // the objects that OpenGL holds
 
 // The vertices of a run of the scene's list were changed by their owner; they must stay in one plane.
 void gl_items_moved(GlItems *items, int first, int count);

@@ -14,8 +14,8 @@
 
 // The polygons to draw, in order; of coincident surfaces the first in the list is seen. Polygons are seen from both
 // sides. Any will do: without area they are not seen, bent or concave ones are cut into triangles, and one that crosses
-// itself into some that cover what ear clipping makes of it.
-// The arrays are the caller's, and outlive what was prepared of them.
+// itself into polygons that cover the triangles of ear clipping.
+// The arrays are the caller's, and outlive everything that was prepared from them.
 typedef struct Scene {
     const Polygon *polygons;
     const Vec3 *vertices;
@@ -23,7 +23,7 @@ typedef struct Scene {
     int count;
 } Scene;
 
-// A picture: what is seen through each pixel, and how far away.
+// A picture: the polygon that is seen through each pixel, and its distance.
 // One thread's while it is drawn; it lives in the arena of item_buffer_new.
 typedef struct ItemBuffer {
     int width, height;

@@ -28,7 +28,7 @@ typedef struct Shape {
     int facet;
     int x0, x1, y0, y1;          // of the pixels it may cover, within the picture; never empty
     int first_line, line_count;  // its edges
-    double nearest, farthest;    // bounds of 1/depth over what is in the picture, padded for rounding
+    double nearest, farthest;    // bounds of 1/depth over the polygons in the picture, padded for rounding
 } Shape;
 
 // A picture under way.

@@ -1,4 +1,4 @@
-// compare.h - how a visible set stands against what is proven visible.
+// compare.h - compares a visible set with the pairs that are proven visible.
 #ifndef VISIBILITY_PAIRS_COMPARE_H
 #define VISIBILITY_PAIRS_COMPARE_H
 
@@ -13,7 +13,7 @@ typedef struct PairFigures {
 } PairFigures;
 
 PairFigures pairs_compare(const uint64_t *seen, const uint64_t *bound, int cell_count);
-// The over-estimate: what is beyond the bound, in percent of it.
+// The over-estimate: the pairs beyond the bound, in percent of the bound.
 double pairs_over(const PairFigures *figures);
 
 // Adds to `bound` the pairs whose sightlines hold when walked again, both ways round. Returns how many did not.

@@ -29,7 +29,7 @@ typedef struct Flow {
     void (*arrive)(struct Flow *flow, int depth);
     void *context;
     Vec3 point;          // of flow_look
-    long long patience;  // chains that one search may follow; it leaves what is in doubt then in `unknown`
+    long long patience;  // chains that one search may follow; cells that are in doubt then stay in `unknown`
     long long left;      // of the patience
     long long spent, allowed;  // work of one search (ways_work), and how much it may do
     ChainWork work;

@@ -29,7 +29,7 @@ typedef struct PairSet {
         *proven;  // as `seen`, of which it is part: pairs with a sightline; all 0 where the method finds none
     PairWitness *witnesses;  // [witness_count] by a, then b; none unless asked for
     int witness_count;
-    bool stopped;  // progress asked to stop: `seen` is what was not excluded until then
+    bool stopped;  // progress asked to stop: `seen` holds the pairs not excluded until then
     ChainWork work;
 } PairSet;
 

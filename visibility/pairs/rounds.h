@@ -1,4 +1,4 @@
-// rounds.h - deciding all pairs of cells by searches from each way, in rounds, so that what a search finds helps later
+// rounds.h - deciding all pairs of cells by searches from each way, in rounds, so that the findings of a search help later
 // ones and yet no thread's pace shows in the result.
 #ifndef VISIBILITY_PAIRS_ROUNDS_H
 #define VISIBILITY_PAIRS_ROUNDS_H
@@ -54,13 +54,13 @@ void finding_add(Finding *finding, int a, int b, Vec3 from, Vec3 to);
 void rounds_start(Rounds *rounds, const CellGraph *graph, const PairOptions *options,
                   const Progress *progress, Arena *arena, PairSet *set);
 // One search from every way. `arrive` is that of Flow, whose context is a Finding; `prepare` (may be NULL) is called
-// before each search, to decide what is easy. In closed buildings a search follows thousands of chains; in the open, where
-// there are millions, it is given up and what is in doubt then stays so; as it does when all the work is done that may be.
+// before each search, to decide easy pairs. In closed buildings a search follows thousands of chains; in the open, where
+// there are millions, it is given up, and pairs in doubt stay so; likewise when all allowed work is done.
 void rounds_search(Rounds *rounds, void (*prepare)(Flow *flow, int way),
                    void (*arrive)(Flow *flow, int depth));
 // Takes pairs as proven; `lines` are asked for where witnesses are kept.
 void rounds_prove(Rounds *rounds, const PairEnds *pairs, const Sight *lines, int count);
-// Takes what a finding has proven, and frees it.
+// Takes the pairs that a finding has proven, and frees the finding.
 void rounds_take_proofs(Rounds *rounds, Finding *finding);
 // How much work the next of `searches` may do when `left` is left for them all: much more than its share, since most take less.
 long long rounds_share(long long left, int searches);

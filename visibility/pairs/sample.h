@@ -19,7 +19,7 @@ typedef struct SampleSet {
     uint64_t *proven;   // [cell_count * words] as PairSet.proven: symmetric, diagonal set
     long long windows;  // portals that were looked through, each time one was
     long long refuted;  // candidates that did not stand the second walk: too near an edge, or too flat
-    bool stopped;       // progress asked to stop: `proven` holds what was found until then
+    bool stopped;       // progress asked to stop: `proven` holds the pairs found until then
 } SampleSet;
 
 void sample_pairs(const CellGraph *graph, const SampleOptions *options, const Progress *progress,

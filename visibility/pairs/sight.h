@@ -5,7 +5,7 @@
 #include "visibility/pairs/rounds.h"
 
 // Does the line pass the portal by SIGHT_MARGIN epsilons or more from its edges, and not flatter than SIGHT_FLATTEST? Both
-// are several times what a check by other means would ask for, so that rounding stands between neither and its proof.
+// are several times those of a check by other means, so that rounding stands between neither and its proof.
 #define SIGHT_MARGIN 4
 #define SIGHT_FLATTEST 4e-6  // sine
 bool sight_passes(const WayShape *way, Sight sight, double epsilon);
@@ -14,7 +14,7 @@ bool sight_passes(const WayShape *way, Sight sight, double epsilon);
 // which errs towards nothing. On success the line passes every portal by SIGHT_MARGIN epsilons or more from its edges.
 bool sight_from_point(Flow *flow, int depth, Vec3 from, Sight *out);
 
-// The line from `from` to the middle of what is left of the chain's last portal, if it passes all of them so.
+// The line from `from` to the middle of the visible part of the chain's last portal, if it passes all portals so.
 bool sight_to_middle(Flow *flow, int depth, Vec3 from, Sight *out);
 
 // The same from several points of `source`, a part of the first portal.

@@ -6,7 +6,7 @@
 #include "visibility/vis.h"
 
 // The building at height z, in two layers: the ground (cells by kind, portals as thin lines) and above
-// it the lines (walls, doors with their swing, windows, names). What is drawn between them lies under the walls.
+// it the lines (walls, doors with their swing, windows, names). Drawings between the two lie under the walls.
 void figure_ground(const CellGraph *graph, double z, const Draw *draw);
 void figure_lines(const CellGraph *graph, double z, const Draw *draw);
 

@@ -1,11 +1,11 @@
-// query.h - what the files of the query share: the cone that narrows from portal to portal, and the query under way.
+// query.h - the parts that the files of the query share: the cone that narrows from portal to portal, and the query under way.
 #ifndef VISIBILITY_QUERY_H
 #define VISIBILITY_QUERY_H
 
 #include "engine/core/lanes.h"
 #include "visibility/cells/build.h"
 
-enum { CACHE_LINE = 64 };  // bytes, for what is fetched ahead
+enum { CACHE_LINE = 64 };  // bytes, for memory that is fetched ahead
 enum { MAX_PLANES = 24, MAX_CORNERS = 2 * MAX_PLANES + 8 };
 
 // Rasterisers compute in floats: 2e-5 m is half a digit at 300 m from the middle of the building.
@@ -47,7 +47,7 @@ typedef struct WayBlock {
 } WayBlock;
 enum { WAY_DOOR = 1 << 30 };  // in WayBlock.beyond: it has a door
 
-// One of them, for what is done one at a time.
+// One of them, for steps that take one at a time.
 typedef struct ViewWay {
     int portal, cell;  // `cell` lies beyond
     int sloped;        // in VisQuery.sloped; -1: it is an upright rectangle
@@ -76,7 +76,7 @@ typedef enum Passage {
     PASSAGE_NONE,  // not at all
     PASSAGE_ALL,   // all of it: the eye is in the portal
     PASSAGE_EDGE,  // in a thin wedge along its plane, of which the eye is part
-    PASSAGE_PART   // through what is in view of it
+    PASSAGE_PART   // through its visible part
 } Passage;
 
 // The part in view of a portal that is no upright rectangle, or is seen edge-on: a polygon, which lies in the graph or in
@@ -89,7 +89,7 @@ typedef struct ViewPart {
     Vec3 buffer[2][MAX_CORNERS];
 } ViewPart;
 
-// Corners of what is in view of a portal, as the walk without trees keeps it; where it has more, all of the view passes.
+// Corners of the visible part of a portal, as the walk without trees keeps it; where a part has more, all of the view passes.
 enum { VIEW_CORNERS = 12 };
 
 // A portal that is no upright rectangle: the middle and half the size of the box around it, and the polygon in view.

@@ -66,7 +66,7 @@ typedef struct Soup {
     int border;          // planes[border] .. planes[border + 5] bound all cells
 } Soup;
 
-// soup_planes.c: the table of planes and what is opaque in each; one cell, the world.
+// soup_planes.c: the table of planes and the opaque polygons in each; one cell, the world.
 void soup_find_planes(Soup *soup);
 // soup_tree.c: cells by a binary partition.
 void soup_part(Soup *soup);
@@ -118,7 +118,7 @@ Box soup_box(const Vec3 *v, int count, double grow);
 // The convex hull of points in a plane, counter-clockwise about n; points nearer than `weld` to an edge are left out.
 // `out` has room for count + 1.
 int soup_hull(Arena *arena, const Vec3 *points, int count, Vec3 n, double weld, Vec3 *out);
-// Twice the area over the girth: no more than the width, and at least half of it for what is long.
+// Twice the area over the girth: no more than the width, and at least half of it for a long polygon.
 double soup_width(const Vec3 *v, int count);
 
 // ---- soup.c

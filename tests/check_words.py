@@ -7,7 +7,8 @@
   - at most MOST_LONG_LINES lines of .c and .h files have more than LONGEST_LINE columns;
   - every function in a header that the library installs, but MOST_UNDOCUMENTED, has a comment above it (engine/library/headers.py says
     which headers);
-  - comments and .md files name only source files that are there, but for those of ELSEWHERE.
+  - comments and .md files name only source files that are there, but for those of ELSEWHERE;
+  - the first line of a source file names the file.
 
 Prints each fault with its place, and exits with 1 if there is any. `--all` lists those that are still allowed, too.
 """
@@ -110,6 +111,12 @@ def gone(path, names):
                 yield f"{path}:{number}: names {name}, which is not there"
 
 
+def unnamed(files):
+    for path in files:
+        if not open(path, errors="replace").readline().startswith(f"// {os.path.basename(path)} - "):
+            yield f"{path}:1: does not begin with `// {os.path.basename(path)} - `"
+
+
 def installed_headers():
     """The project's headers that engine/library/headers.py installs, by the same question to the compiler."""
     text = subprocess.run(["gcc", "-MM", "-I.", "-x", "c", "engine/library/enfilade_light.h"], capture_output=True, text=True, check=True).stdout
@@ -153,6 +160,7 @@ def main():
     names = {part for path in listed("") for part in (path, os.path.basename(path))} | ELSEWHERE
     names |= {"/".join(path.split("/")[at:]) for path in listed(".c", ".h", ".md") for at in range(1, path.count("/") + 1)}
     faults += [fault for path in listed(".c", ".h", ".md") for fault in gone(path, names)]
+    faults += unnamed(sources)
     bare = [fault for path in installed_headers() for fault in undocumented(path)]
     counted = (list(headless(sources)), MOST_HEADLESS, f"comments begin with {' or '.join(HEADLESS)}"), \
               (list(long_lines(sources)), MOST_LONG_LINES, "lines are too long"), \

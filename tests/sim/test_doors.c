@@ -1,4 +1,4 @@
-// Doors over time: they arrive, they wait for whoever is in the way and for one another, and go on when it is free.
+// test_doors.c - doors over time: they arrive, they wait for whoever is in the way and for one another, and go on when it is free.
 #include <criterion/criterion.h>
 
 #include "engine/sim/doors.h"

@@ -1,4 +1,4 @@
-// Doors: what a closed one hides, where the leaf of a moving one may be seen, how leaves move.
+// test_leaves.c - doors: what a closed one hides, where the leaf of a moving one may be seen, how leaves move.
 #include <criterion/criterion.h>
 
 #include "engine/walk/verify.h"

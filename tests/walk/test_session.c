@@ -1,4 +1,4 @@
-// A walk as its user drives it, without a window: keys and the mouse go in, frames and files come out.
+// test_session.c - a walk as its user drives it, without a window: keys and the mouse go in, frames and files come out.
 #include <criterion/criterion.h>
 
 #include "engine/walk/session.h"

@@ -1,4 +1,4 @@
-// A walk by someone who presses everything, for as long as one likes: `make soak` gives it twenty minutes under the sanitizers.
+// test_soak.c - a walk by someone who presses every key, for as long as one likes: twenty minutes under the sanitizers in `make soak`.
 #include <criterion/criterion.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// ways.c - what all kinds of cell graphs share: the polygon of a cell, the ends of a portal, the portals of each cell.
+// graph_parts.c - parts that all kinds of cell graphs share: the polygon of a cell, the ends of a portal, the portals of each cell.
 #include "visibility/cells/build.h"
 
 static const double UPRIGHT = 1e-9;  // a portal's normal may rise so much (sine) and still count as level

@@ -1,4 +1,4 @@
-// Doom WADs: what becomes of a small map made here, and faults of files. Real maps: test_wad_maps.c.
+// test_wad.c - Doom WADs: what becomes of a small map made here, and faults of files. Real maps: test_wad_maps.c.
 #include <criterion/criterion.h>
 
 #include "tests/maps/doom/wad_fixture.h"

@@ -1,4 +1,4 @@
-// Real Doom maps: those of the shared data, and of Freedoom as Debian packages it (apt-get install freedoom).
+// test_wad_maps.c - real Doom maps: those of the shared data, and of Freedoom as Debian packages it (apt-get install freedoom).
 #include <criterion/criterion.h>
 #include <dirent.h>
 #include <stdio.h>

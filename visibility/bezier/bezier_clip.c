@@ -1,6 +1,6 @@
 // bezier_clip.c - rays against rational bicubic Bezier patches (Nishita, Sederberg & Kakimoto 1990). A ray is two planes;
 // distances of control points to them make a patch in the plane, whose roots are hits. Distances to a line along v, and to
-// one along u, bound where roots may lie in u and in v: what the convex hulls leave out is clipped, and a part that does
+// one along u, bound where roots may lie in u and in v: the parts that the convex hulls leave out are clipped, and a part that does
 // not shrink is halved.
 //
 // Departures. It begins from the nearly flat pieces that the ray's boxes leave. As soon as the tangents
@@ -82,7 +82,7 @@ typedef struct PatchPoint {
 // A piece is flat enough when the second differences of its control points are below this, of its size: of a piece of
 // a circle it allows 0.3 rad or so.
 #define FLAT 0.06
-// By which boxes grow, of the patch's size: what rounding moves points and rays.
+// Boxes grow by this share of the patch's size: rounding moves points and rays less.
 #define BOX_ROUNDING 1e-13
 // Control points are this many halvings nearer to a piece, each way, when its box is taken.
 enum { BOX_HALVINGS = 2 };

@@ -1,7 +1,7 @@
 // bezier_trim.c - is a point of a patch inside its trims' loops? A line from it along u crosses them an odd number of times
 // (Nishita, Sederberg & Kakimoto 1990, section 4).
 //
-// Curves are cut, once, where they turn in u or v. What is left rises or falls in both, so that most pieces are told by the
+// Curves are cut, once, where they turn in u or v. Each piece rises or falls in both, so that most pieces are told by the
 // box of their ends; of the others the one crossing is found by Bezier clipping. A piece counts from its lower end up to,
 // not including, its upper one, and neighbours share their ends: so no line slips through between two curves or counts
 // them both.

@@ -1,5 +1,5 @@
 // given.c - cells and portals as a building gives them. A cell's faces are its portals' planes and the box of their
-// corners: what walls it has besides is not known, so it may be larger than the room the walls leave.
+// corners: its other walls are not known, so it may be larger than the room the walls leave.
 #include "engine/core/polygon.h"
 #include "visibility/cells/build.h"
 

@@ -1,4 +1,4 @@
-// leaves.c - doors in motion: where their leaves stand, and what they sweep.
+// leaves.c - doors in motion: where their leaves stand, and the space that they sweep.
 #include "visibility/cells/build.h"
 
 void vis_pose(const CellGraph *graph, const float *door_open, Vec3 *vertices) {

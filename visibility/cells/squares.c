@@ -211,7 +211,7 @@ static bool is_covered(const Registrar *r, int cell, Box box, int object) {
     return true;
 }
 
-// Registers a polygon, or, `upright`, all that lies over and under it within `box`.
+// Registers a polygon, or, `upright`, the prism over and under it within `box`.
 static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_count, Box box, bool upright) {
     CellGraph *graph = r->builder->graph;
     graph->object_boxes[object] = box_union(graph->object_boxes[object], box);
@@ -290,7 +290,7 @@ static Registrar new_registrar(CellBuilder *builder) {
     for (int c = 0; c < graph->cell_count; c++)
         r.first_plane[c + 1] =
             r.first_plane[c] + plan_planes(graph, &graph->cells[c], true, r.planes + r.first_plane[c]);
-    int largest = 4;  // of what a leaf sweeps
+    int largest = 4;  // vertices of a leaf's sweep
     for (int p = 0; p < graph->polygon_count; p++) {
         if (graph->polygons[p].vertex_count > largest) largest = graph->polygons[p].vertex_count;
     }
@@ -413,7 +413,7 @@ int vis_locate_part(const CellGraph *graph, const Vec3 *polygon, int count, Aren
     return found;
 }
 
-// ---- more of what objects are
+// ---- objects that touch further squares
 
 // Registrations that are there already, by object: those of object o are square[first[o]] .. square[first[o + 1] - 1].
 typedef struct Registered {

@@ -112,7 +112,7 @@ static void add_walls(CellBuilder *builder, int c) {
     }
 }
 
-// ---- what portals and inlays leave of a floor or ceiling
+// ---- the rest of a floor or ceiling around portals and inlays
 
 // A convex polygon of it; without vertices: gone.
 typedef struct Piece {

@@ -1,5 +1,5 @@
 // bsp.c - the painter's algorithm in the order of a binary space partition, made once for all eyes (Fuchs, Kedem & Naylor
-// 1980): of each plane first what is beyond it, then what lies in it, then what is on the eye's side.
+// 1980): of each plane first the polygons beyond it, then those in it, then those on the eye's side.
 //
 // A piece's pixels are told by the edges of its polygon and by the planes that cut it, as lines in the picture: the two
 // pieces of a cut have the same line, so that no pixel between them is lost and none is moved by the rounding of corners.
@@ -147,7 +147,7 @@ static int cut_piece(Maker *m, int piece, const Cutter *by, int node, int side) 
         double d = sign * plane_distance(plane, here), after = sign * plane_distance(plane, next);
         int edge = m->edges[p.first + i];
         if (d > eps) push_corner(m, here, edge);
-        // On the plane: what follows is the cut, unless the piece's own edge goes on this side.
+        // On the plane: the next edge is the cut, unless the piece's own edge goes on this side.
         if (fabs(d) <= eps) push_corner(m, here, after < -eps ? cut : edge);
         if ((d > eps && after < -eps) || (d < -eps && after > eps)) {
             double t = d / (d - after);
@@ -185,7 +185,7 @@ static void sort_pieces(const Maker *m, BspNode *node) {
     }
 }
 
-// Makes the node of a job, and of what is behind and before it two more jobs.
+// Makes the node of a job, and two more jobs of the polygons behind and before it.
 static void build_node(Maker *m, const Job *job, Job out[2]) {
     BspTree *tree = m->tree;
     int *ids = ids_of(m, job), at = tree->node_count, chosen = choose_piece(m, ids, job->count);

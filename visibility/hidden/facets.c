@@ -19,7 +19,7 @@ typedef struct Maker {
 static bool check(const Vec3 *v, int count, int polygon, double *reach, Error *error) {
     for (int i = 0; i < count; i++) {
         double far = fmax(fabs(v[i].x), fmax(fabs(v[i].y), fabs(v[i].z)));
-        // fmax passes over what is no number.
+        // fmax passes over NAN.
         if (!isfinite(v[i].x + v[i].y + v[i].z) || far > MAPS_LIMIT)
             return error_set(error, "polygon %d: corner %d is at (%g, %g, %g) (limit %g)", polygon, i, v[i].x,
                              v[i].y, v[i].z, MAPS_LIMIT);

@@ -1,7 +1,7 @@
 // image.c - from the scene's facets to lines in the picture.
 #include "visibility/hidden/image.h"
 
-// Bounds are so much wider than rounding could make them, pixels; what is inside is decided by the lines alone.
+// Bounds are so much wider than rounding could make them, pixels; the lines alone decide which pixels are inside.
 #define IMAGE_MARGIN 0.01
 // Bounds of 1/depth alike, as a share of it.
 #define DEPTH_MARGIN 1e-6

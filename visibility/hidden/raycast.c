@@ -42,7 +42,7 @@ static inline const Shape *ray_shape(RayShapes *shapes, int facet, HiddenWork *w
 
 enum { TILE = 8, TILE_FOURS = TILE * TILE / FOUR };
 
-// A share of the terms of a plane's equation, above its rounding: what is within counts as inside.
+// A share of the terms of a plane's equation, above its rounding: points within count as inside.
 #define PLANE_ROUNDING 1e-14
 
 typedef struct RayCast {
@@ -59,7 +59,7 @@ typedef struct Tile {
     Four x, y, z;  // normals of the planes around the rays, inwards
     Vec3 forward;
     double least;              // of `inverse`
-    Four inverse[TILE_FOURS];  // 1/z of what is met so far, 0: nothing
+    Four inverse[TILE_FOURS];  // 1/z of the polygon met so far, 0: none
     int32_t facet[TILE * TILE];
 } Tile;
 
@@ -205,7 +205,7 @@ static void frame_tile(const RayCast *r, Tile *tile) {
     memset(tile->inverse, 0, sizeof tile->inverse);
     memset(tile->facet, -1, sizeof tile->facet);
     tile->least = 0;
-    // Rays beyond the picture's edge count as having met what is nearest.
+    // Rays beyond the picture's edge count as having met the nearest polygon.
     for (int i = 0; i < TILE * TILE; i++)
         if (i % TILE > tile->x1 - tile->x0) tile->inverse[i / FOUR][i % FOUR] = INFINITY;
 }

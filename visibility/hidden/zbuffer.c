@@ -1,5 +1,5 @@
 // zbuffer.c - the depth buffer (E. Catmull, A subdivision algorithm for computer display of curved surfaces, 1974): each
-// polygon in turn, at each of its pixels the nearer of it and what is there.
+// polygon in turn, at each of its pixels the nearer of the polygon and the one already there.
 //
 // The buffer holds 1/z as a float, four pixels at a time. Where two floats are so close that they do not tell, both depths are
 // computed anew in doubles: so the item buffer itself is all the memory, and no digit is lost.

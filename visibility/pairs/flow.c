@@ -1,4 +1,4 @@
-// flow.c - the method `flow`: three-dimensional separating planes alone. What they leave is called visible; nothing is
+// flow.c - the method `flow`: three-dimensional separating planes alone. Cells that they leave are called visible; nothing is
 // proven.
 #include "visibility/pairs/rounds.h"
 

@@ -10,12 +10,12 @@
 // so k is at most (high_j - low_i) / d_least where that height is positive, and at most (high_j - low_i) / d_most where
 // it is not, since dividing a negative number by more brings it nearer to zero; at least, likewise with low_j - high_i.
 // A straight line has one slope, which lies in the intervals of all pairs of its portals. Where these have no common
-// slope there is no line: what is dropped is hidden. Where they have one there need not be a line, as each pair may owe
+// slope there is no line: dropped cells are hidden. Where they have one there need not be a line, as each pair may owe
 // its bound to another line: the test errs towards visible. d is bounded by the plan boxes of the portals. Heights and
-// distances are widened by WayGraph.epsilon, a million times what rounding takes from them.
+// distances are widened by WayGraph.epsilon, a million times their rounding error.
 //
 // The search from a cell stays within the flood through its first portal and leaves a branch in which nothing new can be
-// reached, by the flood through its last. A cell with too many sequences keeps what the floods reach.
+// reached, by the flood through its last. A cell with too many sequences keeps all cells that the floods reach.
 #include <omp.h>
 
 #include "visibility/pairs/pairs.h"
@@ -46,12 +46,12 @@ typedef struct PlanGraph {
 // One thread's search from one cell.
 typedef struct Search {
     const PlanGraph *graph;
-    uint64_t *row;          // of the cell: what was reached
+    uint64_t *row;          // of the cell: the cells that were reached
     const uint64_t *bound;  // the flood through the first way
     Sightline line;
     int *path;         // [cell_count] ways, from the first on
     Slopes *slopes;    // [cell_count] open after each
-    uint64_t *wanted;  // [cell_count * words] what a branch may still add
+    uint64_t *wanted;  // [cell_count * words] the cells that a branch may still add
     unsigned char *on_path;
     long long sequences, limit;
 } Search;

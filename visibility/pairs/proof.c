@@ -2,7 +2,7 @@
 // that rounding or the patience of settle.c leave open.
 //
 // The searches of `flow` try a real line wherever they come upon a cell in doubt. A line proves all pairs of the cells on
-// its way at once, and what is proven is not looked for again: most of the work that is left goes into cells that are
+// its way at once, and proven cells are not looked for again: most of the work that is left goes into cells that are
 // truly hidden.
 #include "visibility/pairs/settle.h"
 #include "visibility/pairs/sight.h"

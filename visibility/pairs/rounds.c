@@ -9,7 +9,7 @@
 #include "engine/core/memory.h"
 #include "engine/core/parallel.h"
 
-// Sorting anew costs a pass over all that may be seen; the order hardly changes from one round to the next.
+// Sorting anew costs a pass over all potentially visible cells; the order hardly changes from one round to the next.
 enum { LARGEST_ROUND = 64, SMALLEST_ROUND = 4, ROUNDS = 24, SORT_EVERY = 8 };
 
 // Room for one more than `count`.
@@ -37,7 +37,7 @@ static uint64_t *set_row(const Rounds *r, uint64_t *rows, int cell) {
     return rows + (size_t)cell * (size_t)r->ways.words;
 }
 
-// From `cell` nothing is seen but what may be seen through one of its ways: all else does not see it either. Of the cells
+// From `cell` only cells that may be seen through one of its ways are seen: no other cell sees it either. Of the cells
 // of word k.
 static void lend_word(Rounds *r, int cell, int k) {
     const WayGraph *ways = &r->ways;
@@ -115,7 +115,7 @@ static void sort_turns(const Rounds *r, Turn *turns, int count) {
     qsort(turns, (size_t)count, sizeof *turns, by_might);
 }
 
-// Searches from one way; reads what was known before the round only.
+// Searches from one way; reads only the findings from before the round.
 static void search(Flow *flow, const Rounds *r, int index, Finding *finding) {
     const WayGraph *ways = &r->ways;
     const WayShape *way = &ways->ways[index];
@@ -170,7 +170,7 @@ void rounds_prove(Rounds *r, const PairEnds *pairs, const Sight *lines, int coun
         if (row_has(set_row(r, proven, a), b)) continue;
         row_add(set_row(r, proven, a), b);
         row_add(set_row(r, proven, b), a);
-        // Proof goes before what rounding may have excluded elsewhere.
+        // A proof goes before an exclusion elsewhere, which rounding may have caused.
         row_add(set_row(r, r->set->seen, a), b);
         row_add(set_row(r, r->set->seen, b), a);
         if (!r->options->witnesses) continue;

@@ -1,7 +1,7 @@
 // sample.c - exact visibility from points, one eye after the other.
 //
 // From an eye, the pyramid through a portal is narrowed by each portal ahead (W. Jones 1971; as Luebke & Georges 1995 do
-// for a camera), without any tolerance: what is left of a portal is what the eye sees of it. A cell's eyes lie on its own
+// for a camera), without any tolerance: the rest of a portal is the part that the eye sees. A cell's eyes lie on its own
 // portals, looking outwards, since every line that leaves it passes one there; and inside it, for good measure. Each row
 // of the result belongs to one cell and one task, so threads do not show.
 #include "visibility/pairs/sample.h"
@@ -12,7 +12,7 @@
 #include "engine/core/random.h"
 #include "visibility/pairs/witness.h"
 
-// Portals have at most 64 corners in files; each clip by a pyramid of k sides adds at most k. What has more is left out,
+// Portals have at most 64 corners in files; each clip by a pyramid of k sides adds at most k. Portals with more are left out,
 // which costs the lower bound a pair at most.
 enum { MOST_CORNERS = 128 };
 // Windows below this solid angle, steradians, are not looked through: hardly anything behind them stands the second walk.
@@ -59,7 +59,7 @@ static void view_portal(const Sampler *s, const Portal *portal, int cell, Window
     for (int i = 0; i < out->count; i++) out->v[i] = vec3_sub(v[forward ? i : out->count - 1 - i], s->eye);
 }
 
-// Keeps what lies on the positive side of a plane through the eye.
+// Keeps the part on the positive side of a plane through the eye.
 static void clip_window(Window *w, Vec3 n) {
     Vec3 in[MOST_CORNERS];
     double distance[MOST_CORNERS];

@@ -1,6 +1,6 @@
 // settle.c - see settle.h. For each chain between the two cells the source portal is cut in halves, and each half in
 // halves, until separating planes exclude a piece or a sightline from it proves the pair. As a piece shrinks to a point
-// the separators become the cone from that point: what they let through beyond the truth goes to nothing with its size.
+// the separators become the cone from that point: their excess over the truth goes to nothing with its size.
 #include "visibility/pairs/settle.h"
 
 #include <stdlib.h>
@@ -194,7 +194,7 @@ static void take(Rounds *r, const Doubt *doubt, Case *c) {
     if (c->finding.done && c->verdict == EXCLUDED) exclude(r->set, doubt->a, doubt->b);
 }
 
-// A run of cases, and what each thread needs for one.
+// A run of cases, and the memory that each thread needs for one.
 typedef struct Cases {
     Rounds *rounds;
     const Doubt *doubts;       // [count]

@@ -174,7 +174,7 @@ static const uint64_t *visible_set(VisQuery *q, const int *around, int count) {
     return q->joined;
 }
 
-// Into the cache, what the walk begins with.
+// Fetches into the cache the data that the walk begins with.
 static void prefetch_start(const VisQuery *q, int cell) {
     for (int k = 0; k < q->forest->seen.blocks; k++)
         __builtin_prefetch(cell_rows_block(&q->forest->seen, cell, k));

@@ -117,7 +117,7 @@ static void draw_listed(VisQuery *q, CellView *view, const Cone *cone) {
     for (int first = 0; undrawn >> first; first += FOUR, block++) {
         unsigned lanes = undrawn >> first & FOUR_ALL;
         if (!lanes) continue;
-        lanes &= ~four_in_set(q->drawn, block->object);  // what other cells have shown
+        lanes &= ~four_in_set(q->drawn, block->object);  // objects that other cells have shown
         q->result.objects_tested += __builtin_popcount(lanes);
         Boxes boxes = {four_from_float(block->centre[0]) - eye.x, four_from_float(block->centre[1]) - eye.y,
                        four_from_float(block->centre[2]) - eye.z, four_from_float(block->half[0]),
@@ -154,7 +154,7 @@ static void draw_cell(VisQuery *q, int c, Cone *cone) {
     int to = square_at((top + touch - grid->origin.y) / grid->size, grid->ny);
     for (int j = from; j <= to; j++) {
         double y0 = grid->origin.y + j * grid->size, low, high;
-        // The last row also holds what lies beyond the grid by rounding.
+        // The last row also holds places beyond the grid by rounding.
         double y1 = j == to ? top + touch : y0 + grid->size;
         if (!row_extent(region, count, (j == from ? bottom : y0) - touch, y1 + touch, &low, &high)) continue;
         int first = square_at((low - touch - grid->origin.x) / grid->size, grid->nx);

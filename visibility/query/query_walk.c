@@ -31,7 +31,7 @@ typedef struct Corner {
     const Vec3 *p;
 } Corner;
 
-// So turned that what runs counter-clockwise about n does so here.
+// Turned so that corners counter-clockwise about n are so here.
 static Corner flatten(const Vec3 *p, Vec3 n) {
     double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
     if (z >= x && z >= y) return n.z > 0 ? (Corner){p->x, p->y, p} : (Corner){p->y, p->x, p};
@@ -84,7 +84,7 @@ static bool polygon_holds(const Sloped *view, const ViewPart *part, Vec3 n) {
     return view->count > 0;
 }
 
-// ---- the cache: what a query meets has seldom been met before, and comes from afar
+// ---- the cache: a query seldom meets data for the second time, and they come from afar
 
 // Fetches the cell beyond a way in the queue.
 static void prefetch_beyond(const VisQuery *q, int way) {
@@ -136,7 +136,7 @@ static int take_nearest(VisQuery *q) {
     return nearest;
 }
 
-// ---- what is in view
+// ---- the visible parts of portals
 
 static ViewBlock *view_of(VisQuery *q, int block) {
     ViewBlock *view = &q->views[block];
@@ -167,7 +167,7 @@ static void take_polygon(VisQuery *q, ViewBlock *view, int lane, const ViewWay *
     memcpy(sloped->v, part->polygon, (size_t)part->count * sizeof *part->polygon);
 }
 
-// The portal is seen a second time: takes what is new into what is in view of it; false where nothing is.
+// The portal is seen a second time: adds the new part to its visible part; false where there is none.
 static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const ViewWay *way, const ViewPart *part) {
     const Sloped *known = &q->sloped[way->sloped];
     Vec3 n = way->plane.n, hull[2 * (VIEW_CORNERS + MAX_CORNERS)];
@@ -179,7 +179,7 @@ static bool widen_polygon(VisQuery *q, ViewBlock *view, int lane, const ViewWay 
     return true;
 }
 
-// Takes what is seen of a portal into its view; false where nothing of it is new.
+// Adds the seen part of a portal to its visible part; false where none of it is new.
 static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const ViewWay *way, Passage passage,
                        ViewPart *part) {
     unsigned char bit = (unsigned char)(1u << lane);
@@ -195,7 +195,7 @@ static bool widen_view(VisQuery *q, ViewBlock *view, int lane, const ViewWay *wa
         return false;
     }
     if (!(view->spent & bit)) return true;
-    // Takes all that the eye could see of the portal by any way. But for slack it sees something.
+    // Takes all of the portal that the eye could see by any way. But for slack it sees some of it.
     view->whole |= bit;
     if (query_clip(q, &q->cones[0], way, part) == PASSAGE_PART) take_polygon(q, view, lane, way, part);
     return true;
@@ -220,7 +220,7 @@ static void put_slots(ViewBlock *view, unsigned lanes, const Slots *from, Four d
     FourMask mask = four_mask(lanes);
     Slots *to = &view->slots;
     if (!view->part) {
-        *to = *from;  // without waiting for what was there
+        *to = *from;  // without waiting for the old value
     } else {
         to->s0 = four_choose(mask, from->s0, to->s0);
         to->s1 = four_choose(mask, from->s1, to->s1);
@@ -232,7 +232,7 @@ static void put_slots(ViewBlock *view, unsigned lanes, const Slots *from, Four d
     view->part |= (unsigned char)lanes;
 }
 
-// Takes all that the eye could see of these by any way.
+// Takes all of these that the eye could see by any way.
 static void take_whole(VisQuery *q, ViewBlock *view, int block, unsigned lanes) {
     Sight sight;
     view->whole |= (unsigned char)lanes;

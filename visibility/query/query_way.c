@@ -109,7 +109,7 @@ ViewWay query_way(const VisQuery *q, int way) {
 
 static Four edge_at(SlotEdge edge, Four s) { return edge.at + edge.rise * s; }
 
-// Keeps of each slot's length what has a >= b * s. Returns where nothing is left.
+// Keeps the part of each slot's length that has a >= b * s. Returns the lanes where none is left.
 static FourMask cut_slots(Slots *slots, Four a, Four b) {
     FourMask left = b * slots->s0 > a, right = b * slots->s1 > a;
     Four end = a / b;
@@ -224,7 +224,7 @@ static Vec2 slope_of(Vec2 ahead, double nearness, double at, double rise, double
     return vec2_add(slope, vec2_scale(ahead, side * *steepness * slack * nearness));
 }
 
-// Keeps what is below (`side` +1) or above (-1) the plane of that slope. A normal shorter than one has more slack.
+// Keeps the part below (`side` +1) or above (-1) the plane of that slope. A normal shorter than one has more slack.
 static void add_slope(Cone *cone, Vec3 eye, Vec2 slope, double steepness, int side) {
     double scale = side / steepness;
     Vec3 n = vec3(slope.x * scale, slope.y * scale, -scale);

@@ -6,15 +6,15 @@
 //
 // The hierarchy: eight boxes are met at once (Dammertz, Hanika & Keller 2008, Shallow Bounding Volume Hierarchies). Boxes are
 // floats that hold what they bound whatever is rounded: planes are moved outwards when the tree is made, and distances are
-// taken for a little longer than they are (Ize 2013, Robust BVH Ray Traversal). What is in them is met in doubles.
+// taken for a little longer than they are (Ize 2013, Robust BVH Ray Traversal). The surfaces in them are met in doubles.
 //
 // It is made from the root down: of a node's boxes the one of the largest area is split again and again until
 // there are eight, each time where the surface-area heuristic in bins says (Wald 2007, On fast construction of SAH-based
 // bounding volume hierarchies; Wald, Benthin & Boulos 2008 for more than two children).
 //
-// The grid: rays go from cell to cell of a uniform grid, and try what is in each (Amanatides & Woo 1987, A Fast Voxel Traversal
+// The grid: rays go from cell to cell of a uniform grid, and try the surfaces in each (Amanatides & Woo 1987, A Fast Voxel Traversal
 // Algorithm; Fujimoto, Tanaka & Iwata 1986). A hit counts once the ray has come to where it is: what reaches into several cells
-// is met beyond the present one, too. Departure: nothing remembers what was tried in the cell before (their mailboxes), so that
+// is met beyond the present one, too. Departure: no list remembers the surfaces tried in the cell before (their mailboxes), so that
 // threads share nothing.
 #include "visibility/rays/ray_surfaces.h"
 
@@ -230,7 +230,7 @@ enum { SURFACE_TREE_LEAF = 3 };
 // at most.
 enum { SURFACE_TREE_DEEPEST = 64 };
 
-// Bounds of its eight children, each axis: low, high. What a child lacks is a box that nothing meets.
+// Bounds of its eight children, each axis: low, high. A child that is not there has a box that no ray meets.
 typedef struct SurfaceNode {
     Lane bound[3][2];
     int32_t child[LANES];  // a node, or of a leaf the first in SurfaceTree.items
@@ -342,7 +342,7 @@ SurfaceTree surface_tree_new(const RaySurfaces *surfaces, Arena *arena) {
 
 // A direction that is no longer than this along an axis is taken to be so long: its inverse stays a number.
 static const float LEAST_WAY = 1e-18f;
-// By what the distance to a box may be too short: three roundings of a float, twice.
+// The distance to a box may be too short by this share: three roundings of a float, twice.
 static const float LONGER = 1 + 6 * 0x1p-23f;
 
 typedef struct Visit {

@@ -1,4 +1,4 @@
-// soup_objects.c - what is drawn of a soup: its own polygons, and a plug in each portal that a door closes.
+// soup_objects.c - the drawn polygons of a soup: its own, and a plug in each portal that a door closes.
 #include "engine/core/error.h"
 #include "visibility/soup/soup.h"
 

@@ -166,7 +166,7 @@ void soup_pieces_join(Arena *arena, SoupPieces *pieces, Vec3 n, double weld, dou
             pieces->piece[k] = pieces->piece[--pieces->count];
             if (i == pieces->count) i = k;
             around = box_grow(pieces->piece[i].box, near);
-            k = -1;  // what it has become may fit others
+            k = -1;  // the joined piece may fit others
         }
     }
 }

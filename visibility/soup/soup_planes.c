@@ -2,20 +2,20 @@
 // largest polygons first, so that a wall of many polygons, or of two that coincide, is one plane.
 //
 // Areas that decide are compared as whole numbers of a millionth: what is equal by design then stays equal when the
-// building is turned, and ties go to what comes first in the file.
+// building is turned, and ties go to the polygon that comes first in the file.
 #include <stdlib.h>
 
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "visibility/soup/soup.h"
 
-// Polygons smaller than this share of all that is opaque are details: they have no plane, and hide no cell.
+// Polygons smaller than this share of the opaque area are details: they have no plane, and hide no cell.
 static const double DETAIL = 1e-6;
 // Polygons of one plane have normals that differ by no more than this sine.
 static const double SAME_NORMAL = 1e-3;
 // The cells reach this far beyond the soup, relative to its size: the outdoors.
 static const double MARGIN = 0.25;
-// A normal this near an axis is the axis: what is drawn upright stays so to the last bit.
+// A normal this near an axis is the axis: upright polygons stay so to the last bit.
 static const double ON_AXIS = 1e-9;
 
 // Planes at about one distance from the soup's centre: among these a polygon finds its own.
@@ -153,7 +153,7 @@ static void find_axes(Soup *soup) {
     int second = largest_plane(soup, &soup->axis[0]);
     Vec3 n = soup->axis[0], along = fabs(n.x) < 0.6 ? vec3(1, 0, 0) : vec3(0, 1, 0);
     if (second >= 0) along = soup->planes[second].plane.n;
-    // One plane alone: along the first edge of what lies in it.
+    // One plane alone: along the first edge of its polygons.
     for (int i = 0; second < 0 && i < soup->sheet_count; i++) {
         along = vec3_sub(soup->sheets[i].v[1], soup->sheets[i].v[0]);
         if (vec3_length(vec3_cross(along, n)) > SOUP_SNAP * soup->size) break;

@@ -1,5 +1,5 @@
 // soup_seams.c - where a corner of one polygon lies on an edge of another it becomes a corner of that too: a T-vertex lets
-// sight through when it is rounded, and what is seen there is behind a wall.
+// sight through when it is rounded, and the objects seen there are behind a wall.
 #include <stdlib.h>
 
 #include "engine/core/error.h"

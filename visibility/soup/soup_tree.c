@@ -50,7 +50,7 @@ typedef struct Branch {
     FragmentRun *first, *last;
     int fragment_count;
     int best;        // the plane to cut by, or -1
-    double urgency;  // what that plane hides
+    double urgency;  // the area that the plane hides
 } Branch;
 
 typedef struct Tree {
@@ -312,7 +312,7 @@ static void cut_all(Tree *tree) {
     }
 }
 
-// The planes of doors cut what the doors stand in, whatever they cover of it.
+// The planes of doors cut the cells that the doors stand in, however little of them they cover.
 static void cut_doors(Tree *tree) {
     const Soup *soup = tree->soup;
     double least = SOUP_SNAP * soup->size;

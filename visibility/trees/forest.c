@@ -291,7 +291,7 @@ static void reach(Grower *g, int cell, int way) {
     for (size_t k = 0; k < words; k++) g->all[k] |= g->reached[k];
 }
 
-// In a large building, what a cell without a tree may see.
+// In a large building: the visible set of a cell without a tree.
 static void reach_far(Grower *g, int cell) {
     const WayGraph *ways = &g->source->ways;
     int seen = 0;
@@ -365,7 +365,7 @@ static void grow_next(void *context, int index, int thread) {
     cell_rows_set(&forest->seen, cell, row, &growth->own[thread]);
 }
 
-// In runs, so that what trees take is known before the next are grown: one may take much more than its share of what is left, since
+// In runs, so that the nodes of trees are counted before the next are grown: one may take much more than its share of what is left, since
 // most take less.
 static void grow_all(Growth *growth, const TreeSource *source, int threads, Arena *scratch) {
     enum { RUN = 64, TIMES = 64, MOST = 8 };
@@ -391,7 +391,7 @@ static void grow_all(Growth *growth, const TreeSource *source, int threads, Aren
     for (int i = 0; i < threads; i++) tree_grower_end(growth->growers[i]);
 }
 
-// Takes from the row of a cell what its tree reaches only through cells that do not see it; whether there was any.
+// Removes from the row of a cell the cells that its tree reaches only through cells that do not see it; returns whether there was any.
 // `kept` [largest tree] and `row` [words] are scratch.
 static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned char *kept, uint64_t *row,
                      Arena *scratch) {
@@ -404,7 +404,7 @@ static bool trim_row(StabForest *forest, const Tree *tree, int root, unsigned ch
     return cell_rows_keep(&forest->seen, root, row, scratch);
 }
 
-// Sight is symmetric, and a cell is seen only through cells that are seen: what contradicts this is dropped until the
+// Sight is symmetric, and a cell is seen only through cells that are seen: pairs that contradict this are dropped until the
 // sets and the trees agree.
 static void settle_sets(StabForest *forest, const Tree *trees, int largest, Arena *scratch) {
     uint64_t *row = ARENA_ARRAY(scratch, uint64_t, forest->words);
@@ -418,7 +418,7 @@ static void settle_sets(StabForest *forest, const Tree *trees, int largest, Aren
     }
 }
 
-// Appends what is left of a tree when the cells that do not see its root are cut off.
+// Appends the rest of a tree when the cells that do not see its root are cut off.
 static void append_tree(StabForest *forest, const Tree *tree, int root, int *renumber) {
     int base = forest->root[root], kept = 0;
     for (int i = 0; i < tree->count; i++) {

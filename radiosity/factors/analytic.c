@@ -2,7 +2,7 @@
 // times the share of their plane's normal along z (Lambert 1760; Cohen & Wallace 1993, eq. 4.9), and of what other
 // polygons leave of it in sight, by subtracting their cones.
 //
-// A cone and the plane it starts from bound a convex piece of space; what is left of a convex polygon outside it is
+// A cone and the plane it starts from bound a convex piece of space; the rest of a convex polygon outside it is
 // again convex pieces, one at most for each bound. So the result is exact but for rounding, also where polygons pass
 // through each other.
 #include "radiosity/factors/analytic.h"
@@ -58,7 +58,7 @@ typedef struct Waiting {
 } Waiting;
 
 // Depth-first, with a stack of its own: thousands of lamps or leaves may each cut what the others left, and the machine's
-// stack ends before they do. What most views need lies in the struct.
+// stack ends before they do. The stack for most views lies in the struct.
 typedef struct Subtraction {
     const AnalyticOccluder *occluder;
     int occluder_count, rank;

@@ -70,7 +70,7 @@ static int part_before(const Vec3 *polygon, int count, const Vec3 *other, int ot
 
 double analytic_exchange(const Vec3 *a, int a_count, const Vec3 *b, int b_count) {
     CORE_ASSERT(a_count <= ANALYTIC_CORNERS && b_count <= ANALYTIC_CORNERS);
-    // Boundaries know nothing of fronts: only what is before the other's plane takes part.
+    // Boundaries know nothing of fronts: only the part before the other's plane takes part.
     Vec3 p[ANALYTIC_CORNERS + 1], q[ANALYTIC_CORNERS + 1];
     int n = part_before(a, a_count, b, b_count, p), m = part_before(b, b_count, a, a_count, q);
     double forth = 0, back = 0;

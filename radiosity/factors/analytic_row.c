@@ -1,5 +1,5 @@
 // analytic_row.c - the row of a point without samples: each face less all that hides it, cut along its grid, each
-// piece by Lambert's formula (analytic.c). Exact but for rounding, and slow: what other methods are measured against.
+// piece by Lambert's formula (analytic.c). Exact but for rounding, and slow: other methods are measured against it.
 
 #include <math.h>
 
@@ -9,7 +9,7 @@
 #include "radiosity/factors/face_grid.h"
 #include "radiosity/factors/row.h"
 
-// A row that misses 1 by less is closed: what is missing is rounding, not sky.
+// A row that misses 1 by less is closed: the missing share is rounding, not sky.
 #define ANALYTIC_CLOSED 1e-9
 // Smaller pieces are rounding where edges meet, through which nothing may leak: of the row, and of the coordinates, a
 // share of the eye's distance from the origin in metres.

@@ -157,7 +157,7 @@ static void fill_shape(const ElementBuffer *self, Side *side, const Shape *shape
     }
 }
 
-// Keeps what has dot(n, v) >= least; returns the count. Cheap where all of it is on one side.
+// Keeps the part with dot(n, v) >= least; returns the count. Cheap where all of it is on one side.
 static int keep(Vec3 *v, int count, Vec3 n, double least) {
     int inside = 0;
     for (int i = 0; i < count; i++) inside += vec3_dot(n, v[i]) >= least;

@@ -4,7 +4,7 @@
 // The edges of a wall a centimetre from the eye are all but diameters of the hemisphere's base. How many of the samples lie
 // to one side of a diameter errs most where it runs along rows of them, by up to half a row: 8e-4 of all light at a
 // resolution of 200, whatever the lattice, for every lattice has rows some way round. Of a face that nothing hides the
-// share needs no samples: its elements are scaled to it, and all others alike to what is left.
+// share needs no samples: its elements are scaled to it, and all others alike to the rest.
 #include "radiosity/factors/near_faces.h"
 
 #include "engine/core/error.h"
@@ -18,7 +18,7 @@ static const double BESIDE = 4;
 // And has so much of the light at least: others err little.
 static const double LEAST_SHARE = 0.1;
 // A point less than this inside the face's cone, as an angle's tangent, or before its plane, as a share of the distance, touches
-// it: far above the rounding of doubles, far below what shows.
+// it: far above the rounding of doubles, far below a visible distance.
 static const double TOUCH = 1e-6;
 enum { MOST_NEAR = 6 };  // as faces of a box; more are left as they are
 

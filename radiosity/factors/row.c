@@ -96,7 +96,7 @@ static void lay_face(const RowSum *sum, const View *view, int item, RowFace *out
 }
 
 static float dot3(const float a[3], float x, float y, float z) { return a[0] * x + a[1] * y + a[2] * z; }
-// To a whole number of squares; what is a rounding outside, or no number, is inside.
+// To a whole number of squares; a number that is a rounding outside, or NAN, is inside.
 static int square_along(float at, float last) { return (int)(at > 0 ? at < last ? at : last : 0); }
 
 // A sample that meets its plane in a square where the face is not, by a rounding.

@@ -65,7 +65,7 @@ static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
 typedef struct SeenGrid {
     GridForm column, row;
     int first_square, nx, ny;
-    int one;  // what all of the face is, MANY: look where
+    int one;  // the square of the whole face; MANY: look which
 } SeenGrid;
 
 struct Sampler {
@@ -117,7 +117,7 @@ static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec
 // A direction is moved so far, radians, from each edge that passes it by: well above the rounding of an edge's form, 4e-7, which
 // may have put it on the wrong side, less than anything one looks at.
 static const double INWARDS = 1e-5;
-// And these are the edges: all that it could be moved across.
+// And these are the edges: the lines that the direction could be moved across.
 static const double AT_EDGE = 4e-5;
 // Faces nearer to each other than this lie in one plane, metres: above the noise of coordinates 1,000 km from the origin, below
 // sheets 2e-7 apart (analytic.c).
@@ -204,7 +204,7 @@ typedef struct Drawing {
     float nearest;  // 1 / distance of nowhere on the face is above this
     float tie;      // 1 / distances that differ by less may be the same, or the other way round
     int face;
-    bool by_depth;  // what lies behind what was drawn is passed over
+    bool by_depth;  // faces behind drawn ones are passed over
     const SamplerView *of;
     const Form *edges;  // [edge_count]
     int edge_count, crossing_count;
@@ -358,7 +358,7 @@ static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneI
         int other = before[__builtin_ctz(left)];
         unsigned same = lane_mask(before == lane_int_of(other)) & left;
         left &= ~same;
-        // Mostly the two lie in one plane, and what holds for one direction holds for all.
+        // Mostly the two lie in one plane, and the order along one direction holds for all.
         int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
         for (; same; same &= same - 1) {
             int i = __builtin_ctz(same);

@@ -1,5 +1,5 @@
 // view.c - which faces a point of a surface has before it, and where they are in its own axes: the objects that the stab
-// trees leave (Oki, section 3; Teller & Sequin 1991), less what lies below the horizon.
+// trees leave (Oki, section 3; Teller & Sequin 1991), less the parts below the horizon.
 //
 // Whether a face is in a view is decided by the face and the eye alone, among those that the culling lets through, and
 // its numbers are the same whatever was culled.
@@ -117,14 +117,14 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
 typedef struct Look {
     Viewer *viewer;
     Vec3 eye, x, y, z;
-    Four turn[3];  // columns: what building space's x, y and z are in the view's axes
+    Four turn[3];  // columns: the x, y and z of building space in the view's axes
 } Look;
 
 static Vec3 to_view(const Look *look, Vec3 v) {
     return vec3(vec3_dot(look->x, v), vec3_dot(look->y, v), vec3_dot(look->z, v));
 }
 
-// Could anything of it be seen, for all that its sphere and its plane say?
+// Could any part of the face be seen, as far as its sphere and its plane tell?
 static inline bool may_be_seen(const Look *look, const FaceShape *shape, Vec3 to_centre) {
     double radius = (double)shape->radius;
     if (vec3_dot(look->z, to_centre) + radius <= 0) return false;

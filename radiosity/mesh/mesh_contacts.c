@@ -1,5 +1,5 @@
-// mesh_contacts.c - where things stand on a face, or close before it: the lines along which its elements are cut, so that what is lit
-// and what is covered are not one element (Baum, Mann, Smith & Winget 1991: light and shadow leaks).
+// mesh_contacts.c - where things stand on a face, or close before it: the lines along which its elements are cut, so that lit
+// and covered parts are not one element (Baum, Mann, Smith & Winget 1991: light and shadow leaks).
 #include "engine/core/polygon.h"
 #include "maps/building/building.h"
 #include "radiosity/mesh/mesh_parts.h"
@@ -93,7 +93,7 @@ static bool sort_faces(Contacts *c, Arena *scratch) {
 
 // ---- lines on a face
 
-// Puts what of a -> b, which lies on the face's plane, is inside its outline.
+// Puts the part of a -> b, which lies on the face's plane, inside its outline.
 static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Vec3 b) {
     MeshBuilder *builder = c->builder;
     const int *outline = builder->mesh->outline + face->first_vertex;
@@ -108,7 +108,7 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
         if (to < 0) t1 = fmin(t1, from / (from - to));
     }
     if ((t1 - t0) * vec3_length(vec3_sub(b, a)) < SHORTEST) return;
-    // Things are closed: what a face's back looks into is covered.
+    // Things are closed: the space that a face's back looks into is covered.
     double facing = vec3_dot(face->plane.n, other->plane.n);
     Vec3 open = vec3_sub(other->plane.n, vec3_scale(face->plane.n, facing));
     if (fabs(facing) > ALONG) open = vec3(0, 0, 0);

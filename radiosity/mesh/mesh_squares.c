@@ -12,7 +12,7 @@ typedef struct MeshBlock {
     int i0, j0, i1, j1;
 } MeshBlock;
 
-// An element to be, before it is cut: what a block of squares holds of the face.
+// An element to be, before it is cut: the part of the face in a block of squares.
 typedef struct MeshLeaf {
     MeshBlock block;
     MeshDepth depth;
@@ -327,7 +327,7 @@ typedef struct MeshCutting {
     int leaf_count;
     int *owner;     // [nx * ny] the leaf whose block a square is in
     int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces,
-    int *code;      // [leaf_count] and what Mesh.squares says of those then
+    int *code;      // [leaf_count] and the entry of Mesh.squares for those then
     int merged;     // slivers that became part of their neighbours
     double square;  // area of a whole one, m^2
     // The pieces into which leaves are cut: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
@@ -335,7 +335,7 @@ typedef struct MeshCutting {
     int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;
 
-// ---- elements that something stands on in part, cut into what is open and what is covered.
+// ---- elements that are covered in part, cut into open and covered pieces.
 
 // Nothing thinner is cut off, metres.
 static const double THIN = 1e-3;
@@ -445,7 +445,7 @@ static bool is_covered(const MeshBuilder *builder, int face, Vec3 point) {
     for (double beyond = -1;;) {
         Nearest n = nearest_beyond(builder, face, point, beyond);
         if (n.count == 0) return false;
-        // At a corner two lines are nearest: what is before either is open.
+        // At a corner two lines are nearest: a place before either is open.
         double most = -INFINITY;
         for (int i = 0; i < n.count; i++) {
             if (is_answered(&n, n.cuts[i])) continue;
@@ -476,7 +476,7 @@ static int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, 
         const MeshCut *cut = &builder->cuts[i];
         Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
         Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
-        // Those that the line itself runs through, not what lies beyond its ends.
+        // The squares that the line itself runs through, not those beyond its ends.
         for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
             MeshPiece whole = out[k];
             if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
@@ -834,7 +834,7 @@ static void find_pieces(MeshCutting *c) {
 // So many at a time: their grids follow each other in the splits, and their elements are numbered in order. While one thread numbers
 // those of a batch, the others cut the next one.
 enum { FACES_AT_A_TIME = 4096, SQUARES_AT_A_TIME = 1 << 17 };
-// There may be so many of all faces: what is cut is searched on small ones.
+// There may be so many of all faces: cut pieces are searched on small ones.
 static const double MOST_SQUARES = 5e8;
 
 typedef struct Batch {

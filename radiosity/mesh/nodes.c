@@ -1,5 +1,5 @@
 // nodes.c - corners of elements sorted into nodes: corners are joined over every smooth edge (disjoint sets; Tarjan 1975), and
-// what is joined is a node. Since elements list the vertices of their neighbours, edges that touch are edges shared whole, and
+// joined vertices are a node. Since elements list the vertices of their neighbours, edges that touch are edges shared whole, and
 // T-vertices need no care of their own.
 #include "radiosity/mesh/nodes.h"
 

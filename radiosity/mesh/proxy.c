@@ -32,7 +32,7 @@ typedef struct ProxyPolygon {
     int count, tag;  // count 0: it became part of another
 } ProxyPolygon;
 
-// ---- half-edge collapses, the least harm first: a corner moves to a neighbour's place, so that what is left lies on the model
+// ---- half-edge collapses, the least harm first: a corner moves to a neighbour's place, so that the rest lies on the model
 // and within its hull, and two panes stay as far apart as they are.
 //
 // Sources: R. Ronfard & J. Rossignac, Full-Range Approximation of Triangulated Polyhedra, 1996 (the harm is the distance to the
@@ -178,7 +178,7 @@ static bool keeps_topology(Work *w, int u, int v) {
     return common == opposite;
 }
 
-// Is something left of what hangs together here?
+// Are triangles left of those that hang together here?
 static bool keeps_body(const Work *w, int u, int v) {
     int left = 0;
     for (int i = 0; i < w->triangles[u].count; i++) {
@@ -345,7 +345,7 @@ static void start_moves(Work *w) {
     for (int p = 0; p < s->point_count; p++) consider(w, p);
 }
 
-// Moves corners of triangles to those of others, and drops what then has no area. What was closed stays closed, nothing is turned
+// Moves corners of triangles to those of others, and drops triangles without area. A closed surface stays closed, nothing is turned
 // over, and no corner leaves the planes of the triangles that it stands for by more than the tolerance, metres. Triangles that
 // are left come first; returns how many. The same input gives the same result.
 static int simplify(SimplifySurface *surface, double tolerance) {
@@ -373,7 +373,7 @@ static int simplify(SimplifySurface *surface, double tolerance) {
 
 // ---- polygons grow over their edges while they stay flat and convex: a panel is one polygon, not dozens, to whoever looks.
 
-// How far a merged polygon may bend, metres: half of what polygons of buildings may.
+// How far a merged polygon may bend, metres: half as far as polygons of buildings may.
 static const double FLAT = 0.5 * MAPS_PLANARITY;
 // Polygons turn by less than this where they are one, as a cosine: a thumb's breadth of a bend is a crease.
 static const double SAME_PLANE = 0.999;
@@ -528,7 +528,7 @@ static int count_fine(const Finder *f, const Object *object) {
 
 // ---- one object
 
-// The fine polygons of an object as triangles that share corners, and what they hang on.
+// The fine polygons of an object as triangles that share corners, and the polygons that they hang on.
 typedef struct Model {
     Places places;
     SimplifyTriangle *triangles;

@@ -4,7 +4,7 @@
 // A vertex goes to (x / length, y / length), with length, its distance, as its depth; an edge that spans more than the
 // threshold (1 degree) is cut at its middle in space; the depth at a pixel is that of the plane through the three
 // projected vertices. Two misprints are mended: the angle of eq. 4 is that between the two unit directions, and eq. 5
-// wants a minus. What else is wrong with it stays, to be measured: edges are chords, also that along the rim, and depth
+// wants a minus. Its other errors stay, to be measured: edges are chords, also that along the rim, and depth
 // in that space is not planar, so that large elements come out too near or too far.
 //
 // Departs in that elements are clipped at the horizon, and that the item buffer holds faces: the element of a pixel is

@@ -151,7 +151,7 @@ static int scan_roots(double alpha, double gamma, double t, const ScanLine *line
     return count;
 }
 
-// ---- what is visible along a scan line: spans in the order of x, each with the face that is
+// ---- the visible faces along a scan line: spans in the order of x, each with the face that is
 // nearest there.
 //
 // Two faces compare by the inverse distances of their planes, whose difference along a line, with z = sqrt(R^2 - x^2), is
@@ -174,7 +174,7 @@ static int new_span(ScanList *list, ScanSpan span, int next) {
     return at;
 }
 
-// Joins what faces that pass through each other have cut and left in one. What remains is no more than the outline of all
+// Joins spans that faces through each other have cut and left in one. The rest is no more than the outline of all
 // spans, about as many as there are ends; an addition cuts each of them into a few.
 static void join_spans(ScanList *list) {
     for (int s = list->first; s >= 0; s = list->next[s])
@@ -259,7 +259,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
     cut[count] = to;
     bool wins[3];
     for (int i = 0; i < count; i++) wins[i] = nearer_between(&o, line, cut[i], cut[i + 1]);
-    // From the right, so that what is still to be settled stays in span s.
+    // From the right, so that the unsettled part stays in span s.
     for (int i = count - 1; i >= 0; i--) {
         if (!wins[i]) continue;
         if (i == 0) {
@@ -273,7 +273,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
     }
 }
 
-// Adds a span where it is nearer than what is there.
+// Adds a span where it is nearer than the spans there.
 static void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line,
                           const ScanSpan *added) {
     ScanPoint from = added->from, to = added->to;
@@ -644,7 +644,7 @@ static void see_line(Scanner *self, int k, const ScanSpan *span, int count, RowS
     work->tests += self->list.tests;
 }
 
-// Adds what is seen along all lines of a lattice; `across`: along those the other way.
+// Adds the faces seen along all lines of a lattice; `across`: along those the other way.
 static void scanner_see(Scanner *self, const ScanLattice *lattice, bool across, RowSum *sum,
                         FormFactorWork *work) {
     self->lattice = *lattice;

@@ -1,7 +1,7 @@
 // ray_caster.c - faces as Embree's quads, or triangles where they have other than four corners; the element where a ray ends
 // is found as for the other methods, from where it meets its face.
 //
-// Embree's coordinates are floats: what is within a few micrometres of a building's middle's distance is told apart.
+// Embree's coordinates are floats: places a few micrometres apart are told apart.
 #include "radiosity/methods/ray_caster.h"
 
 #include <math.h>

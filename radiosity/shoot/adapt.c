@@ -1,4 +1,4 @@
-// adapt.c - meshes by what light does on them (Cohen, Greenberg, Immel & Brock 1986: adaptive subdivision).
+// adapt.c - meshes fitted to the light on them (Cohen, Greenberg, Immel & Brock 1986: adaptive subdivision).
 //
 // A first, rough solution tells how fast reflected light changes. That of lamps alone changes faster, at the edges of shadows, but
 // lamps are few: they shoot again on the finer mesh, until its elements are small where they must be. How fast light changes
@@ -270,7 +270,7 @@ static void plant(void *context, int group, int thread) {
 
 // ---- pruning
 
-// Each time it is halved along an axis, what the slope there left untold falls to a quarter.
+// Each time it is halved along an axis, the error of the slope there falls to a quarter.
 static double prune_element(const Trees *t, Node *n, double cost) {
     static const double QUARTERS[MESH_DEEPEST + 1] = {1,         1.0 / 4,    1.0 / 16,  1.0 / 64,
                                                       1.0 / 256, 1.0 / 1024, 1.0 / 4096};

@@ -14,7 +14,7 @@ enum { VERSION = 3 };
 
 typedef struct Header {
     DerivedHead head;
-    uint64_t rest;  // checksum of what comes after it in the header
+    uint64_t rest;  // checksum of the rest of the header
     int32_t element_count, patch_count, door_count, per_patch, node_count;
     int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
@@ -202,7 +202,7 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     memcpy(out->outdoors, h->outdoors, sizeof h->outdoors);
 }
 
-// The checksums find accidents; this keeps a forged file from spreading what is no light.
+// The checksums find accidents; this keeps a forged file from spreading numbers that are no light.
 static bool is_light(double (*v)[3], int count) {
     for (int i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++)

@@ -11,7 +11,7 @@
 #include "radiosity/mesh/lines.h"
 
 // Rows made at a time by each thread. Where they are kept hardly one is in vain, as most patches shoot in the end; and the more
-// there are, the more of them are neighbours, who find what they see where the last one left it: a sixth less time.
+// there are, the more of them are neighbours, whose faces are in the cache from the last one: a sixth less time.
 // But nobody should wait long to be shown how far it is, or to stop it: of rows that see much, there are fewer.
 enum { AHEAD_FIRST = 64, AHEAD_MOST = 4096, AHEAD_PASSING = 4 };
 // Rows that wait for their shots where there is no room to keep more, of each thread: nearly all are shot before so many came.
@@ -72,7 +72,7 @@ struct ShootRows {
     long long made;
 };
 
-// A lamp's light is not one of many as what walls reflect is: its samples err alone. Where lamps are very many, they are.
+// A lamp's light is not one of many as the light of walls is: its samples err alone. Where lamps are very many, they are.
 static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
     for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_emits(mesh, mesh->patches[p].face);
@@ -333,7 +333,7 @@ void shoot_rows_make(ShootRows *rows, int *patches, int count) {
         for (int i = 0; rows->waiting_count > 0; i++)
             if (rows->slots[i].waiting) let_go(rows, &rows->slots[i]);
     CORE_ASSERT(count <= rows->slot_count);
-    // One after the other, patches of a room find what they see where the last one left it.
+    // One after the other, patches of a room find their faces in the cache, where the last one left them.
     qsort(patches, (size_t)count, sizeof *patches, by_index);
     for (int i = 0, at = 0; i < count; i++, at++) {
         while (rows->slots[at].waiting) at++;

@@ -1,4 +1,4 @@
-// sky.c - what a uniform sky sends into a building. Outdoors each element looks for the sky above it. Indoors no element does: what
+// sky.c - the light of a uniform sky in a building. Outdoors each element looks for the sky above it. Indoors no element does: what
 // comes through the openings is shot from there (as from a window's panes: Nishita & Nakamae 1986, Continuous Tone Representation
 // of Three-Dimensional Objects Illuminated by Sky Light, have it the other way round). A piece of an opening sees, along each
 // direction of the hemisphere inside, a face; and behind itself, along the same line, the sky or something else.
@@ -41,7 +41,7 @@ enum { SKY_CORNERS = 64 };
 // ---- portals of which one side alone is outdoors, cut by a grid in their planes: each piece is seen from, and sees,
 // as from its middle.
 
-// Side of a piece aimed at, metres: small to the distance of what stands near a window; and how many pieces there are before
+// Side of a piece aimed at, metres: small to the distance of objects near a window; and how many pieces there are before
 // they become larger.
 static const double PIECE = 0.2;
 static const double MOST_PIECES = 50000;
@@ -187,7 +187,7 @@ static void sky_end_at_exits(const SkyOpenings *openings, const StabForest *fore
     }
 }
 
-// Pixels across the base of the hemisphere of an element outdoors: most of what it sees is sky.
+// Pixels across the base of the hemisphere of an element outdoors: most of its view is sky.
 enum { RESOLUTION_OUTDOORS = 48 };
 // Pieces whose light is found at a time, and patches that look for the sky: a tenth of a second of one core, and then progress is
 // told of.

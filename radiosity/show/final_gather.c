@@ -7,7 +7,7 @@
 
 #include "engine/core/parallel.h"
 
-// The hair: a share of the way, and metres at most. Above what rounding may do to coordinates, below what shows.
+// The hair: a share of the way, and metres at most. Above the rounding of coordinates, below a visible distance.
 static const double HAIR = 0.01, LONGEST_HAIR = 1e-3;
 static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
 // Nodes between two looks at progress: a tenth of a second or so.

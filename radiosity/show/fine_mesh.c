@@ -388,7 +388,7 @@ FineMesh *fine_mesh_new(const Mesh *light, Arena *arena) {
     Arena scratch = {0};
     Error error;
     Mesh of_fine;
-    // Nothing covers what is narrower than an element.
+    // A face narrower than an element is not covered.
     MeshOptions options = light->options;
     options.splits = NULL;
     options.per_patch = 1;

@@ -21,15 +21,15 @@ typedef struct NearGatherer NearGatherer;
 // ---- one radiosity for all of an element says nothing about light that changes within centimetres: behind a cabinet, or in a
 // corner. From surfaces that are close to a point for the size of their elements light is brought by random walks (path_walk.c),
 // which end where they meet an element from afar, for then all of it is in sight (Jensen 1996, Global Illumination Using Photon Maps,
-// section 4, gathers anew from what is near for the same reason). Nor is an element trusted from afar that lies in a crowd itself.
+// section 4, gathers anew from near elements for the same reason). Nor is an element trusted from afar that lies in a crowd itself.
 //
-// Shares of light are the caller's, exact ones at best; walks tell the mean of what comes by the near ones. All points take the same
-// random numbers, so that what a point gathers depends on it alone, and changes little from a point to the next.
+// Shares of light are the caller's, exact ones at best; walks tell the mean light of the near ones. All points take the same
+// random numbers, so that the light of a point depends on the point alone, and changes little from a point to the next.
 
 // For a standard error at all: of so few it is right to a quarter.
 enum { FEWEST_BLOCKS = 8 };
 static const uint64_t SEED = 1;
-// Looks that tell whether a place is crowded, and the share of them that must meet what is close: an element beside a wall has a
+// Looks that tell whether a place is crowded, and the share of them that must meet close faces: an element beside a wall has a
 // quarter of them, one in a slit nine tenths.
 enum { LOOKS = 64 };
 static const double CROWDED = 0.3;
@@ -78,10 +78,10 @@ static NearGatherer *near_gatherer_new(const Mesh *mesh, const RadSolution *solu
     return self;
 }
 
-// Lets go of what is not in the arena.
+// Frees the memory outside the arena.
 static void near_gatherer_end(NearGatherer *self) { path_world_end(&self->world); }
 
-// ---- what is near
+// ---- near elements
 
 static double distance_to_edge(Vec3 a, Vec3 b, Vec3 p) {
     Vec3 along = vec3_sub(b, a), off = vec3_sub(p, a);
@@ -108,9 +108,9 @@ static int element_of(const NearGatherer *self, const PathHit *hit) {
                            vec3_add(hit->point, path_scene_origin(self->world.scene)));
 }
 
-// ---- what is crowded
+// ---- crowded places
 
-// Looks from one place or several: how many have met what is close for its element, and how many a back.
+// Looks from one place or several: how many have met a face that is close for the element, and how many a back.
 typedef struct Looks {
     int close, backs;
 } Looks;
@@ -134,7 +134,7 @@ static bool is_eye_crowded(const NearGatherer *self) {
 }
 
 // From points between its middle and each of its corners in turn. Where some look from an element meets a back, part of it may
-// lie inside of what is closed, however well the rest is lit.
+// lie inside closed objects, however well the rest is lit.
 static bool is_element_crowded(const NearGatherer *self, int element) {
     const Mesh *mesh = self->world.mesh;
     const Element *e = &mesh->elements[element];
@@ -157,10 +157,10 @@ static bool is_crowded(NearGatherer *self, int element) {
     return *trust == IN_CROWD;
 }
 
-// Looks from a point; what follows is about it. It depends on nothing but the point, and allocates nothing.
+// Looks from a point, which the next calls are about. It depends on nothing but the point, and allocates nothing.
 static void near_gatherer_look(NearGatherer *self, Vec3 eye, Vec3 normal) {
     if (++self->look > INT_MAX / 2 - 1) {
-        // Come round: forget what was long ago.
+        // Come round: forget old marks.
         memset(self->known, 0, (size_t)self->world.mesh->element_count * sizeof *self->known);
         self->look = 1;
     }
@@ -240,7 +240,7 @@ static void add_walk(NearGatherer *self, Vec3 from, PathNumbers *numbers, Sums *
 
 static double all_of(const Sums *s) { return s->near[0] + s->near[1] + s->near[2] + s->far; }
 
-// The mean of what near elements reflect where the point sees them, as much as each of them is seen: W/m^2 a channel. False: walks
+// The mean of the light that near elements reflect to the point, each by its seen share: W/m^2 a channel. False: walks
 // do not find any.
 static bool near_gatherer_mean(NearGatherer *self, double reflected[3]) {
     const PathWorld *world = &self->world;
@@ -418,12 +418,12 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
     }
 }
 
-// The shares of near elements in the light, and what these would be if they shone evenly.
+// The shares of near elements in the light, and their light if they shone evenly.
 typedef struct Near {
     double share, even[3];
 } Near;
 
-// Takes note of an element's share if it is near; what it emits is known all the same.
+// Takes note of an element's share if it is near; its own emission is known all the same.
 static bool put_near(Gatherer *self, int element, double share, bool means, Near *near,
                      double irradiance[3]) {
     if (!self->near || !near_gatherer_is_near(self->near, element)) return false;

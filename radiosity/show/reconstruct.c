@@ -83,8 +83,8 @@ static void gather_around(Fit *fit, int element, Vec3 *moment, double power[3], 
     }
 }
 
-// Slivers beside what stands on a surface are so small that few samples meet them, and what those say is noise. A sliver tells
-// the light of all around it, where the middle of all that is: so linear fields stay as they are.
+// Slivers beside objects on a surface are so small that few samples meet them, and what those say is noise. A sliver tells
+// the light of all around it, at the middle of their area, so that linear fields stay as they are.
 static void find_light(Fit *fit) {
     for (int e = 0; e < fit->mesh->element_count; e++) {
         double power[3] = {0, 0, 0}, area = 0;
@@ -184,7 +184,7 @@ static double lay(Fit *fit, int axes) {
 }
 
 // Among the elements that meet at the node where they surround it; else, at borders, with those around them; along one axis
-// where there is but one row of elements; and where all that says nothing, their mean.
+// where there is but one row of elements; and where none of these can be laid, their mean.
 static void find_factors(Fit *fit, int node) {
     static const struct {
         bool wide;
@@ -200,7 +200,7 @@ static void find_factors(Fit *fit, int node) {
     lay(fit, 0);
 }
 
-// Adds what the fits of all nodes make of the elements' light.
+// Adds the fits of all nodes to the elements' light.
 static void add_fits(Fit *fit, double (*out)[3]) {
     for (int n = 0; n < fit->nodes->count; n++) {
         find_factors(fit, n);
@@ -210,7 +210,7 @@ static void add_fits(Fit *fit, double (*out)[3]) {
     }
 }
 
-// The mean over an element of what its corners show.
+// The mean over an element of the light that its corners show.
 static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *scratch, double out[3]) {
     const Mesh *mesh = fit->mesh;
     const Element *e = &mesh->elements[element];
@@ -230,7 +230,7 @@ static void shown_mean(const Fit *fit, int element, double (*node)[3], Arena *sc
     for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
 }
 
-// Light of elements that their corners do not show: planes cut off the peaks of what is bent. Slivers have nothing of their own.
+// Light of elements that their corners do not show: planes cut off the peaks of bent light. Slivers have nothing of their own.
 static void leave_the_rest(Fit *fit, double (*node)[3]) {
     Arena scratch = {0};
     for (int e = 0; e < fit->mesh->element_count; e++) {

@@ -274,7 +274,7 @@ Vec3 path_scene_before(const PathScene *scene, int face, Vec3 point) {
 
 // ---- a binary tree over the faces that emit. At each node one goes on with a probability in proportion to the power
 // of either side over the square of its distance (Conty Estevez & Kulla 2018, Importance Sampling of Many Lights, without
-// their bounds of orientation); what lies below the horizon of the place, or turns its back, has none.
+// their bounds of orientation); lamps below the horizon of the place, or with their backs to it, have none.
 
 // Lights of one leaf, which are weighed one by one: most homes have no more.
 enum { LEAF_LIGHTS = 16 };

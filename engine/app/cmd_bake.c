@@ -67,7 +67,11 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
         bake_mesh(&bake->a->bake, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->bake.rad;
-    if (good) rad_fit(&bake->mesh, &bake->rad);
+    if (!good) return false;
+    bool fits = bake->rad.row_bytes == RAD_ROWS_FIT;
+    rad_fit(&bake->mesh, &bake->rad);
+    if (fits && bake->a->load.memory > 0 && bake->rad.row_bytes > bake->a->load.memory / 4)
+        bake->rad.row_bytes = bake->a->load.memory / 4;
     return good;
 }
 
@@ -533,7 +537,9 @@ static const Option ROWS[] = {
      .type = OPTION_MEGABYTES,
      .at = AT(bake.rad.row_bytes),
      .high = 1000000,
-     .help = "rows of form factors kept for patches that shoot again, @ (default 128)"},
+     .help = "rows of form factors kept for patches that shoot again, @ (default: 128, and 8 for each 1,000 "
+             "elements "
+             "beyond 120,000; at most an eighth of the machine's memory, a quarter of --memory)"},
     {.name = "probe",
      .value = "P",
      .type = OPTION_OTHER,

@@ -255,6 +255,7 @@ static void light_bake_defaults(const LightScene *scene, LightBake *out) {
     out->options.element = mesh_fitting_element(&scene->scene.graph);
     out->rad.residual = 0;
     out->rad.form_factor.resolution = 0;
+    out->rad.row_bytes = RAD_ROWS_FIT;
     memcpy(out->adapt.sky, scene->arguments->sky, sizeof out->adapt.sky);
 }
 

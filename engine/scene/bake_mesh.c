@@ -14,6 +14,7 @@ BakeOptions bake_default_options(void) {
     o.mesh.element = 0;
     o.rad.residual = 0;
     o.rad.form_factor.resolution = 0;
+    o.rad.row_bytes = RAD_ROWS_FIT;
     return o;
 }
 

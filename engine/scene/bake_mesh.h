@@ -14,7 +14,7 @@ typedef struct BakeOptions {
     // Element 0: as fits the building.
     MeshOptions mesh;
     AdaptOptions adapt;
-    // Residual and resolution 0: as fit the mesh (rad_fit).
+    // Residual and resolution 0, row_bytes RAD_ROWS_FIT: as fit the mesh (rad_fit).
     RadOptions rad;
     // One of BAKE_DOORS_...
     int doors;

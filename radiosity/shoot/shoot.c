@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/shoot_elements.h"
@@ -24,6 +25,9 @@ static const double WORTH_MAKING = 1.0 / 16, WORTH_MAKING_LAST = 1.0 / 2;
 // The least share of the light that counts as indoors.
 static const double LEAST_INDOORS = 0.01;
 
+// Memory for rows, bytes.
+static const size_t ROWS = (size_t)128 << 20;
+
 RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
                         .form_factor = form_factor_default_options(),
@@ -31,7 +35,16 @@ RadOptions rad_default_options(void) {
                         .lamp_detail = 4,
                         .reach = 2,
                         .residual = 0.001,
-                        .row_bytes = (size_t)128 << 20};
+                        .row_bytes = ROWS};
+}
+
+// A mesh of more than so many elements gets so many bytes of rows for each element beyond: where rows do not fit, most of the time goes
+// into making them again.
+static size_t fitting_row_bytes(const Mesh *mesh) {
+    static const double ELEMENTS = 120e3, BYTES = 8e3;
+    double wanted = (double)ROWS + BYTES * fmax(mesh->element_count - ELEMENTS, 0);
+    double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    return (size_t)fmax(fmin(wanted, machine / 8), (double)ROWS);
 }
 
 void rad_fit(const Mesh *mesh, RadOptions *options) {
@@ -44,6 +57,7 @@ void rad_fit(const Mesh *mesh, RadOptions *options) {
     while (mesh->patch_count > FIT[i].patches) i++;
     if (options->residual == 0) options->residual = FIT[i].residual;
     if (options->form_factor.resolution == 0) options->form_factor.resolution = FIT[i].resolution;
+    if (options->row_bytes == RAD_ROWS_FIT) options->row_bytes = fitting_row_bytes(mesh);
 }
 
 static bool check_material(const Material *m, int face, Error *error) {

@@ -3,6 +3,8 @@
 #ifndef RADIOSITY_SHOOT_H
 #define RADIOSITY_SHOOT_H
 
+#include <stdint.h>
+
 #include "engine/core/progress.h"
 #include "radiosity/factors/form_factor.h"
 
@@ -14,38 +16,43 @@ typedef struct RadOptions {
     FormFactorOptions form_factor;
     Culling culling;
     bool lamps_only;  // only emitted light is shot, no reflected light
-    int lamp_detail;  // patches that emit shoot at so many times the resolution, unless they are very many (shoot_rows.c)
-    double reach;  // elements within so many radii of a patch are lit from all of it, not its centre; 0: none
+    // Patches that emit shoot at the resolution times this factor, which is reduced where there are very many (shoot_rows.c).
+    int lamp_detail;
+    // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
+    double reach;
     double residual;   // stop when unshot power is this share of the emitted power, 0 .. 1
-    long long shots;   // or when the solution has so many, 0: no limit
-    double looks;      // or when patches had so many faces before them (shoot.c), all told, 0: no limit
+    long long shots;   // or when the solution has this many shots, 0: no limit
+    double looks;      // or when the faces before the patches that shot sum to this number (shoot.c), 0: no limit
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
-    // Receives the solution so far, between shots, from the thread that shoots, whenever `show_due` says that it is wanted; or NULL.
+    // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never.
     void (*show)(void *context, const RadSolution *so_far);
     bool (*show_due)(void *context);
     void *show_context;
-    // The caller's clock, seconds, called from all threads; measures `seconds_visibility`. NULL: that stays 0.
+    // The caller's clock, seconds, called from all threads; it measures RadReport.seconds_visibility. NULL: that field stays 0.
     double (*clock)(void);
 } RadOptions;
-// Hemisphere, portals, to a thousandth, 128 MB of rows.
+// The hemisphere method, culling by stab trees, a residual of a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
-// Replaces a residual or a resolution of 0 by one that fits a mesh: where there are few patches, light may be found more exactly.
+// Memory for rows as fits a mesh and the machine, for rad_fit to replace.
+#define RAD_ROWS_FIT SIZE_MAX
+// Replaces a residual or a resolution of 0 by a value that suits the mesh: with few patches, light can be found more exactly. And
+// replaces RAD_ROWS_FIT by 128 MB, and more for a large mesh, but no more than an eighth of the machine's memory.
 void rad_fit(const Mesh *mesh, RadOptions *options);
 
-// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b. rad_shoot alone writes it, in its caller's thread; between two
-// calls any number of threads may read. It lives in the arena of rad_start or rad_load.
+// Radiosities in W/m^2 (radiant exitance), one value a channel: r, g, b. rad_shoot writes the solution in its caller's thread;
+// between two calls any number of threads may read it. It lives in the arena of rad_start or rad_load.
 struct RadSolution {
     int element_count, patch_count;
-    double (*radiosity)[3];  // [element_count] B = E + what is reflected of what has arrived so far
-    double (*unshot)[3];  // [patch_count] mean of the patch, of which `radiosity` knows but nothing else yet
+    double (*radiosity)[3];  // [element_count] B = E + the reflected part of the light that has arrived so far
+    double (*unshot)[3];     // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
     double
-        sky[3];  // radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as emitted
+        sky[3];  // radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as `emitted`
     double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
     long long shots;
-    // Radiosity gathered at nodes (final_gather.h), [node_count] in their order (nodes.h); NULL, 0: not gathered.
+    // [node_count] radiosity gathered at the nodes (final_gather.h), in the order of nodes_of; NULL and 0: not gathered.
     double (*node)[3];
     int node_count;
 };
@@ -57,25 +64,25 @@ typedef struct RadReport {
     double faces_drawn_mean, elements_drawn_mean;  // of rows made
     double seconds_visibility;                     // of all threads, by the caller's clock
     size_t row_bytes;
-    bool stopped;  // by `progress`, which is asked every few shots and may hold a limit of time
+    bool stopped;  // by `progress`, which is asked every few shots and may enforce a time limit
 } RadReport;
 
-// The emitted light, nothing shot. Fails where there is no light, or a reflectance is not in [0, 1).
+// A solution with the emitted light, in which nothing was shot. Fails where nothing emits light, or a reflectance is not in [0, 1).
 bool rad_start(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
-// The same, but nothing needs to emit light: the sky may shine.
+// Like rad_start, but does not fail where nothing emits light: the sky may shine.
 bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error);
-// Goes on from `solution`, which is valid whenever it stops.
+// Shoots on from `solution`, which is valid whenever rad_shoot returns.
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution);
 
-// The .rad file. The mesh is made again from the building; the file holds the building's hash, the mesh's options and
-// the doors' states, and is refused where they differ.
+// Writes a .rad file. The mesh is not stored: it is made again from the building. The file holds the building's hash, the mesh's
+// options and the doors' states, and rad_load refuses the file where they differ.
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
               Error *error);
-// False, and a sentence, where the file is damaged or of another building, mesh or state of the doors.
+// Fails, with a message in `error`, where the file is damaged or of another building, mesh or state of the doors.
 bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena *arena, RadSolution *out,
               Error *error);
-// Reads from a file how its mesh was made, before there is one, and how the doors stood, [opening_count].
+// Reads the options of the file's mesh, from which the mesh can be made, and the states of the doors, `door_open` [opening_count].
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
                       float *door_open, Error *error);
 

@@ -1,6 +1,7 @@
 // test_shoot.c - what shooting promises: no power is lost, none gets through walls, and the same bytes come out however the
 // work is divided.
 #include <criterion/criterion.h>
+#include <unistd.h>
 
 #include "radiosity/shoot/shoot_queue.h"
 #include "tests/radiosity/shoot/shoot_fixture.h"
@@ -164,4 +165,25 @@ Test(shoot, sealed_room_stays_dark) {
         }
         lit_free(lit);
     }
+}
+
+// Proves that memory for rows grows with large meshes, by 8 kB for each element beyond 120,000, stays within the machine's, and that a
+// given memory stays as it is.
+Test(shoot, memory_for_rows_fits_the_mesh) {
+    Mesh mesh = {.element_count = 120000, .patch_count = 40000};
+    RadOptions options = rad_default_options();
+    options.row_bytes = RAD_ROWS_FIT;
+    rad_fit(&mesh, &options);
+    cr_expect_eq(options.row_bytes, (size_t)128 << 20);
+    mesh.element_count = 130000;
+    options.row_bytes = RAD_ROWS_FIT;
+    rad_fit(&mesh, &options);
+    cr_expect_eq(options.row_bytes, ((size_t)128 << 20) + 80000000);
+    mesh.element_count = INT32_MAX;
+    options.row_bytes = RAD_ROWS_FIT;
+    rad_fit(&mesh, &options);
+    cr_expect_leq(options.row_bytes, (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE) / 8);
+    options.row_bytes = 5;
+    rad_fit(&mesh, &options);
+    cr_expect_eq(options.row_bytes, 5);
 }

@@ -1,9 +1,9 @@
-// analytic.c - the form factor of a polygon from a point in closed form, sum over its edges of the angle they span
-// times the share of their plane's normal along z (Lambert 1760; Cohen & Wallace 1993, eq. 4.9), and of what other
-// polygons leave of it in sight, by subtracting their cones.
+// analytic.c - the form factor of a polygon from a point in closed form: the sum over its edges of the angle that the edge spans
+// times the z of the unit normal of the edge's plane (Lambert 1760; Cohen & Wallace 1993, eq. 4.9). Where other polygons hide parts
+// of the polygon, their cones are subtracted first.
 //
-// A cone and the plane it starts from bound a convex piece of space; the rest of a convex polygon outside it is
-// again convex pieces, one at most for each bound. So the result is exact but for rounding, also where polygons pass
+// A cone and the plane that it starts from bound a convex piece of space; the rest of a convex polygon outside this piece is
+// again convex pieces, at most one for each bound. The result is therefore exact but for rounding, also where polygons pass
 // through each other.
 #include "radiosity/factors/analytic.h"
 
@@ -13,10 +13,10 @@
 #include "engine/core/memory.h"
 #include "engine/core/polygon.h"
 
-// A part less than this behind a polygon touches it and is not hidden by it, metres: above the noise of coordinates
-// 1,000 km from the origin (1e-10), below any sheet worth its name (2e-7).
+// A part that lies less than this behind a polygon touches the polygon and is not hidden by it, metres: above the noise of
+// coordinates 1,000 km from the origin (1e-10), below the thickness of any sheet (2e-7).
 #define ANALYTIC_TOUCH 1e-8
-// Pieces of less area are dropped, m^2: rounding, not geometry.
+// Pieces of less area than this are rounding and are dropped, m^2.
 #define ANALYTIC_SLIVER 1e-16
 
 static double edge_share(Vec3 a, Vec3 b) {
@@ -51,14 +51,14 @@ bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, An
     return kept > 2;
 }
 
-// A piece that occluders from `next` on may still cut: corners first .. first + count - 1 of the stack.
+// A piece that the occluders from `next` on may still cut, with corners first .. first + count - 1 of the stack.
 typedef struct Waiting {
     int first, count, next;
-    int left;  // corners on the stack that stay when it is taken
+    int left;  // corners that stay on the stack when the piece is taken
 } Waiting;
 
-// Depth-first, with a stack of its own: thousands of lamps or leaves may each cut what the others left, and the machine's
-// stack ends before they do. The stack for most views lies in the struct.
+// The subtraction is depth-first, with a stack of its own: thousands of lamps or leaves may each cut the pieces that the others
+// left, and recursion could overflow the machine's stack. The stack for most views fits in the struct.
 typedef struct Subtraction {
     const AnalyticOccluder *occluder;
     int occluder_count, rank;
@@ -94,7 +94,7 @@ static bool may_hide(const AnalyticOccluder *o, const Vec3 *polygon, int count, 
     return true;
 }
 
-// The array, which may be `few`, with room for `needed`.
+// Returns the array, which may be the fixed array `few`, with room for `needed` entries.
 static void *grown(void *array, const void *few, size_t size, int used, int needed, int *capacity) {
     if (needed <= *capacity) return array;
     while (*capacity < needed) *capacity *= 2;
@@ -113,7 +113,7 @@ static void keep_waiting(Subtraction *s, const Vec3 *polygon, int count, int nex
     s->corner_count = corners;
 }
 
-// The part outside `bound` waits, and the part inside is left in `polygon`.
+// Puts the part of the polygon outside `bound` on the stack and leaves the part inside in `polygon`. Returns the corners inside.
 static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next) {
     CORE_ASSERT(count < ANALYTIC_CORNERS);
     Vec3 part[ANALYTIC_CORNERS + 1];
@@ -126,7 +126,8 @@ static int split(Subtraction *s, Vec3 *polygon, int count, Plane bound, int next
     return left;
 }
 
-// Those that came to wait from `first` on are taken in the order in which they came; the last gives back the corners of all.
+// Reverses the waiting pieces from `first` on, so that they are taken in the order in which they came; taking the last of them
+// frees the corners of all.
 static void turn_round(Subtraction *s, int first, int corners) {
     for (int a = first, b = s->waiting_count - 1; a < b; a++, b--) {
         Waiting swapped = s->waiting[a];
@@ -137,7 +138,8 @@ static void turn_round(Subtraction *s, int first, int corners) {
         s->waiting[i].left = i == first ? corners : s->corner_count;
 }
 
-// Takes the piece that came last: the first occluder that hides any of it cuts it, or none does and it is handed on.
+// Takes the top piece of the stack: the first occluder that hides any part of the piece cuts it; if there is none, the piece is
+// visible and `piece` is called.
 static void subtract(Subtraction *s) {
     Waiting taken = s->waiting[--s->waiting_count];
     Vec3 inside[ANALYTIC_CORNERS + 1];

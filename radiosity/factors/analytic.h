@@ -1,40 +1,40 @@
-// analytic.h - form factors in closed form: of polygons from a point, of pairs of polygons, and of what of a polygon
-// others leave in sight.
+// analytic.h - form factors in closed form: of polygons from a point, of pairs of polygons, and of the parts of a polygon
+// that other polygons leave in sight.
 #ifndef RADIOSITY_ANALYTIC_H
 #define RADIOSITY_ANALYTIC_H
 
 #include "radiosity/factors/form_factor.h"
 
-// Polygons of more corners are not taken.
+// The most corners that a polygon may have.
 #define ANALYTIC_CORNERS 512
 
 // The share of the light that leaves the origin, about the normal z, that meets a convex polygon (either way round)
-// with nothing between. The part below the horizon counts nothing.
+// with nothing between. The part of the polygon below the horizon (z < 0) counts as 0.
 double analytic_point(const Vec3 *polygon, int count);
 
 // An occluder: the cone over a convex polygon seen from the origin, from the polygon's plane on.
 typedef struct AnalyticOccluder {
-    Plane beyond;       // keep: the side behind the polygon
-    const Plane *edge;  // [edge_count] keep: inside; through the origin
+    Plane beyond;       // the hidden space is on its positive side, behind the polygon
+    const Plane *edge;  // [edge_count] planes through the origin; the cone is on their positive sides
     int edge_count;
-    int rank;  // of polygons in one plane the lower one is seen
+    int rank;  // of polygons in one plane, the one of lower rank is seen
 } AnalyticOccluder;
 
-// Occluder of a convex polygon, either way round; `edge` has room for `count`. False where it has no cone: no area, or
-// the origin in its plane.
+// Makes the occluder of a convex polygon, either way round; `edge` has room for `count` planes. False where the polygon has no
+// cone: it has no area, or the origin is in its plane.
 bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, AnalyticOccluder *out);
 
-// Hands `piece` the convex parts that the occluders leave of a convex polygon, seen from the origin. `rank` as in AnalyticOccluder;
-// occluders of the same rank are the polygon itself and hide nothing. Returns how many cuts were made.
+// Calls `piece` with each convex part of a convex polygon that the occluders leave in sight of the origin. `rank` as in
+// AnalyticOccluder; an occluder of the same rank is the polygon itself and hides nothing. Returns how many cuts were made.
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
                            int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
                            void *context);
-// The same, summed.
+// The sum of analytic_point over the parts that analytic_visible finds.
 double analytic_point_visible(const Vec3 *polygon, int count, const AnalyticOccluder *occluder,
                               int occluder_count);
 
-// Area of a times the form factor from convex polygon a to convex polygon b, which is the same the other way round to
-// the last bit; both counter-clockwise seen from their fronts, nothing between them.
+// Area of a times the form factor from convex polygon a to convex polygon b, m^2; exchanging a and b gives the same result to
+// the last bit. Both are counter-clockwise seen from their fronts, and nothing is between them.
 double analytic_exchange(const Vec3 *a, int a_count, const Vec3 *b, int b_count);
 
 #endif

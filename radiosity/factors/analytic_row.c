@@ -1,5 +1,5 @@
-// analytic_row.c - the row of a point without samples: each face less all that hides it, cut along its grid, each
-// piece by Lambert's formula (analytic.c). Exact but for rounding, and slow: other methods are measured against it.
+// analytic_row.c - the row of a point without samples: the visible part of each face is cut along the face's grid, and each piece
+// is summed by Lambert's formula (analytic.c). Exact but for rounding, and slow: other methods are measured against this one.
 
 #include <math.h>
 
@@ -9,14 +9,15 @@
 #include "radiosity/factors/face_grid.h"
 #include "radiosity/factors/row.h"
 
-// A row that misses 1 by less is closed: the missing share is rounding, not sky.
+// A row whose sum misses 1 by no more than this is closed: the missing share is rounding, not sky.
 #define ANALYTIC_CLOSED 1e-9
-// Smaller pieces are rounding where edges meet, through which nothing may leak: of the row, and of the coordinates, a
-// share of the eye's distance from the origin in metres.
+// Pieces of a smaller share than this are rounding where edges meet, through which no light may leak: a constant for the rounding
+// of the row, plus a share for each metre of the eye's distance from the origin for the rounding of coordinates.
 #define ANALYTIC_SLIT 1e-13
 #define ANALYTIC_SLIT_FAR 4e-15
 
-// How much farther than the farthest corner of a face the sky is; its triangles are nearest in their middles, at 0.58 of that.
+// The corners of the sky's triangles are this many times as far away as the farthest corner of a face; the middle of a triangle is
+// at 0.58 of that distance, still behind all faces.
 #define BEHIND 2
 
 typedef struct Analytic {
@@ -48,7 +49,8 @@ static void extent(const Vec3 *polygon, int count, Vec3 g, double offset, int n,
     *low = face_grid_clamp(least, n), *high = face_grid_clamp(most, n);
 }
 
-// The part of a polygon in strip i of n; the outer strips reach beyond the grid. `out` has room for count + 2.
+// The part of a polygon in strip i of the n strips of a grid; the first and the last strip reach beyond the grid. `out` has room
+// for count + 2.
 static int strip(const Vec3 *polygon, int count, Vec3 g, double offset, int i, int n, Vec3 *out) {
     Vec3 part[ANALYTIC_CORNERS + 2];
     const Vec3 *from = polygon;
@@ -86,8 +88,8 @@ static void add_row_piece(void *context, const Vec3 *polygon, int count) {
     }
 }
 
-// The rest of a quarter of the sky, from one horizontal axis of the building to the next: a triangle with the zenith, behind
-// all faces.
+// The visible share of a quarter of the sky, from one horizontal axis of the building to the next: a triangle of these axes and the
+// zenith, behind all faces.
 static double sky_of(const Analytic *self, const View *view, int quarter, int occluders) {
     static const Vec3 AXES[5] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
     static const Vec3 ZENITH = {0, 0, 1};

@@ -2,8 +2,8 @@
 // 1985), or on the base of a hemisphere (Doi & Itoh: corners go to the unit sphere and straight down; edges that span more
 // than a degree are cut).
 //
-// Departs from Doi & Itoh in depth, which is taken exactly from the element's plane: their eq. (5) interpolates what is not
-// linear.
+// Departure from Doi & Itoh: depth is computed exactly from the element's plane; their eq. (5) interpolates linearly a depth that is
+// not linear.
 #include "radiosity/factors/element_buffer.h"
 
 #include <string.h>
@@ -13,18 +13,18 @@
 
 // An element whose plane is nearer to the eye than this is edge-on, metres.
 static const double EDGE_ON = 1e-9;
-// Parts nearer than this ahead are cut off, metres: nothing divides by nought.
+// Parts nearer than this along `ahead` are cut off, metres, to avoid a division by zero.
 static const double NEAR = 1e-7;
-// An edge on the disc is cut until its parts span less, radians: Doi & Itoh's degree.
+// An edge on the disc is cut into parts that span no more than this, radians: Doi & Itoh's degree.
 static const double EDGE_SPAN = 3.14159265358979323846 / 180;
 enum { MOST_CORNERS = 1024, MOST_CUTS = 64 };
 
 typedef struct Side {
     Vec3 right, up, ahead;  // building space
-    double low;             // of up / ahead: -1, or 0 of the sides, which end at the horizon
+    double low;             // least up / ahead: -1 on top, 0 on the sides, which end at the horizon
     int width, height;
     int32_t *item;  // [height * width] elements
-    float *near;    // [height * width] 1 / distance ahead, or of the disc 1 / distance; 0: nothing
+    float *near;    // [height * width] 1 / distance along `ahead`, on the disc 1 / distance; 0: nothing
     float *weight;  // [height * width] sums to 1 over all sides
 } Side;
 
@@ -114,7 +114,7 @@ int element_buffer_frustum(const ElementBuffer *self, int s, Plane out[4]) {
 typedef struct Shape {
     int element, count;
     double x[MOST_CORNERS], y[MOST_CORNERS];  // pixels
-    double near_u, near_v, near_ahead;        // 1 / distance = these times the direction
+    double near_u, near_v, near_ahead;        // 1 / distance is the dot product of these with the direction
 } Shape;
 
 static void put_element(const ElementBuffer *self, Side *side, const Shape *shape, int i, int j) {
@@ -128,7 +128,7 @@ static void put_element(const ElementBuffer *self, Side *side, const Shape *shap
     side->item[k] = shape->element;
 }
 
-// Pixels whose centres are inside, row by row, between pairs of crossings.
+// Fills the pixels whose centres are inside the shape, row by row, between pairs of crossings.
 static void fill_shape(const ElementBuffer *self, Side *side, const Shape *shape) {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < shape->count; i++) {
@@ -157,7 +157,7 @@ static void fill_shape(const ElementBuffer *self, Side *side, const Shape *shape
     }
 }
 
-// Keeps the part with dot(n, v) >= least; returns the count. Cheap where all of it is on one side.
+// Clips a polygon to dot(n, v) >= least; returns the count of corners. Cheap where the whole polygon is on one side.
 static int keep(Vec3 *v, int count, Vec3 n, double least) {
     int inside = 0;
     for (int i = 0; i < count; i++) inside += vec3_dot(n, v[i]) >= least;
@@ -168,7 +168,7 @@ static int keep(Vec3 *v, int count, Vec3 n, double least) {
     return count;
 }
 
-// In axes right, up, ahead: clipped at the side's view volume and projected.
+// Clips a polygon, in axes right, up, ahead, at the side's view volume, projects and fills it.
 static void draw_on_side(const ElementBuffer *self, Side *side, Vec3 *v, int count, Shape *shape) {
     count = keep(v, count, vec3(0, 0, 1), NEAR);
     if (count) count = keep(v, count, vec3(1, 0, 1), 0);
@@ -192,7 +192,7 @@ static void draw_on_disc(const ElementBuffer *self, Side *side, Vec3 *v, int cou
     shape->count = 0;
     for (int i = 0; i < count; i++) {
         Vec3 a = v[i], b = v[i + 1 == count ? 0 : i + 1];
-        // The chord is as good as the arc for so short a one.
+        // The chord stands for the arc: for arcs as short as EDGE_SPAN their lengths are nearly equal.
         Vec3 chord = vec3_sub(b, a);
         double span2 = vec3_dot(chord, chord);
         int cuts = span2 <= EDGE_SPAN * EDGE_SPAN ? 1 : (int)fmin(MOST_CUTS, ceil(sqrt(span2) / EDGE_SPAN));

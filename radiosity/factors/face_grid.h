@@ -1,10 +1,11 @@
-// face_grid.h - the grid of a face as a view sees it: which element a point before the eye lies on.
+// face_grid.h - the grid of a face in the axes of a view: it tells on which element a point of the face lies.
 #ifndef RADIOSITY_FACE_GRID_H
 #define RADIOSITY_FACE_GRID_H
 
 #include "radiosity/factors/view.h"
 
-// The point p of the face's plane, in the view's axes, lies in square (floor x, floor y), where x = dot(gx, p) + x0.
+// The point p of the face's plane, in the view's axes, lies in square (floor x, floor y), where x = dot(gx, p) + x0 and
+// y = dot(gy, p) + y0.
 typedef struct FaceGrid {
     Vec3 gx, gy;  // 1 / metres
     double x0, y0;
@@ -32,7 +33,8 @@ static inline FaceGrid face_grid(const Mesh *mesh, const View *view, int face) {
 
 static inline int face_grid_clamp(double x, int n) { return x >= n ? n - 1 : x > 0 ? (int)x : 0; }
 
-// The element of a square, of several the largest; where there is none (a rounding past the polygon's edge) that of the nearest square.
+// The element of square (i, j), the largest if the square has several. Where the square has none (the point is a rounding past the
+// polygon's edge), the element of the nearest square that has one.
 static inline int face_grid_element(const FaceGrid *grid, int i, int j) {
     int element = mesh_square(grid->mesh, grid->first_square + j * grid->nx + i);
     for (int reach = 1; element < 0 && reach < grid->nx + grid->ny; reach++) {

@@ -1,26 +1,27 @@
 // near_faces.c - faces close by, whose shares are known in closed form (Lambert 1760; analytic.h), as control variates of
 // a sampled row.
 //
-// The edges of a wall a centimetre from the eye are all but diameters of the hemisphere's base. How many of the samples lie
-// to one side of a diameter errs most where it runs along rows of them, by up to half a row: 8e-4 of all light at a
-// resolution of 200, whatever the lattice, for every lattice has rows some way round. Of a face that nothing hides the
-// share needs no samples: its elements are scaled to it, and all others alike to the rest.
+// The edges of a wall a centimetre from the eye are almost diameters of the hemisphere's base. The number of samples on one side of
+// a diameter errs most where the diameter runs along rows of samples, by up to half a row: 8e-4 of all light at a resolution of 200.
+// No lattice avoids this error, because every lattice has rows in some direction. A face that nothing hides needs no samples for its
+// share: its elements are scaled to the exact share, and all other elements alike to the rest.
 #include "radiosity/factors/near_faces.h"
 
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/factors/analytic.h"
 
-// A face is near when each of its corners is so many times as far as its plane; of others no edge is so straight and so long.
+// A face is near if each of its corners is at least this many times as far from the eye as its plane; other faces have no edges that
+// are so nearly diameters.
 static const double NEAR = 8;
-// And it reaches to the foot of the perpendicular to its plane, or to so many times the plane's distance from there.
+// A near face must also contain the foot of the perpendicular to its plane, or come within this many times the plane's distance of it.
 static const double BESIDE = 4;
-// And has so much of the light at least: others err little.
+// A near face must also have at least this share of the light: the shares of smaller faces err little.
 static const double LEAST_SHARE = 0.1;
-// A point less than this inside the face's cone, as an angle's tangent, or before its plane, as a share of the distance, touches
-// it: far above the rounding of doubles, far below a visible distance.
+// A point touches the face if it is less than this inside the face's cone, as an angle's tangent, or less than this in front of the
+// face's plane, as a share of the plane's distance: far above the rounding of doubles, far below a visible distance.
 static const double TOUCH = 1e-6;
-enum { MOST_NEAR = 6 };  // as faces of a box; more are left as they are
+enum { MOST_NEAR = 6 };  // the faces of a box; further faces keep their sampled shares
 
 typedef struct NearFace {
     const ViewFace *face;
@@ -35,7 +36,7 @@ static bool is_near(const View *view, const ViewFace *face) {
     for (int i = 0; i < n; i++)
         if (vec3_dot(v[i], v[i]) < NEAR * NEAR * d2) return false;
     for (int i = 0; i < n; i++) {
-        // How far the foot of the perpendicular is inside the edge, times the edge's length.
+        // The distance of the foot of the perpendicular inside the edge, times the edge's length.
         Vec3 edge = vec3_sub(v[i + 1 < n ? i + 1 : 0], v[i]);
         double inside = vec3_dot(face->n, vec3_cross(v[i], edge));
         if (inside < 0 && inside * inside > BESIDE * BESIDE * d2 * vec3_dot(edge, edge)) return false;
@@ -43,11 +44,11 @@ static bool is_near(const View *view, const ViewFace *face) {
     return true;
 }
 
-// The planes of the space before a face and above the horizon, a little shrunk. Returns how many planes there are.
+// The planes that bound the space between the eye and a face, above the horizon and a little shrunk. Returns the number of planes.
 static int space_before(const View *view, const ViewFace *face, Plane *out) {
     const Vec3 *v = view->vertices + face->first_vertex;
     int count = 0, n = face->vertex_count;
-    Vec3 shrink = vec3_scale(face->n, TOUCH);  // against the face's directions
+    Vec3 shrink = vec3_scale(face->n, TOUCH);  // face->n points from the face to the eye
     out[count++] = (Plane){face->n, face->d * (1 - TOUCH)};
     out[count++] = (Plane){vec3_add(vec3(0, 0, 1), shrink), 0};
     for (int i = 0; i < n; i++) {
@@ -63,7 +64,8 @@ static bool all_outside(const Vec3 *v, int count, Plane plane) {
     return true;
 }
 
-// Has the polygon any part in the space? Exactly so: of what is hidden itself the answer must be that of what hides it.
+// Does any part of the polygon lie in the space? The answer must be exact: culling may have removed a polygon that is hidden by
+// another, so the hidden one must not give an answer that the one in front of it does not give.
 static bool reaches_into(const Vec3 *v, int count, const Plane *space, int planes) {
     Vec3 part[2][ANALYTIC_CORNERS];
     for (int i = 0; i < planes; i++)
@@ -116,11 +118,11 @@ void near_faces_mend(RowSum *sum, const View *view) {
     double total = sum->back + sum->escaped, exact = 0, sampled = 0;
     for (int i = 0; i < sum->touched_count; i++) total += sum->share[sum->touched[i]];
     for (int i = 0; i < count; i++) exact += near[i].exact, sampled += near[i].sampled;
-    // Where all samples see them, or none should see anything else, there is no rest to share.
+    // If all samples see near faces, or the exact shares sum to 1, there is no rest for the other shares.
     if (!(exact < 1 && sampled < total)) return;
     for (int i = 0; i < count; i++) {
         const Face *face = &sum->mesh->faces[near[i].face->face];
-        // row_finish divides by the new total, which makes the others' shares (1 - exact) of it.
+        // row_finish divides by the new total; the other shares then sum to 1 - exact.
         double scale = near[i].exact / near[i].sampled * (total - sampled) / (1 - exact);
         for (int e = face->first_element; e < face->first_element + face->element_count; e++)
             sum->share[e] *= scale;

@@ -1,8 +1,8 @@
-// near_pairs.c - form factors of an area instead of a point, where that matters: quadrature over the patch of the closed form from
-// a point (Lambert 1760; the inner integral of Wallace, Elmquist & Haines 1989 the other way round), for elements close by.
+// near_pairs.c - form factors from an area instead of a point, for elements close by: the closed form from a point (Lambert 1760) is
+// integrated over the patch by quadrature (Wallace, Elmquist & Haines 1989 have the two integrals the other way round).
 //
-// How much of an element is hidden is taken to be the same from everywhere on the patch: the share the row has of what the centre
-// would see of it were nothing between.
+// The visible share of an element is taken to be the same from everywhere on the patch: the row's form factor from the centre over
+// the unoccluded one.
 #include "radiosity/factors/near_pairs.h"
 
 #include <math.h>
@@ -11,37 +11,40 @@
 #include "engine/core/lanes.h"
 #include "engine/core/polygon.h"
 
-// An element that has no more.
+// Elements with more corners than MOST_CORNERS are not corrected. MOST_POINTS is the most points of a patch.
 enum { MOST_CORNERS = 128, MOST_POINTS = MESH_MOST_IN_PATCH + LANES };
-// An element of which the centre sees less is left as it is: too few samples tell how much of it is hidden.
+// An element whose form factor from the centre is less than this is not corrected: it has too few samples to tell how much of it is
+// hidden.
 static const float LEAST = 1e-5f;
-// Elements that are not near take the share that near elements leave, if it had so much, and becomes neither so much more nor less.
+// Elements that are not near share the rest that near elements leave, if the rest was more than LEAST_REST before and changes by a
+// factor of less than MOST_SCALE up or down.
 static const double LEAST_REST = 1e-3, MOST_SCALE = 2;
 
-// Two edges are one where the sine of the angle between them is below this.
+// Two successive edges are one straight edge if the sine of the angle between them is below this.
 static const double STRAIGHT = 1e-6;
 
-// Where an element is, metres from NearShapes.origin.
+// A ball around an element, metres from NearShapes.origin.
 typedef struct Ball {
     float x, y, z, radius;
 } Ball;
 
-// Points of a patch in its own axes, the normal z, metres from its centre; weights sum to 1. The first is the centre, without weight.
+// Points of a patch in its own axes (z is the normal), metres from its centre; weights sum to 1. The first point is the centre, with
+// weight 0.
 typedef struct Points {
     int lane_count;
     Lane x[MOST_POINTS / LANES], y[MOST_POINTS / LANES], weight[MOST_POINTS / LANES];
 } Points;
 
-// Shares of near elements, by where they are in the row.
+// The corrected share of a near element.
 typedef struct Mended {
-    int at;
+    int at;  // index in the row
     float factor;
 } Mended;
 
 struct NearShapes {
     Vec3 origin;
     Ball *balls;    // [element_count]
-    int *first;     // [element_count + 1] in `corners`; none of an element that has too many
+    int *first;     // [element_count + 1] in `corners`; an element with too many corners has none there
     Vec3 *corners;  // building space
 };
 
@@ -49,7 +52,7 @@ struct NearPairs {
     const Mesh *mesh;
     const NearShapes *shapes;
     double reach;
-    float *factor;   // [element_count] of the row
+    float *factor;   // [element_count] the corrected factors of the row
     Mended *mended;  // [element_count]
     Row row;
 };
@@ -64,7 +67,7 @@ static Ball ball_of(Vec3 origin, const Vec3 *v, int count) {
     return (Ball){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
 }
 
-// Keeps the corners that turn, of a convex polygon about the normal n.
+// Removes the corners on straight edges of a convex polygon about the normal n; returns how many corners are left.
 static int true_corners(Vec3 *v, int count, Vec3 n) {
     int kept = 0;
     for (int i = 0; i < count; i++) {
@@ -124,8 +127,8 @@ static void add_point(PointList *list, double x, double y, double weight) {
     list->weight[list->count++] = (float)weight;
 }
 
-// Gauss-Legendre, two by two, over each of `parts` by `parts` parts of a quadrilateral; a triangle is one with two corners in one
-// place.
+// Adds Gauss-Legendre points, two by two, for each of `parts` by `parts` parts of a quadrilateral; a triangle is a quadrilateral
+// with two corners in one place.
 static void add_quad(PointList *list, const Vec3 q[4], int parts) {
     static const double at[2] = {0.21132486540518713, 0.78867513459481287};
     for (int i = 0; i < 2 * parts; i++) {
@@ -140,7 +143,7 @@ static void add_quad(PointList *list, const Vec3 q[4], int parts) {
     }
 }
 
-// Corners of an element in a patch's axes; 0: they are too many.
+// The corners of an element in a patch's axes; returns their number, 0 where there are too many.
 static int corners_of(const NearShapes *shapes, const Axes *axes, int element, Vec3 v[MOST_CORNERS]) {
     const Vec3 *from = shapes->corners + shapes->first[element];
     int count = shapes->first[element + 1] - shapes->first[element];
@@ -156,15 +159,15 @@ static void add_element_points(PointList *list, const Vec3 *v, int count, int pa
     }
 }
 
-// For so many elements that they are small.
+// Adds one point for a whole element: for patches with so many elements that each is small.
 static void add_middle(PointList *list, const Vec3 *v, int count, double area) {
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < count; i++) sum = vec3_add(sum, v[i]);
     if (count > 0) add_point(list, sum.x / count, sum.y / count, area);
 }
 
-// A patch of one element is looked at from so many points at least, one that emits from more: lamps are few, and what is close to one
-// is brighter than all else.
+// The least number of points on a patch, and on a patch that emits light: lamps are few, and the elements close to a lamp are the
+// brightest of all.
 enum { LEAST_POINTS = 8, LEAST_LAMP_POINTS = 144 };
 
 static bool lay_points(const NearPairs *self, const Patch *patch, const Axes *axes, Points *out) {
@@ -200,9 +203,10 @@ static bool lay_points(const NearPairs *self, const Patch *patch, const Axes *ax
     return true;
 }
 
-// ---- an element from there
+// ---- an element seen from the points
 
-// The angle of a sine above 0 and a cosine, both scaled alike, 0 .. pi: within 2e-6 (minimax of atan, odd, to the 11th power).
+// The angle, 0 .. pi, of a sine above 0 and a cosine that are scaled by the same factor: within 2e-6 (an odd minimax polynomial of
+// atan up to the 11th power).
 static inline Lane angle_of(Lane sine, Lane cosine) {
     Lane adjacent = lane_abs(cosine), most = lane_most(sine, adjacent);
     Lane t = lane_least(sine, adjacent) / most, s = t * t;
@@ -216,7 +220,7 @@ static inline Lane angle_of(Lane sine, Lane cosine) {
     return lane_choose(cosine < 0, lane_of((float)M_PI) - a, a);
 }
 
-// One edge, seen from eight points.
+// The term of Lambert's formula for one edge, seen from eight points.
 static inline Lane edge_share(Lane x, Lane y, const float a[3], const float b[3]) {
     Lane ax = lane_of(a[0]) - x, ay = lane_of(a[1]) - y, az = lane_of(a[2]);
     Lane bx = lane_of(b[0]) - x, by = lane_of(b[1]) - y, bz = lane_of(b[2]);
@@ -225,7 +229,7 @@ static inline Lane edge_share(Lane x, Lane y, const float a[3], const float b[3]
     return angle_of(sine, ax * bx + ay * by + az * bz) * cz / sine;
 }
 
-// An element's share of the light of the centre, and in the mean of all of the patch.
+// An element's unoccluded form factor from the patch's centre, and its mean over the patch.
 static void factors(const Points *points, const float (*v)[3], int count, float *centre, float *mean) {
     *centre = *mean = 0;
     Lane sum = {0};
@@ -242,7 +246,7 @@ static void factors(const Points *points, const float (*v)[3], int count, float 
     *centre *= (float)(0.5 / M_PI);
 }
 
-// The part of an element before the patch, in its axes; returns how many corners.
+// The part of an element in front of the patch, in the patch's axes; returns how many corners it has.
 static int corners_before(const NearPairs *self, const Axes *axes, int element, float out[][3]) {
     Vec3 v[MOST_CORNERS], part[MOST_CORNERS + 1];
     int count = corners_of(self->shapes, axes, element, v);
@@ -271,7 +275,7 @@ static double radius_of(const NearPairs *self, const Patch *patch, Vec3 centre) 
     return radius;
 }
 
-// An element's share of a patch's light, given `share`, that of its centre's.
+// An element's share of the light from the whole patch, given `share`, its share of the light from the centre.
 static float mend(const NearPairs *self, const Axes *axes, const Points *points, int element, float share) {
     float v[MOST_CORNERS + 1][3], centre, mean;
     int count = corners_before(self, axes, element, v);
@@ -304,7 +308,8 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
     }
     if (count == 0) return row;
     double rest = 1 - before_all, scale = (1 - after_all) / rest, all = 1;
-    // Where nearly all there is to see is near, and hidden from some of the patch, nothing is known of the rest.
+    // Where near elements fill nearly the whole view and are partly hidden from the patch, too little is known of the rest to scale it
+    // alone: all shares are scaled alike.
     if (!(rest > LEAST_REST && scale > 1 / MOST_SCALE && scale < MOST_SCALE)) {
         scale = all = 1 / (after_all + fmax(rest, 0));
     }

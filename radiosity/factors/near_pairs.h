@@ -1,24 +1,25 @@
-// near_pairs.h - shares of elements close to a patch, as from all of the patch instead of its centre.
+// near_pairs.h - shares of elements close to a patch, as seen from the whole patch instead of its centre.
 //
-// A row is seen from a patch's centre. Of a patch that is far away for its size that is as good as from everywhere on it, and of
-// many neighbours on a wall the errors cancel. But where a wall meets the floor the nearest patches give their light
-// to the wrong elements.
+// A row is computed at a patch's centre. For elements that are far away for the patch's size, the centre is as good as the mean
+// over the patch, and the errors of neighbours on a wall cancel. But where a wall meets the floor, the nearest patches would give
+// their light to the wrong elements.
 #ifndef RADIOSITY_NEAR_PAIRS_H
 #define RADIOSITY_NEAR_PAIRS_H
 
 #include "radiosity/factors/form_factor.h"
 
-// The elements of a mesh as near ones are told by: each in a ball, and its corners without those that do not turn, where neighbours
-// meet its edges.
+// The elements of a mesh in the form that the search for near elements uses: for each element a ball around it, and its corners
+// without the vertices of neighbours on its straight edges.
 typedef struct NearShapes NearShapes;
 const NearShapes *near_shapes(const Mesh *mesh, Arena *arena);
 
-// One thread's; shapes are for all of them. Elements within `reach` radii of a patch are taken to be near it. All memory is taken
-// here.
+// The buffers of one thread; all threads may share `shapes`. An element is near a patch if its ball is less than `reach` times the
+// patch's radius away from the patch's centre. All memory is taken here.
 typedef struct NearPairs NearPairs;
 NearPairs *near_pairs_new(const Mesh *mesh, const NearShapes *shapes, double reach, Arena *arena);
-// The row of a patch's centre, with the shares of near elements multiplied by what Lambert's formula says of the mean over
-// the patch and of its centre, were nothing between; the rest goes to the others in proportion. Valid until the next.
+// Corrects the row of a patch's centre. The share of each near element is multiplied by the ratio of Lambert's unoccluded form
+// factors, the mean over the patch to the one at its centre; the other elements share the rest in proportion. The result is valid
+// until the next call.
 const Row *near_pairs_row(NearPairs *self, int patch, const Row *row);
 
 #endif

@@ -1,5 +1,5 @@
-// row.c - sums of shares become rows. The element that a sample meets is found from where its direction meets the face's
-// plane: with the face's grid in the view's axes that is one division a sample, whatever the number of elements.
+// row.c - turns sums of shares into rows. The element that a sample meets is found from the point where its direction meets the
+// face's plane: with the face's grid in the view's axes this takes one division a sample, for any number of elements.
 #include "radiosity/factors/row.h"
 
 #include <math.h>
@@ -7,13 +7,13 @@
 
 #include "engine/core/error.h"
 
-// How a face of the view lies under its grid: along w the square is floor(dot(x, w) / dot(n, w)), likewise y.
+// The grid of a face in the view's axes: a direction w meets column floor(dot(x, w) / dot(n, w)), and row likewise with y.
 typedef struct RowFace {
     float n[3], x[3], y[3];
-    float columns, rows;   // one less than there are
-    int nx, first_square;  // first_square -1: its back is seen
+    float columns, rows;   // one less than the grid has
+    int nx, first_square;  // first_square -1: the face's back is seen
     int face;
-    unsigned stamp;  // the row these numbers are of
+    unsigned stamp;  // RowSum.stamp of the row that these numbers are for
 } RowFace;
 
 void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
@@ -27,7 +27,7 @@ void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
     sum->faces = ARENA_ARRAY(arena, RowFace, mesh->face_count);
 }
 
-// Increasing, by a bit for each element.
+// Sorts `touched` in increasing order and removes repetitions, with a bit for each element.
 static void sort_touched(RowSum *sum) {
     int low = sum->word_count, high = -1, count = 0;
     for (int i = 0; i < sum->touched_count; i++) {
@@ -41,7 +41,7 @@ static void sort_touched(RowSum *sum) {
             sum->touched[count++] = word * 64 + __builtin_ctzll(bits);
         sum->marked[word] = 0;
     }
-    // An element whose shares were 0 came several times.
+    // An element whose first shares were 0 was in the list several times.
     sum->touched_count = count;
 }
 
@@ -62,7 +62,7 @@ const Row *row_finish(RowSum *sum) {
     }
     row->back = sum->back * scale;
     row->escaped = sum->escaped * scale;
-    // Shares of faces close by are put right, after which less may escape.
+    // near_faces_mend may have reduced `escaped`, but not `sky`.
     row->sky = fmin(sum->sky * scale, row->escaped);
     sum->touched_count = 0;
     sum->back = sum->escaped = sum->sky = 0;
@@ -77,7 +77,7 @@ static void to_view(const View *view, Vec3 v, float out[3]) {
     out[2] = (float)vec3_dot(view->z, v);
 }
 
-// The plane's point along w is w d / dot(n, w): on the grid dot(g, w) d / dot(n, w) + c, with c where the eye is.
+// The plane's point along w is w d / dot(n, w); its grid coordinate is dot(g, w) d / dot(n, w) + c, where c is the eye's coordinate.
 static void lay_face(const RowSum *sum, const View *view, int item, RowFace *out) {
     const ViewFace *seen = &view->faces[item];
     const Face *face = &sum->mesh->faces[seen->face];
@@ -96,10 +96,10 @@ static void lay_face(const RowSum *sum, const View *view, int item, RowFace *out
 }
 
 static float dot3(const float a[3], float x, float y, float z) { return a[0] * x + a[1] * y + a[2] * z; }
-// To a whole number of squares; a number that is a rounding outside, or NAN, is inside.
+// The index of the square at a grid coordinate; a coordinate outside the grid by rounding is clamped, and NAN gives 0.
 static int square_along(float at, float last) { return (int)(at > 0 ? at < last ? at : last : 0); }
 
-// A sample that meets its plane in a square where the face is not, by a rounding.
+// The element of a sample whose square has none, because rounding puts the point outside the face.
 static int stray(const RowSum *sum, const View *view, int item, Vec3 w) {
     const ViewFace *seen = &view->faces[item];
     Vec3 along =
@@ -116,7 +116,7 @@ static float height_of(const View *view, const FormFactorSamples *s, int i) {
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item) {
     const int *squares = sum->mesh->squares;
     if (++sum->stamp == 0) {
-        // Come round: forget the marks of long ago.
+        // The stamp wrapped around to 0: forget all old marks.
         for (int f = 0; f < sum->mesh->face_count; f++) sum->faces[f].stamp = 0;
         sum->stamp = 1;
     }

@@ -1,4 +1,4 @@
-// row.h - how methods sum a row: shares of elements, in any order.
+// row.h - how methods sum a row: the shares of elements are added in any order.
 #ifndef RADIOSITY_ROW_H
 #define RADIOSITY_ROW_H
 
@@ -6,28 +6,30 @@
 
 struct RowSum {
     const Mesh *mesh;
-    double *share;  // [element_count] 0 but for those touched
-    int *touched;   // [element_count + 1]
+    double *share;  // [element_count] 0 but for the elements in `touched`
+    int *touched;   // [element_count + 1] indices of elements
     int touched_count;
     double back, escaped, sky;  // sky: the part of `escaped` that goes upwards
     Row row;
     uint64_t *marked;       // [word_count] scratch: a bit for each element
-    struct RowFace *faces;  // [face_count] scratch: of the view
+    struct RowFace *faces;  // [face_count] scratch: the faces of the view
     int word_count;
     unsigned stamp;
 };
 
 void row_start(RowSum *sum, const Mesh *mesh, Arena *arena);
 static inline void row_add(RowSum *sum, int element, double share) {
-    // No branch, which would wait for the share to come from far memory.
+    // Written without a branch, because a branch would wait for the share to come from far memory.
     sum->touched[sum->touched_count] = element;
     sum->touched_count += sum->share[element] == 0;
     sum->share[element] += share;
 }
-// The row, its elements in order; the sum is empty then. Shares are divided by their total, so that they sum to 1.
+// Returns the row, with its elements in increasing order, and empties the sum. Shares are divided by their total, so that they
+// sum to 1.
 const Row *row_finish(RowSum *sum);
 
-// Sums the elements that samples see, where they meet faces.
+// Adds the weight of each sample to the element that it meets. `item` [samples->count] is the face that each sample sees, as an
+// index of view->faces; -1: none, and the weight escapes.
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item);
 
 #endif

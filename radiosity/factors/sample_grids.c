@@ -1,15 +1,15 @@
 // sample_grids.c - pixels of the hemisphere's base and of the hemicube as directions with weights.
 //
 // Disc: a unit hemisphere's points lie over the unit disc, and equal areas of the disc are equal shares of the light that leaves
-// the centre (Nusselt 1928). Half cube: Cohen & Greenberg 1985; a pixel's share is its area times 1 / (pi (x^2 + y^2 + 1)^2)
-// on top, z / (pi (y^2 + z^2 + 1)^2) on a side.
+// the centre (Nusselt 1928). Half cube: a pixel's share is its area times 1 / (pi (x^2 + y^2 + 1)^2) on top,
+// z / (pi (y^2 + z^2 + 1)^2) on a side (Cohen & Greenberg 1985).
 #include "radiosity/factors/sample_grids.h"
 
 #include <math.h>
 
-// Samples are off their pixels' centres by this, of the disc's radius or half the cube's side: what is built has corners where
-// those of a cube seen from the middle of a patch would meet them exactly, and there three edges, each right to a rounding,
-// may leave a hole between them.
+// Samples are shifted from their pixels' centres by this share of the disc's radius or of half the cube's side. Without the shift,
+// the corners of a box-shaped room seen from the middle of a patch would lie exactly on samples, and three edges that meet there,
+// each right to a rounding, might leave a hole between them.
 static const double HAIR_X = 6.18e-6, HAIR_Y = -4.36e-6;
 
 static bool over_disc(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
@@ -29,7 +29,7 @@ int grids_of_disc(int resolution, SampleGrid out[MOST_GRIDS]) {
 
 enum { TOP = 4 };
 
-// Sides look along x, y, -x, -y, each from the horizon up.
+// The sides 0 .. 3 look along x, y, -x, -y, each from the horizon up.
 static bool on_cube(const SampleGrid *grid, int i, int j, double w[3], double *weight) {
     double u = 2 * (i + 0.5) / grid->width - 1 + HAIR_X;
     if (grid->which == TOP) {

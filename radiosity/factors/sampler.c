@@ -1,7 +1,7 @@
-// sampler.c - sets up blocks of directions: who is next to whom, the boxes about them, and the arrays of one view.
+// sampler.c - blocks of directions with boxes about them, and the rasteriser that finds the face seen along each direction.
 //
-// The boxes stand in for bounds of faces: a great circle's extent on the disc or the cube needs care (extrema on arcs, on
-// the rim), while the sign of a form over a box of directions is three multiplications, and serves any set of directions.
+// The boxes replace bounds of faces: a great circle's extent on the disc or the cube needs care (extrema on arcs, on the rim),
+// while the sign of a form over a box of directions takes three multiplications, and works for any set of directions.
 #include "radiosity/factors/sampler.h"
 
 #include <math.h>
@@ -13,26 +13,26 @@
 
 enum { GROUP_SIDE = 4, GROUP_BLOCKS = GROUP_SIDE * GROUP_SIDE };
 
-// 8 rows of 8 directions. Where they are flat - over a plane, as those of the disc -, x is that of the column and y that of
-// the row, and less memory is asked for.
+// 8 rows of 8 directions. A block is flat if the x of a direction depends on its column alone and the y on its row alone, as on the
+// disc; `columns` and `rows` then hold them, and less memory is read.
 typedef struct SampleBlock {
     Lane z[SAMPLER_BLOCK], rows, columns, x[SAMPLER_BLOCK], y[SAMPLER_BLOCK];
 } SampleBlock;
 
-// The depths seen in a block: 1 / distance (places without a sample: infinite) and the face there (Mesh.faces; -1: nothing).
+// The depths seen in a block, as 1 / distance (INFINITY for places without a sample), and the faces seen (in Mesh.faces; -1: nothing).
 typedef struct ItemBlock {
     Lane near[SAMPLER_BLOCK];
     LaneInt face[SAMPLER_BLOCK];
 } ItemBlock;
 
-// For each of eight things, the box about its directions, as middle and half its size, and the least 1 / distance seen
-// in it. The boxes are larger than their directions by what the rounding of a form can amount to.
+// For each of eight blocks or groups, the box about its directions, as its middle and half its size, and the least 1 / distance
+// seen in it. The boxes are enlarged by the rounding of a form.
 typedef struct SampleBoxes {
     Lane x, y, z, half_x, half_y, half_z;
     Lane far;
 } SampleBoxes;
 
-// dot((x, y, z), w) as floats, and the sizes of the three.
+// The linear form dot((x, y, z), w) of a direction w, as floats, and the absolute values of its coefficients.
 typedef struct Form {
     float x, y, z, unused;
     float abs_x, abs_y, abs_z, unused_abs;
@@ -42,11 +42,11 @@ typedef struct GridForm {
     float x, y, z;
 } GridForm;
 
-// The square that a direction meets, or
+// Codes in place of the index of a square: no face, the back of a face, a face whose squares must be looked up.
 enum { NOTHING = -1, BACK = -2, MANY = -3 };
 
-// A view's eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in those axes, and how the samples'
-// axes are turned from these: `stay` of each number, and `cross` of the other of x and y.
+// A view's eye, its axes as columns, so that x * v.x + y * v.y + z * v.z is v in these axes, and the turn of the samples'
+// axes: each coordinate times `stay`, plus the other of x and y times `cross`.
 typedef struct ViewFrame {
     Four x, y, z, stay, cross;
     Vec3 eye;
@@ -56,16 +56,16 @@ static inline Four view_frame_of(const ViewFrame *frame, Vec3 v) {
     return frame->x * v.x + frame->y * v.y + frame->z * v.z;
 }
 
-// In the samples' axes.
+// Turns a vector from the view's axes to the samples' axes.
 static inline Four view_frame_turned(const ViewFrame *frame, Four v) {
     return v * frame->stay + __builtin_shufflevector(v, v, 1, 0, 3, 2) * frame->cross;
 }
 
-// Where on a face a direction meets it: column dot(column, w) * distance, row alike.
+// The grid of a face in view: a direction w meets column dot(column, w) * distance, and row likewise.
 typedef struct SeenGrid {
     GridForm column, row;
     int first_square, nx, ny;
-    int one;  // the square of the whole face; MANY: look which
+    int one;  // the square for the whole face, NOTHING or BACK; MANY: meet_face finds the squares
 } SeenGrid;
 
 struct Sampler {
@@ -73,25 +73,27 @@ struct Sampler {
     FaceLines outlines;
     double cosine, sine;         // of the turn of the samples' axes from the view's
     SampleBlock *blocks;         // [block_count]
-    ItemBlock *items, *nothing;  // as blocks; before anything is drawn
-    unsigned char *masks;        // [.. * SAMPLER_BLOCK] of each row of 8: bit i, there is a sample in lane i
-    float *weights;              // [.. * 64] 0 where there is no sample
+    ItemBlock *items, *nothing;  // [block_count]; `nothing` is `items` before anything is drawn
+    unsigned char
+        *masks;      // [block_count * SAMPLER_BLOCK] for each row of 8: bit i, there is a sample in lane i
+    float *weights;  // [block_count * 64] 0 where there is no sample
     SampleBoxes *block_boxes, *group_boxes;  // [group_count * 2], [(group_count + 15) / 16 * 2]
     int group_count, block_count;
-    int *first_block;      // [group_count] of its blocks that have samples: these alone are kept
+    // [group_count] the group's first block in `blocks`, which has only blocks with samples
+    int *first_block;
     unsigned short *used;  // [group_count] bit i: box i has samples
     FormFactorSamples samples;
-    bool flat;   // all blocks are
-    bool equal;  // all weights are the same: samples are counted
-    // The view at hand.
+    bool flat;   // all blocks are flat
+    bool equal;  // all weights are the same: shares are counts of samples
+    // The current view.
     ViewFrame frame;
-    int *grid_stamp;        // [face_count]
-    int *lone;              // [face_count] of faces of one element: a square that has it, else MANY
-    int *view_index;        // [face_count] of the faces in view
-    SeenGrid *grids;        // [face_count]
-    Form *edges;            // [most_edges] of the face under way: a direction is inside where none is below 0
-    const Form **crossing;  // [most_edges] those that cross a block
-    unsigned *crossed;      // [most_edges]
+    int *grid_stamp;  // [face_count] the view for which grids[face] was made
+    int *lone;        // [face_count] for faces of one element a square that has it, else MANY
+    int *view_index;  // [face_count] the index in view->faces of the faces in view
+    SeenGrid *grids;  // [face_count]
+    Form *edges;      // [most_edges] of the face being drawn: a direction is inside where no form is below 0
+    const Form **crossing;  // [most_edges] scratch, see Drawing
+    unsigned *crossed;      // [most_edges] scratch, see Drawing
     int stamp;
 };
 
@@ -100,35 +102,35 @@ typedef struct SamplerView {
     const View *view;
 } SamplerView;
 
-// The samples' axes.
+// The x and y axes of the samples, in building space.
 static inline void sampler_axes(const Sampler *s, const View *view, Vec3 *x, Vec3 *y) {
     *x = vec3_add(vec3_scale(view->x, s->cosine), vec3_scale(view->y, s->sine));
     *y = vec3_sub(vec3_scale(view->y, s->cosine), vec3_scale(view->x, s->sine));
 }
 
-// ---- which of two faces is seen along a direction where floats do not tell their distances apart: along the line
-// where they meet, and where they lie in one plane.
+// ---- which of two faces is seen along a direction where floats cannot tell their distances apart: along the line where
+// the faces meet, and where they lie in one plane.
 //
-// Behind a wall without thickness the ceiling of the next room ends on the wall. A direction within a rounding of that line
-// is held by both, at one distance, and must never see the ceiling, or light leaks through the wall. The ceiling is the farther
-// one as soon as one looks at where both really are: inside their edges. So the direction is moved a hair's breadth inwards
-// from the edges that pass it by, of either face, and there the distances are compared, in doubles.
+// Behind a wall without thickness the ceiling of the next room ends on the wall. A direction within a rounding of this line is
+// inside both faces, at one distance, and must never see the ceiling, or light leaks through the wall. Inside the edges of both
+// faces the ceiling is clearly the farther one. The direction is therefore moved a little inwards from the nearby edges of either
+// face, and the distances are compared there, in doubles.
 
-// A direction is moved so far, radians, from each edge that passes it by: well above the rounding of an edge's form, 4e-7, which
-// may have put it on the wrong side, less than anything one looks at.
+// How far a direction is moved from each nearby edge, radians: well above the rounding of an edge's form, 4e-7, which may have put
+// the direction on the wrong side, and less than any visible detail.
 static const double INWARDS = 1e-5;
-// And these are the edges: the lines that the direction could be moved across.
+// An edge is nearby if the sine of its angle to the direction is below this: the direction could be moved across it.
 static const double AT_EDGE = 4e-5;
 // Faces nearer to each other than this lie in one plane, metres: above the noise of coordinates 1,000 km from the origin, below
-// sheets 2e-7 apart (analytic.c).
+// the distance of sheets 2e-7 apart (analytic.c).
 static const double ONE_PLANE = 1e-8;
-// A face's 1 / distance errs by so much of the sum of its coefficients: three products and sums of floats, and their factors'
-// own rounding; twice, of the two that are compared.
+// The error of a face's 1 / distance, as a share of the sum of its coefficients: three products and sums of floats, and the rounding
+// of their factors; doubled, because two faces are compared.
 static const float ROUNDING = 8 * 0x1p-24f;
-// A face as near as this, metres, or nearer, is asked nothing finer: else all would be tied.
+// The coefficients of faces nearer than this, metres, count as at this distance: otherwise all directions of these faces would be ties.
 static const float NEAREST = 1e-3f;
 
-// Rounding may change a face's 1 / distance and those drawn with it by this much, 1/m.
+// By how much, 1/m, rounding may change the difference of the 1 / distances of a face and another one.
 static float sampler_tie_within(const Form *near) {
     return ROUNDING * fminf(near->abs_x + near->abs_y + near->abs_z, 1 / NEAREST);
 }
@@ -137,12 +139,12 @@ static const ViewFace *view_face(const SamplerView *of, int face) {
     return &of->view->faces[of->sampler->view_index[face]];
 }
 
-// Among faces in one place the one that turns its front to the eye is seen, then the lower.
+// Among two faces in one place, is the first one seen?
 static bool is_first(const ViewFace *a, const ViewFace *b) {
     return form_factor_rank(a) < form_factor_rank(b);
 }
 
-// Is the first face seen where the two lie in one plane (1), the other (-1), or do they not (0)?
+// For two faces in one plane: 1, the first face is seen; -1, the other one. 0: they do not lie in one plane.
 static int sampler_tie_of_planes(const SamplerView *of, int face, int other) {
     const ViewFace *a = view_face(of, face), *b = view_face(of, other);
     for (int i = 0; i < b->vertex_count; i++)
@@ -150,7 +152,7 @@ static int sampler_tie_of_planes(const SamplerView *of, int face, int other) {
     return is_first(a, b) ? 1 : -1;
 }
 
-// A vertex of an edge, from the eye, in the view's axes.
+// A vertex of an edge (`name` as in FaceEdge), from the eye, in the view's axes.
 static Vec3 mesh_vertex_of(const SamplerView *of, const ViewFace *face, int name) {
     const View *view = of->view;
     if (name >= 0) return view->vertices[face->first_vertex + name];
@@ -158,7 +160,7 @@ static Vec3 mesh_vertex_of(const SamplerView *of, const ViewFace *face, int name
     return vec3(vec3_dot(view->x, off), vec3_dot(view->y, off), vec3_dot(view->z, off));
 }
 
-// The sum of the normals, inwards, of those edges of a face that pass by w, all in the view's axes.
+// The sum of the inward normals of the edges of a face that are near direction w, all in the view's axes.
 static Vec3 inwards_from_edges(const SamplerView *of, const ViewFace *face, Vec3 w) {
     const FaceLines *o = &of->sampler->outlines;
     double side = face->d > 0 ? 1 : -1;
@@ -171,8 +173,8 @@ static Vec3 inwards_from_edges(const SamplerView *of, const ViewFace *face, Vec3
     return sum;
 }
 
-// Is the first face seen along w (in the samples' axes), which both hold? Not inlined: there GCC 12.2 contracts the two sums of
-// `at` in spite of -ffp-contract=off (its bug 106902), and ties within a last bit fall otherwise.
+// Is the first face seen along w (in the samples' axes), a direction inside both faces? Not inlined: in inlined code GCC 12.2
+// contracts the two sums of `at` in spite of -ffp-contract=off (its bug 106902), and ties within a last bit are decided differently.
 static __attribute__((noinline)) bool sampler_tie_along(const SamplerView *of, int face, int other, Vec3 w) {
     const ViewFace *a = view_face(of, face), *b = view_face(of, other);
     const Sampler *s = of->sampler;
@@ -185,32 +187,32 @@ static __attribute__((noinline)) bool sampler_tie_along(const SamplerView *of, i
 
 // ---- finds the face seen along each direction.
 //
-// A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges, and sees it
-// at 1 / distance = dot(n, w) / d, which is linear in w. The forms are made in doubles from the eye; they are
-// floats when they meet directions. Two faces along one line share its form to the last bit, but for its sign, so nothing
-// falls between them; a direction right on it is in both, and depth or the lower number decides.
+// A direction w is inside a face iff dot(line, w) has the right sign for the great circle of each of its edges. Along w the face is
+// at 1 / distance = dot(n, w) / d, which is linear in w. The forms are computed in doubles and converted to floats before they are
+// applied to directions. Two faces along one line share its form to the last bit, but for the sign, so no direction falls between
+// them; a direction exactly on the line is inside both, and the depth or form_factor_rank decides.
 //
-// Faces that floats cannot tell apart along a direction are told apart in doubles.
+// Faces that floats cannot tell apart along a direction are compared in doubles.
 //
-// Hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face passes over what
-// its edges do not reach, and over what lies wholly behind things already seen.
+// The search is hierarchical (Greene, Kass & Miller 1993): groups of 32 x 32 directions, blocks of 8 x 8, rows of 8. A face skips
+// groups and blocks that its edges exclude, and those where everything seen so far is nearer.
 
-// How much nearer than its corners a face may be for the rounding and the bending of polygons, a share of the distance.
+// How much nearer than its corners a face may be because of rounding and bent polygons, as a share of the distance.
 #define NEAREST_MARGIN 1e-3
 
 // A face on its way through the hierarchy.
 typedef struct Drawing {
     Form near;
-    float nearest;  // 1 / distance of nowhere on the face is above this
-    float tie;      // 1 / distances that differ by less may be the same, or the other way round
+    float nearest;  // upper bound of 1 / distance on the face
+    float tie;      // 1 / distances that differ by no more than this are compared in doubles
     int face;
-    bool by_depth;  // faces behind drawn ones are passed over
+    bool by_depth;  // blocks where everything seen is nearer are skipped
     const SamplerView *of;
     const Form *edges;  // [edge_count]
     int edge_count, crossing_count;
     unsigned *crossed;  // [edge_count] scratch: which of the boxes each edge crosses
     const Form **
-        crossing;  // [crossing_count] those edges that cross the block at hand: no others are asked for in it
+        crossing;  // [crossing_count] the edges that may cross the current block: only these are tested in it
 } Drawing;
 
 static ViewFrame frame_of(const Sampler *s, const View *view) {
@@ -235,13 +237,13 @@ static inline Form form_of(Four v) {
     return u.form;
 }
 
-// 1 / distance.
+// The form that gives a face's 1 / distance along a direction, in the samples' axes.
 static inline Form near_form(const ViewFrame *frame, const ViewFace *face) {
     Four n = {face->n.x, face->n.y, face->n.z, 0};
     return form_of(view_frame_turned(frame, n) * (1 / face->d));
 }
 
-// How many faces ahead memory is asked for: where a face's edges are, then the edges.
+// How many faces ahead memory is prefetched: FAR_AHEAD for the index of a face's edges, AHEAD for the edges.
 enum { AHEAD = 8, FAR_AHEAD = 16 };
 
 static inline void fetch_ahead(const Sampler *s, const View *view, int at) {
@@ -252,7 +254,7 @@ static inline void fetch_ahead(const Sampler *s, const View *view, int at) {
         __builtin_prefetch(&o->edges[o->first_edge[view->faces[at + AHEAD].face]]);
 }
 
-// From the eye, as the view has it, to the last bit; the fourth number is any.
+// A vertex of an edge (`name` as in FaceEdge), from the eye, equal to the view's to the last bit; the fourth number is undefined.
 static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec3 *own, int name) {
     Four v;
     if (name >= 0) {
@@ -263,7 +265,7 @@ static inline Four vertex_of(const Sampler *s, const ViewFrame *frame, const Vec
     return view_frame_of(frame, off);
 }
 
-// For each edge the plane through it and the eye, in the samples' axes; its length says nothing.
+// Makes the form of each edge of a face: the normal of the plane through the edge and the eye, of any length, in the samples' axes.
 static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *view, const ViewFace *face) {
     const FaceLines *o = &s->outlines;
     int first = o->first_edge[face->face], count = o->first_edge[face->face + 1] - first;
@@ -280,8 +282,8 @@ static inline int make_edges(Sampler *s, const ViewFrame *frame, const View *vie
     return count;
 }
 
-// A bound for the whole face, by its corners along the direction of their middle; never more than 1 / d. A depth above it is the rounding
-// of a plane that is seen edge-on.
+// An upper bound of 1 / distance for the whole face, from its corners along the direction of their middle, never more than 1 / d but
+// for the margin. A larger value is due to the rounding of a plane seen edge-on.
 static float nearest_of(const View *view, const ViewFace *face) {
     const Vec3 *v = view->vertices + face->first_vertex;
     Vec3 sum = {0, 0, 0};
@@ -298,7 +300,7 @@ static float nearest_of(const View *view, const ViewFace *face) {
 
 // ---- boxes
 
-// A form's value in the middle of each box, and how far it may be from that anywhere in it.
+// The value of a form in the middle of each box (middle_in), and how far it may differ from it in the box (spread_in).
 static inline Lane middle_in(const SampleBoxes *b, const Form *f) {
     return lane_multiply_add(lane_of(f->x), b->x,
                              lane_multiply_add(lane_of(f->y), b->y, lane_of(f->z) * b->z));
@@ -319,7 +321,7 @@ static inline LaneInt boxes_at_edge(const SampleBoxes *b, const Form *edge, Lane
     return middle + spread >= 0;
 }
 
-// Picks those of sixteen boxes that the face may be seen in; bit i of crossed[e] is set where edge e may cross box i.
+// Picks from sixteen boxes those in which the face may be seen; bit i of crossed[e] is set where edge e may cross box i.
 static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     LaneInt low = boxes_before(&b[0], d), high = boxes_before(&b[1], d);
     if (lane_mask(low | high) == 0) return 0;
@@ -332,7 +334,7 @@ static inline unsigned boxes_reached(const SampleBoxes b[2], const Drawing *d) {
     return lane_mask(low) | lane_mask(high) << LANES;
 }
 
-// The edges that cross box i.
+// Lists the edges that may cross box i in d->crossing; returns how many.
 static inline int choose_edges(const Drawing *d, int i) {
     int count = 0;
     for (int e = 0; e < d->edge_count; e++) {
@@ -344,21 +346,21 @@ static inline int choose_edges(const Drawing *d, int i) {
 
 // ---- directions
 
-// A form's values along row 0, 1, .. of a block.
+// A form's values along the eight directions of a block's row.
 static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool flat) {
     Lane across = lane_of(f->x) * (flat ? b->columns : b->x[row]);
     Lane y = flat ? lane_of(((const float *)&b->rows)[row]) : b->y[row];
     return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
-// Among the directions of a row that see another face as near, those that see this one all the same.
+// Among the directions `tied` in a row, which see another face (`before`) at the same distance, returns those that see the new face.
 static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
     LaneInt wins = {0};
     for (unsigned left = lane_mask(tied); left;) {
         int other = before[__builtin_ctz(left)];
         unsigned same = lane_mask(before == lane_int_of(other)) & left;
         left &= ~same;
-        // Mostly the two lie in one plane, and the order along one direction holds for all.
+        // Mostly the two faces lie in one plane, and the order is the same for all directions.
         int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
         for (; same; same &= same - 1) {
             int i = __builtin_ctz(same);
@@ -369,7 +371,7 @@ static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneI
     return wins;
 }
 
-// Decides the places that a drawn block left open. The depth seen stays as near, by less than a tie.
+// Decides the ties that draw_inside left open. The depths change by no more than a tie.
 static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                              const LaneInt outside[SAMPLER_BLOCK]) {
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
@@ -383,8 +385,8 @@ static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *it
     }
 }
 
-// Places inside the face, where it is nearer than the depth there, see it from now on. Returns the least 1 / distance now seen in the
-// block.
+// Stores the face at the places inside its edges where it is nearer than the face seen so far. Returns the least 1 / distance now
+// seen in the block.
 static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Drawing *d,
                                 const LaneInt outside[SAMPLER_BLOCK], bool flat) {
     Lane far = lane_of(INFINITY), nearest = lane_of(d->nearest);
@@ -393,7 +395,7 @@ static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Dr
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
         Lane value = lane_least(form_at(&d->near, b, row, flat), nearest), old = items->near[row];
         Lane nearer = value - old;
-        LaneInt in = ~outside[row] & (nearer > d->tie);  // the sign of `outside` alone tells
+        LaneInt in = ~outside[row] & (nearer > d->tie);  // only the sign bit of `outside` counts
         open |= ~outside[row] & (lane_abs(nearer) <= d->tie);
         Lane now = lane_choose(in, value, old);
         items->near[row] = now;
@@ -404,7 +406,7 @@ static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Dr
     return lane_least_of(far);
 }
 
-// A direction is inside where no form is below 0: no sign bit is set.
+// Draws a face in a block. A direction is inside where no form is below 0, that is, no sign bit is set.
 static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Drawing *d, float *far,
                               bool flat) {
     LaneInt outside[SAMPLER_BLOCK], all = ~(LaneInt){0};
@@ -420,7 +422,7 @@ static inline void draw_block(const SampleBlock *b, ItemBlock *items, const Draw
     if (lane_mask(all) != 0xff) *far = draw_inside(b, items, d, outside, flat);
 }
 
-// Returns how many blocks were looked at.
+// Draws a face in a group; returns how many blocks were tested.
 static inline int draw_group(Sampler *s, int group, Drawing *d) {
     SampleBoxes *boxes = &s->block_boxes[group * 2];
     unsigned reached = boxes_reached(boxes, d), used = s->used[group];
@@ -490,7 +492,7 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
 }
 
 // ---- the faces drawn, as items or as shares of elements: for a direction w that sees a face, column and row in the face's grid are
-// linear in w over dot(n, w) / d, so that an element is found by one division.
+// linear in w over dot(n, w) / d, so that one division finds an element.
 
 void sampler_items(const Sampler *self, int32_t *item) {
     for (int row = 0; row < self->block_count * SAMPLER_BLOCK; row++) {
@@ -515,7 +517,7 @@ static const SeenGrid *grid_of(Sampler *s, const View *view, int face) {
     s->grid_stamp[face] = s->stamp;
     const Face *f = &s->mesh->faces[face];
     const ViewFace *seen = &view->faces[s->view_index[face]];
-    // The plane's point along w is w / dot(n / d, w) from the eye.
+    // Along w the plane's point is w / dot(n / d, w), from the eye.
     Vec3 near = vec3_scale(f->plane.n, 1 / seen->d), from = vec3_sub(view->eye, f->origin);
     Vec3 column = vec3_add(f->gx, vec3_scale(near, vec3_dot(f->gx, from)));
     Vec3 row = vec3_add(f->gy, vec3_scale(near, vec3_dot(f->gy, from)));
@@ -533,12 +535,12 @@ static inline Lane grid_form_at(GridForm f, const SampleBlock *b, int row) {
                              lane_multiply_add(lane_of(f.y), b->y[row], lane_of(f.z) * b->z[row]));
 }
 
-// Eight numbers as whole ones in 0 .. count - 1; 0 in place of one that is no number.
+// Converts eight numbers to integers, clamped to 0 .. most; NAN becomes 0.
 static inline LaneInt whole(Lane a, Lane most) {
     return __builtin_convertvector(lane_least(lane_most(a, (Lane){0}), most), LaneInt);
 }
 
-// Puts, where `here` says that a block's directions meet the face, the squares in which they do.
+// Stores in `square` the squares in which a block's directions meet the face, for the directions in `here`.
 static inline void meet_face(const SeenGrid *grid, const SampleBlock *b, const Lane distance[SAMPLER_BLOCK],
                              const LaneInt here[SAMPLER_BLOCK], LaneInt square[SAMPLER_BLOCK]) {
     Lane last_column = lane_of((float)grid->nx - 0.5f), last_line = lane_of((float)grid->ny - 0.5f);
@@ -558,7 +560,7 @@ static inline void put_square(int32_t value, const LaneInt here[SAMPLER_BLOCK],
         square[row] = lane_choose_int(here[row], lane_int_of(value), square[row]);
 }
 
-// The squares, of Mesh.squares, or what there is instead, where a block's directions in `mask` end.
+// Finds where a block's directions in `mask` end: indices of Mesh.squares, NOTHING or BACK.
 static inline void find_squares(Sampler *s, const View *view, int block, uint64_t mask,
                                 LaneInt square[SAMPLER_BLOCK]) {
     const LaneInt *faces = s->items[block].face;
@@ -582,7 +584,7 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
     }
 }
 
-// Where the polygon is not, by a rounding or beside a slanted edge: the nearest square that has an element.
+// The element of a direction whose square has none or several, because of rounding or a slanted edge (mesh_element_at).
 static int element_beside(const Sampler *s, const View *view, int block, int at) {
     const SampleBlock *b = &s->blocks[block];
     int row = at / LANES, lane = at % LANES, face = s->items[block].face[row][lane];
@@ -594,7 +596,7 @@ static int element_beside(const Sampler *s, const View *view, int block, int at)
     return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
-// The places `run` of a block.
+// The share of the samples in `run`, a bit for each place of a block.
 static double share_of(const Sampler *s, int block, uint64_t run) {
     if (s->equal) return __builtin_popcountll(run);
     double share = 0;
@@ -623,7 +625,7 @@ static void add_nothing(const Sampler *s, const View *view, int block, uint64_t 
     }
 }
 
-// A block's directions, neighbours in one square at once.
+// Adds the shares of a block's directions to the sum; neighbours in one square are added together.
 static void sum_block(Sampler *s, const View *view, int block, uint64_t mask, RowSum *sum) {
     LaneInt square[SAMPLER_BLOCK] = {0};
     find_squares(s, view, block, mask, square);
@@ -651,14 +653,14 @@ static void sum_block(Sampler *s, const View *view, int block, uint64_t mask, Ro
     }
 }
 
-// Bytes of a table asked for ahead at most.
+// The most bytes of a table that are prefetched.
 enum { MOST_FETCHED = 4096 };
 
 static void fetch(const void *from, size_t bytes) {
     for (size_t i = 0; i < bytes && i < MOST_FETCHED; i += 64) __builtin_prefetch((const char *)from + i);
 }
 
-// Fetches the data for most of the row while its beginning is on its way: the faces in the corners of the blocks' halves.
+// Prefetches the data that most of the row needs: of the faces seen at the first sample of every fourth row of the blocks.
 static void fetch_faces(Sampler *s, const View *view, const RowSum *sum) {
     for (int at = 0; at < s->block_count * SAMPLER_BLOCK; at += SAMPLER_BLOCK / 2) {
         if (s->masks[at] == 0) continue;
@@ -681,8 +683,8 @@ void sampler_row(Sampler *s, const View *view, RowSum *sum) {
     }
 }
 
-// Boxes are larger by this than their unit directions: a form's value at a direction or a box's corner is right to a few
-// units in the last place of a float, as a share of the sum of its coefficients.
+// Boxes are enlarged by this: a form's value at a unit direction or a box's corner is right to a few units in the last place of a
+// float, as a share of the sum of its coefficients.
 #define BOX_ROUNDING 1e-6f
 
 typedef struct Extent {
@@ -726,7 +728,7 @@ static int group_total(const SampleGrid *grids, int grid_count) {
     return total;
 }
 
-// One sample: its place in the block, and at the end of the arrays in order.
+// Adds sample (i, j) of a grid to a place of a block and to the end of s->samples. False: the grid has no sample there.
 static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int block, int row, int lane,
                        Extent *extent) {
     double w[3], weight;
@@ -750,7 +752,7 @@ static bool add_sample(Sampler *s, const SampleGrid *grid, int i, int j, int blo
     return true;
 }
 
-// A block whose first sample is (i, j) of the grid. False: it has none.
+// Fills a block whose first sample is (i, j) of the grid. False: the block has no samples.
 static bool list_block(Sampler *s, const SampleGrid *grid, int i, int j, int block, Extent *extent) {
     bool any = false;
     for (int row = 0; row < SAMPLER_BLOCK; row++) {
@@ -834,7 +836,8 @@ Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid 
     s->sine = sin(turn);
     s->outlines = lines ? *lines : lines_of_mesh(mesh, arena);
     s->group_count = group_total(grids, grid_count);
-    int blocks = s->group_count * GROUP_BLOCKS + 1, places = blocks * SAMPLER_BLOCK * LANES;  // one to try
+    int blocks = s->group_count * GROUP_BLOCKS + 1,
+        places = blocks * SAMPLER_BLOCK * LANES;  // + 1 for a trial block
     s->blocks = ARENA_ARRAY(arena, SampleBlock, blocks);
     s->items = ARENA_ARRAY(arena, ItemBlock, blocks);
     s->nothing = ARENA_ARRAY(arena, ItemBlock, blocks);

@@ -1,8 +1,8 @@
-// view.c - which faces a point of a surface has before it, and where they are in its own axes: the objects that the stab
-// trees leave (Oki, section 3; Teller & Sequin 1991), less the parts below the horizon.
+// view.c - finds the faces in front of a point of a surface, in the axes of the point: the faces of the objects that the stab
+// trees leave (Oki, section 3; Teller & Sequin 1991), but for faces below the horizon.
 //
-// Whether a face is in a view is decided by the face and the eye alone, among those that the culling lets through, and
-// its numbers are the same whatever was culled.
+// Of the faces that the culling lets through, the face and the eye alone decide whether a face is in the view, and the face's
+// numbers do not depend on the culling.
 #include "radiosity/factors/view.h"
 
 #include <string.h>
@@ -10,23 +10,23 @@
 #include "engine/core/error.h"
 #include "engine/core/lanes.h"
 
-// An eye nearer than this to a plane is on it, metres: the rounding of coordinates up to some km; a sheet at 2e-7 stays.
+// An eye nearer to a plane than this is on the plane, metres: the rounding of coordinates up to some km; a sheet 2e-7 away is kept.
 static const double ON_PLANE = 1e-9;
-// The same for places far from the origin, of the largest coordinate: eight roundings.
+// Added to ON_PLANE for buildings far from the origin, as a share of the largest coordinate: eight roundings.
 static const double ON_PLANE_RELATIVE = 8 * 0x1p-53;
 
-// The first questions to a face, in one line of the cache.
+// The numbers that the first tests of a face need, in one line of the cache.
 typedef struct FaceShape {
-    Vec3 centre;       // of its corners, on its plane
-    Vec3 n;            // to its front
-    float radius;      // of the sphere about the centre that holds it, rounded up
-    float tilt;        // ON_PLANE and so on over its size: how far its plane may turn by rounding, a sine
+    Vec3 centre;   // of its corners, on its plane
+    Vec3 n;        // to its front
+    float radius;  // of the sphere about the centre that contains the face, rounded up
+    float tilt;    // the angle by which rounding may turn its plane, as a sine: Viewer.on_plane over its size
     int first, count;  // in Viewer.corners
 } FaceShape;
 
 typedef struct FaceKey {
-    uint32_t distance;  // bits of a float, which are in order
-    int face, first;    // vertices in View.vertices
+    uint32_t distance;  // squared, m^2: the bits of a float, which sort like the float
+    int face, first;    // `first` of the face's vertices in View.vertices
 } FaceKey;
 
 struct Viewer {
@@ -37,8 +37,8 @@ struct Viewer {
     FaceShape *shapes;  // [face_count]
     Vec3 *corners;      // [outline_count] of faces, building space
     double on_plane;    // metres
-    int *object_face;   // [object_count + 1] the faces of an object are object_face[o] ..
-    unsigned *seen;     // [object_count] the look that found it: of cells' objects
+    int *object_face;   // [object_count + 1] object o has faces object_face[o] .. object_face[o + 1] - 1
+    unsigned *seen;     // [object_count] the last look with CULL_CELLS that took the object
     unsigned looks;
     FaceKey *keys, *spare;  // [face_count]
     int key_count;
@@ -46,8 +46,7 @@ struct Viewer {
 };
 
 void view_axes(Vec3 n, Vec3 *x, Vec3 *y) {
-    // Crossed with the axis that it is farthest from, the first of equals; close to a tie, whichever: the axes are right
-    // all the same.
+    // n is crossed with an axis that is far from it: z, or else x or y. Near the limits either choice gives good axes.
     double ax = fabs(n.x), ay = fabs(n.y), az = fabs(n.z);
     Vec3 axis = az < 0.9 ? vec3(0, 0, 1) : ax <= ay ? vec3(1, 0, 0) : vec3(0, 1, 0);
     *x = vec3_normalize(vec3_cross(axis, n));
@@ -61,7 +60,7 @@ static FaceShape shape_of(const Viewer *viewer, const Face *face) {
     Vec3 n = face->plane.n, sum = {0, 0, 0};
     for (int i = 0; i < face->vertex_count; i++) sum = vec3_add(sum, vec3_sub(v[i], v[0]));
     Vec3 centre = vec3_add(v[0], vec3_scale(sum, 1.0 / face->vertex_count));
-    // From a point of the plane nearby: far from the origin dot(n, p) - d has lost its digits.
+    // The distance is measured from a point of the plane: far from the origin, dot(n, p) - d has lost its digits.
     centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, vec3_sub(centre, face->origin))));
     double radius = 0;
     for (int i = 0; i < face->vertex_count; i++) radius = fmax(radius, vec3_length(vec3_sub(v[i], centre)));
@@ -86,7 +85,7 @@ static void list_faces(Viewer *viewer, Arena *arena) {
     viewer->on_plane = ON_PLANE + ON_PLANE_RELATIVE * largest;
     viewer->shapes = ARENA_ARRAY(arena, FaceShape, mesh->face_count);
     for (int f = 0; f < mesh->face_count; f++) viewer->shapes[f] = shape_of(viewer, &mesh->faces[f]);
-    // Faces come in the order of objects.
+    // mesh->faces is in the order of objects.
     int objects = mesh->graph->object_count, f = 0;
     viewer->object_face = ARENA_ARRAY(arena, int, objects + 1);
     for (int o = 0; o < objects; o++) {
@@ -117,18 +116,18 @@ Viewer *viewer_new(const Mesh *mesh, const StabForest *forest, const float *door
 typedef struct Look {
     Viewer *viewer;
     Vec3 eye, x, y, z;
-    Four turn[3];  // columns: the x, y and z of building space in the view's axes
+    Four turn[3];  // the unit vectors x, y and z of building space in the view's axes
 } Look;
 
 static Vec3 to_view(const Look *look, Vec3 v) {
     return vec3(vec3_dot(look->x, v), vec3_dot(look->y, v), vec3_dot(look->z, v));
 }
 
-// Could any part of the face be seen, as far as its sphere and its plane tell?
+// May any part of the face be seen? Tests only the face's sphere and plane.
 static inline bool may_be_seen(const Look *look, const FaceShape *shape, Vec3 to_centre) {
     double radius = (double)shape->radius;
     if (vec3_dot(look->z, to_centre) + radius <= 0) return false;
-    // Its plane holds the eye, as well as rounding can tell from where the eye is.
+    // The plane contains the eye if the distance is within rounding, which grows with the distance of the face.
     double off = fabs(vec3_dot(shape->n, to_centre));
     return off >= 1e-3 || off > look->viewer->on_plane + (double)shape->tilt * vec3_length(to_centre);
 }
@@ -145,7 +144,7 @@ static void take_face(const Look *look, int face) {
     const Vec3 eye = look->eye;
     const int count = shape->count;
     for (int i = 0; i < count; i++) {
-        // As to_view, to the last bit; the fourth number falls into the next vertex, or the one that is spare.
+        // Gives the same bits as to_view; the fourth number is written to the next vertex, after the last one to the spare vertex.
         Vec3 off = vec3_sub(from[i], eye);
         Four v = x * off.x + y * off.y + z * off.z;
         memcpy(&to[i], &v, sizeof v);
@@ -167,7 +166,7 @@ static void take_object(const Look *look, int object) {
     for (int f = first[0]; f < first[1]; f++) take_face(look, f);
 }
 
-// The objects of all cells that may be seen from anywhere in the eye's.
+// Takes the objects of all cells that may be seen from anywhere in the eye's cell.
 static void take_cells(const Look *look, int cell) {
     Viewer *viewer = look->viewer;
     const CellGraph *graph = viewer->mesh->graph;
@@ -185,10 +184,10 @@ static void take_cells(const Look *look, int cell) {
     }
 }
 
-// How many objects ahead memory is asked for: their faces' shapes, then the corners of these.
+// How many objects ahead memory is prefetched: FAR_AHEAD for the shapes of their faces, AHEAD for the corners of the faces.
 enum { AHEAD = 3, FAR_AHEAD = 6 };
 
-// Objects lie all over memory, but it is known which come.
+// Prefetches the next objects, which are scattered over memory.
 static inline void fetch_ahead(const Viewer *viewer, const int *objects, int left) {
     const FaceShape *shapes = viewer->shapes;
     if (left > FAR_AHEAD) {
@@ -215,7 +214,8 @@ static void take_query(const Look *look, int cell, Culling culling) {
     }
 }
 
-// By distance, to half a percent; equals stay in order. The upper bytes of the keys, from low to high.
+// Sorts the keys by distance, to half a percent, keeping the order of equal keys: a radix sort by the two upper bytes, the lower
+// byte first.
 static void sort_keys(Viewer *viewer) {
     enum { BYTES = 2, VALUES = 256, SKIPPED = 16 };
     int count[BYTES][VALUES] = {{0}};

@@ -1,9 +1,9 @@
-// lines.c - finds the straight lines that bound faces: edges that follow each other straight in some outline are one line,
-// and so are edges between the same two vertices.
+// lines.c - finds the straight lines that bound faces: successive edges of an outline that are straight are one line, and so are
+// edges between the same two vertices.
 //
-// Design.md, "T-vertices between polygons crack": a wall that meets two others along its edge has a vertex in the middle of
-// it, which in floats lies beside the line. If each part of the edge were a great circle of its own, samples beside the
-// joint would fall between the faces; here all of them are decided by one line.
+// Polygons crack at T-vertices: a wall that meets two other walls along its edge has a vertex in the middle of this edge, which
+// in floats lies beside the line. If each part of the edge were a great circle of its own, samples beside the joint would fall
+// between the faces; here one line decides all these samples.
 #include "radiosity/mesh/lines.h"
 
 #include <stdlib.h>
@@ -11,20 +11,21 @@
 #include "engine/core/sets.h"
 
 typedef struct Line {
-    Vec3 point, along;  // a point of it, and unit direction
-    int from, to;       // the vertices it goes through
+    Vec3 point, along;  // a point of the line, and its unit direction
+    int from, to;       // the vertices that the line goes through
 } Line;
 
 // An edge of an outline; `low` and `high` are its vertices in increasing order.
 typedef struct OutlineEdge {
-    int low, high, at;  // at: in Mesh.outline, that it starts from
+    int low, high, at;  // `at`: the index in Mesh.outline where the edge starts
 } OutlineEdge;
 
 typedef struct Finder {
     const Mesh *mesh;
-    int *next;    // [outline_count] the following place in Mesh.outline
-    int *parent;  // [outline_count] of the union-find forest over edges, each named by where it starts
-    bool *bent;   // [outline_count] of roots: its vertices do not lie on one line
+    int *next;  // [outline_count] the next index in Mesh.outline, round the face
+    // [outline_count] of the union-find forest over edges, each named by the index where it starts
+    int *parent;
+    bool *bent;  // [outline_count] for roots: the vertices of the set do not lie on one line
 } Finder;
 
 static int by_vertices(const void *a, const void *b) {
@@ -42,7 +43,7 @@ static double off_line(Vec3 a, Vec3 b, Vec3 p) {
     return vec3_length(vec3_cross(along, vec3_sub(p, a)));
 }
 
-// Edges between the same vertices are one.
+// Joins edges between the same two vertices.
 static void join_shared(Finder *f, Arena *scratch) {
     int count = f->mesh->outline_count;
     OutlineEdge *edges = ARENA_ARRAY(scratch, OutlineEdge, count + 1);
@@ -56,7 +57,7 @@ static void join_shared(Finder *f, Arena *scratch) {
             set_unite(f->parent, edges[i].at, edges[i - 1].at);
 }
 
-// Edges that follow each other straight are one.
+// Joins successive edges of an outline that are straight.
 static void join_straight(Finder *f) {
     for (int i = 0; i < f->mesh->outline_count; i++) {
         int j = f->next[i], k = f->next[j];
@@ -66,7 +67,7 @@ static void join_straight(Finder *f) {
     }
 }
 
-// The line of each joined set: through its two farthest vertices along its first edge.
+// Finds the line of each joined set: through the two vertices that are farthest apart along the set's root edge.
 static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
     int count = f->mesh->outline_count;
     double *low = ARENA_ARRAY(scratch, double, count + 1), *high = ARENA_ARRAY(scratch, double, count + 1);
@@ -90,7 +91,7 @@ static void fit_lines(const Finder *f, Line *line, Arena *scratch) {
     }
 }
 
-// Sets that turned out to bend, as a round wall of many short edges does, fall apart into their edges.
+// Splits bent sets, such as a round wall of many short edges, into their edges.
 static void part_bent(Finder *f, const Line *line, Arena *scratch) {
     int count = f->mesh->outline_count;
     bool any = false;
@@ -107,7 +108,7 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
     for (int i = 0; i < count; i++) root[i] = set_find(f->parent, i);
     for (int i = 0; i < count; i++)
         if (f->bent[root[i]]) f->parent[i] = i;
-    // Sets that stay joined must not hang from numbers that were parted: give each set a root of its own again.
+    // Sets that stay joined must not have parents that were parted: each edge points directly to its set's root.
     for (int i = 0; i < count; i++)
         if (!f->bent[root[i]]) f->parent[i] = root[i];
     Finder shared = *f;
@@ -118,7 +119,7 @@ static void part_bent(Finder *f, const Line *line, Arena *scratch) {
         if (f->bent[root[i]]) f->parent[i] = set_find(shared.parent, i);
 }
 
-// A vertex as edges of the face name it.
+// The number by which FaceEdge names a vertex of Mesh.vertices.
 static int name_of(const Mesh *mesh, const Face *face, int vertex) {
     for (int i = 0; i < face->vertex_count; i++)
         if (mesh->outline[face->first_vertex + i] == vertex) return i;
@@ -127,7 +128,8 @@ static int name_of(const Mesh *mesh, const Face *face, int vertex) {
 
 static void add_edges(const Finder *f, const Line *lines, const int *number, FaceLines *out, Arena *scratch) {
     const Mesh *mesh = f->mesh;
-    int *last_face = ARENA_ARRAY(scratch, int, out->line_count + 1);  // that has the line, and one more
+    int *last_face =
+        ARENA_ARRAY(scratch, int, out->line_count + 1);  // the last face that has the line, plus one
     for (int k = 0; k < mesh->face_count; k++) {
         const Face *face = &mesh->faces[k];
         out->first_edge[k] = out->edge_count;

@@ -1,5 +1,5 @@
 // lines.h - the straight lines that bound the faces of a mesh. Neighbours along an edge, and all faces that meet along one
-// straight line, are cut by the very same line, so that between them no sample is lost or counted twice.
+// straight line, are bounded by the very same line, so that no sample between them is lost or counted twice.
 #ifndef RADIOSITY_LINES_H
 #define RADIOSITY_LINES_H
 
@@ -9,18 +9,19 @@
 // far from the origin, below any visible distance.
 #define RAD_STRAIGHT 1e-7
 
-// An edge of a face, counter-clockwise from its front, by two vertices of its line. Of the same line they are the same two,
-// one way round or the other. At least 0: the vertex is the face's own, so many along its outline; else it is
-// Mesh.vertices[~from].
+// An edge of a face, counter-clockwise seen from the face's front, by two vertices of the edge's line. All edges on a line name the
+// same two vertices, in either order. A number >= 0 is the position of the vertex in the face's outline; a number n < 0 means
+// Mesh.vertices[~n].
 typedef struct FaceEdge {
     int from, to;
 } FaceEdge;
 
 typedef struct FaceLines {
     FaceEdge *edges;
-    int *first_edge;  // [face_count + 1] face f has edges[first_edge[f]] .. ; each line at most once
+    // [face_count + 1] face f has edges[first_edge[f]] .. edges[first_edge[f + 1] - 1], each line at most once
+    int *first_edge;
     int line_count, edge_count, face_count;
-    int most_edges;  // of one face
+    int most_edges;  // the largest number of edges of a face
 } FaceLines;
 
 FaceLines lines_of_mesh(const Mesh *mesh, Arena *arena);

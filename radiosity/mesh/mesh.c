@@ -1,5 +1,5 @@
-// mesh.c - the polygons of a building as light sees them: faces whose neighbours share whole edges, cut into elements and
-// patches (Cohen, Greenberg, Immel & Brock 1986; T-vertices anchored: Baum, Mann, Smith & Winget 1991).
+// mesh.c - makes the mesh of a building: faces whose neighbours share whole edges, cut into elements and patches (Cohen, Greenberg,
+// Immel & Brock 1986; T-vertices anchored: Baum, Mann, Smith & Winget 1991).
 #include "radiosity/mesh/mesh.h"
 
 #include "engine/core/error.h"
@@ -9,8 +9,8 @@
 
 // More elements than this are refused: a row of doubles for each thread must fit in memory.
 static const double MOST_ELEMENTS = 2e7;
-// How far in front of its face a patch is looked for among the cells, metres: more than rounding, less than any gap that
-// a building has.
+// The cell of a patch is the one that contains a point this far in front of its face, metres: more than rounding, less than any gap
+// in a building.
 static const double IN_FRONT = 1e-6;
 
 MeshOptions mesh_default_options(void) {
@@ -29,7 +29,7 @@ double mesh_fitting_element(const CellGraph *graph) {
 
 // ---- faces
 
-// The corners of a polygon, each place once; returns how many there are.
+// Adds the corners of a polygon to the places, without repeated corners; returns how many there are.
 static int weld_corners(MeshBuilder *builder, const Vec3 *v, int count, int *corner) {
     int kept = 0;
     for (int i = 0; i < count; i++) {
@@ -40,7 +40,7 @@ static int weld_corners(MeshBuilder *builder, const Vec3 *v, int count, int *cor
     return kept;
 }
 
-// About a corner, so that far from the origin no digits are lost.
+// The plane and area of a face. They are computed relative to a corner, so that no digits are lost far from the origin.
 static Plane face_plane(const Vec3 *points, const int *corner, int count, Vec3 *local, double *area) {
     for (int i = 0; i < count; i++) local[i] = vec3_sub(points[corner[i]], points[corner[0]]);
     Plane plane = plane_of_polygon(local, count);
@@ -50,21 +50,21 @@ static Plane face_plane(const Vec3 *points, const int *corner, int count, Vec3 *
 }
 
 typedef struct FaceList {
-    int *corner;  // of all faces, places
+    int *corner;  // of all faces, indices of places
     int corner_count, corner_capacity, face_capacity;
-    double elements;  // there will be about
-    int *now;         // corners of the polygon at hand
-    Vec3 *local;      // and these from the first
+    double elements;  // an estimate of the number of elements
+    int *now;         // corners of the current polygon, indices of places
+    Vec3 *local;      // these corners, from the first of them
 } FaceList;
 
-// A face narrower than points are told apart: a grid over it holds no area.
+// Is a face narrower than the distance at which points are welded? A grid over such a face has no area.
 static bool is_hair(const Vec3 *local, int count, double area) {
     double longest = 0;
     for (int i = 0; i < count; i++) longest = fmax(longest, vec3_length(local[i]));
     return area < MESH_WELD * longest;
 }
 
-// `polygon` -1: a stand-in.
+// Adds a face; `polygon` -1: a stand-in.
 static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Polygon *p,
                      const Vec3 *vertices) {
     Mesh *mesh = builder->mesh;
@@ -91,7 +91,7 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
         *ARENA_PUSH(&builder->scratch, list->corner, list->corner_count, list->corner_capacity) = corner[i];
 }
 
-// Is a polygon there as it is?
+// Does a polygon of the graph become a face (if it is not hidden)?
 static bool is_taken(const Mesh *mesh, int polygon) {
     const Proxies *proxies = mesh->options.proxies;
     return !vis_is_glass(mesh->graph, polygon) &&
@@ -127,8 +127,8 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
 
 // ---- cells of patches
 
-// A patch whose centre lies in a wall that its polygon goes through - a roof over a gable, the frame of a door - looks from its
-// largest part that is in a cell: there its light comes from.
+// For a patch whose centre lies inside a wall that its polygon goes through (a roof over a gable, the frame of a door): the largest
+// part of an element that lies in a cell becomes the patch's centre and cell, because the patch's light comes from there.
 static void find_part(Mesh *mesh, Patch *patch) {
     Vec3 front = vec3_scale(mesh->faces[patch->face].plane.n, IN_FRONT), middle;
     Arena scratch = {0};
@@ -237,7 +237,7 @@ static int element_of(const Mesh *mesh, int square, Vec3 point) {
     const int *several = mesh->shared + ~(code + 1);
     for (int i = 1; i <= several[0]; i++)
         if (is_in(mesh, several[i], point)) return several[i];
-    // A rounding outside them all.
+    // The point is outside all of them by rounding.
     int best = several[1];
     double deepest = -INFINITY;
     for (int i = 1; i <= several[0]; i++) {
@@ -257,7 +257,7 @@ int mesh_element_at(const Mesh *mesh, int index, Vec3 point) {
     int j = y < 0 ? 0 : y >= face->ny ? face->ny - 1 : (int)y;
     int element = element_of(mesh, face->first_square + j * face->nx + i, point);
     if (element >= 0) return element;
-    // A rounding outside the outline: the nearest square that holds something.
+    // The point is outside the outline by rounding: take the nearest square that has an element.
     double nearest = INFINITY;
     int best = -1;
     for (int k = 0; k < face->nx * face->ny; k++) {

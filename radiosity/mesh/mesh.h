@@ -1,44 +1,47 @@
 // mesh.h - the polygons of a building cut into elements, which receive light, and into patches of elements, which shoot it
 // (Cohen, Greenberg, Immel & Brock 1986).
 //
-// Light is reflected and emitted at the front of a polygon; its back hides and absorbs. Glass is not there.
+// Light is reflected and emitted at the front of a polygon; its back hides and absorbs. Glass is left out.
 #ifndef RADIOSITY_MESH_H
 #define RADIOSITY_MESH_H
 
 #include "radiosity/mesh/proxy.h"
 
-// Where a mesh is finer than elsewhere: of each root of each face, in their order, a tree, depth first. Above patches a bit a
-// square: split into four, or not; one that is not is a patch, and the tree of its elements follows: squares halved into rectangles,
-// these into squares again. A bit a node: halved, or not; and of squares that are another, along which axis: 0, x.
-// Read only once they are made; `bits` are the maker's.
+// Where a mesh is finer than elsewhere: one tree for each root of each face, in order, depth first. Above patches each square has
+// one bit: 1, split into four; 0, the square is a patch. The tree of a patch's elements follows: squares are halved into rectangles
+// and rectangles into squares. Each node has one bit, 1: halved; after the 1 of a square a second bit names the axis, 0: x. A node
+// at the greatest depth has no bits. Read only once made; `bits` belongs to the caller.
 typedef struct MeshSplits {
     int bit_count;
     unsigned char *bits;  // [(bit_count + 7) / 8] the lowest of a byte first; NULL: every root is a patch
-    int even;             // without bits, each root is split so often into elements, 0 .. MESH_IN_PATCH
+    int even;             // without bits: how often each root is split into four elements, 0 .. MESH_IN_PATCH
 } MeshSplits;
 
 enum {
-    MESH_DEEPEST = 6,          // splits on top of one another
-    MESH_IN_PATCH = 3,         // of a patch: it has 64 elements at most, uncut
-    MESH_MOST_IN_PATCH = 256,  // elements, also of 16 x 16 that are cut: a byte tells which one is meant
+    MESH_DEEPEST = 6,  // the greatest depth of a split, from the root
+    MESH_IN_PATCH =
+        3,  // the greatest depth of a split within a patch: 64 elements at most before contacts cut them
+    MESH_MOST_IN_PATCH =
+        256,  // elements of a patch, also where 16 x 16 are cut: the index of an element fits in a byte
 };
 
 // How fine a mesh is.
 typedef struct MeshOptions {
-    double element;            // edge length aimed at, metres, 0.01 .. 100
-    int per_patch;             // elements along the side of a patch, 1 .. 16
-    double close;              // elements are cut along objects so near to a face, metres, 0: not cut, .. 1
-    const MeshSplits *splits;  // NULL: all elements alike. Else roots are twice as long as such patches
-    double proxy;              // their tolerance, metres, 0: none, .. 1
-    const Proxies *proxies;    // polygons that stand in for others, found with that; NULL: there are none
-    bool replaced;             // those others alone, and no stand-ins
-    bool
-        loose;  // vertices of neighbours on an element's edges do not become its corners: drawn, it has cracks
+    double element;  // edge length aimed at, metres, 0.01 .. 100
+    int per_patch;   // elements along the side of a patch, 1 .. 16
+    double close;    // elements are cut along objects nearer to a face than this, metres, 0: not cut, .. 1
+    // NULL: all elements alike. With splits, roots are twice as long as patches without
+    const MeshSplits *splits;
+    double proxy;            // the tolerance of stand-ins, metres, 0: no stand-ins, .. 1
+    const Proxies *proxies;  // the stand-ins, found with that tolerance; NULL: there are none
+    bool replaced;           // the mesh has only the polygons that stand-ins replace, and no stand-ins
+    // Vertices of neighbours on an element's edges do not become its corners: drawn, the mesh has cracks
+    bool loose;
     int threads;  // 0: all cores; the mesh is the same on any number
 } MeshOptions;
 MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE but no proxies yet
 
-// A polygon as light sees it. It has a grid of nx x ny squares (parallelograms where it is clipped to fit): the point
+// A polygon that takes part in the exchange of light, with a grid of nx x ny squares (rectangles, stretched to fit): the point
 // p of its plane lies at x = dot(gx, p - origin), y = dot(gy, p - origin), in square (floor x, floor y).
 typedef struct Face {
     int polygon;   // in CellGraph; -1: a stand-in
@@ -50,9 +53,9 @@ typedef struct Face {
                           // face that lies on an edge among them, so that neighbours share whole edges
     Vec3 origin, gx, gy;  // 1 / metres
     int nx, ny,
-        first_square;  // in Mesh.squares, row by row: the element there, -1 where the polygon is not, ~k - 1 where
-                       // several are: Mesh.shared[k] of them, k + 1 .., the largest first
-    int root;          // squares along the side of a root, or of a patch where there are no splits
+        first_square;  // in Mesh.squares, row by row: the element of each square; -1: outside the polygon; ~k - 1: the
+    // square has several, Mesh.shared[k] in number, listed from Mesh.shared[k + 1], the largest first
+    int root;  // squares along the side of a root; without splits, of a patch
     int first_element, element_count;
     int first_patch, patch_count;
 } Face;
@@ -74,12 +77,14 @@ typedef struct Element {
 // Elements first_element .. + element_count - 1.
 typedef struct Patch {
     int face, first_element, element_count;
-    int cell;     // of the graph, that its front looks into; -1: none (inside a wall)
+    int cell;     // the graph's cell in front of the patch; -1: none (the patch is inside a wall)
     double area;  // m^2
-    Vec3 centre;  // of its area, a point of the polygon; where that is inside a wall, of the part in `cell`
+    Vec3
+        centre;  // of its area, or a point of the patch near it; where that is inside a wall, the centre of the part in `cell`
 } Patch;
 
-// All of it. Read only once it is made: any number of threads. It lives in the arena of the call that made it; its graph outlives it.
+// A whole mesh. Any number of threads may read it once it is made. It lives in the arena of the call that made it; its graph must
+// outlive it.
 typedef struct Mesh {
     const CellGraph *graph;
     MeshOptions options;
@@ -90,34 +95,36 @@ typedef struct Mesh {
     int *outline;    // of faces, indices of vertices
     int *corners;    // of elements, indices of vertices
     int *squares, *shared;
-    int *
-        face_of;  // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
+    // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
+    int *face_of;
     int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,
         shared_count;
     // Counts of faces that were changed or left out, for reports.
-    int dropped_faces;    // without area
+    int dropped_faces;    // faces without area, left out
     int merged_elements;  // slivers that became part of their neighbours
-    int lost_patches;     // of which no part lies in a cell
+    int lost_patches;     // patches of which no part lies in a cell
 } Mesh;
 
-// An edge for a building's elements: about 60,000 of them, 0.15 to 0.33 m. Small homes are told in detail, large buildings in time.
+// An edge length for a building's elements, 0.15 to 0.33 m, aiming at about 60,000 elements: small homes get more detail, and large
+// buildings do not take too long.
 double mesh_fitting_element(const CellGraph *graph);
-// `vertices` are the graph's as the doors stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
-// Fails, with a sentence, where nothing is left to receive light.
+// `vertices` are the graph's vertices with the doors as they stand (vis_pose), NULL: as drawn; `door_open` as for vis_query.
+// Fails, with a message in `error`, where no polygon is left to receive light or the mesh would be too large.
 bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_open,
                 const MeshOptions *options, Arena *arena, Mesh *out, Error *error);
 
-// Splits for a mesh as deep as `patch` and `element` [element_count] say where these elements are, 0 (all of a root) .. MESH_DEEPEST.
-// `mesh` has splits; an element is never larger than its patch, nor more than twice as long as wide but by its root.
+// Splits for a new mesh. `patch` and `element` [element_count] give the depth wanted at each element of `mesh`, 0 (a whole root) ..
+// MESH_DEEPEST. `mesh` must have splits. An element is never larger than its patch, and in a square root it is at most twice as
+// long as wide.
 MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const MeshDepth *element, Arena *arena);
 
-// About how many elements the same polygons have without splits.
+// About how many elements the polygons of `mesh` would have without splits.
 double mesh_count_even(const Mesh *mesh);
 
-// The element of a face at a point of its plane; the nearest square's where the point is a rounding outside.
+// The element of a face at a point of its plane. Where rounding puts the point outside the face, an element of the nearest square.
 int mesh_element_at(const Mesh *mesh, int face, Vec3 point);
 
-// The element of a square; of several the largest; -1: none.
+// The element of a square, the largest if the square has several; -1: none.
 static inline int mesh_square(const Mesh *mesh, int square) {
     int element = mesh->squares[square];
     return element >= -1 ? element : mesh->shared[~(element + 1) + 1];

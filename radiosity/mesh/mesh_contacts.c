@@ -1,21 +1,21 @@
-// mesh_contacts.c - where things stand on a face, or close before it: the lines along which its elements are cut, so that lit
-// and covered parts are not one element (Baum, Mann, Smith & Winget 1991: light and shadow leaks).
+// mesh_contacts.c - finds where objects stand on a face or close in front of it: the lines along which the face's elements are cut,
+// so that lit and covered parts are not one element (Baum, Mann, Smith & Winget 1991: light and shadow leaks).
 #include "engine/core/polygon.h"
 #include "maps/building/building.h"
 #include "radiosity/mesh/mesh_parts.h"
 
-// An edge or a part of it shorter than this is left: fine furniture has thousands, and each could cover little. Metres.
+// Lines shorter than this do not cut, metres: fine furniture has thousands, and each covers little.
 static const double SHORTEST = 0.04;
-// Nearer to the face's own border than this a line cuts off nothing that counts, metres.
+// A line nearer than this to the face's own border does not cut, metres: the part cut off would be too small.
 static const double AT_BORDER = 1e-3;
-// Faces that look the same way, as a cosine, are neighbours in one surface and cover nothing of each other.
+// Faces whose normals have a larger cosine than this are neighbours in one surface and cover nothing of each other.
 static const double SAME_WAY = 0.99;
-// A face that lies along another, as a cosine, does not say which side of its edges it covers.
+// If the normals of two faces have a larger absolute cosine than this, it is not known on which side of its edges the other face covers.
 static const double ALONG = 0.9;
 // Side of the squares that faces are sorted into, metres.
 static const double SIDE = 1;
 
-// Faces in such squares, all told: a quarter of a gigabyte of them.
+// The most entries of faces in these squares, summed over all squares: a quarter of a gigabyte.
 static const double MOST_ENTRIES = 1 << 26;
 
 typedef struct Contacts {
@@ -24,8 +24,8 @@ typedef struct Contacts {
     Box *boxes;  // [face_count]
     double x0, y0;
     int nx, ny;
-    int *first, *list;  // [nx * ny + 1]; faces by the squares their boxes touch
-    int *stamp;         // [face_count] the last face that looked at one
+    int *first, *list;  // [nx * ny + 1]; the faces whose boxes touch each square
+    int *stamp;         // [face_count] the last face that was tested against this one, plus one
 } Contacts;
 
 static const Vec3 *points_of(const Contacts *c) { return c->builder->places.points; }
@@ -51,7 +51,7 @@ static Range range_of(const Contacts *c, const Box *box) {
                    square_of(box->min.y, c->y0, c->ny), square_of(box->max.y, c->y0, c->ny)};
 }
 
-// False where there would be more entries than can be counted: that many faces across that large a plan.
+// Sorts the faces into squares. False where there would be more than MOST_ENTRIES: too many large faces.
 static bool sort_faces(Contacts *c, Arena *scratch) {
     const Mesh *mesh = c->builder->mesh;
     Box all = box_empty();
@@ -93,7 +93,7 @@ static bool sort_faces(Contacts *c, Arena *scratch) {
 
 // ---- lines on a face
 
-// Puts the part of a -> b, which lies on the face's plane, inside its outline.
+// Adds the part of the line a -> b, which lies in the face's plane, that is inside the face's outline.
 static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Vec3 b) {
     MeshBuilder *builder = c->builder;
     const int *outline = builder->mesh->outline + face->first_vertex;
@@ -108,7 +108,7 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
         if (to < 0) t1 = fmin(t1, from / (from - to));
     }
     if ((t1 - t0) * vec3_length(vec3_sub(b, a)) < SHORTEST) return;
-    // Things are closed: the space that a face's back looks into is covered.
+    // Objects are closed, so the space behind the other face is covered.
     double facing = vec3_dot(face->plane.n, other->plane.n);
     Vec3 open = vec3_sub(other->plane.n, vec3_scale(face->plane.n, facing));
     if (fabs(facing) > ALONG) open = vec3(0, 0, 0);
@@ -117,7 +117,7 @@ static void add_cut(Contacts *c, const Face *face, const Face *other, Vec3 a, Ve
     *ARENA_PUSH(&builder->cut_arena, builder->cuts, builder->cut_count, builder->cut_capacity) = cut;
 }
 
-// Where another face stands on this one, comes close to it, or goes through it.
+// Adds the lines where another face stands on this face, comes close to it, or goes through it.
 static void note_contact(Contacts *c, const Face *face, const Face *other) {
     const int *outline = c->builder->mesh->outline + other->first_vertex;
     if (vec3_dot(face->plane.n, other->plane.n) > SAME_WAY) return;
@@ -132,7 +132,7 @@ static void note_contact(Contacts *c, const Face *face, const Face *other) {
             add_cut(c, face, other, vec3_sub(a, vec3_scale(face->plane.n, above_a)),
                     vec3_sub(b, vec3_scale(face->plane.n, above_b)));
         } else if ((above_a < -AT_BORDER) != (above_b < -AT_BORDER) && crossings < 2) {
-            // Not beyond an edge that all but lies on the plane.
+            // Clamped, for edges that lie almost in the plane.
             double t = fmin(fmax(above_a / (above_a - above_b), 0), 1);
             crossing[crossings++] = vec3_lerp(a, b, t);
         }

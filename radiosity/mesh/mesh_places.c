@@ -1,5 +1,5 @@
-// mesh_places.c - welds points by place and finds those on edges, with hash tables of small cubes: time grows with the
-// number of points and with the length of the edges, whatever the building.
+// mesh_places.c - welds points that are one place and finds the points that lie on edges, with hash tables of small cubes: in any
+// building the time grows with the number of points and with the length of the edges.
 #include "radiosity/mesh/mesh_places.h"
 
 #include <stdint.h>
@@ -22,18 +22,17 @@ typedef struct PlaceOnEdge {
     int point;
 } PlaceOnEdge;
 
-// The points within MESH_WELD of the edge a -> b but its ends, in order along it; returns how many there are. `found`
-// grows in the arena.
+// The points within MESH_WELD of an edge, in order along the edge, without its ends. `found` grows in the arena.
 typedef struct PlacesFound {
     PlaceOnEdge *found;
     int count, capacity;
     Arena *arena;
 } PlacesFound;
 
-// Another point in the same slot of the table, -1: none; and the hash of one's own cube.
+// A point's entry in the hash table.
 typedef struct PlaceLink {
-    int next;
-    unsigned hash;
+    int next;       // another point in the same slot, -1: none
+    unsigned hash;  // of the cube that the point is in
 } PlaceLink;
 
 typedef struct PlaceInGrid {
@@ -41,11 +40,11 @@ typedef struct PlaceInGrid {
     int place;
 } PlaceInGrid;
 
-// Side of the cubes in which points are welded, metres: far above MESH_WELD, so that few lie near a border. The cubes are
-// shifted: coordinates are often whole millimetres.
+// Side of the cubes in which points are welded, metres: far above MESH_WELD, so that few points lie near a border. The cubes are
+// shifted by WELD_SHIFT, metres, because coordinates are often whole millimetres.
 static const double WELD_CUBE = 1e-3;
 static const double WELD_SHIFT = 0.37e-3;
-// Those of the grid are shifted too, in sides: floors often lie at 0, and edges along a border meet twice the cubes.
+// The shift of the cubes of a PlaceGrid, in sides: floors often lie at 0, and an edge along a border would meet twice as many cubes.
 static const double GRID_SHIFT = 0.37;
 
 typedef struct Cube {
@@ -89,7 +88,7 @@ void places_start(Places *places, Arena *arena) {
     grow_table(places, 1024);
 }
 
-// Points lie all over memory: their hashes tell most of them apart.
+// The points are scattered over memory: comparing the hashes first avoids reading most of them.
 static int find_in_cube(const Places *places, unsigned hash, Vec3 point) {
     for (int i = *slot_for(places, hash); i >= 0; i = places->links[i].next) {
         if (places->links[i].hash != hash) continue;
@@ -99,7 +98,7 @@ static int find_in_cube(const Places *places, unsigned hash, Vec3 point) {
     return -1;
 }
 
-// Is a coordinate farther from the borders of its cube than points are welded, and than rounding?
+// Is a coordinate farther from the borders of its cube than MESH_WELD plus rounding?
 static bool is_clear(double at, int64_t cube) {
     double from = at + WELD_SHIFT - (double)cube * WELD_CUBE;
     return from > 2 * MESH_WELD && from < WELD_CUBE - 2 * MESH_WELD;
@@ -109,7 +108,8 @@ static bool is_inside(Cube home, Vec3 p) {
     return is_clear(p.x, home.x) && is_clear(p.y, home.y) && is_clear(p.z, home.z);
 }
 
-// The first that came, whichever cube it is in: where one is near a border, points beyond it count too.
+// The first place that was added within MESH_WELD of a point. Where the point is near a border of its cube, the cubes beyond the
+// border are searched too.
 static int find_place(const Places *places, Cube home, Vec3 point) {
     if (is_inside(home, point)) return find_in_cube(places, cube_hash(home), point);
     Vec3 by = {MESH_WELD, MESH_WELD, MESH_WELD};
@@ -159,7 +159,7 @@ static PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *a
         grid.first[slot[i] + 1]++;
     }
     for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s + 1] += grid.first[s];
-    // Backwards, each run fills from its end: in order, and the beginnings are back in place when done.
+    // Going backwards, each run is filled from its end: the points stay in order, and `first` is right again when all are in.
     for (int i = count - 1; i >= 0; i--) grid.sorted[--grid.first[slot[i] + 1]] = (PlaceInGrid){points[i], i};
     for (unsigned s = 0; s < grid.slot_count; s++) grid.first[s] = grid.first[s + 1];
     grid.first[grid.slot_count] = count;
@@ -170,8 +170,8 @@ static PlaceGrid place_grid(const Vec3 *points, int count, double size, Arena *a
 // A piece of an edge: t in [t0, t1), and a box about it.
 typedef struct EdgePiece {
     Vec3 from, along;  // of the whole edge
-    double length;     // of it, metres
-    int a, b;
+    double length;     // of the whole edge, metres
+    int a, b;          // the ends of the whole edge, indices of points
     double t0, t1;
     Box box;
 } EdgePiece;
@@ -183,7 +183,7 @@ static bool is_in_box(const Box *box, Vec3 p) {
            p.z >= box->min.z && p.z <= box->max.z;
 }
 
-// Points of a cube that are on the piece.
+// Adds the points of a cube that lie on a piece of an edge.
 static void find_on_edge(const PlaceGrid *grid, Cube cube, const EdgePiece *edge, PlacesFound *out) {
     unsigned slot = slot_of(grid, cube);
     for (int k = grid->first[slot]; k < grid->first[slot + 1]; k++) {
@@ -194,7 +194,7 @@ static void find_on_edge(const PlaceGrid *grid, Cube cube, const EdgePiece *edge
         if (!(t >= edge->t0 && t < edge->t1)) continue;
         Vec3 beside = vec3_sub(off, vec3_scale(edge->along, t));
         if (vec3_dot(beside, beside) > MESH_WELD * MESH_WELD) continue;
-        if (!same_cube(cube, cube_in(grid, point->at))) continue;  // of the same slot
+        if (!same_cube(cube, cube_in(grid, point->at))) continue;  // another cube in the same slot
         *ARENA_PUSH(out->arena, out->found, out->count, out->capacity) = (PlaceOnEdge){t, point->place};
     }
 }
@@ -215,7 +215,7 @@ static int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *
     EdgePiece edge = {grid->points[a], vec3_sub(grid->points[b], grid->points[a]), .a = a, .b = b};
     edge.length = vec3_length(edge.along);
     if (edge.length <= MESH_WELD) return 0;
-    // In pieces no longer than a cube, which meet eight cubes at most and mostly one or two.
+    // The edge is searched in pieces no longer than a cube's side, which meet eight cubes at most and mostly one or two.
     int pieces = (int)ceil(edge.length / grid->size);
     for (int i = 0; i < pieces; i++) {
         edge.t0 = (double)i / pieces;
@@ -232,12 +232,12 @@ static int place_grid_on_edge(const PlaceGrid *grid, int a, int b, PlacesFound *
     return out->count;
 }
 
-// ---- vertices of neighbours on the edges of faces and elements become vertices of theirs, so that neighbours share whole
-// edges and no crack opens between them (Baum, Mann, Smith & Winget 1991: T-vertices).
+// ---- anchoring: places that lie on an edge of a face or element become corners there, so that neighbours share whole edges
+// and no crack opens between them (Baum, Mann, Smith & Winget 1991: T-vertices).
 
-// Rings of corners: ring r is corner[end[r - 1]] .. corner[end[r] - 1], and closed.
+// Closed rings of corners, the outlines of faces or elements: ring r is corner[end[r - 1]] .. corner[end[r] - 1].
 typedef struct Rings {
-    int *corner;  // places
+    int *corner;  // indices of places
     int *end;     // [count]
     int count;
 } Rings;
@@ -261,7 +261,7 @@ static double mean_edge(const Vec3 *points, const Rings *rings) {
 
 enum { RINGS_A_GROUP = 512 };
 
-// The outcome for a group of rings.
+// The new corners of a group of rings.
 typedef struct Anchored {
     Arena arena;
     int *corner, count, capacity;
@@ -270,7 +270,7 @@ typedef struct Anchored {
 typedef struct Anchoring {
     const Rings *rings;
     PlaceGrid grid;
-    int *grown;  // [rings->count] corners of each
+    int *grown;  // [rings->count] the new number of corners of each ring
     Anchored *groups;
 } Anchoring;
 
@@ -298,7 +298,7 @@ static void anchor_group(void *context, int index, int thread) {
         anchor_ring(a, ring, &on_edge, &a->groups[index]);
 }
 
-// The groups' corners one after the other, in the arena; they are freed.
+// Copies the groups' corners into one array in the arena, group after group, and frees the groups.
 static int *join_groups(const Anchoring *a, int group_count, Arena *arena, int *out_count) {
     int count = 0;
     for (int g = 0; g < group_count; g++) count += a->groups[g].count;
@@ -314,7 +314,7 @@ static int *join_groups(const Anchoring *a, int group_count, Arena *arena, int *
     return corner;
 }
 
-// Puts in every one of the builder's places that lies on an edge. Returns how many corners there are then.
+// Inserts each of the builder's places that lies on an edge of a ring into this ring. Returns the new number of all corners.
 static int anchor(MeshBuilder *builder, Rings *rings) {
     Arena scratch = {0};
     const Places *places = &builder->places;
@@ -331,7 +331,7 @@ static int anchor(MeshBuilder *builder, Rings *rings) {
     return count;
 }
 
-// ---- of a mesh
+// ---- the faces and elements of a mesh
 
 void mesh_anchor_outlines(MeshBuilder *builder, int *corner) {
     Mesh *mesh = builder->mesh;

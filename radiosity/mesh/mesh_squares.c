@@ -1,5 +1,6 @@
-// mesh_squares.c - cuts a face along its grid: a rectangle into nx x ny equal parts, another convex polygon into squares clipped at
-// its outline, where slivers are joined to their neighbours (Cohen & Wallace 1993, chapter 6: elements of even size and good shape).
+// mesh_squares.c - cuts a face along its grid: a rectangle into nx x ny equal parts, any other convex polygon into squares clipped
+// at the outline, where slivers are joined to their neighbours (Cohen & Wallace 1993, chapter 6: elements of even size and good
+// shape).
 #include <string.h>
 
 #include "engine/core/error.h"
@@ -12,23 +13,24 @@ typedef struct MeshBlock {
     int i0, j0, i1, j1;
 } MeshBlock;
 
-// An element to be, before it is cut: the part of the face in a block of squares.
+// A leaf of a tree, which becomes an element, or several where it is cut: the part of the face in a block of squares.
 typedef struct MeshLeaf {
     MeshBlock block;
     MeshDepth depth;
-    int patch;    // leaves of one have one number, each its own where they begin
-    double area;  // m^2; 0: none, or joined to another
+    int patch;    // the index of the patch's first leaf
+    double area;  // m^2; 0: outside the face, or joined to another leaf
 } MeshLeaf;
 
-// ---- trees over the faces of a mesh: which squares are one element, and which elements shoot together.
+// ---- trees over the faces of a mesh: which squares are one element, and which elements are one patch.
 
-// The fate of a node.
+// How a node is split.
 typedef enum Cut { WHOLE, QUARTERS, HALVES } Cut;
 
 // A node of a tree: a square, or the half of one.
 typedef struct Node {
-    int depth, patch;  // of the square; the depth of the patch it is in, -1: above patches
-    int axis;          // that it was halved along, -1: a square.
+    int depth,
+        patch;  // the depth of the square; the depth of the patch that the node is in, -1: above patches
+    int axis;   // for a half, the axis along which the square was halved; -1: a square
 } Node;
 static const Node ROOT = {0, -1, -1};
 
@@ -44,18 +46,18 @@ static MeshDepth depth_of(Node node) {
 
 static MeshBlock half_block(MeshBlock b, int axis, int k) {
     int middle = axis == 0 ? (b.i0 + b.i1 + 1) / 2 : (b.j0 + b.j1 + 1) / 2;
-    // Below a single square all is as that wants it.
+    // A single square cannot be halved: both children are the square itself.
     if (axis == 0 && b.i0 < b.i1) return k ? (b.i0 = middle, b) : (b.i1 = middle - 1, b);
     if (axis == 1 && b.j0 < b.j1) return k ? (b.j0 = middle, b) : (b.j1 = middle - 1, b);
     return b;
 }
 
-// The child k of a block; quarters row by row.
+// Child k of a block; quarters are in order row by row.
 static MeshBlock part(MeshBlock b, Cut cut, int axis, int k) {
     return cut == QUARTERS ? half_block(half_block(b, 0, k % 2), 1, k / 2) : half_block(b, axis, k);
 }
 
-// Halves of a square are rectangles, those of a rectangle squares again.
+// The child of a node: halves of a square are rectangles, halves of a rectangle are squares again.
 static Node below(Node node, Cut cut, int axis) {
     bool square = cut == QUARTERS || node.axis >= 0;
     return square ? (Node){node.depth + 1, node.patch, -1} : (Node){node.depth, node.patch, axis};
@@ -68,7 +70,7 @@ static bool read_bit(const MeshSplits *splits, int *at) {
     return i < splits->bit_count && (splits->bits[i / 8] >> i % 8 & 1) != 0;
 }
 
-// One above patches that is not split becomes a patch.
+// Reads how a node is split. A node above patches that is not split into four becomes a patch.
 static Cut read_cut(const MeshSplits *splits, int *at, Node *node, int *axis) {
     if (!splits->bits) {
         node->patch = 0;
@@ -95,7 +97,7 @@ static int deepest(const MeshSplits *splits, int *at, Node node) {
     return most;
 }
 
-// How deep the trees of so many roots are, from where the builder has laid grids to. Where bits end nothing is split any more.
+// The depth of the next `roots` trees of the splits, from bit builder->laid on. Where the bits end, nothing more is split.
 static int mesh_deepest(MeshBuilder *builder, double roots) {
     const MeshSplits *splits = builder->mesh->options.splits;
     if (!splits->bits) return splits->even;
@@ -107,7 +109,7 @@ static int mesh_deepest(MeshBuilder *builder, double roots) {
     return most;
 }
 
-// Returns how many leaves there are now. Those of one patch have the number of its first.
+// Appends the leaves below a node to `out`; returns how many leaves there are now. `patch` is the index of the patch's first leaf.
 static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch, MeshLeaf *out, int count) {
     int axis = 0;
     bool above = node.patch < 0;
@@ -122,7 +124,7 @@ static int list_node(MeshBuilder *builder, MeshBlock block, Node node, int patch
     return count;
 }
 
-// Without splits: each patch's elements, of as many squares as the grid was made finer.
+// Without splits: appends the elements of a patch as leaves, each with as many squares as the refined grid has in an element.
 static int list_squares(const Face *face, int i0, int j0, int per_patch, int count, MeshLeaf *out) {
     int first = count, side = face->root / per_patch;
     for (int j = j0; j < j0 + face->root; j += side)
@@ -131,7 +133,7 @@ static int list_squares(const Face *face, int i0, int j0, int per_patch, int cou
     return count;
 }
 
-// Leaves of a face, in order of their patches; `out` has room for all its squares. Goes on in the splits.
+// Lists the leaves of a face, in order of their patches; `out` has room for one leaf per square. Advances builder->cut.
 static int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
     int count = 0;
     for (int j = 0; j < face->ny; j += face->root) {
@@ -164,7 +166,7 @@ static bool write_bit(Writer *w, bool bit) {
     return bit;
 }
 
-// The most that is asked for in a block, of its patches and along each axis of its elements.
+// The greatest depths wanted in a block: of patches, and of elements along each axis.
 typedef struct Wanted {
     int patch, along[2];
 } Wanted;
@@ -184,7 +186,7 @@ static Wanted wanted_in(const Writer *w, MeshBlock b) {
     return most;
 }
 
-// Where a square is wanted halved along both axes, the first halving leaves one half whole, where there is one.
+// The axis along which a square is halved first. Where both axes are wanted, the choice leaves one half whole if possible.
 static int first_axis(const Writer *w, MeshBlock b, int depth, const Wanted *wanted) {
     if (wanted->along[1] <= depth) return 0;
     if (wanted->along[0] <= depth) return 1;
@@ -229,14 +231,14 @@ MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const Mesh
 
 // ---- the grid that a face is cut along: parallel to its longest edge, about its outline.
 
-// Side of squares on faces that are cut, metres; and how many there may be before they are larger.
+// On faces with cuts, squares are made smaller until their side is at most SEARCHED, metres, or their number reaches MOST_SEARCHED.
 static const double SEARCHED = 0.06;
 static const int MOST_SEARCHED = 1 << 16;
 
-// How much longer than asked for an element's edges may be. Small faces make them shorter on the average.
+// How many times longer than asked for an element's edges may be. On small faces elements are shorter on average.
 static const double LONGEST = 1.15;
 
-// How many patches of an edge length a side takes.
+// How many patches fit along a side, for an edge length of patches.
 static int patches_along(double length, double edge) {
     double patches = ceil(length / (LONGEST * edge));
     return patches < 1 ? 1 : (int)patches;
@@ -259,7 +261,7 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
     for (int i = 0; i < count; i++) {
         Vec3 edge = vec3_sub(points[corner[(i + 1) % count]], points[corner[i]]);
         double length = vec3_length(edge);
-        // Among edges equally long but for rounding the first.
+        // Among edges that are equally long but for rounding, the first one counts.
         if (length <= longest * (1 + 1e-9)) continue;
         longest = length;
         x = edge;
@@ -282,7 +284,7 @@ void mesh_lay_grid(MeshBuilder *builder, Face *face, const int *corner, int coun
     if (options->splits) face->root = 1 << mesh_deepest(builder, (double)face->nx * face->ny);
     face->nx *= face->root;
     face->ny *= face->root;
-    // On the plane, which corners miss where the polygon bends.
+    // The base is moved onto the plane; corners lie off the plane where the polygon bends.
     base = vec3_sub(base, vec3_scale(face->plane.n, vec3_dot(face->plane.n, base) - face->plane.d));
     face->origin = vec3_add(base, vec3_add(vec3_scale(x, x0), vec3_scale(y, y0)));
     face->gx = vec3_scale(x, face->nx / (x1 - x0));
@@ -305,47 +307,47 @@ static void mesh_refine_grid(const MeshBuilder *builder, int index, Face *face) 
 
 enum { MESH_SEVERAL = -2 };
 
-// A convex part of an element to be, from the face's origin.
+// A convex piece of a leaf, which becomes an element.
 typedef struct MeshPiece {
-    Vec3 *v;  // [count]
+    Vec3 *v;  // [count] metres from the face's origin
     int count;
-    int element;   // that it became; -1: none
-    bool covered;  // something stands there, or close before it
+    int element;   // the element that the piece became; -1: none
+    bool covered;  // an object stands on the piece, or close in front of it
 } MeshPiece;
 enum { MESH_MOST_PIECES = 32 };
 
 typedef struct MeshCutting {
     MeshBuilder *builder;
-    Arena *arena;  // of the thread that cuts it
+    Arena *arena;  // of the thread that cuts the face
     int index;
     const Face *face;
-    bool is_cut;          // something stands on it
-    const Vec3 *outline;  // [count] from the face's origin
+    bool is_cut;          // the face has cuts, because objects stand on it
+    const Vec3 *outline;  // [count] metres from the face's origin
     int count;
-    Vec3 *part, *spare;  // [count + 8] of the part looked at
+    Vec3 *part, *spare;  // [count + 8] scratch for part_in
     MeshLeaf *leaves;    // [leaf_count]
     int leaf_count;
-    int *owner;     // [nx * ny] the leaf whose block a square is in
-    int *element;   // [leaf_count] of each leaf, -1: none, MESH_SEVERAL: it is in pieces,
-    int *code;      // [leaf_count] and the entry of Mesh.squares for those then
+    int *owner;     // [nx * ny] the leaf whose block contains the square
+    int *element;   // [leaf_count] the element of a leaf; -1: none; MESH_SEVERAL: the leaf is in pieces
+    int *code;      // [leaf_count] the entry of Mesh.squares for the squares of a leaf in pieces
     int merged;     // slivers that became part of their neighbours
-    double square;  // area of a whole one, m^2
-    // The pieces into which leaves are cut: leaf k has pieces[first_piece[k]] .. ; one where nothing stands on the face.
+    double square;  // area of a whole square, m^2
+    // The pieces into which leaves are cut: leaf k has pieces[first_piece[k]] .. pieces[first_piece[k + 1] - 1], one without cuts.
     MeshPiece *pieces;
     int *first_piece, piece_count, piece_capacity;  // [leaf_count + 1]
 } MeshCutting;
 
 // ---- elements that are covered in part, cut into open and covered pieces.
 
-// Nothing thinner is cut off, metres.
+// Parts thinner than this are not cut off, metres.
 static const double THIN = 1e-3;
-// Two that look so much against each other, as a cosine, are two sides of one place.
+// Two cuts in one place whose `open` directions have a cosine below minus this are the two sides of one thin object or contact.
 static const double OPPOSITE = 0.99;
 
-// A cut through a vertex, but for rounding, leaves an edge there that runs anywhere.
+// Is an edge so short that its direction is only rounding? A cut through a vertex may leave such an edge there.
 static bool is_rounding(Vec3 edge) { return vec3_dot(edge, edge) < MESH_WELD * MESH_WELD; }
 
-// The direction inwards from a side of a polygon about the normal n; false: the side is rounding.
+// The unit direction inwards from a side of a polygon about the normal n; false: the side is too short to have one.
 static bool inwards_of(const Vec3 *v, int count, int side, Vec3 n, Vec3 *out) {
     Vec3 edge = vec3_sub(v[side + 1 < count ? side + 1 : 0], v[side]);
     if (is_rounding(edge)) return false;
@@ -353,7 +355,8 @@ static bool inwards_of(const Vec3 *v, int count, int side, Vec3 n, Vec3 *out) {
     return true;
 }
 
-// The inward sides of a convex polygon about the normal n, but those that are rounding; returns how many. `out` has room for `count`.
+// The sides of a convex polygon about the normal n as planes that point inwards, without sides that are too short; returns how many.
+// `out` has room for `count`.
 static int mesh_sides(const Vec3 *v, int count, Vec3 n, Plane *out) {
     int sides = 0;
     Vec3 inwards;
@@ -371,7 +374,7 @@ double mesh_inside(const Vec3 *v, int count, Vec3 n, Vec3 point) {
     return least;
 }
 
-// How long a line is within a convex polygon, metres.
+// The length of a cut's line inside a convex polygon about the normal n, metres.
 static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
     double t0 = 0, t1 = 1;
     for (int i = 0; i < count; i++) {
@@ -387,7 +390,7 @@ static double length_in(const MeshCut *cut, const Vec3 *v, int count, Vec3 n) {
     return t1 <= t0 ? 0 : (t1 - t0) * vec3_length(vec3_sub(cut->to, cut->from));
 }
 
-// Are parts of the polygon on both sides, thick enough to count?
+// Does the plane cut the polygon into two parts that are both thicker than THIN?
 static bool crosses(Plane plane, const Vec3 *v, int count) {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < count; i++) {
@@ -410,9 +413,9 @@ static double distance_to(const MeshCut *cut, Vec3 point) {
     return vec3_length(vec3_sub(off, vec3_scale(along, fmin(fmax(t, 0), 1))));
 }
 
-// Cuts as near to a point as any that is farther than some distance.
+// The cuts nearest to a point, all at one distance, among the cuts farther away than a given distance.
 typedef struct Nearest {
-    const MeshCut *cuts[16];  // the first so many
+    const MeshCut *cuts[16];  // further ones are left out
     int count;
     double distance;
 } Nearest;
@@ -431,7 +434,8 @@ static Nearest nearest_beyond(const MeshBuilder *builder, int face, Vec3 point, 
     return n;
 }
 
-// Does another one there look the other way? Of two boxes side by side, or of a wall without thickness, that says nothing.
+// Does another of the nearest cuts open in the opposite direction, as between two boxes side by side, or at a wall without
+// thickness? Such cuts do not tell which side is covered.
 static bool is_answered(const Nearest *n, const MeshCut *cut) {
     for (int i = 0; i < n->count; i++) {
         double facing = vec3_dot(vec3_normalize(n->cuts[i]->open), vec3_normalize(cut->open));
@@ -440,12 +444,12 @@ static bool is_answered(const Nearest *n, const MeshCut *cut) {
     return false;
 }
 
-// As the nearest cut has it.
+// Is a point of a face covered? The nearest cuts that tell it decide.
 static bool is_covered(const MeshBuilder *builder, int face, Vec3 point) {
     for (double beyond = -1;;) {
         Nearest n = nearest_beyond(builder, face, point, beyond);
         if (n.count == 0) return false;
-        // At a corner two lines are nearest: a place before either is open.
+        // At a corner two lines are nearest: a point on the open side of either one is open.
         double most = -INFINITY;
         for (int i = 0; i < n.count; i++) {
             if (is_answered(&n, n.cuts[i])) continue;
@@ -458,14 +462,15 @@ static bool is_covered(const MeshBuilder *builder, int face, Vec3 point) {
 
 // ---- pieces
 
-// The middle of its corners.
+// The mean of a piece's corners.
 static Vec3 mesh_middle(const MeshPiece *piece) {
     Vec3 sum = {0, 0, 0};
     for (int i = 0; i < piece->count; i++) sum = vec3_add(sum, piece->v[i]);
     return vec3_scale(sum, 1.0 / piece->count);
 }
 
-// Cuts a convex polygon on a face along its cuts; out has room for MESH_MOST_PIECES. Memory of the arena.
+// Cuts a convex polygon along the cuts of its face; returns how many pieces there are. `out` has room for MESH_MOST_PIECES; the
+// corners of the pieces are in the arena.
 static int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, int count, Arena *arena,
                            MeshPiece *out) {
     Vec3 n = builder->mesh->faces[face].plane.n;
@@ -476,7 +481,7 @@ static int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, 
         const MeshCut *cut = &builder->cuts[i];
         Vec3 across = vec3_normalize(vec3_cross(n, vec3_sub(cut->to, cut->from)));
         Plane before = {across, vec3_dot(across, cut->from)}, behind = {vec3_scale(across, -1), -before.d};
-        // The squares that the line itself runs through, not those beyond its ends.
+        // Only pieces that the line itself runs through are cut, not those beyond its ends.
         for (int k = 0, end = pieces; k < end && pieces < MESH_MOST_PIECES; k++) {
             MeshPiece whole = out[k];
             if (!crosses(before, whole.v, whole.count) || length_in(cut, whole.v, whole.count, n) < THIN)
@@ -490,10 +495,10 @@ static int mesh_cut_pieces(const MeshBuilder *builder, int face, const Vec3 *v, 
     return pieces;
 }
 
-// ---- which element each square of a face is in: all of a leaf in the leaf's, those of leaves in pieces each in one or on
-// several.
+// ---- the element of each square of a face: the squares of a whole leaf are in the leaf's element; where a leaf is in pieces,
+// a square is in the element of one piece, or has several.
 
-// The inward sides of a piece.
+// The sides of a piece, as planes that point inwards.
 typedef struct Sides {
     Plane *plane;
     int count, element;
@@ -510,7 +515,7 @@ static Sides *list_sides(const MeshPiece *pieces, int count, Vec3 n, Arena *aren
     return sides;
 }
 
-// The element that a whole square is in, else `code`.
+// The element whose piece contains the whole square (the circle of radius `reach` about its middle); `code` where there is none.
 static int element_about(const Sides *sides, int count, Vec3 middle, double reach, int code) {
     for (int i = 0; i < count; i++) {
         if (sides[i].element < 0) continue;
@@ -521,7 +526,7 @@ static int element_about(const Sides *sides, int count, Vec3 middle, double reac
     return code;
 }
 
-// A leaf in pieces.
+// Sets the entries of the squares of a leaf in pieces.
 static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *arena) {
     const Face *face = c->face;
     MeshBlock b = c->leaves[leaf].block;
@@ -539,7 +544,7 @@ static void give_block(const MeshCutting *c, int leaf, int *squares, Arena *aren
     }
 }
 
-// Which element each square of a face is in, once its elements have numbers; memory of the arena.
+// Sets the entries of Mesh.squares for a face, once its elements have numbers; the arena is scratch memory.
 static void mesh_give_squares(const MeshCutting *c, Arena *arena) {
     const Face *face = c->face;
     int *squares = c->builder->mesh->squares + face->first_square;
@@ -551,9 +556,9 @@ static void mesh_give_squares(const MeshCutting *c, Arena *arena) {
         if (c->element[k] == MESH_SEVERAL && c->leaves[k].area > 0) give_block(c, k, squares, arena);
 }
 
-// ---- the elements of a face and its patches, as its leaves are: whole, or in pieces where something stands on them.
+// ---- the elements and patches of a face, from its leaves: whole leaves, or pieces where objects stand on the face.
 
-// Twice the area times the centroid, and twice the area, of a fan about its first corner.
+// Adds twice the area times the centroid to `moment`, and twice the area to `area`, for a polygon as a fan about its first corner.
 static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double *area) {
     for (int i = 1; i + 1 < count; i++) {
         double twice = vec3_dot(n, vec3_cross(vec3_sub(v[i], v[0]), vec3_sub(v[i + 1], v[0])));
@@ -563,11 +568,11 @@ static void add_centroid(const Vec3 *v, int count, Vec3 n, Vec3 *moment, double 
     }
 }
 
-// A patch that grows by elements.
+// A patch while elements are added to it.
 typedef struct Growing {
     Patch patch;
-    Vec3 moment;  // of its area about the face's origin
-    double weight;
+    Vec3 moment;    // twice the area times the centroid, from the face's origin
+    double weight;  // twice the area, m^2
 } Growing;
 
 static Growing begin_patch(const MeshCutting *c) {
@@ -575,7 +580,7 @@ static Growing begin_patch(const MeshCutting *c) {
         .patch = {.face = c->index, .first_element = c->builder->mesh->element_count, .cell = -1}};
 }
 
-// Notes which element a piece became: -1 where nothing is left once its corners are places.
+// Makes a piece an element of the patch and sets piece->element; it stays -1 where fewer than three corners are left after welding.
 static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth, Growing *to) {
     MeshBuilder *builder = c->builder;
     Mesh *mesh = builder->mesh;
@@ -600,10 +605,10 @@ static void add_piece_element(MeshCutting *c, MeshPiece *piece, MeshDepth depth,
     to->patch.element_count++;
 }
 
-// `centre` from the face's origin.
+// Adds the patch to the mesh; `centre` is in metres from the face's origin.
 static void finish_patch(MeshCutting *c, Growing *growing, Vec3 centre) {
     Mesh *mesh = c->builder->mesh;
-    // On the plane even where the polygon bends: an eye there must not see its own face.
+    // The centre is moved onto the plane, also where the polygon bends: an eye there must not see its own face.
     Vec3 n = c->face->plane.n;
     centre = vec3_sub(centre, vec3_scale(n, vec3_dot(n, centre)));
     growing->patch.centre = vec3_add(c->face->origin, centre);
@@ -611,7 +616,7 @@ static void finish_patch(MeshCutting *c, Growing *growing, Vec3 centre) {
         growing->patch;
 }
 
-// The patch of leaves first .. end - 1.
+// Makes a patch of the whole leaves first .. end - 1.
 static void add_whole_patch(MeshCutting *c, int first, int end) {
     Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {
@@ -626,7 +631,8 @@ static void add_whole_patch(MeshCutting *c, int first, int end) {
 
 // ---- leaves in pieces
 
-// The centre of area of what lies around a box is under the box: the patch looks from the middle of its nearest element then.
+// Finishes a patch of pieces. The centroid of the area around a box is under the box, outside all elements of the patch; then the
+// patch's centre is the middle of the element nearest to the centroid.
 static void finish_cut_patch(MeshCutting *c, Growing *growing) {
     const Mesh *mesh = c->builder->mesh;
     const Patch *patch = &growing->patch;
@@ -650,7 +656,8 @@ static void finish_cut_patch(MeshCutting *c, Growing *growing) {
     finish_patch(c, growing, best);
 }
 
-// Covered pieces have a patch of their own, from which nothing open shoots; very many pieces have several.
+// Makes a patch of the covered or of the open pieces of leaves first .. end - 1, so that no patch has both. A patch of too many pieces
+// is split into several.
 static void add_patch_of(MeshCutting *c, int first, int end, bool covered) {
     Growing patch = begin_patch(c);
     for (int k = first; k < end; k++) {
@@ -671,7 +678,7 @@ static void push_shared(MeshCutting *c, int number) {
     *ARENA_PUSH(c->builder->arena, mesh->shared, mesh->shared_count, c->builder->shared_capacity) = number;
 }
 
-// Notes which elements the pieces of a leaf became, the largest first; returns the code of its squares.
+// Stores the elements of a leaf's pieces in Mesh.shared, the largest first; returns the entry of Mesh.squares for the leaf's squares.
 static int share_leaf(MeshCutting *c, const MeshPiece *pieces, int piece_count) {
     Mesh *mesh = c->builder->mesh;
     int count = 0, at = mesh->shared_count;
@@ -701,7 +708,7 @@ static void add_cut_patches(MeshCutting *c, int first, int end) {
     }
 }
 
-// The elements and patches that the leaves become: numbers follow each other from face to face.
+// Adds the elements and patches of a face to the mesh; their numbers continue from face to face.
 static void mesh_add_patches(MeshCutting *c) {
     Mesh *mesh = c->builder->mesh;
     Face *face = &mesh->faces[c->index];
@@ -721,9 +728,9 @@ static void mesh_add_patches(MeshCutting *c) {
     mesh->merged_elements += c->merged;
 }
 
-// A part of a square is a sliver below this share of the square: it would receive too few samples to tell its light.
+// The part of the face in a block is a sliver below this share of the block: it would get too few samples to measure its light.
 static const double SLIVER = 0.15;
-// Below this share it is rounding.
+// Below this share of a square, a part is rounding.
 static const double NOTHING = 1e-9;
 
 // ---- parts of a face
@@ -733,7 +740,7 @@ static int part_in(MeshCutting *c, MeshBlock b) {
     const Face *face = c->face;
     int count = c->count;
     memcpy(c->part, c->outline, (size_t)count * sizeof *c->part);
-    // The planes are in units of squares. No cuts along the grid's border, which only rounding could tell from edges.
+    // The planes are in units of squares. Nothing is cut along the grid's border, which differs from the face's edges only by rounding.
     const struct {
         bool cut;
         Plane keep;
@@ -770,7 +777,7 @@ static void measure_parts(MeshCutting *c) {
     }
 }
 
-// The leaf beyond one side of a block if the two make a larger block, else -1.
+// The leaf beyond one side of a block, if it has area and forms a larger block with this one; else -1.
 static int beyond(const MeshCutting *c, MeshBlock b, int side) {
     int i = side == 0 ? b.i0 - 1 : side == 1 ? b.i1 + 1 : b.i0;
     int j = side == 2 ? b.j0 - 1 : side == 3 ? b.j1 + 1 : b.j0;
@@ -781,8 +788,8 @@ static int beyond(const MeshCutting *c, MeshBlock b, int side) {
     return fits && c->leaves[owner].area > 0 ? owner : -1;
 }
 
-// Joins a sliver to the largest neighbour with which it makes a block, one of its own patch first: what a block cuts
-// out of a convex polygon is convex.
+// Joins a sliver to the largest neighbour with which it forms a block, preferring one of its own patch. The part of a convex polygon
+// in a block is convex, so the joined element is convex too. False: there is no such neighbour.
 static bool join_squares(MeshCutting *c, int at) {
     MeshLeaf *leaf = &c->leaves[at], *best = NULL;
     for (int side = 0; side < 4; side++) {
@@ -831,10 +838,10 @@ static void find_pieces(MeshCutting *c) {
 
 // ---- all faces
 
-// So many at a time: their grids follow each other in the splits, and their elements are numbered in order. While one thread numbers
-// those of a batch, the others cut the next one.
+// The size of a batch of faces. Splits are read in the order of faces, and elements are numbered in this order. While one thread
+// numbers the elements of a batch, the others cut the faces of the next one.
 enum { FACES_AT_A_TIME = 4096, SQUARES_AT_A_TIME = 1 << 17 };
-// There may be so many of all faces: cut pieces are searched on small ones.
+// The most squares of all faces together; faces with cuts have small squares.
 static const double MOST_SQUARES = 5e8;
 
 typedef struct Batch {
@@ -845,15 +852,16 @@ typedef struct Batch {
 
 typedef struct Crew {
     MeshBuilder *builder;
-    const Vec3 *points;  // of outlines: those of elements are added behind them
+    const Vec3
+        *points;  // the places of the outlines; adding corners of elements may move the builder's array
     Batch batches[2], *cut, *numbered;
-    int threads, begun;  // faces
+    int threads, begun;  // `begun`: faces begun so far
 } Crew;
 
-// Returns how many squares it has.
+// Prepares a face for cutting and lists its leaves; returns how many squares it has.
 static int begin_face(MeshBuilder *builder, int index, Arena *arena, MeshCutting *c) {
     Face *face = &builder->mesh->faces[index];
-    int most_leaves = face->nx * face->ny;  // of squares that are finer still, each is in one
+    int most_leaves = face->nx * face->ny;  // refining the grid adds squares, but no leaves
     mesh_refine_grid(builder, index, face);
     *c = (MeshCutting){.builder = builder, .index = index, .face = face};
     c->is_cut = builder->first_cut[index + 1] > builder->first_cut[index];
@@ -895,7 +903,7 @@ static void cut_face(const Crew *crew, MeshCutting *c, Arena *arena) {
     find_pieces(c);
 }
 
-// Numbers the elements of one batch, and cuts the faces of the other.
+// Index 0 numbers the elements of one batch; the other indices each cut a face of the other batch.
 static void number_or_cut(void *context, int index, int thread) {
     const Crew *crew = context;
     if (index > 0) {

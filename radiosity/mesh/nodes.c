@@ -1,24 +1,24 @@
-// nodes.c - corners of elements sorted into nodes: corners are joined over every smooth edge (disjoint sets; Tarjan 1975), and
-// joined vertices are a node. Since elements list the vertices of their neighbours, edges that touch are edges shared whole, and
-// T-vertices need no care of their own.
+// nodes.c - sorts the corners of elements into nodes: corners are joined over every smooth edge (disjoint sets; Tarjan 1975), and
+// each joined set of corners is a node. Elements have the vertices of their neighbours on their edges as corners, so neighbours
+// share whole edges, and T-vertices need no special treatment.
 #include "radiosity/mesh/nodes.h"
 
 #include "engine/core/sets.h"
 
-// Planes are one where their normals are this near, 1 - cosine: the rounding of models with six digits.
+// Two planes are one if 1 - cosine of their normals is below this: the rounding of models with six digits.
 static const double SAME_PLANE = 1e-6;
-// A face that rises from an edge with more than this sine stands on it: light cannot pass along the surface there.
+// A face that rises from an edge at an angle with more than this sine stands on the edge: light cannot pass along the surface there.
 static const double STANDS = 1e-3;
 
 // An edge of an element, from corner `from` to the next, `to`.
 typedef struct Side {
     int element, from, to;
-    int other_vertex;  // the higher of its two
-    bool rising;       // it runs from the lower vertex to the higher
+    int other_vertex;  // the higher index of its two vertices
+    bool rising;       // the edge runs from the vertex of lower index to the one of higher index
 } Side;
 
 typedef struct Sides {
-    int *first;  // [vertex_count + 1] by the lower vertex
+    int *first;  // [vertex_count + 1] in `side`, by the lower vertex of a side
     Side *side;  // [corner_count]
 } Sides;
 
@@ -38,7 +38,7 @@ static Side side_at(const Mesh *mesh, int element, int k) {
 
 static Sides sort_sides(const Mesh *mesh, Arena *arena) {
     Sides s = {ARENA_ARRAY(arena, int, mesh->vertex_count + 2), ARENA_ARRAY(arena, Side, mesh->corner_count)};
-    // Counted two places on, filled one place on: in order, and each run begins where it should.
+    // Counts are stored two places ahead and fills advance the entry one place ahead, so that `first` is right in the end.
     for (int pass = 0; pass < 2; pass++) {
         for (int e = 0; e < mesh->element_count; e++) {
             for (int k = 0; k < mesh->elements[e].corner_count; k++) {
@@ -68,7 +68,7 @@ static bool one_surface(const Mesh *mesh, int e, int f) {
            cosine > NODES_CURVED;
 }
 
-// Does anything but the two rise from the edge on their front side?
+// Does any element but a's and b's rise from their common edge, on their front side?
 static bool stood_upon(const Mesh *mesh, const Side *run, int count, const Side *a, const Side *b) {
     Vec3 up =
         vec3_normalize(vec3_add(face_of(mesh, a->element)->plane.n, face_of(mesh, b->element)->plane.n));
@@ -83,9 +83,9 @@ static bool stood_upon(const Mesh *mesh, const Side *run, int count, const Side 
     return false;
 }
 
-// ---- sets of corners, led by the lowest: the numbers of nodes follow those of corners
+// ---- sets of corners; the lowest corner is the root of its set, so that the nodes are in the order of the corners
 
-// Neighbours run along their edge in opposite ways.
+// Joins the corners of smooth neighbours at their common edges. Neighbours run along their edge in opposite directions.
 static void join_run(const Mesh *mesh, const Side *run, int count, int *up) {
     for (int i = 0; i < count; i++) {
         for (int j = i + 1; j < count; j++) {

@@ -1,7 +1,8 @@
-// proxy.c - which polygons are too fine for light to tell apart, and the stand-ins for them: collapsed edges, then flat pieces merged.
+// proxy.c - finds the polygons that are too fine to show differences of light, and makes their stand-ins: edges are collapsed, then
+// flat pieces merged.
 //
-// Chosen among vertex clustering on a grid (Rossignac & Borrel 1993) and shared elements on fine polygons: README.md has the
-// figures.
+// This method was chosen over vertex clustering on a grid (Rossignac & Borrel 1993) and over elements shared by fine polygons:
+// README.md has the figures.
 #include "radiosity/mesh/proxy.h"
 
 #include <math.h>
@@ -15,42 +16,42 @@
 
 typedef struct SimplifyTriangle {
     int corner[3];  // in `points`, counter-clockwise from its front
-    int tag;        // where two tags meet the border stays within the tolerance; -1: gone
+    int tag;        // the material; the border between two tags stays within the tolerance; -1: removed
 } SimplifyTriangle;
 
 typedef struct SimplifySurface {
     const Vec3 *points;           // [point_count] each place once
-    const unsigned char *locked;  // [point_count] stays where it is
+    const unsigned char *locked;  // [point_count] 1: the point must not move
     int point_count;
     SimplifyTriangle *triangles;  // [triangle_count]
     int triangle_count;
 } SimplifySurface;
 
-// Corners in `points`, counter-clockwise.
+// A merged polygon.
 typedef struct ProxyPolygon {
-    int *corner;
-    int count, tag;  // count 0: it became part of another
+    int *corner;     // [count] in `points`, counter-clockwise
+    int count, tag;  // count 0: the polygon became part of another
 } ProxyPolygon;
 
-// ---- half-edge collapses, the least harm first: a corner moves to a neighbour's place, so that the rest lies on the model
-// and within its hull, and two panes stay as far apart as they are.
+// ---- half-edge collapses, the one of least harm first: a corner moves to the place of a neighbour, so that all corners are
+// vertices of the model, inside its hull, and two parallel sheets stay at their distance.
 //
 // Sources: R. Ronfard & J. Rossignac, Full-Range Approximation of Triangulated Polyhedra, 1996 (the harm is the distance to the
 // farthest of the planes that a corner stands for); T. K. Dey, H. Edelsbrunner, S. Guha & D. V. Nekhayev, Topology
-// Preserving Edge Contraction, 1999 (the link condition). Quadrics (Garland & Heckbert 1997) are quicker, but say nothing
-// of the greatest distance.
+// Preserving Edge Contraction, 1999 (the link condition). Quadrics (Garland & Heckbert 1997) are quicker, but do not bound
+// the greatest distance.
 
-// How far a collapse may turn a triangle, as a cosine: a round leg may become square, but nothing folds.
+// The least cosine by which a collapse may turn a triangle: a round leg may become square, but nothing folds.
 static const double LEAST_TURNED = 0.35;
-// A collapse does not leave a triangle thinner than this, height over longest edge, unless it made it thicker.
+// A collapse must not leave a triangle thinner than this, height over longest edge, unless the triangle was even thinner before.
 static const double THIN = 0.05;
-// Planes are one where their normals are this near, 1 - cosine, and they are this share of the tolerance apart.
+// Two planes are one if 1 - cosine of their normals is below SAME_WAY and they are at most SAME_PLACE tolerances apart.
 static const double SAME_WAY = 1e-4, SAME_PLACE = 0.02;
-// Among equal harms the shorter edge goes first: a metre of edge counts as so many of harm.
+// Among moves with equal harm, the one along the shorter edge goes first: a metre of edge counts as this many metres of harm.
 static const double LENGTH_WEIGHT = 1e-3;
-// A corner that would stand for more planes stays: the time it takes to ask them all.
+// A corner is not moved where the result would stand for more planes than this: testing all of them takes too long.
 enum { MOST_PLANES = 160 };
-// Neighbours that a corner may move to, the best first, that are tried; corners with more neighbours stay.
+// Corners with more neighbours than this stay where they are.
 enum { MOST_NEIGHBOURS = 64 };
 
 typedef struct List {
@@ -58,14 +59,15 @@ typedef struct List {
     int count, capacity;
 } List;
 
-// A corner may move to the place of another.
+// A possible move of a corner to the place of another.
 typedef struct Move {
     double harm;  // metres
     int from, to;
-    unsigned stamp;  // of `from`, when the harm was measured
+    unsigned stamp;  // Work.stamp of `from` when the harm was measured
 } Move;
 
-// The order has no equals but moves of other stamps: results do not depend on the order in which moves came.
+// Two moves are equal in this order only if they differ in their stamps, so the result does not depend on the order in which moves
+// are added.
 static bool is_better_move(const void *context, const void *p, const void *q) {
     const Move *a = p, *b = q;
     (void)context;
@@ -77,13 +79,13 @@ typedef struct Work {
     SimplifySurface *s;
     double tolerance;
     Arena arena;
-    List *triangles;  // [point_count] that meet there
-    List *planes;     // [point_count] that it stands for
-    Plane *plane;     // all
+    List *triangles;  // [point_count] the triangles that meet at the point
+    List *planes;     // [point_count] the planes that the point stands for
+    Plane *plane;     // [plane_count]
     int plane_count, plane_capacity;
-    unsigned *stamp;  // [point_count] candidates of other stamps are of the past
-    int *mark, now;   // [point_count]
-    Move *moves;      // a heap: the move that does least harm is first
+    unsigned *stamp;  // [point_count] moves with another stamp are out of date
+    int *mark, now;   // [point_count] a point is marked where `mark` equals `now`
+    Move *moves;      // a heap: the move of least harm is first
     int move_count, move_capacity;
 } Work;
 
@@ -109,7 +111,7 @@ static double shape_of(const Vec3 v[3]) {
     return longest > 0 ? vec3_length(normal_of(v)) / longest : 0;
 }
 
-// The corners of u's neighbours, each once, by the mark.
+// Lists and marks the neighbours of corner u, each once; returns how many, MOST_NEIGHBOURS + 1 where there are more than fit.
 static int neighbours_of(Work *w, int u, int out[MOST_NEIGHBOURS]) {
     int count = 0;
     w->now++;
@@ -129,7 +131,7 @@ static int neighbours_of(Work *w, int u, int out[MOST_NEIGHBOURS]) {
 
 // ---- is a collapse allowed?
 
-// No triangle that is left turns over or becomes a needle.
+// Does no remaining triangle turn over or become a needle if corner u moves to v?
 static bool keeps_shapes(const Work *w, int u, int v) {
     const Vec3 *points = w->s->points;
     for (int i = 0; i < w->triangles[u].count; i++) {
@@ -148,8 +150,8 @@ static bool keeps_shapes(const Work *w, int u, int v) {
     return true;
 }
 
-// A neighbour of both must be the third corner of a triangle on their edge: otherwise a tube closes or two sheets fold
-// into one.
+// The link condition: each common neighbour of u and v must be the third corner of a triangle on their edge. Otherwise the collapse
+// closes a tube or folds two sheets into one.
 static bool keeps_topology(Work *w, int u, int v) {
     int around[MOST_NEIGHBOURS], count = neighbours_of(w, v, around), common = 0, opposite = 0;
     if (count > MOST_NEIGHBOURS) return false;
@@ -178,7 +180,7 @@ static bool keeps_topology(Work *w, int u, int v) {
     return common == opposite;
 }
 
-// Are triangles left of those that hang together here?
+// Does the collapse leave any of the triangles at u and v?
 static bool keeps_body(const Work *w, int u, int v) {
     int left = 0;
     for (int i = 0; i < w->triangles[u].count; i++) {
@@ -220,7 +222,7 @@ static Move pop_move(Work *w) {
     return first;
 }
 
-// The best that u can do, onto the heap.
+// Puts the best allowed move of corner u on the heap.
 static void consider(Work *w, int u) {
     int around[MOST_NEIGHBOURS], count;
     Move ways[MOST_NEIGHBOURS];
@@ -289,7 +291,7 @@ static int new_plane(Work *w, Vec3 n, Vec3 at) {
     return w->plane_count - 1;
 }
 
-// The third corner of all triangles on the edge a -> b with this tag; -1: none; -2: several.
+// The third corner of the triangles with this tag on the edge between a and b; -1: there is none; -2: there are several.
 static int across(const Work *w, int a, int b, int tag) {
     int found = -1;
     for (int i = 0; i < w->triangles[a].count; i++) {
@@ -304,7 +306,7 @@ static int across(const Work *w, int a, int b, int tag) {
     return found;
 }
 
-// Where a sheet or a colour ends a plane stands on the edge: it keeps its outline.
+// Where a sheet or a material ends at an edge, adds a plane that stands on this edge, so that the border keeps its outline.
 static void add_borders(Work *w, int triangle) {
     const SimplifyTriangle *t = &w->s->triangles[triangle];
     Vec3 v[3];
@@ -345,9 +347,9 @@ static void start_moves(Work *w) {
     for (int p = 0; p < s->point_count; p++) consider(w, p);
 }
 
-// Moves corners of triangles to those of others, and drops triangles without area. A closed surface stays closed, nothing is turned
-// over, and no corner leaves the planes of the triangles that it stands for by more than the tolerance, metres. Triangles that
-// are left come first; returns how many. The same input gives the same result.
+// Moves corners of triangles to the places of other corners, and drops triangles without area. A closed surface stays closed, no
+// triangle is turned over, and no corner is farther than the tolerance, metres, from the planes of the triangles that it stands
+// for. Moves the remaining triangles to the front; returns how many. The same input gives the same result.
 static int simplify(SimplifySurface *surface, double tolerance) {
     Work w = {.s = surface, .tolerance = tolerance};
     start_moves(&w);
@@ -371,11 +373,12 @@ static int simplify(SimplifySurface *surface, double tolerance) {
     return kept;
 }
 
-// ---- polygons grow over their edges while they stay flat and convex: a panel is one polygon, not dozens, to whoever looks.
+// ---- merging: polygons grow over their edges while they stay flat and convex, so that views have one polygon for a panel instead
+// of dozens.
 
 // How far a merged polygon may bend, metres: half as far as polygons of buildings may.
 static const double FLAT = 0.5 * MAPS_PLANARITY;
-// Polygons turn by less than this where they are one, as a cosine: a thumb's breadth of a bend is a crease.
+// Two polygons are merged only if the cosine of their normals is at least this; a larger angle is a crease.
 static const double SAME_PLANE = 0.999;
 
 // Directed edges by their ends, in a table with open addressing.
@@ -386,7 +389,7 @@ typedef struct Edge {
 typedef struct Merge {
     const Vec3 *points;
     ProxyPolygon *polygons;
-    int *became;  // [count] the polygon it is part of
+    int *became;  // [count] the polygon that this one was merged into, itself if it was not merged
     Edge *edges;
     unsigned edge_count;  // a power of two
 } Merge;
@@ -412,7 +415,7 @@ static Plane plane_of(const Merge *m, const ProxyPolygon *p, Vec3 *v) {
     return plane_of_polygon(v, p->count);
 }
 
-// Corners of a, from the end of the edge round to its beginning, then those of b between: returns how many.
+// Lists the corners of a, from the end of the edge round to its beginning, then the other corners of b; returns how many.
 static int join_corners(const ProxyPolygon *a, const ProxyPolygon *b, int from, int to, int *out) {
     int at_a = 0, at_b = 0, count = 0;
     while (a->corner[at_a] != to) at_a++;
@@ -429,7 +432,7 @@ static bool is_simple(const int *corner, int count) {
     return true;
 }
 
-// Over the edge from -> to of polygon a.
+// Merges polygon a with its neighbour beyond the edge from -> to, if the result is flat, convex and small enough.
 static bool try_merge(Merge *m, int a, int from, int to, Arena *arena) {
     const Edge *beyond = edge_at(m, to, from);
     if (beyond->polygon < 0) return false;
@@ -459,7 +462,7 @@ static void grow_region(Merge *m, int polygon, Arena *arena) {
     }
 }
 
-// [count], in the arena: of each triangle its polygon.
+// Merges triangles [count] into polygons [count], in the arena; an entry with count 0 was merged into another.
 static ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *triangles, int count,
                                  Arena *arena) {
     Arena scratch = {0};
@@ -474,7 +477,7 @@ static ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *tri
         memcpy(m.polygons[i].corner, t->corner, sizeof t->corner);
         for (int k = 0; k < 3; k++) {
             Edge *e = edge_at(&m, t->corner[k], t->corner[(k + 1) % 3]);
-            // Among sheets in one place the first counts.
+            // Where several triangles have the same directed edge, the first one counts.
             if (e->polygon < 0) *e = (Edge){t->corner[k], t->corner[(k + 1) % 3], i};
         }
     }
@@ -484,12 +487,12 @@ static ProxyPolygon *proxy_merge(const Vec3 *points, const SimplifyTriangle *tri
     return m.polygons;
 }
 
-// A polygon narrower than this, its area over its longest edge, is fine, metres: half the edge of the smallest elements. Light is
-// not told apart across it.
+// A polygon is fine if its width, area over longest edge, is below this, metres: half the edge of the smallest elements. Elements do
+// not resolve light across such a polygon.
 static const double NARROW = 0.03;
-// An object with fewer fine polygons is left as it is: the views of a room have hundreds of polygons anyway.
+// An object with fewer fine polygons than this has no stand-in: the views of a room have hundreds of polygons anyway.
 enum { FEWEST = 64 };
-// And one whose stand-in has more polygons than this share of those it stands for: it would cost accuracy for little.
+// A stand-in with more polygons than this share of the polygons that it replaces is not used: it would cost accuracy and save little.
 static const double WORTH = 0.7;
 
 typedef struct Finder {
@@ -528,7 +531,7 @@ static int count_fine(const Finder *f, const Object *object) {
 
 // ---- one object
 
-// The fine polygons of an object as triangles that share corners, and the polygons that they hang on.
+// The fine polygons of an object as triangles that share corners. Corners shared with its other polygons are locked.
 typedef struct Model {
     Places places;
     SimplifyTriangle *triangles;
@@ -553,7 +556,7 @@ static void add_triangles(Model *m, const Vec3 *v, int count, int tag, Arena *ar
     }
 }
 
-// Faces that stay hold the corners that they share with fine ones.
+// Polygons that are not fine lock the corners that they share with fine ones.
 static Model model_of(const Finder *f, const Object *object, Arena *arena) {
     Model m = {0};
     places_start(&m.places, arena);
@@ -604,7 +607,7 @@ const Proxies *proxies_find(const CellGraph *graph, const Vec3 *vertices, double
     if (!(tolerance > 0)) return NULL;
     Proxies *out = ARENA_ARRAY(arena, Proxies, 1);
     Finder f = {graph, vertices ? vertices : graph->vertices, out, arena, 0, 0};
-    // As files have it.
+    // Rounded as .rad files store it.
     *out = (Proxies){.tolerance = nearbyint(tolerance / PROXY_STEP) * PROXY_STEP,
                      .first = ARENA_ARRAY(arena, int, graph->object_count + 1),
                      .replaced = ARENA_ARRAY(arena, bool, graph->polygon_count + 1)};

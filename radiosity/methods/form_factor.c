@@ -1,4 +1,4 @@
-// form_factor.c - the table of methods, and the parts that all of them share.
+// form_factor.c - the table of methods, and the code that all methods share.
 #include "radiosity/factors/form_factor.h"
 
 #include <string.h>

@@ -1,9 +1,9 @@
 // hemicube.c - form factors by the hemicube (Cohen & Greenberg 1985): the pixels of a half cube about the point, R x R on its
-// top and R x R/2 on each side, each with its delta form factor, 1 / (pi (x^2 + y^2 + 1)^2) times its area on the top and
-// z / (pi (y^2 + z^2 + 1)^2) on the sides; scaled to sum 1.
+// top and R x R/2 on each side. Each pixel has a delta form factor, its area times 1 / (pi (x^2 + y^2 + 1)^2) on the top or
+// z / (pi (y^2 + z^2 + 1)^2) on the sides; all are scaled to sum 1.
 //
-// Departs from them: a pixel is decided by its direction's side of each edge's plane, so nothing is projected or clipped
-// (sampler.h). A hidden-surface method may fill the sides instead (below).
+// Departure: the side of each edge's plane on which a pixel's direction lies decides the pixel, so nothing is projected or clipped
+// (sampler.h). Instead, a hidden-surface method may fill the sides (HemicubeHidden).
 #include <math.h>
 
 #include "radiosity/factors/form_factor.h"
@@ -14,19 +14,20 @@
 
 typedef struct HemicubeHidden HemicubeHidden;
 
-// ---- Cohen & Greenberg's hemicube as they drew it: five pictures of 90 degrees, by any hidden-surface
-// method; of the sides' only the half above the horizon counts.
+// ---- Cohen & Greenberg's hemicube as they drew it: five pictures of 90 degrees, by any hidden-surface method; in the
+// pictures of the sides only the half above the horizon counts.
 
 struct HemicubeHidden {
     const Mesh *mesh;
     const HiddenMethod *method;
     void *prepared;
-    Arena scratch;  // of the method
+    Arena scratch;  // memory of the method
     SampleGrid grids[MOST_GRIDS];
     int grid_count;
     ItemBuffer buffer;
-    FormFactorSamples samples;   // grid by grid, row by row
-    int *item_of, *stamp, look;  // [face_count] the view's index of a face, where stamp says so
+    FormFactorSamples samples;  // grid by grid, row by row
+    int *item_of, *stamp,
+        look;  // [face_count] a face's index in the view, valid where its stamp equals `look`
 };
 
 static Scene scene_of(const Mesh *mesh, Arena *arena) {
@@ -65,7 +66,7 @@ static void make_samples(HemicubeHidden *self, Arena *arena) {
     self->samples = s;
 }
 
-// `method` is the name of one of HIDDEN_METHODS. Draws all faces of the mesh, whatever the view holds.
+// `method` is the name of one of HIDDEN_METHODS. All faces of the mesh are drawn, also those that a view leaves out.
 static HemicubeHidden *hemicube_hidden_new(const Mesh *mesh, const char *method, int resolution,
                                            Arena *arena) {
     HemicubeHidden *self = ARENA_ARRAY(arena, HemicubeHidden, 1);
@@ -77,8 +78,8 @@ static HemicubeHidden *hemicube_hidden_new(const Mesh *mesh, const char *method,
     self->prepared = self->method->begin(&scene, &self->scratch, &error);
     CORE_ASSERT(self->prepared != NULL);
     self->grid_count = grids_of_hemicube(resolution, self->grids);
-    self->buffer =
-        item_buffer_new(arena, resolution, resolution + 1);  // sides of an odd resolution are higher
+    // With an odd resolution, pictures of sides have one more row.
+    self->buffer = item_buffer_new(arena, resolution, resolution + 1);
     self->item_of = ARENA_ARRAY(arena, int, mesh->face_count + 1);
     self->stamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
     make_samples(self, arena);
@@ -92,8 +93,8 @@ static void hemicube_hidden_end(HemicubeHidden *self) {
 
 static const FormFactorSamples *hemicube_hidden_samples(const HemicubeHidden *self) { return &self->samples; }
 
-// The camera of a grid: its row 0 is the grid's row 0 on top; of a side, which stands upright and is seen from within, rows
-// and columns run the other way.
+// The camera of a grid. On top, row 0 of the picture is row 0 of the grid. In the picture of a side, which is upright and seen from
+// within, rows and columns run the other way.
 static Camera camera_of(const SampleGrid *grid, bool top, const View *view) {
     double w[3], weight;
     Camera camera = {.eye = view->eye, .tan_x = 1, .tan_y = 1, .width = grid->width};
@@ -104,10 +105,10 @@ static Camera camera_of(const SampleGrid *grid, bool top, const View *view) {
         camera.up = vec3_scale(view->y, -1);
         return camera;
     }
-    // The side looks along the axis in the middle of its lowest row.
+    // The camera looks along the axis through the middle of the side's lowest row.
     grid->at(grid, 0, 0, w, &weight);
     double u = 1 / (double)grid->width - 1, size = 1 + u * u;
-    // (w0, w1) is ahead + u * left, left a quarter turn from ahead.
+    // (w[0], w[1]) is ahead + u * left, where `left` is a quarter turn from `ahead`.
     double ahead[2] = {(w[0] + u * w[1]) / size, (w[1] - u * w[0]) / size};
     camera.forward = vec3_add(vec3_scale(view->x, ahead[0]), vec3_scale(view->y, ahead[1]));
     camera.up = view->z;
@@ -146,8 +147,8 @@ static void hemicube_hidden_items(HemicubeHidden *self, const View *view, int32_
 
 typedef struct Hemicube {
     Sampler *sampler;
-    HemicubeHidden *hidden;  // instead of the sampler, where a method was named
-    int32_t *item;           // of the hidden
+    HemicubeHidden *hidden;  // used instead of the sampler where the options name a method; else NULL
+    int32_t *item;           // [samples] scratch for `hidden`
 } Hemicube;
 
 static void *hemicube_start(const Mesh *mesh, const FormFactorOptions *options, Arena *arena) {

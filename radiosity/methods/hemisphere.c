@@ -1,8 +1,8 @@
 // hemisphere.c - form factors by the hemisphere base: a unit hemisphere's points lie over the unit disc, and equal areas of the
-// disc are equal shares of the light that leaves the centre (Nusselt 1928; Doi & Itoh's hemisphere base). The samples are the
-// centres of R x R pixels over the disc, those inside it, with equal weights.
+// disc are equal shares of the light that leaves the centre (Nusselt 1928; Doi & Itoh's hemisphere base). The samples are those of
+// R x R pixels whose centres are inside the disc, with equal weights.
 //
-// Departs from Doi & Itoh: edges are exact great circles, not polylines, and depth is exact, not interpolated (sampler.h).
+// Departure from Doi & Itoh: edges are exact great circles, not polylines, and depth is exact, not interpolated (sampler.h).
 #include "radiosity/factors/row.h"
 #include "radiosity/factors/sampler.h"
 

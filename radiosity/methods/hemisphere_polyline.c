@@ -1,32 +1,32 @@
-// hemisphere_polyline.c - the hemisphere base as its paper has it: elements as triangles, edges as polylines on the disc,
-// a z-buffer (Doi & Itoh, eqs. 1-7).
+// hemisphere_polyline.c - the hemisphere base as in its paper: elements as triangles, edges as polylines on the disc, a z-buffer
+// (Doi & Itoh, eqs. 1-7).
 //
-// A vertex goes to (x / length, y / length), with length, its distance, as its depth; an edge that spans more than the
-// threshold (1 degree) is cut at its middle in space; the depth at a pixel is that of the plane through the three
-// projected vertices. Two misprints are mended: the angle of eq. 4 is that between the two unit directions, and eq. 5
-// wants a minus. Its other errors stay, to be measured: edges are chords, also that along the rim, and depth
-// in that space is not planar, so that large elements come out too near or too far.
+// A vertex is projected to (x / length, y / length), where `length` is its distance and its depth. An edge that spans more than the
+// threshold (1 degree) is cut at its middle in space. The depth at a pixel is the depth of the plane through the three projected
+// vertices. Two misprints are corrected: the angle of eq. 4 is the angle between the two unit directions, and eq. 5 needs a minus.
+// The method's other errors are kept, to be measured: edges are chords, also along the rim, and depth in this projection is not
+// planar, so that large elements come out too near or too far.
 //
-// Departs in that elements are clipped at the horizon, and that the item buffer holds faces: the element of a pixel is
-// where its direction meets the face.
+// Departures: elements are clipped at the horizon, and the item buffer stores faces; the element of a pixel is the one at the point
+// where the pixel's direction meets the face.
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/factors/form_factor.h"
 
 enum {
     LINE_CROSSINGS = 32,  // of a triangle with a line of pixels: 6, and some for rounding
-    POLYLINE_LEAST = 1,   // thousandths of a degree an edge is cut to at the least
+    POLYLINE_LEAST = 1,   // the smallest threshold, thousandths of a degree
 };
 
 typedef struct Polyline {
     const Mesh *mesh;
-    int resolution, corners;  // most corners of an element
+    int resolution, corners;  // `corners`: the most corners of an element
     double threshold_cosine;
     FormFactorSamples samples;
-    int *first_sample, *first_pixel;  // [resolution + 1], [resolution] of a line of pixels
+    int *first_sample, *first_pixel;  // [resolution + 1], [resolution] the first of each line of pixels
     double *depth;                    // [samples.count]
     Vec3 *turned, *clipped;           // [corners], [corners + 1]
-    Vec2 *point;                      // [point_capacity] of the triangle at hand
+    Vec2 *point;                      // [point_capacity] the polyline of the current triangle
     int point_count, point_capacity;
     double (*crossing)[LINE_CROSSINGS];  // [resolution]
     int *crossing_count;                 // [resolution] 0 between triangles
@@ -63,7 +63,7 @@ static void find_samples(Polyline *self, Arena *arena) {
         self->samples.weight = ARENA_ARRAY(arena, float, count);
     }
     self->samples.count = count;
-    // Eq. 7's 4 / (pi n^2), but for the pixels the rim cuts.
+    // Eq. 7 has 4 / (pi n^2), which differs only for the pixels that the rim cuts.
     for (int s = 0; s < count; s++) self->samples.weight[s] = (float)(1.0 / count);
 }
 
@@ -79,7 +79,7 @@ static void *polyline_start(const Mesh *mesh, const FormFactorOptions *options, 
     self->depth = ARENA_ARRAY(arena, double, self->samples.count);
     self->turned = ARENA_ARRAY(arena, Vec3, self->corners);
     self->clipped = ARENA_ARRAY(arena, Vec3, self->corners + 1);
-    // Halving in space leaves parts of unlike angles: at most an eighth of the angle they must span.
+    // Halving in space leaves parts of unequal angles: room for parts down to an eighth of the threshold.
     self->point_capacity = 3 * (int)(8 * M_PI / threshold + 64);
     self->point = ARENA_ARRAY(arena, Vec2, self->point_capacity);
     self->crossing = arena_alloc(arena, (size_t)self->resolution, sizeof *self->crossing);
@@ -89,7 +89,7 @@ static void *polyline_start(const Mesh *mesh, const FormFactorOptions *options, 
 
 static const FormFactorSamples *polyline_samples(void *context) { return &((Polyline *)context)->samples; }
 
-// The points of an edge but its first, a to b in space.
+// Adds the points of the edge from a to b in space, all but the first.
 static void add_edge(Polyline *self, Vec3 a, Vec3 b) {
     double a_length = vec3_length(a), b_length = vec3_length(b);
     bool wide = vec3_dot(a, b) < self->threshold_cosine * a_length * b_length;
@@ -103,7 +103,7 @@ static void add_edge(Polyline *self, Vec3 a, Vec3 b) {
     self->point[self->point_count++] = vec2(b.x / b_length, b.y / b_length);
 }
 
-// Where the side a - b crosses lines of pixels; the same whichever way round it is.
+// Adds the crossings of the side a - b with lines of pixels; b - a gives the same crossings.
 static void cross_lines(Polyline *self, Vec2 a, Vec2 b) {
     int n = self->resolution;
     if (a.y > b.y) {
@@ -129,7 +129,7 @@ typedef struct Fill {
     int32_t *item;
 } Fill;
 
-// Pixels x0 <= x < x1 of line j.
+// Fills the pixels x0 <= x < x1 of line j where the triangle is nearer.
 static void fill_pixels(Polyline *self, const Fill *fill, int j, double x0, double x1) {
     int n = self->resolution, first = self->first_pixel[j];
     int last = first + self->first_sample[j + 1] - self->first_sample[j];

@@ -1,15 +1,15 @@
 // hemisphere_scanline.c - form factors by lines over the hemisphere's base: visible lengths along scan lines
 // (Doi & Itoh, eq. 8; Nusselt's analogue).
 //
-// Departs from the paper in that nothing is cut into chords: an edge crosses a line where a quadratic says, faces hide
-// each other by their exact distances, and elements begin where the line crosses the face's grid. The only error left is
-// that of the strips between lines.
+// Departure from the paper: nothing is cut into chords. A quadratic gives the point where an edge crosses a line, faces hide each
+// other by their exact distances, and elements begin where the line crosses the face's grid. The only error left comes from the
+// strips between lines.
 //
-// Lines run at 45 degrees to the view's axes: what is built is mostly aligned with these, and a line that runs along an
-// edge sees it all or not at all. It halves the error in an office.
+// Lines run at 45 degrees to the view's axes, because buildings are mostly aligned with these axes, and a line that runs along an
+// edge sees all of the face there or nothing. The turn halves the error in an office.
 //
-// Lines are taken in bands, so that the crossings of a face with several lines are found together and memory does not grow
-// with their number.
+// Lines are processed in bands, so that the crossings of a face with several lines are found together and memory does not grow with
+// the number of lines.
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 #include "radiosity/factors/face_grid.h"
@@ -17,7 +17,7 @@
 
 typedef struct ScanLine {
     double y, radius2, radius;  // radius: of the half-circle above the line
-    double weight;              // of a unit of length
+    double weight;              // share of the light for a unit of length
 } ScanLine;
 
 // Lines over the disc: line k is at y = -1 + 2 (k + offset) / count, or, even in angle, at y = -cos(pi (k + offset) / count).
@@ -34,11 +34,11 @@ typedef struct Scanner Scanner;
 typedef struct ScanCorner {
     Vec3 at;
     double inverse;  // 1 / distance
-    int line;        // the first at or above it
+    int line;        // the first line at or above the corner
 } ScanCorner;
 
-// A piece of an edge's great circle along which y only grows or only falls: it is at x = ay + bs, z = cy + es, where
-// s = sqrt(h2 - e2 y^2), for lines first .. end - 1.
+// A piece of an edge's great circle along which y only grows or only falls. It crosses lines first .. end - 1 at x = ay + bs,
+// z = cy + es, where s = sqrt(h2 - e2 y^2).
 typedef struct ScanArc {
     double a, b, c, e, h2, e2;
     int first, end;
@@ -48,10 +48,10 @@ typedef struct ScanPoint {
     double x, z;
 } ScanPoint;
 
-// A stretch of a line where a face is. Faces by their index in ScanFaces.
+// A stretch of a line on which a face lies.
 typedef struct ScanSpan {
     ScanPoint from, to;
-    int face;
+    int face;  // index in Scanner.faces; -1: a gap
 } ScanSpan;
 
 // One coordinate of a face's grid along direction w: dot(g, w) / dot(inverse, w) + offset.
@@ -59,8 +59,8 @@ typedef struct ScanAxis {
     Vec3 g;
     double offset;
     int count;
-    Vec3 across;      // g x inverse: the way the grid's lines run
-    double vanishes;  // y^2 where their vanishing point is
+    Vec3 across;      // g x inverse: the direction of the grid's lines
+    double vanishes;  // y^2 of the vanishing point of the grid's lines
 } ScanAxis;
 
 typedef struct ScanFace {
@@ -69,11 +69,11 @@ typedef struct ScanFace {
     int rank;      // form_factor_rank
     int first_arc, arc_count, first_line, end_line;
     bool back, has_grid;
-    FaceGrid grid;     // once asked for
-    ScanAxis axis[2];  // likewise
+    FaceGrid grid;     // valid where has_grid
+    ScanAxis axis[2];  // valid where has_grid
 } ScanFace;
 
-// The first line at or above y: 0 .. count.
+// The index of the first line at or above y; `count` where there is none.
 static inline int scan_line_above(double y, const ScanLattice *lattice) {
     double at = (y + 1) * 0.5;
     if (lattice->by_angle) at = acos(y > -1 ? y < 1 ? -y : -1 : 1) / M_PI;
@@ -86,7 +86,7 @@ typedef struct ScanList {
     ScanSpan *span;  // [capacity]
     int *next;       // [capacity] -1: last
     int first, count, capacity;
-    int free;  // spans no longer used, -1: none
+    int free;  // the first span of the list of unused spans, -1: none
     long long tests;
 } ScanList;
 
@@ -95,8 +95,8 @@ typedef struct ScanList {
 //
 // With the normal e of the edge's plane and h2 = ex^2 + ez^2, the half-circle above the line meets the plane at
 //     (x, z) = (-ex ey y +- ez s, -ez ey y -+ ex s) / h2,    s = sqrt(h2 - |e|^2 y^2),
-// with the upper sign where y grows along the edge. An edge taken the other way round gives the same numbers to the last
-// bit, so faces that share it leave neither a gap nor an overlap.
+// with the upper sign where y grows along the edge. The reversed edge gives the same numbers to the last bit, so faces that share
+// an edge leave neither a gap nor an overlap.
 
 static ScanArc arc(Vec3 e, double h2, double e2, bool grows, int k0, int k1) {
     double scale = 1 / h2, side = grows ? scale : -scale;
@@ -110,12 +110,12 @@ static ScanArc arc(Vec3 e, double h2, double e2, bool grows, int k0, int k1) {
                      .end = k0 < k1 ? k1 : k0};
 }
 
-// Appends the arcs of the edge between two corners. Returns how many, up to 2.
+// Stores the arcs of the edge between two corners in `out`. Returns how many there are, up to 2.
 static int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, const ScanLattice *lattice,
                              ScanArc *out) {
     Vec3 a = from->at, b = to->at, e = vec3_cross(a, b);
     int ka = from->line, kb = to->line;
-    // How y changes on the way, at either end.
+    // The direction in which y changes along the edge, at either end.
     double at_a = e.z * a.x - e.x * a.z, at_b = e.z * b.x - e.x * b.z;
     bool turns = (at_a > 0) != (at_b > 0);
     if (!turns && ka == kb) return 0;
@@ -124,7 +124,7 @@ static int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, const
         out[0] = arc(e, h2, e2, at_a > 0, ka, kb);
         return 1;
     }
-    // Over the top of the circle, or through its bottom.
+    // The edge passes the top or the bottom of its great circle.
     double highest = sqrt(h2 / e2);
     int top = scan_line_above(at_a > 0 ? highest : -highest, lattice), count = 0;
     if (ka != top) out[count++] = arc(e, h2, e2, at_a > 0, ka, top);
@@ -132,7 +132,7 @@ static int scan_arcs_of_edge(const ScanCorner *from, const ScanCorner *to, const
     return count;
 }
 
-// Where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
+// Finds the points where alpha x + gamma z + t = 0 strictly between two points of a line: up to 2, increasing in x.
 static int scan_roots(double alpha, double gamma, double t, const ScanLine *line, ScanPoint from,
                       ScanPoint to, ScanPoint root[2]) {
     double h2 = alpha * alpha + gamma * gamma, s2 = h2 * line->radius2 - t * t;
@@ -151,15 +151,15 @@ static int scan_roots(double alpha, double gamma, double t, const ScanLine *line
     return count;
 }
 
-// ---- the visible faces along a scan line: spans in the order of x, each with the face that is
-// nearest there.
+// ---- the visible faces along a scan line: spans in the order of x, each with its nearest face.
 //
-// Two faces compare by the inverse distances of their planes, whose difference along a line, with z = sqrt(R^2 - x^2), is
-// alpha x + gamma z + t: exact, with at most two changes of sign. Where a line runs along the one where two faces meet, the
-// difference is 0 all along: a line counts for what lies just above it (scan_line_above), and so it is compared there.
+// Two faces are compared by the inverse distances of their planes. Their difference along a line, with z = sqrt(R^2 - x^2), is
+// alpha x + gamma z + t: exact, with at most two changes of sign. Where the scan line coincides with the line in which two faces
+// meet, the difference is 0 everywhere. As a scan line stands for the faces just above it (scan_line_above), the faces are then
+// compared there.
 
-// Two inverse distances that differ by less, as a share, are the same: above the noise of doubles, below sheets 2e-7 m
-// apart in a room of many metres.
+// Two inverse distances are equal if they differ by less than this, as a share: above the noise of doubles, below the difference of
+// sheets 2e-7 m apart in a room of many metres.
 #define SCAN_SAME 1e-12
 
 static int new_span(ScanList *list, ScanSpan span, int next) {
@@ -174,8 +174,8 @@ static int new_span(ScanList *list, ScanSpan span, int next) {
     return at;
 }
 
-// Joins spans that faces through each other have cut and left in one. The rest is no more than the outline of all
-// spans, about as many as there are ends; an addition cuts each of them into a few.
+// Joins neighbouring spans of the same face. There are then about as many spans as ends of added spans, and each addition cuts a
+// span into a few.
 static void join_spans(ScanList *list) {
     for (int s = list->first; s >= 0; s = list->next[s])
         for (int n; (n = list->next[s]) >= 0 && list->span[n].face == list->span[s].face &&
@@ -192,10 +192,10 @@ static ScanPoint between(const ScanLine *line, ScanPoint a, ScanPoint b) {
     return (ScanPoint){x, z2 > 0 ? sqrt(z2) : 0};
 }
 
-// Two faces along a line: the first is nearer where alpha x + gamma z + t > 0.
+// The order of two faces along a line: the first face is nearer where alpha x + gamma z + t > 0.
 typedef struct Order {
-    double alpha, beta, gamma, t, noise;  // t: beta times the line's y
-    bool first_of_same;
+    double alpha, beta, gamma, t, noise;  // t is beta times the line's y
+    bool first_of_same;                   // at equal distance, the first face is seen
 } Order;
 
 static double order_at(const Order *o, ScanPoint p) {
@@ -210,12 +210,12 @@ static Order order_of(const ScanFace *a, const ScanFace *b, const ScanLine *line
     return (Order){p.x - q.x, beta, p.z - q.z, beta * line->y, SCAN_SAME * inverse, a->rank < b->rank};
 }
 
-// Is the first face nearer all along (1), the second (-1), or does that change or need a closer look (0)?
+// 1: the first face is nearer all along; -1: the second; 0: the order changes, or needs a closer test.
 static int nearer_all_along(const Order *o, ScanPoint from, ScanPoint to) {
     double d0 = order_at(o, from), d1 = order_at(o, to);
     if (d0 * d1 < 0 || (d0 == 0 && d1 == 0)) return 0;
     int sign = d0 + d1 > 0 ? 1 : -1;
-    // Between ends of one sign it may dip to the other: towards 0 at both ends.
+    // Between ends of one sign the difference may change sign twice, if it moves towards 0 at both ends.
     double slope0 = sign * (o->alpha * from.z - o->gamma * from.x);
     double slope1 = sign * (o->alpha * to.z - o->gamma * to.x);
     return slope0 < 0 && slope1 > 0 ? 0 : sign;
@@ -225,12 +225,12 @@ static bool nearer_between(const Order *o, const ScanLine *line, ScanPoint from,
     ScanPoint middle = between(line, from, to);
     double d = order_at(o, middle);
     if (d != 0) return d > 0;
-    // How the difference grows with y, times z: dz / dy = -y / z.
+    // The derivative of the difference by y, times z, with dz / dy = -y / z.
     double above = o->beta * middle.z - o->gamma * line->y;
     return fabs(above) <= o->noise ? o->first_of_same : above > 0;
 }
 
-// Puts `face` on the part from .. to of span s.
+// Puts `face` on the part from .. to of span s; `link` is the index that leads to s.
 static void overwrite(ScanList *list, int s, int *link, ScanPoint from, ScanPoint to, int face) {
     ScanSpan *old = &list->span[s];
     if (to.x < old->to.x) {
@@ -246,7 +246,7 @@ static void overwrite(ScanList *list, int s, int *link, ScanPoint from, ScanPoin
     old->face = face;
 }
 
-// Settles the part from .. to that a new face shares with span s.
+// Decides which face is seen on the part from .. to that a new face shares with span s.
 static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, int s, int *link,
                   ScanPoint from, ScanPoint to, int face) {
     Order o = order_of(&faces[face], &faces[list->span[s].face], line, from);
@@ -259,7 +259,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
     cut[count] = to;
     bool wins[3];
     for (int i = 0; i < count; i++) wins[i] = nearer_between(&o, line, cut[i], cut[i + 1]);
-    // From the right, so that the unsettled part stays in span s.
+    // From right to left, so that the part not yet decided stays in span s.
     for (int i = count - 1; i >= 0; i--) {
         if (!wins[i]) continue;
         if (i == 0) {
@@ -273,7 +273,7 @@ static void share(ScanList *list, const ScanFace *faces, const ScanLine *line, i
     }
 }
 
-// Adds a span where it is nearer than the spans there.
+// Adds a span to the list, on the parts where it is nearer than the spans there.
 static void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine *line,
                           const ScanSpan *added) {
     ScanPoint from = added->from, to = added->to;
@@ -299,11 +299,10 @@ static void scan_list_add(ScanList *list, const ScanFace *faces, const ScanLine 
     }
 }
 
-// ---- the elements along a span of a scan line, by where it crosses the lines of its face's
-// grid.
+// ---- the elements along a span of a scan line, from its crossings with the lines of the face's grid.
 //
 // A line of the grid and the eye span a plane like an edge does, so the crossings are roots of the same quadratic. On the
-// face the scan line is a conic: where it turns in x or y of the grid, the span is cut, and between cuts the grid is
+// face the scan line is a conic: the span is cut where the conic turns in x or y of the grid, and between cuts the grid is
 // walked in one direction.
 
 static ScanAxis scan_axis(Vec3 g, double offset, int count, Vec3 inverse) {
@@ -319,7 +318,7 @@ typedef struct GridWalk {
 
 static double place_along(Vec3 v, double y, ScanPoint p) { return v.x * p.x + v.y * y + v.z * p.z; }
 
-// Where the walk leaves its square. Along it the coordinate grows with `step`, which tells the two roots apart.
+// The x at which the walk leaves its square. The coordinate grows in the direction of `step`, which selects one of the two roots.
 static double crossing_out(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, const GridWalk *walk) {
     double i = walk->at + (walk->step > 0) - axis->offset;
     Vec3 e = vec3_sub(axis->g, vec3_scale(inverse, i));
@@ -327,7 +326,7 @@ static double crossing_out(const ScanAxis *axis, Vec3 inverse, const ScanLine *l
     return (-e.x * t - walk->step * e.z * sqrt(s2 > 0 ? s2 : 0)) / h2;
 }
 
-// From a point to another; the distances of the face there.
+// Starts a walk from one point to another, at which the face has the distances given.
 static GridWalk walk_from(const ScanAxis *axis, Vec3 inverse, const ScanLine *line, ScanPoint from,
                           double from_distance, ScanPoint to, double to_distance) {
     GridWalk walk = {.next = INFINITY};
@@ -350,7 +349,7 @@ static void add_share(const FaceGrid *grid, int i, int j, double share, RowSum *
     row_add(sum, face_grid_element(grid, i, j), share);
 }
 
-// A part of a span along which neither coordinate turns.
+// Adds the elements on a part of a span along which neither grid coordinate turns. Returns how many pieces there are.
 static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from, ScanPoint to, RowSum *sum) {
     const ScanAxis *axis = face->axis;
     double d0 = 1 / place_along(face->inverse, line->y, from),
@@ -362,7 +361,7 @@ static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from,
     for (; x.at != x.end || y.at != y.end; pieces++) {
         bool by_x = x.next <= y.next;
         double next = by_x ? x.next : y.next;
-        // Rounding may put a crossing outside.
+        // Rounding may put a crossing outside the part.
         next = next < at ? at : next < to.x ? next : to.x;
         add_share(&face->grid, x.at, y.at, (next - at) * line->weight, sum);
         at = next;
@@ -375,18 +374,19 @@ static int walk_grid(const ScanFace *face, const ScanLine *line, ScanPoint from,
     return pieces;
 }
 
-// Where the coordinate turns: the scan line's tangent, its point and the grid's lines are in one plane.
+// Finds the points where the grid coordinate turns: the tangent of the scan line, its point and the direction of the grid's lines
+// lie in one plane.
 static int turns(const ScanAxis *axis, const ScanLine *line, const ScanSpan *span, ScanPoint turn[2]) {
     if (axis->count == 1 || axis->vanishes >= line->y * line->y) return 0;
     Vec3 q = axis->across;
     double qx = q.x * line->y, qz = q.z * line->y, t = -q.y * line->radius2;
     double a = qx * span->from.x + qz * span->from.z + t, b = qx * span->to.x + qz * span->to.z + t;
-    // One sign at both ends, and curved away from 0 between them.
+    // The sign is the same at both ends, and the function is curved away from 0 between them.
     if (a * b > 0 && a * qz >= 0) return 0;
     return scan_roots(qx, qz, t, line, span->from, span->to, turn);
 }
 
-// Adds the elements along a span of a face to the sum. Returns how many pieces.
+// Adds the elements along a span of a face to the sum. Returns how many pieces there are.
 static int scan_elements(const ScanFace *face, const ScanLine *line, const ScanSpan *span, RowSum *sum) {
     const FaceGrid *g = &face->grid;
     if (g->nx * g->ny == 1) {
@@ -408,30 +408,30 @@ static int scan_elements(const ScanFace *face, const ScanLine *line, const ScanS
     return pieces;
 }
 
-// Visible spans of less than this length are rounding where edges meet, and count to the span before them.
+// Visible spans shorter than this are rounding where edges meet, and are added to the span before them.
 #define SCAN_SLIVER 1e-12
 enum { SCAN_BAND = 16 };
 
 struct Scanner {
     const Mesh *mesh;
     const View *view;
-    bool across;          // corners are turned to the lines the other way
-    ScanLattice lattice;  // whose lines are under way
-    int corners;          // most vertices of a face
+    bool across;          // corners are in the axes of the lines the other way
+    ScanLattice lattice;  // the lattice being scanned
+    int corners;          // the most vertices of a face
     ScanFace *faces;      // [mesh face_count] of the view
-    ScanCorner *corner;   // [outline_count + mesh face_count] of the view, the same for both ways
-    int *first_corner;    // [mesh face_count + 1] of each of view->faces
+    ScanCorner *corner;   // [outline_count + mesh face_count] of the view, for both ways
+    int *first_corner;    // [mesh face_count + 1] the first corner of each of view->faces
     ScanArc *arcs;        // [arc_capacity] of the view
     int face_count, arc_capacity;
     Vec3 *clipped;        // [corners + 1]
     ScanPoint *crossing;  // [SCAN_BAND][2 * corners + 2]
-    int *crossings;       // [most lines + 1] of a line with all faces
-    ScanSpan *span;  // [span_capacity] of the lines of a band one after the other, faces in the view's order
+    int *crossings;       // [most lines + 1] the crossings of a line with all faces
+    ScanSpan *span;  // [span_capacity] of the lines of a band, line after line, faces in the view's order
     int span_first[SCAN_BAND], span_count[SCAN_BAND], span_capacity;
     ScanList list;
 };
 
-// For lattices of so many lines at most.
+// A scanner for lattices of at most `most_lines` lines.
 static Scanner *scanner_new(const Mesh *mesh, int most_lines, Arena *arena) {
     Scanner *self = ARENA_ARRAY(arena, Scanner, 1);
     self->mesh = mesh;
@@ -454,7 +454,7 @@ static Scanner *scanner_new(const Mesh *mesh, int most_lines, Arena *arena) {
     return self;
 }
 
-// From the view's axes to those of the lines.
+// Turns a vector from the view's axes to the lines' axes.
 static Vec3 to_lines(Vec3 v) { return vec3((v.x - v.y) * M_SQRT1_2, (v.x + v.y) * M_SQRT1_2, v.z); }
 
 // The corners of a face's part above the horizon.
@@ -471,7 +471,7 @@ static int find_corners(Scanner *self, const ViewFace *face, ScanCorner *out) {
     return count;
 }
 
-// Takes a view, to be looked at along lines.
+// Sets the view that scanner_see scans.
 static void scanner_look(Scanner *self, const View *view) {
     int corners = 0;
     self->view = view;
@@ -490,7 +490,7 @@ static int find_arcs(const Scanner *self, int face, ScanArc *out) {
     return arcs;
 }
 
-// Turns all corners to the lines the other way, or back.
+// Turns all corners to the axes of the lines the other way, or back.
 static void turn_corners(Scanner *self, int count) {
     for (int i = 0; i < count; i++) {
         Vec3 p = self->corner[i].at;
@@ -503,7 +503,7 @@ static void find_lines(Scanner *self, int count) {
         c->line = scan_line_above(c->at.y * c->inverse, &self->lattice);
 }
 
-// The same, of lines the other way.
+// Like to_lines; with `turn`, to the axes of the lines the other way.
 static Vec3 turned(Vec3 v, bool turn) {
     Vec3 w = to_lines(v);
     return turn ? vec3(w.y, w.x, w.z) : w;
@@ -540,7 +540,7 @@ static void find_faces(Scanner *self) {
     for (int k = 1; k <= self->lattice.count; k++) crossings[k] += crossings[k - 1];
 }
 
-// Lines from k0 on whose spans there is room for; returns the end.
+// Starts a band at line k0, with as many lines as there is room for spans; returns the end of the band.
 static int next_band(Scanner *self, int k0) {
     int spans = 0, k = k0;
     for (; k < self->lattice.count && k < k0 + SCAN_BAND; k++) {
@@ -562,7 +562,7 @@ static void sort_points(ScanPoint *p, int count) {
         }
 }
 
-// Where a face is on the lines of a band, which begins with line k0; of these, first .. end - 1.
+// Adds the spans of a face on lines first .. end - 1 of a band that begins with line k0.
 static void cross_face(Scanner *self, int face, int k0, int first, int end) {
     const ScanFace *f = &self->faces[face];
     int stride = 2 * self->corners + 2, found[SCAN_BAND];
@@ -585,7 +585,7 @@ static void cross_face(Scanner *self, int face, int k0, int first, int end) {
     }
 }
 
-// Adds a visible span, or a gap (face -1).
+// Adds a visible span, or a gap (face -1), to the sum.
 static void add_span(Scanner *self, const ScanLine *line, const ScanSpan *span, RowSum *sum,
                      FormFactorWork *work) {
     double share = (span->to.x - span->from.x) * line->weight;
@@ -608,7 +608,7 @@ static void add_span(Scanner *self, const ScanLine *line, const ScanSpan *span, 
     work->samples += scan_elements(f, line, span, sum);
 }
 
-// The next stretch of one face, or of none, from `at` on; slivers are left out and leave no gap.
+// The next stretch of one face, or of no face, from `at` on; slivers are joined to it.
 static ScanSpan next_stretch(const ScanList *list, int *next, ScanPoint at, ScanPoint rim) {
     ScanSpan stretch = {at, at, -2};
     while (stretch.to.x < rim.x) {
@@ -644,7 +644,7 @@ static void see_line(Scanner *self, int k, const ScanSpan *span, int count, RowS
     work->tests += self->list.tests;
 }
 
-// Adds the faces seen along all lines of a lattice; `across`: along those the other way.
+// Adds the faces seen along all lines of a lattice; `across`: along the lines the other way.
 static void scanner_see(Scanner *self, const ScanLattice *lattice, bool across, RowSum *sum,
                         FormFactorWork *work) {
     self->lattice = *lattice;
@@ -664,24 +664,24 @@ static void scanner_see(Scanner *self, const ScanLattice *lattice, bool across, 
     }
 }
 
-// ---- how many scan lines, and which ways: one way, both ways, and both ways as many as a shooter
-// needs (Doi & Itoh, eq. 8 and section 3: "line sampling of variable kind in the horizontal and vertical directions").
+// ---- how many scan lines, and which ways: one way, both ways, or both ways with as many lines as a patch that shoots needs
+// (Doi & Itoh, eq. 8 and section 3: "line sampling of variable kind in the horizontal and vertical directions").
 //
-// As the error falls almost with the square of the number of lines, so many lines of one way err half as much as half as many
-// both ways. A line's length counts with the exact area of its strip, so that rows sum to 1.
+// The error falls almost with the square of the number of lines, so n lines one way err half as much as n / 2 lines each of both
+// ways. A line's length is weighted with the exact area of its strip, so that rows sum to 1.
 //
-// The paper does not say how the number is found. Here lines of the two ways are two measurements of one row, and how much
-// they differ tells how wrong they are: each way begins with few lines, and lines between those there are are added until the
-// two differ by no more than is allowed. Such lines are even in the angle t of y = -cos t, since then their weights, sin t, do
-// not depend on how many there will be: the sum of sin^2 t over any even lattice is exactly half their number. Each shooter's
-// error is bounded so, but the mean error of many is less, for the same time, where all take the same number of lines.
+// The paper does not say how the number of lines is found. Here the two ways are two measurements of one row, and their difference
+// estimates the error: each way begins with few lines, and lines are added between them until the two ways differ by no more than
+// is allowed. These lines are evenly spaced in the angle t of y = -cos t, because their weights, sin t, then do not depend on the
+// final number of lines: the sum of sin^2 t over any even lattice is exactly half the number. This bounds the error of each row, but
+// the mean error of many rows is less, in the same time, if all rows take the same number of lines.
 
 enum { MOST_LEVELS = 5 };  // from a quarter of `resolution` lines each way to four times as many
-// How much both ways may differ, L1 of the rows, times resolution^1.5: so that shooters in an office take about `resolution`
-// lines each way in the mean.
+// How much the two ways may differ, as the L1 distance of the rows, times resolution^1.5: chosen so that rows in an office take
+// about `resolution` lines each way on average.
 static const double DIFFERENCE = 60;
-// Where in their strips lines begin. Halved again and again, the ways' lattices never come to lie alike, nor as mirror images:
-// else a row that is the same both ways would seem right.
+// The positions of the first lines in their strips. However often the strips are halved, the lattices of the two ways never coincide
+// and are never mirror images: otherwise a row with equal errors both ways would seem right.
 static const double OFFSET[2] = {1.0 / 3, 1.0 / 5};
 
 typedef struct ScanMethod {
@@ -727,13 +727,14 @@ static void scanline_row(void *context, const View *view, RowSum *sum, FormFacto
     for (int way = 0; way < self->ways; way++) scanner_see(self->scan, &self->lattice, way == 1, sum, work);
 }
 
-// ---- as many as a shooter needs
+// ---- as many lines as a row needs
 
 typedef struct ScanFit {
     Scanner *scan;
-    ScanLattice level[MOST_LEVELS][2];  // of each way; each lies between the lines of those before it
-    double difference;                  // allowed
-    RowSum across;                      // of the lines the other way
+    ScanLattice level[MOST_LEVELS]
+                     [2];  // of each way; the lines of a level lie between those of all levels before
+    double difference;     // the allowed L1 distance
+    RowSum across;         // the row from the lines the other way
 } ScanFit;
 
 static ScanLattice even_in_angle(int count, double offset, Arena *arena) {
@@ -752,7 +753,7 @@ static void *start_fit(const Mesh *mesh, const FormFactorOptions *options, Arena
         double offset = OFFSET[way];
         self->level[0][way] = even_in_angle(lines = least, offset, arena);
         for (int level = 1; level < MOST_LEVELS; level++, lines *= 2) {
-            // In the middle of the strips between those there are; all together have strips of half the width.
+            // The new lines lie midway between the existing lines; all lines together have strips of half the width.
             self->level[level][way] = even_in_angle(lines, fmod(offset + 0.5, 1), arena);
             offset = fmod(2 * offset, 1);
         }
@@ -769,7 +770,7 @@ static double total_of(const RowSum *sum) {
     return total;
 }
 
-// L1 of two rows.
+// The L1 distance of two rows, as a share of the first row's total.
 static double difference_of(const RowSum *a, const RowSum *b) {
     double sum = fabs(a->back - b->back) + fabs(a->escaped - b->escaped);
     for (int i = 0; i < a->touched_count; i++) sum += fabs(a->share[a->touched[i]] - b->share[a->touched[i]]);
@@ -778,7 +779,7 @@ static double difference_of(const RowSum *a, const RowSum *b) {
     return sum / total_of(a);
 }
 
-// Adds the one sum to the other, and empties it.
+// Adds the sum `from` to the sum `to`, and empties `from`.
 static void move_sum(RowSum *from, RowSum *to) {
     for (int i = 0; i < from->touched_count; i++) {
         int element = from->touched[i];

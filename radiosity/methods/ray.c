@@ -1,4 +1,4 @@
-// ray.c - form factors by rays (Embree): the baseline that the others are measured against. The directions are those of the
+// ray.c - form factors by rays (Embree): the baseline that the other methods are measured against. The directions are those of the
 // hemisphere's base or of the hemicube, cast eight at a time, 4 x 2 neighbours together.
 #include <math.h>
 
@@ -11,8 +11,8 @@ enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
 typedef struct RayMethod {
     const Mesh *mesh;
     RayCaster *scene;
-    FormFactorSamples samples;  // in packets of eight, then zeros
-    int *item_of;               // [face_count] of the view, where stamp says so
+    FormFactorSamples samples;  // in packets of eight, the last one filled up with zeros
+    int *item_of;  // [face_count] a face's index in the view, valid where its stamp equals `look`
     int *stamp, look;
 } RayMethod;
 
@@ -78,7 +78,7 @@ static Lane load(const float *from) {
     return a;
 }
 
-// Casts samples first .. first + 7; returns how many there are.
+// Casts rays along samples first .. first + 7; returns how many of these samples there are.
 static int cast(const RayMethod *self, const View *view, int first, int32_t face[LANES],
                 int32_t element[LANES]) {
     static const LaneInt INDEX = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -120,7 +120,7 @@ static void add_nothing(const RayMethod *self, const View *view, int i, RowSum *
     if (height > 0) sum->sky += (double)s->weight[i];
 }
 
-// Needs only the eye and the axes of the view: rays find the faces by themselves.
+// Uses only the eye and the axes of the view: the rays find the faces themselves.
 static void ray_row(void *data, const View *view, RowSum *sum, FormFactorWork *work) {
     RayMethod *self = data;
     for (int i = 0; i < self->samples.count; i += LANES) {
@@ -146,7 +146,7 @@ static void *start_plain_disc(const Mesh *mesh, const FormFactorOptions *options
     return ray_start(mesh, grids, count, 0, arena);
 }
 
-// As rays are usually cast: the grid lies as the axes do.
+// The usual way to cast rays: the grid is aligned with the view's axes.
 const FormFactorMethod FORM_FACTOR_RAY_DISC = {
     .name = "ray-disc",
     .summary = "the same, the pixels not turned",

@@ -1,7 +1,7 @@
-// ray_caster.c - faces as Embree's quads, or triangles where they have other than four corners; the element where a ray ends
-// is found as for the other methods, from where it meets its face.
+// ray_caster.c - faces as Embree's quads, or as triangles where they do not have four corners. As for the other methods, the element
+// is found from the point where a ray meets its face.
 //
-// Embree's coordinates are floats: places a few micrometres apart are told apart.
+// Embree's coordinates are floats: only points that are at least a few micrometres apart can be told apart.
 #include "radiosity/methods/ray_caster.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 #include "radiosity/mesh/lines.h"
 #include "visibility/hidden/embree_device.h"
 
-// Metres: rays start so far before their surface, lest they meet it.
+// Rays start this far in front of their surface, metres, so that they do not meet it.
 #define RAY_OFF 2e-5
 
-// A face's grid: column dot(x, p) + x0 of a point p from the scene's origin, row alike.
+// A face's grid: a point p, from the scene's origin, lies in column dot(x, p) + x0, and row likewise with y.
 typedef struct RayFace {
     float x[3], y[3], x0, y0;
     float n[3];
@@ -57,7 +57,7 @@ static void put_corners(const RayCaster *scene, const Vec3 *corner, int count, i
     }
 }
 
-// Counts the pieces of a face; with buffers, fills them in.
+// Counts the quads or triangles of a face; where `p` has buffers, also writes them there.
 static void add_face(RayCaster *scene, int face, const Vec3 *corner, int count, Pieces *p) {
     int kind = count == 4 ? QUADS : TRIANGLES, pieces = count == 4 ? 1 : count - 2;
     unsigned base = (unsigned)p->corners[kind];

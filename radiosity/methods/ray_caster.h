@@ -9,12 +9,12 @@ typedef struct RayCaster RayCaster;
 RayCaster *ray_caster_new(const Mesh *mesh, Arena *arena);
 void ray_caster_end(RayCaster *scene);
 
-// Directions in building space, unit; all from one point of a surface with this normal.
+// Eight unit directions in building space.
 typedef struct RayEight {
     Lane x, y, z;
 } RayEight;
-// `coherent`: the eight go nearly the same way. Only rays of `mask` are cast.
-// Faces are of Mesh.faces, -1: nothing; elements -1: nothing, or a back.
+// Casts eight rays from `eye`, a point of a surface with this normal. `coherent`: the eight go nearly the same way. Only rays of
+// `mask` are cast. `face` is in Mesh.faces, -1: nothing was met; `element` is -1 where nothing or a back was met.
 void ray_caster_cast(RayCaster *scene, Vec3 eye, Vec3 normal, const RayEight *rays, LaneInt mask,
                      bool coherent, int32_t face[LANES], int32_t element[LANES]);
 

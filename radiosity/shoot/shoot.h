@@ -20,9 +20,10 @@ typedef struct RadOptions {
     int lamp_detail;
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
     double reach;
-    double residual;   // stop when unshot power is this share of the emitted power, 0 .. 1
-    long long shots;   // or when the solution has this many shots, 0: no limit
-    double looks;      // or when the faces before the patches that shot sum to this number (shoot.c), 0: no limit
+    double residual;  // stop when unshot power is this share of the emitted power, 0 .. 1
+    long long shots;  // or when the solution has this many shots, 0: no limit
+    // Or when the faces before the patches that shot sum to this number (shoot.c), 0: no limit.
+    double looks;
     int threads;       // 0: all cores; the result is the same on any number
     size_t row_bytes;  // rows kept for shooters that shoot again; does not change the result
     // Called with the solution so far, between shots, by the thread that shoots, whenever `show_due` returns true; NULL: never.
@@ -44,12 +45,13 @@ void rad_fit(const Mesh *mesh, RadOptions *options);
 // between two calls any number of threads may read it. It lives in the arena of rad_start or rad_load.
 struct RadSolution {
     int element_count, patch_count;
-    double (*radiosity)[3];  // [element_count] B = E + the reflected part of the light that has arrived so far
-    double (*unshot)[3];     // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
+    // [element_count] B = E + the reflected part of the light that has arrived so far
+    double (*radiosity)[3];
+    double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
-    double
-        sky[3];  // radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as `emitted`
+    // Radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as `emitted`.
+    double sky[3];
     double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
     long long shots;
     // [node_count] radiosity gathered at the nodes (final_gather.h), in the order of nodes_of; NULL and 0: not gathered.

@@ -1,4 +1,5 @@
-// shoot_elements.h - the light that shots give to elements: a thread of its own adds it up, behind the one that chooses who shoots.
+// shoot_elements.h - the light that shots give to elements: a separate thread adds it up, behind the thread that chooses the
+// patches that shoot.
 #ifndef RADIOSITY_SHOOT_ELEMENTS_H
 #define RADIOSITY_SHOOT_ELEMENTS_H
 
@@ -14,17 +15,17 @@ static inline void channels_store(Four from, double out[3]) {
     for (int c = 0; c < 3; c++) out[c] = from[c];
 }
 
-// Who shoots next depends on what patches have unshot, not on what elements shine with: that may come later, but shot after
-// shot, as sums of doubles depend on their order.
+// Which patch shoots next depends on the unshot light of patches, not on the radiosities of elements. Radiosities may therefore be
+// added up later, but in the order of the shots, because sums of doubles depend on their order.
 typedef struct ShootElements ShootElements;
 
-// Starts from the radiosities of `solution`; on one thread of `threads`, shots are told by the caller.
+// Starts from the radiosities of `solution`. With `threads` 1 there is no separate thread: the caller's thread adds up the shots.
 ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena);
-// A patch shot `power`, W a channel. The row has to stay until it is told.
+// Adds a shot of `power`, W a channel, along a row, which must stay valid until shoot_elements_finish.
 void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power);
-// Returns when all shots are told.
+// Returns when all shots are added up.
 void shoot_elements_finish(ShootElements *e);
-// Into `radiosity` [element_count], W/m^2, when all shots are told.
+// Stores the radiosities in `radiosity` [element_count], W/m^2. Call shoot_elements_finish first.
 void shoot_elements_store(const ShootElements *e, double (*radiosity)[3]);
 void shoot_elements_end(ShootElements *e);
 

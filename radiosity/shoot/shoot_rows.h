@@ -1,4 +1,4 @@
-// shoot_rows.h - the rows of shooters: made several at a time, kept as long as there is room.
+// shoot_rows.h - the rows of the patches that shoot: made several at a time, kept as long as there is room.
 #ifndef RADIOSITY_SHOOT_ROWS_H
 #define RADIOSITY_SHOOT_ROWS_H
 
@@ -10,14 +10,14 @@ typedef struct ShootRun {
     float share;
 } ShootRun;
 
-// A row as kept: in runs of elements of one patch, each with the numbers that a shot needs. Shares are floats: `scale` times their
-// sum, back and escaped included, is 1 in doubles, so that no power is lost.
+// A row as it is stored: runs of elements of one patch, each with the numbers that a shot needs. Shares are floats: `scale` times
+// their sum, `back` and `escaped` included, is 1 in doubles, so that no power is lost.
 typedef struct ShootRow {
     int run_count, element_count;
-    ShootRun *runs;   // [run_count] short ones first, then by patch
+    ShootRun *runs;   // [run_count] sorted by length, then by patch
     float *density;   // [element_count] share per area, 1/m^2; run after run
-    uint8_t *count;   // [run_count] elements that receive, less one
-    uint8_t *offset;  // [element_count] which element of its patch
+    uint8_t *count;   // [run_count] the number of elements in the run, less one
+    uint8_t *offset;  // [element_count] the element's index in its patch
     double back, escaped, scale;
 } ShootRow;
 
@@ -26,21 +26,21 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
                           const RadOptions *options, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
 
-// How many to make at a time, so that all threads have enough to do, and neighbours are made together; never more than
-// shoot_rows_most.
+// How many rows to make at a time, so that all threads have enough to do and the rows of neighbours are made together; never more
+// than shoot_rows_most.
 int shoot_rows_wanted(const ShootRows *rows);
 int shoot_rows_most(const ShootRows *rows);
-// [patch_count] which patches have a row here.
+// [patch_count] for each patch, whether its row is stored.
 const bool *shoot_rows_there(const ShootRows *rows);
-// The row of a patch, NULL if it is not there.
+// The row of a patch, NULL if it is not stored.
 const ShootRow *shoot_rows_of(const ShootRows *rows, int patch);
-// Makes the rows of patches that have none, at most as many as wanted, in parallel. Rows that could not be kept are there until they
-// are shot, or very many wait.
+// Makes the rows of `patches` [count], which have none yet, in parallel; count is at most shoot_rows_most, and `patches` gets
+// sorted. A row that there is no room to keep stays until its patch has shot, or until too many rows wait for their shots.
 void shoot_rows_make(ShootRows *rows, int *patches, int count);
-// The row of a patch was shot: it goes unless it is kept.
+// Tells that the patch has shot: its row is dropped unless it is kept.
 void shoot_rows_shot(ShootRows *rows, int patch);
 
-// The work so far, into the fields of a report.
+// Stores the work done so far in the fields of a report.
 void shoot_rows_report(const ShootRows *rows, RadReport *report);
 
 #endif

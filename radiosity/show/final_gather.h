@@ -5,8 +5,8 @@
 #include "engine/core/progress.h"
 #include "radiosity/show/gather.h"
 
-// Into solution->node, in the arena; the same on any number of threads (0: all cores). False, and the solution as it was, where
-// progress asked to stop. `scene->light` is what is seen, of the solution without nodes.
+// Gathers the light at each node into solution->node, allocated in the arena; the same on any number of threads (0: all cores).
+// False where progress asked to stop: the solution is then unchanged. `scene->light` must come from the solution without nodes.
 bool final_gather(const GatherScene *scene, const GatherOptions *options, int threads,
                   const Progress *progress, Arena *arena, RadSolution *solution);
 

@@ -1,4 +1,5 @@
-// fine_mesh.h - the fine model that stand-ins were there for (proxy.h), lit from them: the model that is shown, exported and probed.
+// fine_mesh.h - the fine model that stand-ins replaced (proxy.h), lit from the stand-ins: the model that is shown, exported and
+// probed.
 #ifndef RADIOSITY_FINE_MESH_H
 #define RADIOSITY_FINE_MESH_H
 
@@ -7,20 +8,20 @@
 
 typedef struct FineMesh {
     const Mesh *light;  // the mesh that light was found on
-    Mesh
-        mesh;  // the same where nothing stands in; else its own faces and the fine ones, in order of polygons
-    bool same;                   // it is
-    int *element;                // [mesh.element_count] that of `light`, or -1 - k: sources[k]
-    int *patch;                  // [mesh.patch_count] that of `light`, or -1 - e: as that element has it
-    int *corner;                 // [mesh.corner_count] that of `light`; -1: of a fine element
-    Nodes nodes;                 // of `light`
+    // Equal to `light` where nothing is replaced; else its faces without stand-ins, and the fine faces, by polygon
+    Mesh mesh;
+    bool same;     // nothing is replaced: `mesh` equals `light`, and the fields below are not set
+    int *element;  // [mesh.element_count] the element of `light`, or -1 - k: fine, lit by sources[k]
+    int *patch;    // [mesh.patch_count] the patch of `light`, or -1 - e: fine, lit like element e of `mesh`
+    int *corner;   // [mesh.corner_count] the corner of `light`; -1: of a fine element
+    Nodes nodes;   // of `light`
     struct FineSource *sources;  // [source_count]
     int source_count;
 } FineMesh;
 
-// `light` stays where it is.
+// Makes the fine model of `light`, which must outlive the result.
 FineMesh *fine_mesh_new(const Mesh *light, Arena *arena);
-// A solution of `light`, on `mesh`. Shares memory with it where nothing stands in.
+// The solution of `light` carried over to `mesh`. The result shares memory with `solution` where nothing is replaced.
 RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena *arena);
 
 #endif

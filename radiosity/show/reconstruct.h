@@ -1,34 +1,36 @@
-// reconstruct.h - radiosities at vertices from those of elements, and between them: the light that is shown.
+// reconstruct.h - the light that is shown: radiosities at vertices from the radiosities of elements, interpolated between vertices.
 #ifndef RADIOSITY_RECONSTRUCT_H
 #define RADIOSITY_RECONSTRUCT_H
 
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-// Light at the corners of elements, W/m^2 a channel. Read only once it is made: any number of threads; it lives in the arena of the call.
+// Light at the corners of elements, W/m^2 a channel. Any number of threads may read it once it is made. It lives in the arena of
+// the call that made it.
 typedef struct VertexLight {
-    double (*corner)[3];  // [mesh->corner_count] as Mesh.corners; equal for all corners of a node
-    double (*face)[3];    // [mesh->face_count] mean by area
-    int *
-        triangle;  // [3 * mesh->corner_count] of an element from 3 * first_corner on; NULL: cut anew whenever asked
+    // [mesh->corner_count] in the order of Mesh.corners; equal for all corners of a node
+    double (*corner)[3];
+    double (*face)[3];  // [mesh->face_count] mean over the face's area
+    // [3 * mesh->corner_count] an element's triangles start at 3 * first_corner; NULL: made at each call
+    int *triangle;
 } VertexLight;
 
-// A solution that was gathered at nodes is taken as it is there.
+// The light of a solution at the corners. Where the solution was gathered at nodes, the gathered radiosities are used.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
-// [nodes->count]
+// The radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
 
-// The triangles that elements are drawn as, for a VertexLight that is asked often.
+// The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
 
-// At a point of a face: linear over the triangles that elements are drawn as (polygon_triangulate). A point that is a rounding
-// outside counts as the nearest of its element.
+// The light at a point of a face: linear over the triangles that elements are drawn as (polygon_triangulate). A point that rounding
+// puts outside its element gets the light of the element's nearest point.
 void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 point, double out[3]);
 // The same where the element is known.
 void reconstruct_in(const Mesh *mesh, const VertexLight *light, int element, Vec3 point, double out[3]);
 
-// The share of an element's area.
+// The centroid of an element's area.
 Vec3 element_centroid(const Mesh *mesh, int element);
 
 #endif

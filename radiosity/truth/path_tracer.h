@@ -1,25 +1,25 @@
-// path_tracer.h - the light at points by random walks: the truth that solutions are measured against. It shares the faces and
-// their materials with the solver, and no transport: no elements, no form factors, no culling.
+// path_tracer.h - the light at points by random walks: the truth that solutions are measured against. The path tracer shares the
+// faces and their materials with the solver, and nothing of light transport: no elements, no form factors, no culling.
 #ifndef RADIOSITY_PATH_TRACER_H
 #define RADIOSITY_PATH_TRACER_H
 
 #include "radiosity/mesh/mesh.h"
 
-// Faces in a hierarchy for rays. One caller's at a time, which may ask for several threads; it lives in the arena of path_tracer_new but
-// for what path_tracer_end lets go of, and the mesh outlives it.
+// Faces in a hierarchy for rays. Only one caller at a time may use a tracer, but it may ask for several threads. The tracer lives
+// in the arena of path_tracer_new, but for the memory that path_tracer_end frees; the mesh must outlive the tracer.
 typedef struct PathTracer PathTracer;
 // `sky`: radiance of the sky above the horizon, W/m^2/sr a channel, where a path meets no face; NULL: none.
 PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena);
 // Frees the memory outside the arena.
 void path_tracer_end(PathTracer *tracer);
 
-// Where to ask, and when to be content: at either error, or after so many paths.
+// A point, and when to stop: when either error is reached, or after `most_paths`.
 typedef struct PathQuery {
-    Vec3 point, normal;     // building space; unit
-    double relative_error;  // standard error of the irradiance, of the sum of its channels, over it
-    double absolute_error;  // W/m^2; 0: does not count
+    Vec3 point, normal;     // building space; the normal is unit
+    double relative_error;  // standard error over the irradiance, both of the sum of the channels
+    double absolute_error;  // standard error of that sum, W/m^2; 0: not used
     long long most_paths;
-    uint64_t seed;  // another for each point
+    uint64_t seed;  // a different one for each point
 } PathQuery;
 
 // The light that arrives at a point.
@@ -28,12 +28,12 @@ typedef struct PathResult {
     long long paths;
 } PathResult;
 
-// The same result on any number of threads (0: all cores).
+// Answers `queries` [count] into `results` [count]: the same on any number of threads (0: all cores).
 void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, int count, int threads,
                             PathResult *results);
 
-// The share of the light that leaves a point that meets a front farther than `near`, metres, or nothing: 0 inside of what is
-// closed, or where another surface lies against it.
+// The share of the light leaving a point that meets nothing, or a front farther away than `near`, metres. The share is 0 inside a
+// closed object, or where another surface lies against the point.
 double path_tracer_open(const PathTracer *tracer, Vec3 point, Vec3 normal, double near);
 
 #endif

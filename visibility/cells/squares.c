@@ -77,8 +77,8 @@ typedef struct Registrar {
     BoxTree cells;  // of all cells' boxes
     BoxHits near;
     int *registered;  // [square_count] the last object registered in a square
-    int *
-        filled;  // [cell_count] and in how many of a cell's squares the object at hand is, if it is the last of `filler`
+    // [cell_count] and in how many of a cell's squares the object at hand is, if it is the last of `filler`
+    int *filled;
     int *filler;       // [cell_count]
     int *first_plane;  // [cell_count + 1]
     Plane *planes;     // of the plan of cell c: from first_plane[c] to first_plane[c + 1] - 1

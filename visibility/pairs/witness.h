@@ -7,8 +7,8 @@
 
 typedef struct WitnessWalk {
     bool proves;
-    double
-        margin;  // metres: how near the line comes to the edge of a portal it crosses, at least; INFINITY if to none
+    // Metres: how near the line comes to the edge of a portal it crosses, at least; INFINITY if to none
+    double margin;
     double flattest;  // sine of the flattest angle at which it crosses one; 1 if it crosses none
     int crossed;      // portals
 } WitnessWalk;

@@ -53,8 +53,8 @@ struct TreeSource {
     GridWay *plan;          // [way_count]
     const uint64_t *known;  // [cell_count * words] the pairs that may see each other, or NULL
     int limit;              // nodes of one tree
-    bool
-        large;  // nothing is known, and floods from each of VIS_MANY_CELLS would take longer than trees: no test 1
+    // Nothing is known, and floods from each of VIS_MANY_CELLS would take longer than trees: no test 1
+    bool large;
 };
 
 // On the grid, whole millimetres make collinear points exactly collinear; off it, points are taken as they are.

@@ -15,6 +15,7 @@
 #include "engine/scene/bake_mesh.h"
 #include "engine/scene/light.h"
 #include "radiosity/shoot/sky.h"
+#include "radiosity/show/direct.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
 #include "visibility/hidden/hidden.h"
@@ -51,7 +52,8 @@ typedef struct Bake {
     RadOptions rad;     // as asked for, or as fits the mesh
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
-    double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, seconds;
+    double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, seconds;
+    DirectReport direct;
 } Bake;
 
 static BakeArguments bake_default_arguments(void) {
@@ -145,11 +147,25 @@ static bool report_timed(void *context, const char *stage, double done) {
     return !timed->over;
 }
 
+// Finds the light straight from lamps at all nodes.
+static void show_direct(Bake *bake, Arena *arena) {
+    double start = clock_seconds();
+    Progress progress = app_progress_stoppable(0);
+    direct_show(&bake->mesh, &bake->scene.forest, bake->rad.threads, &progress, arena, &bake->solution,
+                &bake->direct);
+    app_progress_end();
+    bake->direct_seconds = clock_seconds() - start;
+}
+
 // Gathers light at all nodes from the present shooting. Light that an earlier run gathered is out of date.
 static void gather_nodes(Bake *bake, Arena *arena) {
     bake->solution.node = NULL;
     bake->solution.node_count = 0;
-    if (!bake->a->final_gather || bake->report.stopped) return;
+    if (bake->report.stopped) return;
+    if (!bake->a->final_gather) {
+        show_direct(bake, arena);
+        return;
+    }
     Arena scratch = {0};
     Timed timed = {.bar = app_progress_stoppable(0), .start = clock_seconds()};
     Progress progress = {report_timed, &timed};
@@ -230,7 +246,8 @@ static json_t *facts_of(const Bake *bake) {
     const RadOptions *rad = &bake->rad;
     double emitted = rgb_sum(s->emitted);
     json_t *facts = json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:i s:f s:s "
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:I s:I s:i s:f "
+        "s:s "
         "s:i s:s s:f s:f}",
         "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
         bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
@@ -239,9 +256,10 @@ static json_t *facts_of(const Bake *bake) {
         "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
         rgb_sum(s->absorbed) / emitted, "escaped", rgb_sum(s->escaped) / emitted, "seconds", bake->seconds,
         "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds, "seconds_visibility",
-        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "nodes", s->node_count, "peak_mb",
-        peak_mb(), "method", rad->method->name, "resolution", rad->form_factor.resolution, "culling",
-        CULLING_NAMES[rad->culling], "sky",
+        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "seconds_direct", bake->direct_seconds,
+        "direct_pairs", (json_int_t)bake->direct.pairs, "direct_cut", (json_int_t)bake->direct.cut, "nodes",
+        s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
+        rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky",
         rgb_sum(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);

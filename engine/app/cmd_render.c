@@ -41,7 +41,7 @@ typedef struct Render {
     RadSolution lamps_only;
     Camera camera;
     StillReport report;
-    double seconds_light, seconds_lamps;
+    double seconds_light;
     bool baked;  // here, not found
     bool stopped;
 } Render;
@@ -113,38 +113,17 @@ static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *
 
 // ---- direct light of the lamps
 
-// The direct light is found in the cache, or made as the bake makes it and kept there. Light from another mesh is made anew.
-static bool find_lamps(Render *r, const Mesh *mesh, const Progress *progress, Arena *arena, RadSolution *out,
-                       Error *error) {
-    Error reason;
-    const char *place = scene_cache_path(
-        arena, arena_format(arena, "%016llx-lamps.rad", (unsigned long long)r->scene.building.hash));
-    if (place && access(place, R_OK) == 0 && rad_load(place, mesh, r->light->door_open, arena, out, &reason))
-        return true;
-    if (!rad_start_dark(mesh, arena, out, error)) return false;
-    bool keep = scene_cache_takes(&r->scene, place, LIGHT_ROOM);
-    RadOptions options = rad_default_options();
-    options.residual = options.form_factor.resolution = 0;
-    rad_fit(mesh, &options);
-    options.lamps_only = true;
-    options.residual = 0;
-    options.threads = r->a->still.threads;
-    RadReport report = rad_shoot(mesh, &r->scene.forest, r->light->door_open, &options, progress, out);
-    if (report.stopped) return error_set(error, "stopped");
-    if (keep && !rad_save(place, mesh, r->light->door_open, out, &reason))
-        fprintf(stderr, "enfilade: %s; going on without a cache\n", reason.text);
-    return true;
-}
-
-// On the mesh that was baked, then shown as that light is.
-static bool get_lamps(Render *r, const Progress *progress, Arena *arena, Error *error) {
-    const FineMesh *fine = r->light->fine;
-    RadSolution solution;
-    double start = clock_seconds();
-    if (!find_lamps(r, fine ? fine->light : r->light->mesh, progress, arena, &solution, error)) return false;
-    r->lamps_only = fine ? fine_light(fine, &solution, arena) : solution;
-    r->seconds_lamps = clock_seconds() - start;
-    return true;
+// The light straight from lamps as the bake shot it, as a solution of its own.
+static void split_lamps(Render *r, Arena *arena) {
+    const Mesh *mesh = r->light->mesh;
+    r->lamps_only = *r->light->solution;
+    r->lamps_only.radiosity =
+        arena_alloc(arena, (size_t)mesh->element_count, sizeof *r->lamps_only.radiosity);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double *out = r->lamps_only.radiosity[e];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, out);
+        for (int c = 0; c < 3; c++) out[c] += r->light->solution->direct[e][c];
+    }
 }
 
 // ---- the picture
@@ -186,19 +165,18 @@ static void print_render(const Render *r) {
     if (!a->json) {
         printf("%s: %dx%d, %d samples a pixel, %.1f million rays, %d lamps, %.2f s", a->out, a->size[0],
                a->size[1], a->still.samples, millions, s->lamps, s->seconds);
-        printf(" (light %s in %.2f s, lamps %.2f s, scene %.2f s)\n", r->baked ? "baked" : "read",
-               r->seconds_light, r->seconds_lamps, s->seconds_scene);
+        printf(" (light %s in %.2f s, scene %.2f s)\n", r->baked ? "baked" : "read", r->seconds_light,
+               s->seconds_scene);
         return;
     }
     app_print_json(json_pack(
-        "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f s:f}", "file", a->out,
-        "width", a->size[0], "height", a->size[1], "samples", a->still.samples, "depth", a->still.depth,
-        "direct", STILL_DIRECT_NAMES[r->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure",
-        s->exposure, "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt",
-        (json_int_t)s->work.matt, "ended_escaped", (json_int_t)s->work.escaped, "ended_faint",
-        (json_int_t)s->work.faint, "ended_deep", (json_int_t)s->work.deep, "baked", r->baked, "seconds_light",
-        r->seconds_light, "seconds_lamps", r->seconds_lamps, "seconds_scene", s->seconds_scene, "seconds",
-        s->seconds));
+        "{s:s s:i s:i s:i s:i s:s s:s s:f s:i s:I s:I s:I s:I s:I s:b s:f s:f s:f}", "file", a->out, "width",
+        a->size[0], "height", a->size[1], "samples", a->still.samples, "depth", a->still.depth, "direct",
+        STILL_DIRECT_NAMES[r->still.direct], "tree", STILL_TREE_NAMES[a->still.tree], "exposure", s->exposure,
+        "lamps", s->lamps, "rays", (json_int_t)s->work.rays, "ended_matt", (json_int_t)s->work.matt,
+        "ended_escaped", (json_int_t)s->work.escaped, "ended_faint", (json_int_t)s->work.faint, "ended_deep",
+        (json_int_t)s->work.deep, "baked", r->baked, "seconds_light", r->seconds_light, "seconds_scene",
+        s->seconds_scene, "seconds", s->seconds));
 }
 
 // the exit code
@@ -213,7 +191,7 @@ static int render(const RenderArguments *arguments) {
                 load(&r, &options, &arena, &error) && find_camera(&r, &error) &&
                 get_light(&r, &progress, &arena, &error);
     if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light->mesh);
-    if (good && r.still.direct == STILL_RAYS) good = get_lamps(&r, &progress, &arena, &error);
+    if (good && r.still.direct == STILL_RAYS) split_lamps(&r, &arena);
     good = good && draw(&r, &progress, &arena, &error);
     app_progress_end();
     if (good) print_render(&r);

@@ -15,6 +15,7 @@
 #include "engine/draw/image.h"
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/sky.h"
+#include "radiosity/show/direct.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
 #include "radiosity/show/reconstruct.h"
@@ -85,10 +86,12 @@ typedef struct PictureWay {
     const char *name;
     int resolution, gather;  // of shots, and of a final gather at all vertices; 0: as `enfilade bake` does
     double share, residual;
+    bool shot;  // light straight from lamps is shown as it was shot
 } PictureWay;
 
 static const PictureWay WAYS[] = {
     {.name = "default"},
+    {.name = "as-shot", .shot = true},
     {.name = "resolution-200", .resolution = 200},
     {.name = "resolution-400", .resolution = 400},
     {.name = "split-1", .share = 1},
@@ -287,6 +290,7 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
         gather.resolution = way->gather;
         final_gather(&scene, &gather, 0, NULL, arena, &out->solution);
     }
+    if (way->gather == 0 && !way->shot) direct_show(&out->mesh, forest, 0, NULL, arena, &out->solution, NULL);
     out->fine = fine_mesh_new(&out->mesh, arena);
     out->light = fine_light(out->fine, &out->solution, arena);
     out->field = reconstruct_light(&out->fine->mesh, &out->light, arena);

@@ -88,6 +88,11 @@ static inline Box box_union(Box a, Box b) { return box_add(box_add(a, b.min), b.
 static inline Box box_grow(Box b, double by) {
     return (Box){{b.min.x - by, b.min.y - by, b.min.z - by}, {b.max.x + by, b.max.y + by, b.max.z + by}};
 }
+// Corner i has the greater x, y, z where bit 0, 1, 2 of i is set.
+static inline void box_corners(Box b, Vec3 out[8]) {
+    for (int i = 0; i < 8; i++)
+        out[i] = vec3(i & 1 ? b.max.x : b.min.x, i & 2 ? b.max.y : b.min.y, i & 4 ? b.max.z : b.min.z);
+}
 static inline bool box_overlap(Box a, Box b) {
     return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
            a.min.z <= b.max.z && b.min.z <= a.max.z;

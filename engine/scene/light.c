@@ -6,6 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/sky.h"
+#include "radiosity/show/direct.h"
 
 const char *light_place(const Building *building, Arena *arena) {
     return scene_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));
@@ -127,6 +128,7 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     }
     RadReport report = rad_shoot(mesh, forest, doors, &options.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");
+    direct_show(mesh, forest, hooks->threads, &hooks->progress, arena, solution, NULL);
     *error = (Error){""};
     if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
     *out = show_fine(shower.fine, solution, doors, arena);

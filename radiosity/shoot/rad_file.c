@@ -1,6 +1,6 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, unshot, radiosities of nodes if
+// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, radiosities of nodes if
 // gathered. The mesh is not stored: it is made again from
 // the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
 #include <string.h>
@@ -10,7 +10,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-enum { VERSION = 3 };
+enum { VERSION = 4 };
 
 typedef struct Header {
     DerivedHead head;
@@ -48,7 +48,7 @@ static int32_t proxy_of(const MeshOptions *options) {
 }
 
 typedef struct Sizes {
-    size_t doors, splits, radiosity, unshot, nodes, total;
+    size_t doors, splits, radiosity, direct, unshot, nodes, total;
 } Sizes;
 
 // Doubles stay aligned.
@@ -60,9 +60,10 @@ static Sizes sizes_of(const Header *h) {
     Sizes s = {.doors = round_up((size_t)h->door_count * sizeof(float)),
                .splits = round_up(split_bytes(h)),
                .radiosity = (size_t)h->element_count * 3 * sizeof(double),
+               .direct = (size_t)h->element_count * 3 * sizeof(double),
                .unshot = (size_t)h->patch_count * 3 * sizeof(double),
                .nodes = (size_t)h->node_count * 3 * sizeof(double)};
-    s.total = s.doors + s.splits + s.radiosity + s.unshot + s.nodes;
+    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.nodes;
     return s;
 }
 
@@ -87,9 +88,13 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     }
     body += s.doors;
     if (h->split_bits > 0) memcpy(body, mesh->options.splits->bits, split_bytes(h));
-    memcpy(body + s.splits, solution->radiosity, s.radiosity);
-    memcpy(body + s.splits + s.radiosity, solution->unshot, s.unshot);
-    if (solution->node) memcpy(body + s.splits + s.radiosity + s.unshot, solution->node, s.nodes);
+    body += s.splits;
+    memcpy(body, solution->radiosity, s.radiosity);
+    body += s.radiosity;
+    memcpy(body, solution->direct, s.direct);
+    body += s.direct;
+    memcpy(body, solution->unshot, s.unshot);
+    if (solution->node) memcpy(body + s.unshot, solution->node, s.nodes);
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -193,8 +198,11 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
                          .shots = h->shots};
     body += s.doors + s.splits;
     out->radiosity = take_bytes(arena, body, s.radiosity);
-    out->unshot = take_bytes(arena, body + s.radiosity, s.unshot);
-    if (h->node_count > 0) out->node = take_bytes(arena, body + s.radiosity + s.unshot, s.nodes);
+    body += s.radiosity;
+    out->direct = take_bytes(arena, body, s.direct);
+    body += s.direct;
+    out->unshot = take_bytes(arena, body, s.unshot);
+    if (h->node_count > 0) out->node = take_bytes(arena, body + s.unshot, s.nodes);
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
     memcpy(out->escaped, h->escaped, sizeof h->escaped);
@@ -212,10 +220,10 @@ static bool is_light(double (*v)[3], int count) {
 }
 
 static bool check_light(const char *path, RadSolution *s, Error *error) {
-    if (is_light(s->radiosity, s->element_count) && is_light(s->unshot, s->patch_count) &&
-        is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
-        is_light(&s->escaped, 1) && is_light(&s->sky, 1) && is_light(&s->outdoors, 1) && s->shots >= 0 &&
-        s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+    if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
+        is_light(s->unshot, s->patch_count) && is_light(s->node, s->node_count) && is_light(&s->emitted, 1) &&
+        is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && is_light(&s->sky, 1) &&
+        is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }

@@ -81,6 +81,7 @@ static bool check_material(const Material *m, int face, Error *error) {
 bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *error) {
     *out = (RadSolution){.element_count = mesh->element_count, .patch_count = mesh->patch_count};
     out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
+    out->direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->direct);
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
@@ -161,11 +162,33 @@ typedef struct Shooter {
     ShootRows *rows;
     Looks looks;
     int *next;  // [shoot_rows_most]
+    // Lamps shoot their emitted light before all else, the strongest first: so it is known what part of the light is direct.
+    long long lamps_left;
 } Shooter;
 
 // Computed from the solution alone, however it came about: a run that is resumed goes on just so.
 static double unshot_power(const Receiver *r) {
     return (r->unshot[0] + r->unshot[1] + r->unshot[2]) * r->area;
+}
+
+// Patches shoot what they reflect, from now on.
+static void queue_reflected(Shooter *s, const Mesh *mesh) {
+    for (int p = 0; p < mesh->patch_count && !s->options->lamps_only; p++)
+        shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
+}
+
+// A solution that was broken off while lamps shot goes on with the next lamp.
+static void queue_lamps(Shooter *s, const Mesh *mesh) {
+    for (int p = 0; p < mesh->patch_count; p++) {
+        double e[3];
+        rgb_doubles(mesh_material(mesh, mesh->patches[p].face)->emission, e);
+        if (rgb_sum(e) <= 0) continue;
+        shoot_queue_raise(&s->queue, p, rgb_sum(e) * mesh->patches[p].area);
+        s->lamps_left++;
+    }
+    for (long long i = 0; i < s->solution->shots && s->lamps_left > 0; i++, s->lamps_left--)
+        shoot_queue_clear(&s->queue, shoot_queue_top(&s->queue));
+    if (s->lamps_left == 0) queue_reflected(s, mesh);
 }
 
 static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -184,16 +207,15 @@ static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest
         Rgb rho = mesh_material(mesh, patch->face)->reflectance;
         s->receivers[p] =
             (Receiver){channels_of(solution->unshot[p]), {rho.r, rho.g, rho.b}, patch->area, 1 / patch->area};
-        if (!options->lamps_only || mesh_emits(mesh, patch->face))
-            shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
     }
+    queue_lamps(s, mesh);
 }
 
 // Back into the solution.
 static void finish(const Shooter *s) {
     RadSolution *out = s->solution;
     shoot_elements_finish(s->elements);
-    shoot_elements_store(s->elements, out->radiosity);
+    shoot_elements_store(s->elements, out);
     for (int p = 0; p < out->patch_count; p++) channels_store(s->receivers[p].unshot, out->unshot[p]);
     channels_store(s->absorbed, out->absorbed);
     channels_store(s->escaped, out->escaped);
@@ -202,13 +224,18 @@ static void finish(const Shooter *s) {
 // Receivers lie all over memory, but it is known long before which come: runs ahead to fetch one.
 enum { RECEIVER_AHEAD = 12 };
 
-static void shoot(Shooter *s, int patch, const ShootRow *row) {
+static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
-    Four power = from->unshot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
-    const bool lamps_only = s->options->lamps_only;
-    from->unshot = four_of(0);
+    const bool direct = s->lamps_left > 0;
+    Four shot = from->unshot;
+    if (direct) {
+        Rgb e = mesh_material(mesh, mesh->patches[patch].face)->emission;
+        shot = (Four){(double)e.r, (double)e.g, (double)e.b, 0};
+    }
+    Four power = shot * four_of(from->area * row->scale), absorbed = power * four_of(row->back);
+    from->unshot -= shot;
     shoot_queue_clear(&s->queue, patch);
-    shoot_elements_tell(s->elements, row, power);
+    shoot_elements_tell(s->elements, row, power, direct);
     for (int r = 0; r < row->run_count; r++) {
         const ShootRun *run = &row->runs[r];
         Receiver *to = &s->receivers[run->patch];
@@ -218,11 +245,12 @@ static void shoot(Shooter *s, int patch, const ShootRow *row) {
         double share = (double)run->share;
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
-        if (!lamps_only) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
+        if (!direct) shoot_queue_raise(&s->queue, run->patch, unshot_power(to));
     }
     s->absorbed += absorbed;
     s->escaped += power * four_of(row->escaped);
     s->solution->shots++;
+    if (direct && --s->lamps_left == 0) queue_reflected(s, mesh);
 }
 
 // Under a sky most light is outdoors, and a thousandth of it may be all that is in a room: what is left is measured against
@@ -285,7 +313,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
         int patch = shoot_queue_top(&s.queue);
         if (patch < 0) break;
         if (options->looks > 0 && (s.looks.spent += looks_of(&s.looks, patch)) > options->looks) break;
-        shoot(&s, patch, row_of(&s, patch));
+        shoot(&s, mesh, patch, row_of(&s, patch));
         shoot_rows_shot(s.rows, patch);
     }
     finish(&s);

@@ -47,6 +47,8 @@ struct RadSolution {
     int element_count, patch_count;
     // [element_count] B = E + the reflected part of the light that has arrived so far
     double (*radiosity)[3];
+    // [element_count] the part of `radiosity` that came straight from lamps, as it was shot; the light of the sky is not in it.
+    double (*direct)[3];
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];

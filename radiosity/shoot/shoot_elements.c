@@ -9,6 +9,7 @@ enum { SHOTS_A_LIST = 64, LISTS = 16 };
 typedef struct Shot {
     const ShootRow *row;
     Four power;
+    bool direct;
 } Shot;
 
 typedef struct ShotList {
@@ -24,6 +25,7 @@ typedef struct Reflector {
 
 struct ShootElements {
     Four *radiosity;        // [element_count]
+    Four *direct;           // [element_count] the part that came straight from lamps
     Reflector *reflectors;  // [patch_count]
     int element_count;
     ShotList lists[LISTS];  // list i % LISTS is the i-th; `written` is the one that is being written
@@ -58,8 +60,25 @@ static void tell_shot(ShootElements *e, const Shot *shot) {
     }
 }
 
+// Direct light is added to a sum of its own as well.
+static void tell_direct(ShootElements *e, const Shot *shot) {
+    const ShootRow *row = shot->row;
+    const float *density = row->density;
+    const uint8_t *offset = row->offset;
+    for (int r = 0; r < row->run_count; r++) {
+        const Reflector *to = &e->reflectors[row->runs[r].patch];
+        Four reflected = shot->power * channels_of_floats(to->reflectance);
+        Four *elements = e->direct + to->first_element;
+        for (int i = 0; i <= row->count[r]; i++)
+            elements[*offset++] += reflected * four_of((double)*density++);
+    }
+}
+
 static void tell(ShootElements *e, ShotList *list) {
-    for (int i = 0; i < list->count; i++) tell_shot(e, &list->shots[i]);
+    for (int i = 0; i < list->count; i++) {
+        tell_shot(e, &list->shots[i]);
+        if (list->shots[i].direct) tell_direct(e, &list->shots[i]);
+    }
     list->count = 0;
 }
 
@@ -97,7 +116,11 @@ ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution,
     ShootElements *e = ARENA_ARRAY(arena, ShootElements, 1);
     e->element_count = mesh->element_count;
     e->radiosity = ARENA_ARRAY(arena, Four, mesh->element_count);
-    for (int i = 0; i < mesh->element_count; i++) e->radiosity[i] = channels_of(solution->radiosity[i]);
+    e->direct = ARENA_ARRAY(arena, Four, mesh->element_count);
+    for (int i = 0; i < mesh->element_count; i++) {
+        e->radiosity[i] = channels_of(solution->radiosity[i]);
+        e->direct[i] = channels_of(solution->direct[i]);
+    }
     e->reflectors = ARENA_ARRAY(arena, Reflector, mesh->patch_count);
     for (int p = 0; p < mesh->patch_count; p++) {
         Rgb rho = mesh_material(mesh, mesh->patches[p].face)->reflectance;
@@ -110,9 +133,9 @@ ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution,
     return e;
 }
 
-void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power) {
+void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power, bool direct) {
     ShotList *list = &e->lists[e->written % LISTS];
-    list->shots[list->count++] = (Shot){row, power};
+    list->shots[list->count++] = (Shot){row, power, direct};
     if (list->count < SHOTS_A_LIST) return;
     if (e->has_thread)
         hand_over(e);
@@ -127,8 +150,11 @@ void shoot_elements_finish(ShootElements *e) {
     tell(e, &e->lists[e->written % LISTS]);
 }
 
-void shoot_elements_store(const ShootElements *e, double (*radiosity)[3]) {
-    for (int i = 0; i < e->element_count; i++) channels_store(e->radiosity[i], radiosity[i]);
+void shoot_elements_store(const ShootElements *e, RadSolution *solution) {
+    for (int i = 0; i < e->element_count; i++) {
+        channels_store(e->radiosity[i], solution->radiosity[i]);
+        channels_store(e->direct[i], solution->direct[i]);
+    }
 }
 
 void shoot_elements_end(ShootElements *e) {

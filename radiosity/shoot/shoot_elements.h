@@ -21,12 +21,13 @@ typedef struct ShootElements ShootElements;
 
 // Starts from the radiosities of `solution`. With `threads` 1 there is no separate thread: the caller's thread adds up the shots.
 ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution, int threads, Arena *arena);
-// Adds a shot of `power`, W a channel, along a row, which must stay valid until shoot_elements_finish.
-void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power);
+// Adds a shot of `power`, W a channel, along a row, which must stay valid until shoot_elements_finish. `direct`: the power is emitted
+// light.
+void shoot_elements_tell(ShootElements *e, const ShootRow *row, Four power, bool direct);
 // Returns when all shots are added up.
 void shoot_elements_finish(ShootElements *e);
-// Stores the radiosities in `radiosity` [element_count], W/m^2. Call shoot_elements_finish first.
-void shoot_elements_store(const ShootElements *e, double (*radiosity)[3]);
+// Stores the radiosities of a solution, and those that are direct. Call shoot_elements_finish first.
+void shoot_elements_store(const ShootElements *e, RadSolution *solution);
 void shoot_elements_end(ShootElements *e);
 
 #endif

@@ -171,6 +171,14 @@ static double (*node_light(const FineMesh *fine, const RadSolution *solution, Ar
     return out;
 }
 
+static double (*direct_at_nodes(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
+    RadSolution direct = *solution;
+    double(*out)[3] = arena_alloc(arena, (size_t)fine->nodes.count + 1, sizeof *out);
+    direct.radiosity = solution->direct;
+    reconstruct_nodes(fine->light, &fine->nodes, &direct, out);
+    return out;
+}
+
 static double (*unshot_at_nodes(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
     const Nodes *nodes = &fine->nodes;
     double(*out)[3] = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out);
@@ -207,6 +215,7 @@ RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena 
     out.node = NULL;
     out.node_count = 0;
     out.radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.radiosity);
+    out.direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.direct);
     out.unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out.unshot);
     Lighting l = lighting(fine, node_light(fine, solution, &scratch), &scratch);
     for (int e = 0; e < mesh->element_count; e++) {
@@ -214,6 +223,13 @@ RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena 
             memcpy(out.radiosity[e], solution->radiosity[fine->element[e]], sizeof *out.radiosity);
         else
             reflected_by(&l, e, out.radiosity[e]);
+    }
+    l = lighting(fine, direct_at_nodes(fine, solution, &scratch), &scratch);
+    for (int e = 0; e < mesh->element_count; e++) {
+        if (fine->element[e] >= 0)
+            memcpy(out.direct[e], solution->direct[fine->element[e]], sizeof *out.direct);
+        else
+            reflected_by(&l, e, out.direct[e]);
     }
     l = lighting(fine, unshot_at_nodes(fine, solution, &scratch), &scratch);
     for (int p = 0; p < mesh->patch_count; p++) {

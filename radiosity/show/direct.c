@@ -1,0 +1,780 @@
+// direct.c - direct light at nodes: for each patch the lamps in front of it, for each lamp the faces that may stand between the two,
+// for each node the parts of the lamps that these faces leave in sight (analytic.h).
+//
+// The stab trees tell which lamps an object may see. A face can stand between a patch and a lamp only where it meets the convex hull
+// of the two: the shaft of Haines & Wallace (Shaft Culling for Efficient Ray-Traced Radiosity, 1991). Shafts of groups of patches
+// find faces in a tree of boxes; shafts of patches choose among these.
+#include "radiosity/show/direct.h"
+
+#include <stdlib.h>
+
+#include "engine/core/box_tree.h"
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+#include "radiosity/factors/analytic.h"
+#include "radiosity/factors/view.h"
+#include "radiosity/show/reconstruct.h"
+#include "radiosity/show/shaft.h"
+
+// A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
+// at most. That is above the rounding of coordinates and below a visible distance.
+static const double HAIR = 0.01, LONGEST_HAIR = 1e-3;
+static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
+// Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
+// looks at progress.
+enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
+
+// A face in the axes of a group: z is the normal of the face that the group is on.
+typedef struct Blocker {
+    int face, first, count;  // of its corners, in Worker.corner
+    double size;             // m^2
+    Plane plane;
+} Blocker;
+
+// A face of a lamp that looks at a group.
+typedef struct Facing {
+    int face, first, count;  // of its corners, in Worker.corner
+    Plane plane;
+    double emitted[3];  // W/m^2
+    int first_blocker,
+        blocker_count;  // of a patch: in Worker.blocker, those that are not wholly behind the face
+} Facing;
+
+// The faces of a lamp object that look at a group or a patch, and the faces that may hide them.
+typedef struct Before {
+    int object;                        // in Direct.lamp_objects
+    Vec3 box[8];                       // corners of its box
+    int first_facing, facing_count;    // in Worker.facing
+    int first_blocker, blocker_count;  // in Worker.blocker
+} Before;
+
+// An object of lamps before a batch, and the faces that may stand between the two.
+typedef struct Near {
+    int object, first, count;  // in Worker.between
+} Near;
+
+typedef struct Worker {
+    Arena arena;
+    BoxHits hits;
+    Near *near;
+    int *between;  // faces
+    int near_count, near_capacity, between_count, between_capacity;
+    Vec3 *corner;
+    int corner_count, corner_capacity;
+    Blocker *blocker;
+    int blocker_count, blocker_capacity;
+    Facing *facing;
+    int facing_count, facing_capacity;
+    Before *before;
+    int before_count, before_capacity;
+    AnalyticOccluder *occluder;
+    Plane *edge;
+    Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
+    int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
+    DirectReport report;
+} Worker;
+
+typedef struct Group {
+    int face, first_patch, patch_count;
+} Group;
+
+typedef struct Batch {
+    int first_group, group_count;
+} Batch;
+
+// Lamps of one object: Direct.lamp[first] and so on.
+typedef struct LampObject {
+    int object, first, count;
+    Box box;
+} LampObject;
+
+typedef struct Direct {
+    const Mesh *mesh;
+    const Nodes *nodes;
+    BoxTree tree;  // of faces
+    double *size;  // [face_count] m^2
+    int *lamp;     // [lamp_count] faces that emit
+    int lamp_count, words;
+    uint64_t *seen;  // [object_count * words] the lamps that each object may see
+    Vec3 *place;     // of each vertex in Mesh.outline
+    LampObject *lamp_objects;
+    Group *groups;
+    Batch *batches;
+    int lamp_object_count, group_count, batch_count, first;  // `first` batch of this look
+    Worker *workers;                                         // [threads]
+    double (*at_corner)[3];                                  // [corner_count]
+} Direct;
+
+// ---- lamps that objects may see
+
+static void add_bits(uint64_t *to, const uint64_t *from, int words) {
+    for (int w = 0; w < words; w++) to[w] |= from[w];
+}
+
+// For each run of an object in the squares of a cell.
+static void each_object(const CellGraph *graph, int cell, void (*body)(void *context, int cell, int object),
+                        void *context) {
+    const SquareGrid *squares = &graph->grids[cell];
+    int first = graph->square_first[squares->first_square],
+        end = graph->square_first[squares->first_square + squares->nx * squares->ny];
+    for (int k = first; k < end; k++) body(context, cell, graph->square_objects[k]);
+}
+
+typedef struct Seeing {
+    Direct *direct;
+    int *first, *of_object;     // lamps by object
+    uint64_t *inside, *before;  // [cell_count * words] lamps in each cell, and lamps that it may see
+} Seeing;
+
+static void note_lamps(void *context, int cell, int object) {
+    const Seeing *s = context;
+    for (int i = s->first[object]; i < s->first[object + 1]; i++)
+        s->inside[(size_t)cell * (size_t)s->direct->words + (size_t)(s->of_object[i] / 64)] |=
+            (uint64_t)1 << s->of_object[i] % 64;
+}
+
+static void note_seen(void *context, int cell, int object) {
+    const Seeing *s = context;
+    size_t words = (size_t)s->direct->words;
+    add_bits(s->direct->seen + (size_t)object * words, s->before + (size_t)cell * words, s->direct->words);
+}
+
+static void sort_lamps(Seeing *s, Arena *arena) {
+    const Direct *d = s->direct;
+    int objects = d->mesh->graph->object_count;
+    s->first = ARENA_ARRAY(arena, int, objects + 2);
+    s->of_object = ARENA_ARRAY(arena, int, d->lamp_count + 1);
+    for (int i = 0; i < d->lamp_count; i++) s->first[d->mesh->faces[d->lamp[i]].object + 2]++;
+    for (int o = 0; o < objects; o++) s->first[o + 2] += s->first[o + 1];
+    for (int i = 0; i < d->lamp_count; i++)
+        s->of_object[s->first[d->mesh->faces[d->lamp[i]].object + 1]++] = i;
+}
+
+// An object in no cell may see all lamps, and a lamp in no cell is seen by all objects.
+static void find_seen(Direct *d, const StabForest *forest, Arena *arena) {
+    const CellGraph *graph = d->mesh->graph;
+    Arena scratch = {0};
+    size_t words = (size_t)d->words, cells = (size_t)graph->cell_count;
+    Seeing s = {.direct = d,
+                .inside = ARENA_ARRAY(&scratch, uint64_t, cells * words + 1),
+                .before = ARENA_ARRAY(&scratch, uint64_t, cells * words + 1)};
+    uint64_t *nowhere = ARENA_ARRAY(&scratch, uint64_t, words + 1);
+    d->seen = ARENA_ARRAY(arena, uint64_t, (size_t)graph->object_count * words + 1);
+    sort_lamps(&s, &scratch);
+    memset(nowhere, 0xff, words * sizeof *nowhere);
+    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_lamps, &s);
+    for (size_t c = 0; c < cells; c++)
+        for (size_t w = 0; w < words; w++) nowhere[w] &= ~s.inside[c * words + w];
+    for (int c = 0; c < graph->cell_count; c++) {
+        uint64_t *before = s.before + (size_t)c * words;
+        add_bits(before, nowhere, d->words);
+        for (int k = 0; k < graph->cell_count; k++)
+            if (vis_sees(forest, c, k)) add_bits(before, s.inside + (size_t)k * words, d->words);
+    }
+    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_seen, &s);
+    for (int o = 0; o < graph->object_count; o++) {
+        uint64_t any = 0, *seen = d->seen + (size_t)o * words;
+        for (size_t w = 0; w < words; w++) any |= seen[w];
+        if (any == 0) memset(seen, 0xff, words * sizeof *seen);
+    }
+    arena_free(&scratch);
+}
+
+static bool may_see(const Direct *d, int object, int lamp) {
+    return d->seen[(size_t)object * (size_t)d->words + (size_t)(lamp / 64)] >> (lamp % 64) & 1;
+}
+
+// ---- groups and patches
+
+// The axes of a group, and its face's.
+typedef struct Frame {
+    Vec3 origin, x, y, z;
+} Frame;
+
+static Vec3 to_frame(const Frame *f, Vec3 v) {
+    Vec3 p = vec3_sub(v, f->origin);
+    return vec3(vec3_dot(f->x, p), vec3_dot(f->y, p), vec3_dot(f->z, p));
+}
+
+static void *with_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
+    if (needed <= *capacity) return array;
+    int room = *capacity * 2 > needed ? *capacity * 2 : needed + 64;
+    void *larger = arena_alloc(arena, (size_t)room, size);
+    if (used > 0) memcpy(larger, array, (size_t)used * size);
+    *capacity = room;
+    return larger;
+}
+
+// The corners of a face, at the end of Worker.corner.
+static Vec3 *take_corners(const Direct *d, Worker *w, const Frame *frame, int face, int *count) {
+    const Face *f = &d->mesh->faces[face];
+    w->corner = with_room(&w->arena, w->corner, sizeof *w->corner, w->corner_count,
+                          w->corner_count + f->vertex_count, &w->corner_capacity);
+    Vec3 *out = w->corner + w->corner_count;
+    for (int i = 0; i < f->vertex_count; i++)
+        out[i] = to_frame(frame, d->mesh->vertices[d->mesh->outline[f->first_vertex + i]]);
+    *count = f->vertex_count;
+    w->corner_count += f->vertex_count;
+    return out;
+}
+
+// The rectangle about the elements of some patches, in the plane of the face.
+static void bound_patches(const Direct *d, const Frame *frame, int first, int count, Vec3 out[4]) {
+    const Mesh *mesh = d->mesh;
+    double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+    for (int p = first; p < first + count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+            const Element *element = &mesh->elements[e];
+            for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+                Vec3 v = to_frame(frame, mesh->vertices[mesh->corners[c]]);
+                x0 = fmin(x0, v.x), x1 = fmax(x1, v.x);
+                y0 = fmin(y0, v.y), y1 = fmax(y1, v.y);
+            }
+        }
+    }
+    x0 -= LONGEST_HAIR, x1 += LONGEST_HAIR, y0 -= LONGEST_HAIR, y1 += LONGEST_HAIR;
+    out[0] = vec3(x0, y0, 0), out[1] = vec3(x1, y0, 0), out[2] = vec3(x1, y1, 0), out[3] = vec3(x0, y1, 0);
+}
+
+static Plane plane_in(const Direct *d, const Frame *frame, int face) {
+    Plane plane = d->mesh->faces[face].plane;
+    Vec3 n = vec3(vec3_dot(frame->x, plane.n), vec3_dot(frame->y, plane.n), vec3_dot(frame->z, plane.n));
+    return (Plane){n, -plane_distance(plane, frame->origin)};
+}
+
+// Has the lamp a part above the rectangle's plane, and the rectangle one before the lamp?
+static bool face_each_other(const Vec3 rectangle[4], const Vec3 *corner, int count, Plane plane) {
+    bool above = false, before = false;
+    for (int i = 0; i < count; i++) above = above || corner[i].z > SHAFT_TOUCH;
+    for (int i = 0; i < 4; i++) before = before || plane_distance(plane, rectangle[i]) > SHAFT_TOUCH;
+    return above && before;
+}
+
+static int larger_first(const void *a, const void *b) {
+    const Blocker *p = a, *q = b;
+    if (p->size != q->size) return p->size > q->size ? -1 : 1;
+    return p->face - q->face;
+}
+
+static Vec3 from_frame(const Frame *f, Vec3 v) {
+    Vec3 p = vec3_add(vec3_scale(f->x, v.x), vec3_scale(f->y, v.y));
+    return vec3_add(f->origin, vec3_add(p, vec3_scale(f->z, v.z)));
+}
+
+// The lamp's face, if it looks at the group.
+static void take_facing(const Direct *d, Worker *w, const Frame *frame, const Vec3 rectangle[4], int face) {
+    int count, corners = w->corner_count;
+    Plane plane = plane_in(d, frame, face);
+    const Vec3 *corner = take_corners(d, w, frame, face, &count);
+    if (!face_each_other(rectangle, corner, count, plane)) {
+        w->corner_count = corners;
+        return;
+    }
+    w->facing = with_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
+                          &w->facing_capacity);
+    Facing *facing = &w->facing[w->facing_count++];
+    *facing = (Facing){.face = face, .first = corners, .count = count, .plane = plane};
+    rgb_doubles(mesh_material(d->mesh, face)->emission, facing->emitted);
+}
+
+static void put_before(Worker *w, Before before) {
+    w->before = with_room(&w->arena, w->before, sizeof *w->before, w->before_count, w->before_count + 1,
+                          &w->before_capacity);
+    w->before[w->before_count++] = before;
+}
+
+static void put_blocker(Worker *w, Blocker blocker) {
+    w->blocker = with_room(&w->arena, w->blocker, sizeof *w->blocker, w->blocker_count, w->blocker_count + 1,
+                           &w->blocker_capacity);
+    w->blocker[w->blocker_count++] = blocker;
+}
+
+// Puts a lamp object before the group, with the faces in the shaft between them, unless one of these hides all of it.
+static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec3 rectangle[4], int own,
+                       const Near *near) {
+    const LampObject *lamps = &d->lamp_objects[near->object];
+    int facing = w->facing_count, blockers = w->blocker_count, corners = w->corner_count;
+    Vec3 there[4];
+    Before before = {.first_facing = facing, .first_blocker = blockers};
+    for (int k = lamps->first; k < lamps->first + lamps->count; k++)
+        if (d->lamp[k] != own) take_facing(d, w, frame, rectangle, d->lamp[k]);
+    if (w->facing_count == facing) return;
+    box_corners(lamps->box, before.box);
+    for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
+    Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, lamps->box);
+    for (int i = near->first; i < near->first + near->count; i++) {
+        int other = w->between[i], count, first = w->corner_count;
+        const Face *f = &d->mesh->faces[other];
+        const Vec3 *polygon = d->place + f->first_vertex;
+        if (other == own || !shaft_is_met(&shaft, polygon, f->vertex_count)) continue;
+        if (shaft_is_closed(polygon, f->vertex_count, f->plane, there, 4, before.box, 8)) {
+            w->corner_count = corners;
+            w->facing_count = facing;
+            w->blocker_count = blockers;
+            return;
+        }
+        take_corners(d, w, frame, other, &count);
+        put_blocker(w, (Blocker){other, first, count, d->size[other], plane_in(d, frame, other)});
+    }
+    qsort(w->blocker + blockers, (size_t)(w->blocker_count - blockers), sizeof *w->blocker, larger_first);
+    for (int i = 0; i < 8; i++) before.box[i] = to_frame(frame, before.box[i]);
+    before.facing_count = w->facing_count - facing;
+    before.blocker_count = w->blocker_count - blockers;
+    before.object = near->object;
+    put_before(w, before);
+}
+
+// Has the face a part in front of the plane, or does it lie in it?
+static bool is_before(const Vec3 *corner, int count, Plane plane) {
+    bool in_plane = true;
+    for (int i = 0; i < count; i++) {
+        double distance = plane_distance(plane, corner[i]);
+        if (distance > SHAFT_TOUCH) return true;
+        in_plane = in_plane && distance >= -SHAFT_TOUCH;
+    }
+    return in_plane;
+}
+
+// Lists the faces that may hide one face of a lamp object.
+static void share_blockers(Worker *w, const Before *before, Facing *facing) {
+    facing->first_blocker = w->blocker_count;
+    for (int i = before->first_blocker; i < before->first_blocker + before->blocker_count; i++) {
+        Blocker b = w->blocker[i];
+        if (b.face != facing->face && is_before(w->corner + b.first, b.count, facing->plane))
+            put_blocker(w, b);
+    }
+    facing->blocker_count = w->blocker_count - facing->first_blocker;
+}
+
+// The lamp object of a group before one of its patches.
+static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 rectangle[4], int own,
+                   Before before) {
+    int facing = w->facing_count, blockers = w->blocker_count;
+    Box box = d->lamp_objects[before.object].box;
+    for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
+        Facing f = w->facing[i];
+        if (!face_each_other(rectangle, w->corner + f.first, f.count, f.plane)) continue;
+        w->facing = with_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
+                              &w->facing_capacity);
+        w->facing[w->facing_count++] = f;
+    }
+    if (w->facing_count == facing) return;
+    if (before.blocker_count > 0) {
+        Vec3 corner[8];
+        box_corners(box, corner);
+        Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, box);
+        for (int i = before.first_blocker; i < before.first_blocker + before.blocker_count; i++) {
+            Blocker b = w->blocker[i];
+            const Face *f = &d->mesh->faces[b.face];
+            const Vec3 *polygon = d->place + f->first_vertex;
+            if (!shaft_is_met(&shaft, polygon, b.count)) continue;
+            if (shaft_is_closed(polygon, b.count, f->plane, there, 4, corner, 8)) {
+                w->facing_count = facing;
+                w->blocker_count = blockers;
+                return;
+            }
+            put_blocker(w, b);
+        }
+    }
+    before.first_facing = facing;
+    before.facing_count = w->facing_count - facing;
+    before.first_blocker = blockers;
+    before.blocker_count = w->blocker_count - blockers;
+    for (int i = facing; i < w->facing_count; i++) share_blockers(w, &before, &w->facing[i]);
+    put_before(w, before);
+}
+
+// ---- points
+
+static void add_share(void *sum, const Vec3 *polygon, int count) {
+    *(double *)sum += analytic_point(polygon, count);
+}
+
+// Corners about a point, in Worker.moved.
+static Vec3 *move_corners(Worker *w, const Vec3 *corner, int count, Vec3 point) {
+    w->moved = with_room(&w->arena, w->moved, sizeof *w->moved, 0, count, &w->moved_capacity);
+    for (int i = 0; i < count; i++) w->moved[i] = vec3_sub(corner[i], point);
+    return w->moved;
+}
+
+// Faces hide as in views: of two in one place fronts hide backs, then the lower index (form_factor_rank).
+static int rank_of(int face, Plane plane, Vec3 point) {
+    ViewFace view = {.face = face, .d = -plane_distance(plane, point)};
+    return form_factor_rank(&view);
+}
+
+// The part of a lamp that a face hides from a point.
+enum { HIDES_NONE, HIDES_SOME, HIDES_ALL };
+
+// A quick test before any polygon is cut. `moved` and `lamp` are the corners of both about the point.
+static int hidden_part(const Blocker *b, const Vec3 *moved, const Vec3 *lamp, int count, Vec3 point) {
+    double height = plane_distance(b->plane, point), sign = height > 0 ? -1 : 1;
+    int beyond = 0, in_plane = 0;
+    if (fabs(height) <= SHAFT_TOUCH) return HIDES_NONE;  // seen edge-on
+    for (int k = 0; k < count; k++) {
+        double behind = sign * (vec3_dot(b->plane.n, lamp[k]) + height);
+        beyond += behind > SHAFT_TOUCH;
+        in_plane += fabs(behind) <= SHAFT_TOUCH;
+    }
+    if (beyond == 0 && in_plane < count) return HIDES_NONE;
+    bool all = beyond == count;
+    for (int i = 0; i < b->count; i++) {
+        Vec3 edge = vec3_cross(moved[i], moved[i + 1 < b->count ? i + 1 : 0]);
+        double least = SHAFT_TOUCH * SHAFT_TOUCH * vec3_dot(edge, edge);
+        int inside = 0;
+        for (int k = 0; k < count; k++) {
+            double height_in = sign * vec3_dot(edge, lamp[k]);
+            inside += height_in > 0 && height_in * height_in > least;
+        }
+        if (inside == 0 && least > 0) return HIDES_NONE;
+        all = all && inside == count;
+    }
+    return all ? HIDES_ALL : HIDES_SOME;
+}
+
+// Corners about a point, in Worker.lamp.
+static Vec3 *move_lamp(Worker *w, const Vec3 *corner, int count, Vec3 point) {
+    w->lamp = with_room(&w->arena, w->lamp, sizeof *w->lamp, 0, count, &w->lamp_capacity);
+    for (int i = 0; i < count; i++) w->lamp[i] = vec3_sub(corner[i], point);
+    return w->lamp;
+}
+
+static int hides_lamp(Worker *w, const Blocker *b, const Vec3 *lamp, int count, Vec3 point) {
+    return hidden_part(b, move_corners(w, w->corner + b->first, b->count, point), lamp, count, point);
+}
+
+// The cones of the faces that hide some of a lamp's face from the point: returns how many, or -1 where one of them hides all of it. That
+// one is then the first to be asked for the next point.
+static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec3 point) {
+    int occluders = 0, edges = 0;
+    Blocker *blocker = w->blocker + facing->first_blocker;
+    for (int i = 0; i < facing->blocker_count; i++) {
+        Blocker b = blocker[i];
+        int part = hides_lamp(w, &b, lamp, facing->count, point);
+        if (part == HIDES_ALL) {
+            memmove(blocker + 1, blocker, (size_t)i * sizeof *blocker);
+            blocker[0] = b;
+            return -1;
+        }
+        if (part == HIDES_NONE) continue;
+        w->edge = with_room(&w->arena, w->edge, sizeof *w->edge, edges, edges + b.count, &w->edge_capacity);
+        w->occluder = with_room(&w->arena, w->occluder, sizeof *w->occluder, occluders, occluders + 1,
+                                &w->occluder_capacity);
+        AnalyticOccluder *o = &w->occluder[occluders];
+        if (!analytic_occluder(w->moved, b.count, rank_of(b.face, b.plane, point), w->edge + edges, o))
+            continue;
+        edges += o->edge_count;
+        occluders++;
+    }
+    return occluders;
+}
+
+// The share of the light from the point, about z, that meets the lamp's face; below 0: a face hides all of it.
+static double share_of(Worker *w, const Facing *facing, Vec3 point) {
+    double share = 0;
+    const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
+    int occluders = find_occluders(w, facing, lamp, point);
+    w->report.pairs++;
+    if (occluders < 0) return -1;
+    if (occluders == 0) return analytic_point(lamp, facing->count);
+    w->report.cut++;
+    analytic_visible(lamp, facing->count, rank_of(facing->face, facing->plane, point), w->occluder, occluders,
+                     add_share, &share);
+    return share;
+}
+
+// Is a face known that hides all of a lamp object from the point? The last face that hid a whole face of it is asked.
+static bool hides_object(Worker *w, const Before *before, Vec3 point) {
+    const Facing *first = &w->facing[before->first_facing];
+    if (first->blocker_count == 0) return false;
+    Blocker b = w->blocker[first->first_blocker];
+    return hides_lamp(w, &b, move_lamp(w, before->box, 8, point), 8, point) == HIDES_ALL;
+}
+
+// Where the light of a corner of an element is found, in the frame.
+static Vec3 corner_point(const Direct *d, const Frame *frame, int corner, Vec3 towards) {
+    Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[corner]]);
+    Vec3 way = vec3_sub(to_frame(frame, towards), node);
+    double length = vec3_length(way), hair = fmin(HAIR * length, LONGEST_HAIR);
+    if (length > 0) node = vec3_add(node, vec3_scale(way, hair / length));
+    return vec3(node.x, node.y, 0);
+}
+
+static bool in_one_plane(const Direct *d, int node) {
+    for (int i = d->nodes->first[node]; i < d->nodes->first[node + 1]; i++) {
+        Vec3 n = d->mesh->faces[d->mesh->elements[d->nodes->element[i]].face].plane.n;
+        if (vec3_dot(n, d->nodes->normal[node]) <= 1 - SAME_PLANE) return false;
+    }
+    return true;
+}
+
+// The place towards which the point of a corner is moved. False: another corner of the node has its light, which lies in one plane.
+static bool corner_counts(const Direct *d, int element, int corner, Vec3 *towards) {
+    const Nodes *nodes = d->nodes;
+    int node = nodes->of_corner[corner], first = nodes->first[node], count = nodes->first[node + 1] - first;
+    *towards = element_centroid(d->mesh, element);
+    if (count == 1 || !in_one_plane(d, node)) return true;
+    if (nodes->element[first] != element) return false;
+    Vec3 middle = {0, 0, 0};
+    for (int i = first; i < first + count; i++)
+        middle = vec3_add(middle, vec3_scale(element_centroid(d->mesh, nodes->element[i]), 1.0 / count));
+    *towards = middle;
+    return true;
+}
+
+static void light_corner(Worker *w, int first, int end, Vec3 point, double out[3]) {
+    w->report.points++;
+    for (int k = first; k < end; k++) {
+        Before before = w->before[k];
+        if (hides_object(w, &before, point)) continue;
+        for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
+            const Facing *facing = &w->facing[i];
+            if (plane_distance(facing->plane, point) <= 0) continue;
+            double share = fmax(share_of(w, facing, point), 0);
+            for (int c = 0; c < 3; c++) out[c] += share * facing->emitted[c];
+        }
+    }
+}
+
+static void light_patch(const Direct *d, Worker *w, const Frame *frame, int patch, int lamps) {
+    const Mesh *mesh = d->mesh;
+    const Patch *p = &mesh->patches[patch];
+    int first = w->before_count, blockers = w->blocker_count, facing = w->facing_count;
+    Vec3 rectangle[4], there[4];
+    bound_patches(d, frame, patch, 1, rectangle);
+    for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
+    for (int k = 0; k < lamps; k++) narrow(d, w, there, rectangle, p->face, w->before[k]);
+    for (int e = p->first_element; e < p->first_element + p->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+            Vec3 towards;
+            if (!corner_counts(d, e, c, &towards)) continue;
+            light_corner(w, first, w->before_count, corner_point(d, frame, c, towards), d->at_corner[c]);
+        }
+    }
+    w->before_count = first;
+    w->blocker_count = blockers;
+    w->facing_count = facing;
+}
+
+static void light_group(const Direct *d, Worker *w, const Group *g) {
+    const Face *face = &d->mesh->faces[g->face];
+    Frame frame = {.origin = d->mesh->patches[g->first_patch].centre, .z = face->plane.n};
+    Vec3 rectangle[4];
+    // The centre may lie off the plane by rounding.
+    frame.origin = vec3_sub(frame.origin, vec3_scale(frame.z, plane_distance(face->plane, frame.origin)));
+    view_axes(frame.z, &frame.x, &frame.y);
+    w->corner_count = w->blocker_count = w->before_count = w->facing_count = 0;
+    bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
+    for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
+    int lamps = w->before_count;
+    for (int p = g->first_patch; lamps > 0 && p < g->first_patch + g->patch_count; p++)
+        light_patch(d, w, &frame, p, lamps);
+}
+
+static Box box_of_groups(const Direct *d, const Batch *batch) {
+    const Mesh *mesh = d->mesh;
+    Box box = box_empty();
+    for (int g = batch->first_group; g < batch->first_group + batch->group_count; g++) {
+        const Group *group = &d->groups[g];
+        const Patch *first = &mesh->patches[group->first_patch],
+                    *last = &mesh->patches[group->first_patch + group->patch_count - 1];
+        int end = last->first_element + last->element_count - 1;
+        end = mesh->elements[end].first_corner + mesh->elements[end].corner_count;
+        for (int c = mesh->elements[first->first_element].first_corner; c < end; c++)
+            box = box_add(box, mesh->vertices[mesh->corners[c]]);
+    }
+    return box_grow(box, LONGEST_HAIR);
+}
+
+// Puts the lamps of an object before the batch, unless one face hides all of them.
+static void take_object(const Direct *d, Worker *w, Box box, int object) {
+    const LampObject *lamps = &d->lamp_objects[object];
+    Shaft shaft = shaft_of_boxes(box, lamps->box);
+    Vec3 one[8], other[8];
+    int first = w->between_count;
+    box_corners(box, one);
+    box_corners(lamps->box, other);
+    box_tree_find(&d->tree, box_union(box, lamps->box), &w->arena, &w->hits);
+    w->between = with_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
+                           &w->between_capacity);
+    for (int i = 0; i < w->hits.count; i++) {
+        const Face *face = &d->mesh->faces[w->hits.items[i]];
+        const Vec3 *polygon = d->place + face->first_vertex;
+        if (!shaft_is_met(&shaft, polygon, face->vertex_count)) continue;
+        if (shaft_is_closed(polygon, face->vertex_count, face->plane, one, 8, other, 8)) {
+            w->between_count = first;
+            return;
+        }
+        w->between[w->between_count++] = w->hits.items[i];
+    }
+    w->near =
+        with_room(&w->arena, w->near, sizeof *w->near, w->near_count, w->near_count + 1, &w->near_capacity);
+    w->near[w->near_count++] = (Near){object, first, w->between_count - first};
+}
+
+static void light_batch(void *context, int index, int thread) {
+    const Direct *d = context;
+    const Batch *batch = &d->batches[d->first + index];
+    Worker *w = &d->workers[thread];
+    int own = d->mesh->faces[d->groups[batch->first_group].face].object;
+    Box box = box_of_groups(d, batch);
+    w->near_count = w->between_count = 0;
+    for (int i = 0; i < d->lamp_object_count; i++)
+        if (may_see(d, own, d->lamp_objects[i].first)) take_object(d, w, box, i);
+    for (int g = batch->first_group; w->near_count > 0 && g < batch->first_group + batch->group_count; g++)
+        light_group(d, w, &d->groups[g]);
+}
+
+// ---- all nodes
+
+static void make_groups(Direct *d, Arena *arena) {
+    const Mesh *mesh = d->mesh;
+    d->groups = ARENA_ARRAY(arena, Group, mesh->patch_count + 1);
+    d->batches = ARENA_ARRAY(arena, Batch, mesh->patch_count + 1);
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        for (int p = 0; p < face->patch_count; p += GROUP) {
+            int left = face->patch_count - p;
+            Batch *last = d->batch_count > 0 ? &d->batches[d->batch_count - 1] : NULL;
+            bool joins = last && last->group_count < BATCH &&
+                         mesh->faces[d->groups[last->first_group].face].object == face->object;
+            if (!joins) d->batches[d->batch_count++] = (Batch){d->group_count, 0};
+            d->batches[d->batch_count - 1].group_count++;
+            d->groups[d->group_count++] = (Group){f, face->first_patch + p, left < GROUP ? left : GROUP};
+        }
+    }
+}
+
+// Faces of an object follow each other.
+static void add_lamp(Direct *d, int face, Box box) {
+    int object = d->mesh->faces[face].object;
+    if (d->lamp_object_count == 0 || d->lamp_objects[d->lamp_object_count - 1].object != object)
+        d->lamp_objects[d->lamp_object_count++] = (LampObject){object, d->lamp_count, 0, box_empty()};
+    LampObject *last = &d->lamp_objects[d->lamp_object_count - 1];
+    last->box = box_union(last->box, box);
+    last->count++;
+    d->lamp[d->lamp_count++] = face;
+}
+
+static void sort_faces(Direct *d, Arena *arena) {
+    const Mesh *mesh = d->mesh;
+    Box *boxes = ARENA_ARRAY(arena, Box, mesh->face_count + 1);
+    d->size = ARENA_ARRAY(arena, double, mesh->face_count + 1);
+    d->lamp = ARENA_ARRAY(arena, int, mesh->face_count + 1);
+    d->lamp_objects = ARENA_ARRAY(arena, LampObject, mesh->face_count + 1);
+    d->place = ARENA_ARRAY(arena, Vec3, mesh->outline_count + 1);
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Face *face = &mesh->faces[f];
+        boxes[f] = box_empty();
+        for (int i = 0; i < face->vertex_count; i++)
+            boxes[f] = box_add(boxes[f], d->place[face->first_vertex + i] =
+                                             mesh->vertices[mesh->outline[face->first_vertex + i]]);
+        for (int e = face->first_element; e < face->first_element + face->element_count; e++)
+            d->size[f] += mesh->elements[e].area;
+        if (mesh_emits(mesh, f)) add_lamp(d, f, boxes[f]);
+    }
+    d->tree = box_tree_build(boxes, mesh->face_count, arena);
+    d->words = (d->lamp_count + 63) / 64;
+}
+
+static double count_pairs(const Direct *d) {
+    double pairs = 0;
+    for (int f = 0; f < d->mesh->face_count; f++) {
+        const Face *face = &d->mesh->faces[f];
+        for (int w = 0; w < d->words; w++)
+            pairs += (double)face->patch_count *
+                     __builtin_popcountll(d->seen[(size_t)face->object * (size_t)d->words + (size_t)w]);
+    }
+    return pairs;
+}
+
+static void start_direct(Direct *d, const Mesh *mesh, const StabForest *forest, const Nodes *nodes,
+                         Arena *arena) {
+    *d = (Direct){.mesh = mesh, .nodes = nodes};
+    sort_faces(d, arena);
+    find_seen(d, forest, arena);
+    make_groups(d, arena);
+}
+
+// A node whose elements lie in one plane has the light of its first corner, every other one the mean of all its corners.
+static void join_corners(const Direct *d, double (*out)[3]) {
+    const Mesh *mesh = d->mesh;
+    memset(out, 0, (size_t)d->nodes->count * sizeof *out);
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+            int node = d->nodes->of_corner[c];
+            bool plane = in_one_plane(d, node);
+            int count = plane ? 1 : d->nodes->first[node + 1] - d->nodes->first[node];
+            for (int k = 0; k < 3; k++) out[node][k] += d->at_corner[c][k] / count;
+        }
+    }
+}
+
+static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3],
+                      DirectReport *report) {
+    Arena arena = {0};
+    threads = parallel_threads(threads);
+    d->workers = ARENA_ARRAY(&arena, Worker, threads);
+    d->at_corner = arena_alloc(&arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
+    bool go_on = true;
+    for (; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {
+        int left = d->batch_count - d->first;
+        go_on = progress_report(progress, "direct light", (double)d->first / d->batch_count);
+        if (go_on) parallel_for(threads, left < BATCHES_A_LOOK ? left : BATCHES_A_LOOK, light_batch, d);
+    }
+    *report = (DirectReport){0};
+    for (int t = 0; t < threads; t++) {
+        report->points += d->workers[t].report.points;
+        report->pairs += d->workers[t].report.pairs;
+        report->cut += d->workers[t].report.cut;
+        arena_free(&d->workers[t].arena);
+    }
+    if (go_on) join_corners(d, out);
+    arena_free(&arena);
+    return go_on;
+}
+
+bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
+                       const Progress *progress, double (*out)[3], DirectReport *report) {
+    Arena arena = {0};
+    Direct d;
+    DirectReport work;
+    start_direct(&d, mesh, forest, nodes, &arena);
+    bool good = light_all(&d, threads, progress, out, report ? report : &work);
+    arena_free(&arena);
+    return good;
+}
+
+bool direct_show(const Mesh *mesh, const StabForest *forest, int threads, const Progress *progress,
+                 Arena *arena, RadSolution *solution, DirectReport *report) {
+    Arena scratch = {0};
+    Direct d;
+    DirectReport work;
+    Nodes nodes = nodes_of(mesh, &scratch);
+    double(*irradiance)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *irradiance);
+    start_direct(&d, mesh, forest, &nodes, &scratch);
+    bool good = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS &&
+                light_all(&d, threads, progress, irradiance, report ? report : &work);
+    if (good) {
+        RadSolution rest = *solution;
+        rest.node = NULL;
+        rest.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);
+        for (int e = 0; e < mesh->element_count; e++)
+            for (int c = 0; c < 3; c++)
+                rest.radiosity[e][c] = fmax(solution->radiosity[e][c] - solution->direct[e][c], 0);
+        solution->node_count = nodes.count;
+        solution->node = arena_alloc(arena, (size_t)nodes.count + 1, sizeof *solution->node);
+        reconstruct_nodes(mesh, &nodes, &rest, solution->node);
+        for (int n = 0; n < nodes.count; n++) {
+            double rho[3];
+            rgb_doubles(mesh_material(mesh, mesh->elements[nodes.element[nodes.first[n]]].face)->reflectance,
+                        rho);
+            for (int c = 0; c < 3; c++) solution->node[n][c] += rho[c] * irradiance[n][c];
+        }
+    }
+    arena_free(&scratch);
+    return good;
+}

@@ -173,7 +173,11 @@ static double unshot_power(const Receiver *r) {
 
 // Patches shoot what they reflect, from now on.
 static void queue_reflected(Shooter *s, const Mesh *mesh) {
-    for (int p = 0; p < mesh->patch_count && !s->options->lamps_only; p++)
+    if (s->options->lamps_only) return;
+    shoot_elements_finish(s->elements);
+    shoot_elements_store(s->elements, s->solution);
+    shoot_rows_fit(s->rows, s->solution);
+    for (int p = 0; p < mesh->patch_count; p++)
         shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
 }
 

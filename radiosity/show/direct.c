@@ -22,6 +22,7 @@ static const double HAIR = 0.01, LONGEST_HAIR = 1e-3;
 static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
 // Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
 // looks at progress.
+enum { CLOSERS = 8 };
 enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
 
 // A face in the axes of a group: z is the normal of the face that the group is on.
@@ -71,6 +72,10 @@ typedef struct Worker {
     Plane *edge;
     Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
     int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
+    int *stamp, *goal, *queue,
+        now;  // [cell_count] of a flood: its number where it came, and where it is to come; its cells
+    int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
+    int closer_count;
     DirectReport report;
 } Worker;
 
@@ -95,8 +100,10 @@ typedef struct Direct {
     double *size;  // [face_count] m^2
     int *lamp;     // [lamp_count] faces that emit
     int lamp_count, words;
-    uint64_t *seen;  // [object_count * words] the lamps that each object may see
-    Vec3 *place;     // of each vertex in Mesh.outline
+    uint64_t *seen;          // [object_count * words] the lamps that each object may see
+    struct Cells *cells_of;  // [object_count]
+    int *cells;
+    Vec3 *place;  // of each vertex in Mesh.outline
     LampObject *lamp_objects;
     Group *groups;
     Batch *batches;
@@ -184,6 +191,69 @@ static bool may_see(const Direct *d, int object, int lamp) {
     return d->seen[(size_t)object * (size_t)d->words + (size_t)(lamp / 64)] >> (lamp % 64) & 1;
 }
 
+// ---- floods: light comes to an object from a lamp in another cell through portals that the shaft between the two meets
+
+typedef struct Cells {
+    int first, end;  // in Direct.cells
+} Cells;
+
+static void count_cell(void *context, int cell, int object) {
+    (void)cell;
+    ((Direct *)context)->cells_of[object].end++;
+}
+
+static void put_cell(void *context, int cell, int object) {
+    Direct *d = context;
+    Cells *of = &d->cells_of[object];
+    if (of->end == of->first || d->cells[of->end - 1] != cell) d->cells[of->end++] = cell;
+}
+
+static void find_cells(Direct *d, Arena *arena) {
+    const CellGraph *graph = d->mesh->graph;
+    int next = 0;
+    d->cells_of = ARENA_ARRAY(arena, Cells, graph->object_count + 1);
+    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, count_cell, d);
+    for (int o = 0; o < graph->object_count; o++) {
+        int count = d->cells_of[o].end;
+        d->cells_of[o] = (Cells){next, next};
+        next += count;
+    }
+    d->cells = ARENA_ARRAY(arena, int, next + 1);
+    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, put_cell, d);
+}
+
+static bool comes_to(Worker *w, int cell, int *count) {
+    if (w->stamp[cell] == w->now) return false;
+    w->stamp[cell] = w->now;
+    w->queue[(*count)++] = cell;
+    return true;
+}
+
+// May light come from one object to the other along the shaft between their parts? Objects in no cell are taken to be reached.
+static bool is_reached(const Direct *d, Worker *w, const Shaft *shaft, int from, int to) {
+    const CellGraph *graph = d->mesh->graph;
+    Cells start = d->cells_of[from], goal = d->cells_of[to];
+    int count = 0;
+    if (start.first == start.end || goal.first == goal.end) return true;
+    w->now++;
+    for (int i = goal.first; i < goal.end; i++) w->goal[d->cells[i]] = w->now;
+    for (int i = start.first; i < start.end; i++)
+        if (comes_to(w, d->cells[i], &count) && w->goal[d->cells[i]] == w->now) return true;
+    for (int next = 0; next < count; next++) {
+        const Cell *cell = &graph->cells[w->queue[next]];
+        for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
+            const Portal *portal = &graph->portals[graph->ways[i].portal];
+            int beyond = graph->ways[i].cell;
+            if (w->stamp[beyond] == w->now ||
+                !shaft_is_met(shaft, graph->portal_vertices + portal->first_vertex, portal->vertex_count))
+                continue;
+            comes_to(w, beyond, &count);
+            if (w->goal[beyond] == w->now) return true;
+        }
+    }
+    return false;
+}
+
 // ---- groups and patches
 
 // The axes of a group, and its face's.
@@ -257,6 +327,43 @@ static int larger_first(const void *a, const void *b) {
     return p->face - q->face;
 }
 
+// What one shaft lies between, in building space.
+typedef struct Ends {
+    const Vec3 *one, *other;
+    int one_count, other_count;
+    int but;  // the face that the one end lies on, -1: none
+} Ends;
+
+static bool closes(const Direct *d, const Ends *ends, int face) {
+    const Face *f = &d->mesh->faces[face];
+    return face != ends->but && shaft_is_closed(d->place + f->first_vertex, f->vertex_count, f->plane,
+                                                ends->one, ends->one_count, ends->other, ends->other_count);
+}
+
+static void note_closer(Worker *w, int face, int at) {
+    memmove(w->closer + 1, w->closer, (size_t)at * sizeof *w->closer);
+    w->closer[0] = face;
+}
+
+// Is the shaft closed by a face that closed another one lately? A wall hides a lamp from all that lies behind the wall.
+static bool closed_as_lately(const Direct *d, Worker *w, const Ends *ends) {
+    for (int i = 0; i < w->closer_count; i++) {
+        int face = w->closer[i];
+        if (!closes(d, ends, face)) continue;
+        note_closer(w, face, i);
+        return true;
+    }
+    return false;
+}
+
+// Is the shaft closed by this face?
+static bool closed_by(const Direct *d, Worker *w, const Ends *ends, int face) {
+    if (!closes(d, ends, face)) return false;
+    if (w->closer_count < CLOSERS) w->closer_count++;
+    note_closer(w, face, w->closer_count - 1);
+    return true;
+}
+
 static Vec3 from_frame(const Frame *f, Vec3 v) {
     Vec3 p = vec3_add(vec3_scale(f->x, v.x), vec3_scale(f->y, v.y));
     return vec3_add(f->origin, vec3_add(p, vec3_scale(f->z, v.z)));
@@ -302,20 +409,23 @@ static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec
     if (w->facing_count == facing) return;
     box_corners(lamps->box, before.box);
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
+    Ends ends = {there, before.box, 4, 8, own};
     Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, lamps->box);
-    for (int i = near->first; i < near->first + near->count; i++) {
+    bool closed =
+        closed_as_lately(d, w, &ends) || !is_reached(d, w, &shaft, d->mesh->faces[own].object, lamps->object);
+    for (int i = near->first; i < near->first + near->count && !closed; i++) {
         int other = w->between[i], count, first = w->corner_count;
         const Face *f = &d->mesh->faces[other];
-        const Vec3 *polygon = d->place + f->first_vertex;
-        if (other == own || !shaft_is_met(&shaft, polygon, f->vertex_count)) continue;
-        if (shaft_is_closed(polygon, f->vertex_count, f->plane, there, 4, before.box, 8)) {
-            w->corner_count = corners;
-            w->facing_count = facing;
-            w->blocker_count = blockers;
-            return;
-        }
+        if (other == own || !shaft_is_met(&shaft, d->place + f->first_vertex, f->vertex_count)) continue;
+        closed = closed_by(d, w, &ends, other);
         take_corners(d, w, frame, other, &count);
         put_blocker(w, (Blocker){other, first, count, d->size[other], plane_in(d, frame, other)});
+    }
+    if (closed) {
+        w->corner_count = corners;
+        w->facing_count = facing;
+        w->blocker_count = blockers;
+        return;
     }
     qsort(w->blocker + blockers, (size_t)(w->blocker_count - blockers), sizeof *w->blocker, larger_first);
     for (int i = 0; i < 8; i++) before.box[i] = to_frame(frame, before.box[i]);
@@ -363,18 +473,24 @@ static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 r
     if (before.blocker_count > 0) {
         Vec3 corner[8];
         box_corners(box, corner);
-        Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, box);
-        for (int i = before.first_blocker; i < before.first_blocker + before.blocker_count; i++) {
+        Ends ends = {there, corner, 4, 8, own};
+        bool closed = closed_as_lately(d, w, &ends);
+        Shaft shaft = {0};
+        if (!closed) {
+            shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, box);
+            closed =
+                !is_reached(d, w, &shaft, d->mesh->faces[own].object, d->lamp_objects[before.object].object);
+        }
+        for (int i = before.first_blocker; i < before.first_blocker + before.blocker_count && !closed; i++) {
             Blocker b = w->blocker[i];
-            const Face *f = &d->mesh->faces[b.face];
-            const Vec3 *polygon = d->place + f->first_vertex;
-            if (!shaft_is_met(&shaft, polygon, b.count)) continue;
-            if (shaft_is_closed(polygon, b.count, f->plane, there, 4, corner, 8)) {
-                w->facing_count = facing;
-                w->blocker_count = blockers;
-                return;
-            }
+            if (!shaft_is_met(&shaft, d->place + d->mesh->faces[b.face].first_vertex, b.count)) continue;
+            closed = closed_by(d, w, &ends, b.face);
             put_blocker(w, b);
+        }
+        if (closed) {
+            w->facing_count = facing;
+            w->blocker_count = blockers;
+            return;
         }
     }
     before.first_facing = facing;
@@ -589,21 +705,23 @@ static Box box_of_groups(const Direct *d, const Batch *batch) {
 }
 
 // Puts the lamps of an object before the batch, unless one face hides all of them.
-static void take_object(const Direct *d, Worker *w, Box box, int object) {
+static void take_object(const Direct *d, Worker *w, Box box, int own, int object) {
     const LampObject *lamps = &d->lamp_objects[object];
-    Shaft shaft = shaft_of_boxes(box, lamps->box);
-    Vec3 one[8], other[8];
     int first = w->between_count;
+    Vec3 one[8], other[8];
     box_corners(box, one);
     box_corners(lamps->box, other);
+    Ends ends = {one, other, 8, 8, -1};
+    if (closed_as_lately(d, w, &ends)) return;
+    Shaft shaft = shaft_of_boxes(box, lamps->box);
+    if (!is_reached(d, w, &shaft, own, lamps->object)) return;
     box_tree_find(&d->tree, box_union(box, lamps->box), &w->arena, &w->hits);
     w->between = with_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
                            &w->between_capacity);
     for (int i = 0; i < w->hits.count; i++) {
         const Face *face = &d->mesh->faces[w->hits.items[i]];
-        const Vec3 *polygon = d->place + face->first_vertex;
-        if (!shaft_is_met(&shaft, polygon, face->vertex_count)) continue;
-        if (shaft_is_closed(polygon, face->vertex_count, face->plane, one, 8, other, 8)) {
+        if (!shaft_is_met(&shaft, d->place + face->first_vertex, face->vertex_count)) continue;
+        if (closed_by(d, w, &ends, w->hits.items[i])) {
             w->between_count = first;
             return;
         }
@@ -622,7 +740,7 @@ static void light_batch(void *context, int index, int thread) {
     Box box = box_of_groups(d, batch);
     w->near_count = w->between_count = 0;
     for (int i = 0; i < d->lamp_object_count; i++)
-        if (may_see(d, own, d->lamp_objects[i].first)) take_object(d, w, box, i);
+        if (may_see(d, own, d->lamp_objects[i].first)) take_object(d, w, box, own, i);
     for (int g = batch->first_group; w->near_count > 0 && g < batch->first_group + batch->group_count; g++)
         light_group(d, w, &d->groups[g]);
 }
@@ -695,6 +813,7 @@ static void start_direct(Direct *d, const Mesh *mesh, const StabForest *forest, 
     *d = (Direct){.mesh = mesh, .nodes = nodes};
     sort_faces(d, arena);
     find_seen(d, forest, arena);
+    find_cells(d, arena);
     make_groups(d, arena);
 }
 
@@ -718,6 +837,12 @@ static bool light_all(Direct *d, int threads, const Progress *progress, double (
     Arena arena = {0};
     threads = parallel_threads(threads);
     d->workers = ARENA_ARRAY(&arena, Worker, threads);
+    for (int t = 0; t < threads; t++) {
+        int cells = d->mesh->graph->cell_count;
+        d->workers[t].stamp = ARENA_ARRAY(&arena, int, cells + 1);
+        d->workers[t].goal = ARENA_ARRAY(&arena, int, cells + 1);
+        d->workers[t].queue = ARENA_ARRAY(&arena, int, cells + 1);
+    }
     d->at_corner = arena_alloc(&arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
     bool go_on = true;
     for (; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {

@@ -53,7 +53,6 @@ typedef struct Bake {
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, seconds;
-    DirectReport direct;
 } Bake;
 
 static BakeArguments bake_default_arguments(void) {
@@ -151,8 +150,8 @@ static bool report_timed(void *context, const char *stage, double done) {
 static void show_direct(Bake *bake, Arena *arena) {
     double start = clock_seconds();
     Progress progress = app_progress_stoppable(0);
-    direct_show(&bake->mesh, &bake->scene.forest, bake->rad.threads, &progress, arena, &bake->solution,
-                &bake->direct);
+    bake->report.stopped = !direct_show(&bake->mesh, &bake->scene.forest, bake->rad.threads, &progress, arena,
+                                        &bake->solution, &bake->report);
     app_progress_end();
     bake->direct_seconds = clock_seconds() - start;
 }
@@ -257,7 +256,7 @@ static json_t *facts_of(const Bake *bake) {
         rgb_sum(s->absorbed) / emitted, "escaped", rgb_sum(s->escaped) / emitted, "seconds", bake->seconds,
         "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds, "seconds_visibility",
         r->seconds_visibility, "seconds_gather", bake->gather_seconds, "seconds_direct", bake->direct_seconds,
-        "direct_pairs", (json_int_t)bake->direct.pairs, "direct_cut", (json_int_t)bake->direct.cut, "nodes",
+        "direct_pairs", (json_int_t)r->direct_pairs, "direct_cut", (json_int_t)r->direct_cut, "nodes",
         s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
         rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky",
         rgb_sum(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",

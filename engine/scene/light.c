@@ -128,7 +128,8 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     }
     RadReport report = rad_shoot(mesh, forest, doors, &options.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");
-    direct_show(mesh, forest, hooks->threads, &hooks->progress, arena, solution, NULL);
+    if (!direct_show(mesh, forest, hooks->threads, &hooks->progress, arena, solution, NULL))
+        return error_set(error, "stopped");
     *error = (Error){""};
     if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
     *out = show_fine(shower.fine, solution, doors, arena);

@@ -488,6 +488,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     double size = fmax(1, a->scene->graph->building->file_size / SMALL_FILE);
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
     options.lamps_only = lamps_only;
+    options.fit_rows = false;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);

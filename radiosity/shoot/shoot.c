@@ -33,6 +33,7 @@ RadOptions rad_default_options(void) {
                         .form_factor = form_factor_default_options(),
                         .culling = CULL_STAB,
                         .lamp_detail = 4,
+                        .fit_rows = true,
                         .reach = 2,
                         .residual = 0.001,
                         .row_bytes = ROWS};
@@ -176,7 +177,7 @@ static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
     shoot_elements_finish(s->elements);
     shoot_elements_store(s->elements, s->solution);
-    shoot_rows_fit(s->rows, s->solution);
+    if (s->options->fit_rows) shoot_rows_fit(s->rows, s->solution);
     for (int p = 0; p < mesh->patch_count; p++)
         shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
 }

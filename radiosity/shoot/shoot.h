@@ -18,6 +18,8 @@ typedef struct RadOptions {
     bool lamps_only;  // only emitted light is shot, no reflected light
     // Patches that emit shoot at the resolution times this factor, which is reduced where there are very many (shoot_rows.c).
     int lamp_detail;
+    // Patches that reflect much direct light shoot in more directions than others (shoot_rows_fit).
+    bool fit_rows;
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
     double reach;
     double residual;  // stop when unshot power is this share of the emitted power, 0 .. 1
@@ -68,6 +70,8 @@ typedef struct RadReport {
     double faces_drawn_mean, elements_drawn_mean;  // of rows made
     double seconds_visibility;                     // of all threads, by the caller's clock
     size_t row_bytes;
+    // By direct_show: points, faces of lamps in front of points, and those that other faces may cut.
+    long long direct_points, direct_pairs, direct_cut;
     bool stopped;  // by `progress`, which is asked every few shots and may enforce a time limit
 } RadReport;
 

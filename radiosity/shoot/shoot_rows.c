@@ -20,8 +20,10 @@ static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a 
 // The most that the rows of lamps may cost, in rows of the usual resolution.
 static const double MOST_LAMP_WORK = 4000;
 enum { LEAST_RESOLUTION = 8 };
-// Resolutions of rows are the usual one times powers of the root of 2: from LEAST to MOST in exponents.
+// Resolutions of rows are the usual one times powers of the root of 2, with these exponents.
 enum { LEAST_DETAIL = -1, MOST_DETAIL = 6, DETAILS = MOST_DETAIL - LEAST_DETAIL + 1 };
+// All rows together may cost so many times what they would cost with the usual resolution alone.
+static const double DETAIL_COST = 1;
 // The error that a shot causes on an element grows with its power and falls with the 3/2 power of the resolution, whose square is the
 // cost. The sum of squared errors is least for a cost where resolutions are as this power of the powers.
 static const double DETAIL_POWER = 0.4;
@@ -332,10 +334,10 @@ void shoot_rows_fit(ShootRows *rows, const RadSolution *solution) {
     const Mesh *mesh = rows->mesh;
     double *strength = strengths_of(mesh, solution, &scratch), low = 1e-6, high = 1e6, most = 0;
     for (int p = 0; p < mesh->patch_count; p++) most = fmax(most, strength[p]);
-    // The cost grows with the scale: all rows together are to cost as much as with one resolution.
+    // The cost grows with the scale.
     for (int i = 0; i < 40; i++) {
         double scale = sqrt(low * high);
-        if (cost_of(strength, mesh->patch_count, scale) > mesh->patch_count)
+        if (cost_of(strength, mesh->patch_count, scale) > DETAIL_COST * mesh->patch_count)
             high = scale;
         else
             low = scale;

@@ -76,7 +76,7 @@ typedef struct Worker {
         now;  // [cell_count] of a flood: its number where it came, and where it is to come; its cells
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
-    DirectReport report;
+    RadReport report;
 } Worker;
 
 typedef struct Group {
@@ -172,12 +172,14 @@ static void find_seen(Direct *d, const StabForest *forest, Arena *arena) {
     for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_lamps, &s);
     for (size_t c = 0; c < cells; c++)
         for (size_t w = 0; w < words; w++) nowhere[w] &= ~s.inside[c * words + w];
-    for (int c = 0; c < graph->cell_count; c++) {
-        uint64_t *before = s.before + (size_t)c * words;
-        add_bits(before, nowhere, d->words);
-        for (int k = 0; k < graph->cell_count; k++)
-            if (vis_sees(forest, c, k)) add_bits(before, s.inside + (size_t)k * words, d->words);
+    for (int k = 0; k < graph->cell_count; k++) {
+        const uint64_t *inside = s.inside + (size_t)k * words;
+        uint64_t any = 0;
+        for (size_t w = 0; w < words; w++) any |= inside[w];
+        for (int c = 0; c < graph->cell_count && any != 0; c++)
+            if (vis_sees(forest, c, k)) add_bits(s.before + (size_t)c * words, inside, d->words);
     }
+    for (size_t c = 0; c < cells; c++) add_bits(s.before + c * words, nowhere, d->words);
     for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_seen, &s);
     for (int o = 0; o < graph->object_count; o++) {
         uint64_t any = 0, *seen = d->seen + (size_t)o * words;
@@ -327,7 +329,7 @@ static int larger_first(const void *a, const void *b) {
     return p->face - q->face;
 }
 
-// What one shaft lies between, in building space.
+// The two ends of a shaft, in building space.
 typedef struct Ends {
     const Vec3 *one, *other;
     int one_count, other_count;
@@ -587,14 +589,14 @@ static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec
 }
 
 // The share of the light from the point, about z, that meets the lamp's face; below 0: a face hides all of it.
-static double share_of(Worker *w, const Facing *facing, Vec3 point) {
+static double share_in_sight(Worker *w, const Facing *facing, Vec3 point) {
     double share = 0;
     const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
     int occluders = find_occluders(w, facing, lamp, point);
-    w->report.pairs++;
+    w->report.direct_pairs++;
     if (occluders < 0) return -1;
     if (occluders == 0) return analytic_point(lamp, facing->count);
-    w->report.cut++;
+    w->report.direct_cut++;
     analytic_visible(lamp, facing->count, rank_of(facing->face, facing->plane, point), w->occluder, occluders,
                      add_share, &share);
     return share;
@@ -640,14 +642,14 @@ static bool corner_counts(const Direct *d, int element, int corner, Vec3 *toward
 }
 
 static void light_corner(Worker *w, int first, int end, Vec3 point, double out[3]) {
-    w->report.points++;
+    w->report.direct_points++;
     for (int k = first; k < end; k++) {
         Before before = w->before[k];
         if (hides_object(w, &before, point)) continue;
         for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
             const Facing *facing = &w->facing[i];
             if (plane_distance(facing->plane, point) <= 0) continue;
-            double share = fmax(share_of(w, facing, point), 0);
+            double share = fmax(share_in_sight(w, facing, point), 0);
             for (int c = 0; c < 3; c++) out[c] += share * facing->emitted[c];
         }
     }
@@ -832,8 +834,7 @@ static void join_corners(const Direct *d, double (*out)[3]) {
     }
 }
 
-static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3],
-                      DirectReport *report) {
+static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report) {
     Arena arena = {0};
     threads = parallel_threads(threads);
     d->workers = ARENA_ARRAY(&arena, Worker, threads);
@@ -850,11 +851,10 @@ static bool light_all(Direct *d, int threads, const Progress *progress, double (
         go_on = progress_report(progress, "direct light", (double)d->first / d->batch_count);
         if (go_on) parallel_for(threads, left < BATCHES_A_LOOK ? left : BATCHES_A_LOOK, light_batch, d);
     }
-    *report = (DirectReport){0};
     for (int t = 0; t < threads; t++) {
-        report->points += d->workers[t].report.points;
-        report->pairs += d->workers[t].report.pairs;
-        report->cut += d->workers[t].report.cut;
+        report->direct_points += d->workers[t].report.direct_points;
+        report->direct_pairs += d->workers[t].report.direct_pairs;
+        report->direct_cut += d->workers[t].report.direct_cut;
         arena_free(&d->workers[t].arena);
     }
     if (go_on) join_corners(d, out);
@@ -863,10 +863,10 @@ static bool light_all(Direct *d, int threads, const Progress *progress, double (
 }
 
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
-                       const Progress *progress, double (*out)[3], DirectReport *report) {
+                       const Progress *progress, double (*out)[3], RadReport *report) {
     Arena arena = {0};
     Direct d;
-    DirectReport work;
+    RadReport work = {0};
     start_direct(&d, mesh, forest, nodes, &arena);
     bool good = light_all(&d, threads, progress, out, report ? report : &work);
     arena_free(&arena);
@@ -874,16 +874,16 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 }
 
 bool direct_show(const Mesh *mesh, const StabForest *forest, int threads, const Progress *progress,
-                 Arena *arena, RadSolution *solution, DirectReport *report) {
+                 Arena *arena, RadSolution *solution, RadReport *report) {
     Arena scratch = {0};
     Direct d;
-    DirectReport work;
+    RadReport work = {0};
     Nodes nodes = nodes_of(mesh, &scratch);
     double(*irradiance)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *irradiance);
     start_direct(&d, mesh, forest, &nodes, &scratch);
-    bool good = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS &&
-                light_all(&d, threads, progress, irradiance, report ? report : &work);
-    if (good) {
+    bool exact = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
+    bool good = !exact || light_all(&d, threads, progress, irradiance, report ? report : &work);
+    if (good && exact) {
         RadSolution rest = *solution;
         rest.node = NULL;
         rest.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);

@@ -7,24 +7,19 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-// The work that was done.
-typedef struct DirectReport {
-    long long points, pairs,
-        cut;  // points; lamps in front of points; pairs of these that other faces may cut
-} DirectReport;
-
 // The irradiance that the lamps of the mesh alone cause at each node, W/m^2 a channel, into `out` [nodes->count]. The same on any
-// number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete.
+// number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work is added to the fields
+// direct_... of `report`, which may be NULL.
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
-                       const Progress *progress, double (*out)[3], DirectReport *report);
+                       const Progress *progress, double (*out)[3], RadReport *report);
 
 // Stores the light at each node in solution->node, allocated in the arena: exact light straight from lamps, and all other light as the
-// elements tell it. False where progress asked to stop, and where a point has so many lamps before it that exact light would take too
-// long (DIRECT_MOST_PAIRS): the solution is then unchanged. `report` may be NULL.
+// elements tell it. The solution is unchanged where there are no lamps, or so many that exact light would take too long
+// (DIRECT_MOST_PAIRS), and where progress asked to stop: then the result is false.
 bool direct_show(const Mesh *mesh, const StabForest *forest, int threads, const Progress *progress,
-                 Arena *arena, RadSolution *solution, DirectReport *report);
+                 Arena *arena, RadSolution *solution, RadReport *report);
 
-// A building with more pairs of a patch and a lamp's face keeps the light of lamps as it was shot.
+// A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6
 
 #endif

@@ -2,7 +2,7 @@
 #include "radiosity/show/shaft.h"
 
 // Adds a plane if all points lie on one side of it.
-static void add_plane(Shaft *shaft, Vec3 normal, Vec3 through, const Vec3 *one, int one_count,
+static void add_bound(Shaft *shaft, Vec3 normal, Vec3 through, const Vec3 *one, int one_count,
                       const Vec3 *other, int other_count) {
     double length = vec3_length(normal), least = 0, most = 0;
     if (!(length > 0) || shaft->count == SHAFT_PLANES) return;
@@ -42,7 +42,7 @@ Shaft shaft_of_boxes(Box one, Box other) {
     for (int axis = 0; axis < 3; axis++)
         for (int i = 0; i < 8; i++)
             if (!(i >> axis & 1))
-                add_plane(&shaft, vec3_cross(AXIS[axis], vec3_sub(b[i], a[i])), a[i], a, 8, b, 8);
+                add_bound(&shaft, vec3_cross(AXIS[axis], vec3_sub(b[i], a[i])), a[i], a, 8, b, 8);
     return shaft;
 }
 
@@ -57,7 +57,7 @@ Shaft shaft_to_box(const Vec3 *polygon, int count, Plane from, Box box) {
     for (int i = 0; i < count; i++) {
         Vec3 along = vec3_sub(polygon[i + 1 < count ? i + 1 : 0], polygon[i]);
         for (int k = 0; k < 8; k++)
-            add_plane(&shaft, vec3_cross(along, vec3_sub(corner[k], polygon[i])), polygon[i], polygon, count,
+            add_bound(&shaft, vec3_cross(along, vec3_sub(corner[k], polygon[i])), polygon[i], polygon, count,
                       corner, 8);
     }
     return shaft;

@@ -12,7 +12,7 @@ static const double SAME = 2e-6;
 
 // A solution in which nothing was shot: gathered light is light straight from lamps, by exact views of all faces.
 static double worst_difference(const Mesh *mesh, const StabForest *forest, const float *doors,
-                               DirectReport *report) {
+                               RadReport *report) {
     Arena arena = {0};
     RadSolution dark;
     Error error;
@@ -50,9 +50,9 @@ static double worst_difference(const Mesh *mesh, const StabForest *forest, const
 Test(direct, as_gathered_in_rooms) {
     for (uint64_t seed = 1; seed <= 6; seed++) {
         Lit *lit = lit_rooms(seed);
-        DirectReport report;
+        RadReport report = {0};
         cr_expect_lt(worst_difference(&lit->mesh, &lit->forest, NULL, &report), SAME);
-        cr_expect_gt(report.cut, 0);
+        cr_expect_gt(report.direct_cut, 0);
         lit_free(lit);
     }
 }
@@ -60,7 +60,7 @@ Test(direct, as_gathered_in_rooms) {
 // The same for a home, with lamps of many faces, furniture and doors that stand as drawn.
 Test(direct, as_gathered_in_a_home, .timeout = 120) {
     BakedBuilding *b = baked_building("build/maps/two-rooms.plan", 0.5);
-    DirectReport report;
+    RadReport report = {0};
     cr_expect_lt(worst_difference(&b->mesh, &b->scene.forest, b->doors, &report), SAME);
     baked_building_free(b);
 }

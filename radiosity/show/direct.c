@@ -1,9 +1,9 @@
 // direct.c - direct light at nodes: for each patch the lamps in front of it, for each lamp the faces that may stand between the two,
 // for each node the parts of the lamps that these faces leave in sight (analytic.h).
 //
-// The stab trees tell which lamps an object may see. A face can stand between a patch and a lamp only where it meets the convex hull
-// of the two: the shaft of Haines & Wallace (Shaft Culling for Efficient Ray-Traced Radiosity, 1991). Shafts of groups of patches
-// find faces in a tree of boxes; shafts of patches choose among these.
+// The stab trees tell which lamps an object may see, and portals by which ways (lamp_ways.h). A face can stand between a patch and
+// a lamp only where it meets the convex hull of the two: the shaft of Haines & Wallace (Shaft Culling for Efficient Ray-Traced
+// Radiosity, 1991). Shafts of batches of patches find faces in a tree of boxes; shafts of patches choose among these.
 #include "radiosity/show/direct.h"
 
 #include <stdlib.h>
@@ -13,16 +13,17 @@
 #include "engine/core/parallel.h"
 #include "radiosity/factors/analytic.h"
 #include "radiosity/factors/view.h"
+#include "radiosity/show/lamp_ways.h"
 #include "radiosity/show/reconstruct.h"
-#include "radiosity/show/shaft.h"
 
 // A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
 // at most. That is above the rounding of coordinates and below a visible distance.
 static const double HAIR = 0.01, LONGEST_HAIR = 1e-3;
 static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
+// Faces that are remembered because they hid all of a lamp.
+enum { CLOSERS = 8 };
 // Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
 // looks at progress.
-enum { CLOSERS = 8 };
 enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
 
 // A face in the axes of a group: z is the normal of the face that the group is on.
@@ -72,8 +73,7 @@ typedef struct Worker {
     Plane *edge;
     Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
     int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
-    int *stamp, *goal, *queue,
-        now;  // [cell_count] of a flood: its number where it came, and where it is to come; its cells
+    LampFlood *flood;
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
     RadReport report;
@@ -99,162 +99,16 @@ typedef struct Direct {
     BoxTree tree;  // of faces
     double *size;  // [face_count] m^2
     int *lamp;     // [lamp_count] faces that emit
-    int lamp_count, words;
-    uint64_t *seen;          // [object_count * words] the lamps that each object may see
-    struct Cells *cells_of;  // [object_count]
-    int *cells;
+    int lamp_count;
     Vec3 *place;  // of each vertex in Mesh.outline
     LampObject *lamp_objects;
+    LampWays *ways;  // to lamp objects
     Group *groups;
     Batch *batches;
     int lamp_object_count, group_count, batch_count, first;  // `first` batch of this look
     Worker *workers;                                         // [threads]
     double (*at_corner)[3];                                  // [corner_count]
 } Direct;
-
-// ---- lamps that objects may see
-
-static void add_bits(uint64_t *to, const uint64_t *from, int words) {
-    for (int w = 0; w < words; w++) to[w] |= from[w];
-}
-
-// For each run of an object in the squares of a cell.
-static void each_object(const CellGraph *graph, int cell, void (*body)(void *context, int cell, int object),
-                        void *context) {
-    const SquareGrid *squares = &graph->grids[cell];
-    int first = graph->square_first[squares->first_square],
-        end = graph->square_first[squares->first_square + squares->nx * squares->ny];
-    for (int k = first; k < end; k++) body(context, cell, graph->square_objects[k]);
-}
-
-typedef struct Seeing {
-    Direct *direct;
-    int *first, *of_object;     // lamps by object
-    uint64_t *inside, *before;  // [cell_count * words] lamps in each cell, and lamps that it may see
-} Seeing;
-
-static void note_lamps(void *context, int cell, int object) {
-    const Seeing *s = context;
-    for (int i = s->first[object]; i < s->first[object + 1]; i++)
-        s->inside[(size_t)cell * (size_t)s->direct->words + (size_t)(s->of_object[i] / 64)] |=
-            (uint64_t)1 << s->of_object[i] % 64;
-}
-
-static void note_seen(void *context, int cell, int object) {
-    const Seeing *s = context;
-    size_t words = (size_t)s->direct->words;
-    add_bits(s->direct->seen + (size_t)object * words, s->before + (size_t)cell * words, s->direct->words);
-}
-
-static void sort_lamps(Seeing *s, Arena *arena) {
-    const Direct *d = s->direct;
-    int objects = d->mesh->graph->object_count;
-    s->first = ARENA_ARRAY(arena, int, objects + 2);
-    s->of_object = ARENA_ARRAY(arena, int, d->lamp_count + 1);
-    for (int i = 0; i < d->lamp_count; i++) s->first[d->mesh->faces[d->lamp[i]].object + 2]++;
-    for (int o = 0; o < objects; o++) s->first[o + 2] += s->first[o + 1];
-    for (int i = 0; i < d->lamp_count; i++)
-        s->of_object[s->first[d->mesh->faces[d->lamp[i]].object + 1]++] = i;
-}
-
-// An object in no cell may see all lamps, and a lamp in no cell is seen by all objects.
-static void find_seen(Direct *d, const StabForest *forest, Arena *arena) {
-    const CellGraph *graph = d->mesh->graph;
-    Arena scratch = {0};
-    size_t words = (size_t)d->words, cells = (size_t)graph->cell_count;
-    Seeing s = {.direct = d,
-                .inside = ARENA_ARRAY(&scratch, uint64_t, cells * words + 1),
-                .before = ARENA_ARRAY(&scratch, uint64_t, cells * words + 1)};
-    uint64_t *nowhere = ARENA_ARRAY(&scratch, uint64_t, words + 1);
-    d->seen = ARENA_ARRAY(arena, uint64_t, (size_t)graph->object_count * words + 1);
-    sort_lamps(&s, &scratch);
-    memset(nowhere, 0xff, words * sizeof *nowhere);
-    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_lamps, &s);
-    for (size_t c = 0; c < cells; c++)
-        for (size_t w = 0; w < words; w++) nowhere[w] &= ~s.inside[c * words + w];
-    for (int k = 0; k < graph->cell_count; k++) {
-        const uint64_t *inside = s.inside + (size_t)k * words;
-        uint64_t any = 0;
-        for (size_t w = 0; w < words; w++) any |= inside[w];
-        for (int c = 0; c < graph->cell_count && any != 0; c++)
-            if (vis_sees(forest, c, k)) add_bits(s.before + (size_t)c * words, inside, d->words);
-    }
-    for (size_t c = 0; c < cells; c++) add_bits(s.before + c * words, nowhere, d->words);
-    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, note_seen, &s);
-    for (int o = 0; o < graph->object_count; o++) {
-        uint64_t any = 0, *seen = d->seen + (size_t)o * words;
-        for (size_t w = 0; w < words; w++) any |= seen[w];
-        if (any == 0) memset(seen, 0xff, words * sizeof *seen);
-    }
-    arena_free(&scratch);
-}
-
-static bool may_see(const Direct *d, int object, int lamp) {
-    return d->seen[(size_t)object * (size_t)d->words + (size_t)(lamp / 64)] >> (lamp % 64) & 1;
-}
-
-// ---- floods: light comes to an object from a lamp in another cell through portals that the shaft between the two meets
-
-typedef struct Cells {
-    int first, end;  // in Direct.cells
-} Cells;
-
-static void count_cell(void *context, int cell, int object) {
-    (void)cell;
-    ((Direct *)context)->cells_of[object].end++;
-}
-
-static void put_cell(void *context, int cell, int object) {
-    Direct *d = context;
-    Cells *of = &d->cells_of[object];
-    if (of->end == of->first || d->cells[of->end - 1] != cell) d->cells[of->end++] = cell;
-}
-
-static void find_cells(Direct *d, Arena *arena) {
-    const CellGraph *graph = d->mesh->graph;
-    int next = 0;
-    d->cells_of = ARENA_ARRAY(arena, Cells, graph->object_count + 1);
-    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, count_cell, d);
-    for (int o = 0; o < graph->object_count; o++) {
-        int count = d->cells_of[o].end;
-        d->cells_of[o] = (Cells){next, next};
-        next += count;
-    }
-    d->cells = ARENA_ARRAY(arena, int, next + 1);
-    for (int c = 0; c < graph->cell_count; c++) each_object(graph, c, put_cell, d);
-}
-
-static bool comes_to(Worker *w, int cell, int *count) {
-    if (w->stamp[cell] == w->now) return false;
-    w->stamp[cell] = w->now;
-    w->queue[(*count)++] = cell;
-    return true;
-}
-
-// May light come from one object to the other along the shaft between their parts? Objects in no cell are taken to be reached.
-static bool is_reached(const Direct *d, Worker *w, const Shaft *shaft, int from, int to) {
-    const CellGraph *graph = d->mesh->graph;
-    Cells start = d->cells_of[from], goal = d->cells_of[to];
-    int count = 0;
-    if (start.first == start.end || goal.first == goal.end) return true;
-    w->now++;
-    for (int i = goal.first; i < goal.end; i++) w->goal[d->cells[i]] = w->now;
-    for (int i = start.first; i < start.end; i++)
-        if (comes_to(w, d->cells[i], &count) && w->goal[d->cells[i]] == w->now) return true;
-    for (int next = 0; next < count; next++) {
-        const Cell *cell = &graph->cells[w->queue[next]];
-        for (int i = cell->first_way; i < cell->first_way + cell->way_count; i++) {
-            const Portal *portal = &graph->portals[graph->ways[i].portal];
-            int beyond = graph->ways[i].cell;
-            if (w->stamp[beyond] == w->now ||
-                !shaft_is_met(shaft, graph->portal_vertices + portal->first_vertex, portal->vertex_count))
-                continue;
-            comes_to(w, beyond, &count);
-            if (w->goal[beyond] == w->now) return true;
-        }
-    }
-    return false;
-}
 
 // ---- groups and patches
 
@@ -413,8 +267,8 @@ static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
     Ends ends = {there, before.box, 4, 8, own};
     Shaft shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, lamps->box);
-    bool closed =
-        closed_as_lately(d, w, &ends) || !is_reached(d, w, &shaft, d->mesh->faces[own].object, lamps->object);
+    bool closed = closed_as_lately(d, w, &ends) ||
+                  !lamp_flood_reaches(w->flood, &shaft, d->mesh->faces[own].object, lamps->object);
     for (int i = near->first; i < near->first + near->count && !closed; i++) {
         int other = w->between[i], count, first = w->corner_count;
         const Face *f = &d->mesh->faces[other];
@@ -480,8 +334,8 @@ static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 r
         Shaft shaft = {0};
         if (!closed) {
             shaft = shaft_to_box(there, 4, d->mesh->faces[own].plane, box);
-            closed =
-                !is_reached(d, w, &shaft, d->mesh->faces[own].object, d->lamp_objects[before.object].object);
+            closed = !lamp_flood_reaches(w->flood, &shaft, d->mesh->faces[own].object,
+                                         d->lamp_objects[before.object].object);
         }
         for (int i = before.first_blocker; i < before.first_blocker + before.blocker_count && !closed; i++) {
             Blocker b = w->blocker[i];
@@ -716,7 +570,7 @@ static void take_object(const Direct *d, Worker *w, Box box, int own, int object
     Ends ends = {one, other, 8, 8, -1};
     if (closed_as_lately(d, w, &ends)) return;
     Shaft shaft = shaft_of_boxes(box, lamps->box);
-    if (!is_reached(d, w, &shaft, own, lamps->object)) return;
+    if (!lamp_flood_reaches(w->flood, &shaft, own, lamps->object)) return;
     box_tree_find(&d->tree, box_union(box, lamps->box), &w->arena, &w->hits);
     w->between = with_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
                            &w->between_capacity);
@@ -741,8 +595,7 @@ static void light_batch(void *context, int index, int thread) {
     int own = d->mesh->faces[d->groups[batch->first_group].face].object;
     Box box = box_of_groups(d, batch);
     w->near_count = w->between_count = 0;
-    for (int i = 0; i < d->lamp_object_count; i++)
-        if (may_see(d, own, d->lamp_objects[i].first)) take_object(d, w, box, own, i);
+    for (int i = -1; (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
     for (int g = batch->first_group; w->near_count > 0 && g < batch->first_group + batch->group_count; g++)
         light_group(d, w, &d->groups[g]);
 }
@@ -796,16 +649,20 @@ static void sort_faces(Direct *d, Arena *arena) {
         if (mesh_emits(mesh, f)) add_lamp(d, f, boxes[f]);
     }
     d->tree = box_tree_build(boxes, mesh->face_count, arena);
-    d->words = (d->lamp_count + 63) / 64;
 }
 
+// Patches times the faces of lamps that they may see. Faces of an object follow each other.
 static double count_pairs(const Direct *d) {
     double pairs = 0;
-    for (int f = 0; f < d->mesh->face_count; f++) {
+    for (int f = 0, object = -1, faces = 0; f < d->mesh->face_count; f++) {
         const Face *face = &d->mesh->faces[f];
-        for (int w = 0; w < d->words; w++)
-            pairs += (double)face->patch_count *
-                     __builtin_popcountll(d->seen[(size_t)face->object * (size_t)d->words + (size_t)w]);
+        if (face->object != object) {
+            object = face->object;
+            faces = 0;
+            for (int i = -1; (i = lamp_ways_next(d->ways, object, i)) >= 0;)
+                faces += d->lamp_objects[i].count;
+        }
+        pairs += (double)faces * face->patch_count;
     }
     return pairs;
 }
@@ -814,8 +671,9 @@ static void start_direct(Direct *d, const Mesh *mesh, const StabForest *forest, 
                          Arena *arena) {
     *d = (Direct){.mesh = mesh, .nodes = nodes};
     sort_faces(d, arena);
-    find_seen(d, forest, arena);
-    find_cells(d, arena);
+    int *object = ARENA_ARRAY(arena, int, d->lamp_object_count + 1);
+    for (int i = 0; i < d->lamp_object_count; i++) object[i] = d->lamp_objects[i].object;
+    d->ways = lamp_ways_new(mesh->graph, forest, object, d->lamp_object_count, arena);
     make_groups(d, arena);
 }
 
@@ -838,12 +696,7 @@ static bool light_all(Direct *d, int threads, const Progress *progress, double (
     Arena arena = {0};
     threads = parallel_threads(threads);
     d->workers = ARENA_ARRAY(&arena, Worker, threads);
-    for (int t = 0; t < threads; t++) {
-        int cells = d->mesh->graph->cell_count;
-        d->workers[t].stamp = ARENA_ARRAY(&arena, int, cells + 1);
-        d->workers[t].goal = ARENA_ARRAY(&arena, int, cells + 1);
-        d->workers[t].queue = ARENA_ARRAY(&arena, int, cells + 1);
-    }
+    for (int t = 0; t < threads; t++) d->workers[t].flood = lamp_flood_new(d->ways, &arena);
     d->at_corner = arena_alloc(&arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
     bool go_on = true;
     for (; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {

@@ -93,7 +93,7 @@ static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error 
     LightBaker baker = light_baker(&r->scene, arena);
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     if (!baker.bake)
-        return error_set(error, "%s: nothing emits light: it has no lamps (--sky L brings daylight)",
+        return error_set(error, "%s: nothing emits light: it has no lamps (--day brings daylight)",
                          r->a->file);
     LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
     bool good = baker.bake(baker.context, &hooks, arena, light, error);
@@ -228,7 +228,7 @@ static int render(const RenderArguments *arguments) {
 static const Option ROWS[] = {
     {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
     OPTION_MAP(AT(load.map)),
-    OPTION_DAYLIGHT(AT(load.sky)),
+    OPTION_DAYLIGHT(AT(load.day)),
     {.name = "view",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -322,7 +322,7 @@ static int parse_render(int argc, char **argv, RenderArguments *a, bool *help) {
     if (!a->out) return app_misuse("render", "render: where to write is not said: give -o OUT.png");
     if (a->view && a->from) return app_misuse("render", "render: --view or --eye (one of them is allowed)");
     if (a->from && !a->towards) return app_misuse("render", "render: --eye needs --look X,Y,Z");
-    return APP_GOOD;
+    return app_check_day("render", &a->load.day);
 }
 
 int cmd_render(int argc, char **argv) {

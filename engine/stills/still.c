@@ -142,7 +142,8 @@ static void prepare_still(Still *s, const StillSource *source, StillReport *repo
     s->light = still_light_new(s->scene, baked->solution, source->lamps_only, lamps, arena);
     s->exposure = expose(source, s->camera, s->options->stops);
     s->sky.exposure = s->exposure;
-    for (int c = 0; c < 3; c++) s->sky.day[c] = M_PI * baked->solution->sky[c];
+    daylight_mean(&baked->solution->day, s->sky.day);
+    for (int c = 0; c < 3; c++) s->sky.day[c] *= M_PI;
     s->media = still_scene_media(s->scene, s->camera->eye);
     s->whitted = (Whitted){s->scene, &s->light, s->options->depth, THRESHOLD, LAMP_RAYS, sky_at, &s->sky};
     report->exposure = s->exposure;

@@ -172,6 +172,17 @@ typedef struct Light {
     int object;     // the lamp in which the light sits, or -1
 } Light;
 
+// Where and when a building stands, as far as its file says so.
+typedef struct Site {
+    bool placed;                 // latitude and longitude are known
+    double latitude, longitude;  // radians north and east
+    double north;                // direction of north in the plan, radians clockwise from +y
+    int date[3];                 // year, month, day; year 0: neither date nor hour are known
+    double hour;                 // of the place's clock, 0 .. 24
+    bool zoned;                  // `ahead` is known; else the clock counts as the sun's mean time
+    double ahead;                // hours that the clock is ahead of UTC
+} Site;
+
 // A stored view.
 typedef struct Viewpoint {
     const char *name;
@@ -230,6 +241,7 @@ typedef struct Building {
     Object *objects;
     Inlay *inlays;
     Light *lights;
+    Site site;
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;

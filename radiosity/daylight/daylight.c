@@ -144,10 +144,32 @@ Daylight daylight_of(const SunPosition *sun, double north, DaylightWeather weath
     return day;
 }
 
+// The weather with the day's sky; DAYLIGHT_WEATHERS: none.
+static int weather_of(const Daylight *day) {
+    int w = 0;
+    while (w < DAYLIGHT_WEATHERS && memcmp(day->cie, WEATHERS[w].cie, sizeof day->cie) != 0) w++;
+    return w;
+}
+
+const char *daylight_weather_name(const Daylight *day) {
+    int w = weather_of(day);
+    return w < DAYLIGHT_WEATHERS ? DAYLIGHT_WEATHER_NAMES[w] : "uniform";
+}
+
 bool daylight_shines(const Daylight *day) {
     for (int c = 0; c < 3; c++)
         if (day->beam[c] > 0 || day->zenith[c] > 0) return true;
     return false;
+}
+
+bool daylight_is_sound(const Daylight *day) {
+    bool good = day->mean >= 0 && isfinite(day->mean) && day->ground >= 0 && day->ground <= 1 &&
+                fabs(vec3_dot(day->sun, day->sun) - (daylight_shines(day) ? 1 : 0)) < 1e-6;
+    bool known = daylight_is_uniform(day) || !daylight_shines(day);
+    for (int c = 0; c < 3; c++)
+        good = good && day->beam[c] >= 0 && isfinite(day->beam[c]) && day->zenith[c] >= 0 &&
+               isfinite(day->zenith[c]);
+    return good && (known || weather_of(day) < DAYLIGHT_WEATHERS);
 }
 
 bool daylight_is_uniform(const Daylight *day) {

@@ -32,8 +32,13 @@ Daylight daylight_uniform(const double radiance[3]);
 // The day under a sun that stands there. `north` as for sun_direction.
 Daylight daylight_of(const SunPosition *sun, double north, DaylightWeather weather);
 
+// The name of a day's sky: of a weather, or "uniform".
+const char *daylight_weather_name(const Daylight *day);
+
 // Does any light come from sun or sky?
 bool daylight_shines(const Daylight *day);
+// Are all numbers finite, and do no radiances lie below 0? Files may be forged.
+bool daylight_is_sound(const Daylight *day);
 // Is the sky the same everywhere, without a sun or light from below?
 bool daylight_is_uniform(const Daylight *day);
 

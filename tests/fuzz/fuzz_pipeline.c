@@ -310,7 +310,7 @@ static int method_count(void) {
 }
 
 static void light(Scene *s) {
-    static const double SKY[3] = {3, 3, 4};
+    const Daylight sky = daylight_uniform((const double[]){3, 3, 4});
     RadOptions options = rad_default_options();
     Mesh mesh;
     RadSolution solution;
@@ -330,7 +330,7 @@ static void light(Scene *s) {
         demand(error.text[0], "light, or a sentence");
         return;
     }
-    if (day) rad_shine(&mesh, &s->forest, s->doors, &options, SKY, NULL, &solution);
+    if (day) rad_shine(&mesh, &s->forest, s->doors, &options, &sky, NULL, &solution);
     rad_shoot(&mesh, &s->forest, s->doors, &options, NULL, &solution);
     target_count(TARGET_SHOT);
     check_power(&mesh, &solution);

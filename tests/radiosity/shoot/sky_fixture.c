@@ -21,7 +21,8 @@ RadSolution sky_shone(Lit *lit, const RadOptions *options) {
     RadSolution s;
     Error error = {""};
     cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &s, &error), "%s", error.text);
-    cr_assert(rad_shine(&lit->mesh, &lit->forest, NULL, options, SKY, NULL, &s));
+    Daylight day = daylight_uniform(SKY);
+    cr_assert(rad_shine(&lit->mesh, &lit->forest, NULL, options, &day, NULL, &s));
     return s;
 }
 

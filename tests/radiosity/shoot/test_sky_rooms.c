@@ -41,7 +41,7 @@ static int point_count(void) { return support_count(8, POINTS); }
 // Relative errors of what points indoors gather, in order; points nearly in the dark aside.
 static int errors_of(Lit *lit, const RadSolution *s, double errors[POINTS]) {
     Arena arena = {0};
-    PathTracer *tracer = path_tracer_new(&lit->mesh, SKY, &arena);
+    PathTracer *tracer = path_tracer_new(&lit->mesh, &s->day, &arena);
     PathQuery queries[POINTS];
     PathResult truth[POINTS];
     Probes probes = {ARENA_ARRAY(&arena, Probe, POINTS), 0, POINTS};
@@ -176,7 +176,7 @@ Test(sky, is_stored_and_resumed) {
     const char *path = arena_format(&arena, "%s/a.rad", support_folder(&arena));
     cr_assert(rad_save(path, &lit->mesh, NULL, &s, &error), "%s", error.text);
     cr_assert(rad_load(path, &lit->mesh, NULL, &lit->arena, &back, &error), "%s", error.text);
-    cr_assert_arr_eq(back.sky, SKY, sizeof back.sky);
+    cr_assert_arr_eq(&back.day, &whole.day, sizeof back.day);
     options.shots = 0;
     rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &back);
     cr_assert_eq(back.shots, whole.shots);
@@ -196,12 +196,13 @@ Test(sky, stops_when_asked) {
     Lit *lit = room_with_window(1, 1, 0.5);
     RadOptions options = sky_options_of(CULL_STAB, 2);
     double never = 2, at[2] = {0, 0.5};
+    Daylight day = daylight_uniform(SKY);
     RadSolution alone = sky_shone(lit, &options), s;
     Error error = {""};
     for (int i = 0; i < 3; i++) {
         Progress progress = {stop_at, i < 2 ? &at[i] : &never};
         cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &s, &error), "%s", error.text);
-        cr_assert_eq(rad_shine(&lit->mesh, &lit->forest, NULL, &options, SKY, &progress, &s), i == 2);
+        cr_assert_eq(rad_shine(&lit->mesh, &lit->forest, NULL, &options, &day, &progress, &s), i == 2);
     }
     cr_assert_arr_eq(s.radiosity, alone.radiosity, (size_t)s.element_count * sizeof *s.radiosity);
     lit_free(lit);

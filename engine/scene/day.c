@@ -50,9 +50,7 @@ bool day_over(const DayOptions *o, const Building *b, Daylight *out, Error *erro
 
 void day_describe(const Daylight *day, char *out, size_t size) {
     double turn = atan2(day->sun.x, day->sun.y) / DEGREE;
-    if (!daylight_shines(day))
-        snprintf(out, size, "night");
-    else if (daylight_is_uniform(day))
+    if (daylight_is_uniform(day))
         snprintf(out, size, "a sky of %g,%g,%g W/m^2/sr", day->zenith[0], day->zenith[1], day->zenith[2]);
     else
         snprintf(out, size, "a %s sky with the sun %.2f degrees high, %.2f degrees clockwise from +y",

@@ -160,6 +160,17 @@ static void read_compass(Sh3d *s, const XmlNode *node) {
     site->north = sh3d_number(s, node, "northDirection", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
 }
 
+// The zone's hour depends on the date, which a camera tells.
+static void find_zone(Sh3d *s) {
+    Site *site = &s->b->site;
+    if (site->date[0] == 0) return;
+    struct tm date = {.tm_year = site->date[0] - 1900, .tm_mon = site->date[1] - 1, .tm_mday = site->date[2]};
+    double wall = (double)timegm(&date) + site->hour * 3600;
+    for (const XmlNode *node = s->home->first; node; node = node->next)
+        if (xml_is(node, "compass"))
+            site->zoned = sh3d_zone_find(sh3d_text(node, "timeZone"), wall, &site->ahead);
+}
+
 static void read_cameras(Sh3d *s) {
     Building *b = s->b;
     for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next) {
@@ -177,6 +188,7 @@ static void read_cameras(Sh3d *s) {
         }
         *ARENA_PUSH(s->arena, b->viewpoints, b->viewpoint_count, b->viewpoint_capacity) = v;
     }
+    if (!s->failed) find_zone(s);
 }
 
 // ---- the home

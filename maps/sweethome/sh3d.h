@@ -111,6 +111,13 @@ void sh3d_read_pieces(Sh3d *s);
 // Appends a door or window to the sketch; returns false where the node cannot be used.
 bool sh3d_read_opening(Sh3d *s, const XmlNode *node);
 
+// ---- sh3d_zone.c
+
+// How many hours a zone's clock is ahead of UTC when it shows `wall`, seconds since 1970. `zone` is a file of the system's zone data, and
+// `name` the name of one. False: not known.
+bool sh3d_zone_ahead(Bytes zone, double wall, double *hours);
+bool sh3d_zone_find(const char *name, double wall, double *hours);
+
 // ---- sh3d_shape.c
 
 // Writes the largest figure of an SVG path (all commands but S and T) to out[max], with curves as polylines. Returns

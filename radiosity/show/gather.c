@@ -292,9 +292,10 @@ struct Gatherer {
     GatherScene scene;
     GatherOptions options;
     Viewer *viewer;
-    FormFactor *rows;            // of the method
-    FormFactor *samples;         // for slopes: the same, where it has samples; NULL: no slopes
-    Leaving *leaving;            // [element_count]
+    FormFactor *rows;  // of the method
+    FormFactor
+        *samples;      // for slopes and skies that are not even: the same, where it has samples; NULL: none
+    Leaving *leaving;  // [element_count]
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
     bool any_lamp, even_sky;
@@ -367,7 +368,8 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->options = *options;
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
-    if (scene->light)
+    self->even_sky = daylight_is_uniform(&scene->solution->day);
+    if (scene->light || !self->even_sky)
         self->samples = options->method->projective
                             ? self->rows
                             : form_factor_new(form_factor_method("hemisphere"), mesh, &rows, arena);
@@ -375,7 +377,6 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->occluder = ARENA_ARRAY(arena, AnalyticOccluder, mesh->face_count);
     self->edge = ARENA_ARRAY(arena, Plane, mesh->outline_count);
     find_leaving(self);
-    self->even_sky = daylight_is_uniform(&scene->solution->day);
     if (options->near.reach > 0) self->near = near_gatherer_new(mesh, scene->solution, options, arena);
     return self;
 }
@@ -482,13 +483,8 @@ static void gather_row(Gatherer *self, const View *view, Near *near, double irra
         const double *mean = self->leaving[row->element[i]].mean;
         for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
-    if (self->samples && !self->even_sky) return;
-    const Daylight *day = &self->scene.solution->day;
-    double above[3], below[3];
-    daylight_mean(day, above);
-    daylight_below(day, below);
-    for (int c = 0; c < 3; c++)
-        irradiance[c] += row->sky * M_PI * above[c] + (row->escaped - row->sky) * M_PI * below[c];
+    if (!self->even_sky) return;
+    for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->day.zenith[c];
 }
 
 // Samples where they meet elements: slopes, and with `means` all of it. A sky that is not even is left to samples in any case.

@@ -53,7 +53,7 @@ void day_describe(const Daylight *day, char *out, size_t size) {
     if (daylight_is_uniform(day))
         snprintf(out, size, "a sky of %g,%g,%g W/m^2/sr", day->zenith[0], day->zenith[1], day->zenith[2]);
     else
-        snprintf(out, size, "a %s sky with the sun %.2f degrees high, %.2f degrees clockwise from +y",
+        snprintf(out, size, "%s sky with the sun %.2f degrees high, %.2f degrees clockwise from +y",
                  daylight_weather_name(day), asin(fmin(fmax(day->sun.z, -1), 1)) / DEGREE,
                  turn < 0 ? turn + 360 : turn);
 }

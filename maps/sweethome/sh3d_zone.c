@@ -1,4 +1,4 @@
-// sh3d_zone.c - how far the clock of a time zone is ahead of UTC: the system's zone data in the format TZif (RFC 8536, version 2 and above).
+// sh3d_zone.c - how far the clock of a time zone is ahead of UTC, by the system's zone data (TZif of RFC 8536, version 2 and above).
 //
 // Departure: rules for the years after the last stored change (TZif's footer) are not read; those years count as not known.
 #include <stdio.h>

@@ -11,6 +11,7 @@ typedef enum DaylightWeather {
     DAYLIGHT_OVERCAST,      // type 1; no sun
     DAYLIGHT_WEATHERS
 } DaylightWeather;
+// The names that options have for them.
 extern const char *const DAYLIGHT_WEATHER_NAMES[DAYLIGHT_WEATHERS];
 
 // The share of the light on level ground that the ground sends back: grass and soil.

@@ -4,6 +4,7 @@
 
 #include "engine/core/vec.h"
 
+// The sun as a place of the earth sees it.
 typedef struct SunPosition {
     double altitude;  // radians above the horizon, refraction included
     double azimuth;   // radians from north, clockwise from above, 0 .. 2 pi

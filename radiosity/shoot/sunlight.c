@@ -258,7 +258,7 @@ static SunPolygon project_element(const SunScene *s, const Element *e, Arena *ar
     return out;
 }
 
-static double share_of(const SunScene *s, SunTools *tools, int element, int count) {
+static double share_in_sun(const SunScene *s, SunTools *tools, int element, int count) {
     const Element *e = &s->mesh->elements[element];
     arena_reset(&tools->scratch);
     Parts parts = {0};
@@ -327,7 +327,7 @@ static void light_patch(void *context, int index, int thread) {
     SunTools *tools = &s->tools[thread];
     int count = find_shadows(s, tools, patch);
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-        s->share[e] = share_of(s, tools, e, count);
+        s->share[e] = share_in_sun(s, tools, e, count);
 }
 
 void sunlight_shares(const Mesh *mesh, Vec3 sun, bool cells_alone, int threads, double *share) {

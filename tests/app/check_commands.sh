@@ -378,7 +378,7 @@ same "$work/usual.rad" "$work/said.rad" '--day alone is not the usual day'
 expect 0 "$program" bake "$work/unlit.plan" --time 11:00+1 -o "$work/zone.rad"
 same "$work/usual.rad" "$work/zone.rad" 'a clock an hour ahead shows another day'
 expect 1 "$program" bake "$work/unlit.plan" --day --time 11:00 --resume -o "$work/usual.rad" && sentence &&
-    says err 'was made under a clear sky with the sun [0-9.]* degrees high'
+    says err 'was made under clear sky with the sun [0-9.]* degrees high'
 expect 1 "$program" bake "$work/unlit.plan" --date 2026-12-21 --time 03:00 -o "$work/x.rad" && sentence &&
     says err 'the sun is [0-9.]* degrees below the horizon on 2026-12-21 at 03:00'
 for command in "bake FILE" "walk FILE --offscreen $work/day" "render FILE -o $work/day.png"; do

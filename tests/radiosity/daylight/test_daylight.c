@@ -123,3 +123,19 @@ Test(daylight, colours_and_dusk) {
     cr_expect_lt(sum(late.zenith), 0.05 * sum(dusk.zenith));
     cr_expect(!daylight_shines(&night));
 }
+
+// Proves that a stored day with impossible numbers is told from one that the product makes.
+Test(daylight, unsound_days) {
+    Daylight night = {0}, good = day_at(20, DAYLIGHT_INTERMEDIATE),
+             even = daylight_uniform((const double[]){1, 0, 2});
+    cr_expect(daylight_is_sound(&night) && daylight_is_sound(&good) && daylight_is_sound(&even));
+    Daylight bad[7] = {good, good, good, good, good, good, even};
+    bad[0].beam[1] = -1;
+    bad[1].zenith[2] = NAN;
+    bad[2].sun.z = 0.9;
+    bad[3].cie[1] = 3;
+    bad[4].ground = 1.5;
+    bad[5].mean = INFINITY;
+    bad[6].cie[2] = 1;
+    for (int i = 0; i < 7; i++) cr_expect_not(daylight_is_sound(&bad[i]), "day %d", i);
+}

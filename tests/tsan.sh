@@ -58,7 +58,7 @@ says out 'Archer detected OpenMP application with TSan'
 bake $maps/two-rooms.plan -o "$work/a.rad" --row-memory 1 --shots 200
 bake $maps/two-rooms.plan -o "$work/a.rad" --row-memory 0 --shots 300 --resume
 bake $maps/house.plan -o "$work/lit.rad" $coarse --row-memory 1 --shots 300 -o "$work/lit.glb" --probe 1,1,1,0,0,1
-bake "$work/closet.plan" -o "$work/b.rad" --element 0.5 --shots 100 --sky 1
+bake "$work/closet.plan" -o "$work/b.rad" --element 0.5 --shots 100 --day
 bake "$work/closet.plan" -o "$work/b.rad" --element 0.5 --final-gather
 bake $maps/two-rooms.plan -o "$work/b.rad" $coarse --seconds 0.05
 bake $maps/two-rooms.plan -o "$work/b.rad" $coarse --shots 20 --method hemicube --no-cull --refine 0

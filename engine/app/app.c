@@ -111,6 +111,15 @@ SceneOptions app_scene_options(void) {
     return o;
 }
 
+int app_check_day(const char *command, const DayOptions *day) {
+    if (!day_asks_sky(day) || !day_asks_sun(day)) return APP_GOOD;
+    return app_misuse(
+        command,
+        "%s: --sky is an even sky without a sun (allowed beside it: none of --day, --date, --time, "
+        "--place, --north, --weather)",
+        command);
+}
+
 bool app_load(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out, Error *error) {
     bool good = scene_load(path, options, arena, out, error);
     app_progress_end();

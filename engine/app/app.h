@@ -28,6 +28,9 @@ SceneOptions app_scene_options(void);
 // scene_load, and the end of the bar.
 bool app_load(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out, Error *error);
 
+// Options of daylight that exclude one another are wrong use.
+int app_check_day(const char *command, const DayOptions *day);
+
 // Before the work: can each of the files be written, and is it none of those that are read, nor another of these? NULLs are passed
 // over. `load` (or NULL) learns the paths, which last: a building that refers to one of the files is refused.
 bool app_check_files(const char *const *written, int write_count, const char *const *read, int read_count,

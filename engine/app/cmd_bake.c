@@ -64,8 +64,10 @@ static BakeArguments bake_default_arguments(void) {
 
 static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
+    BakeOptions options = bake->a->bake;
+    options.day = bake->scene.day;
     bool good =
-        bake_mesh(&bake->a->bake, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
+        bake_mesh(&options, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->bake.rad;
     if (!good) return false;
@@ -101,20 +103,20 @@ static bool check_room(Bake *bake, Error *error) {
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
     Progress progress = app_progress_stoppable(0);
-    bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, bake->a->bake.sky,
+    bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &bake->scene.day,
                            &progress, &bake->solution);
     app_progress_end();
     bake->sky_seconds = clock_seconds() - start;
     if (!whole) return error_set(error, "stopped before all daylight was in: nothing is stored");
     if (rgb_sum(bake->solution.emitted) > 0) return true;
-    return error_set(error, "nothing emits light, and none of the sky's comes in");
+    return error_set(error, "nothing emits light, and no daylight comes in");
 }
 
 static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     if (bake->a->resume)
         return rad_load(bake->earlier, &bake->mesh, bake->doors, arena, &bake->solution, error) &&
-               light_check_sky(bake->earlier, &bake->solution, bake->a->bake.sky, error);
-    bool day = rgb_sum(bake->a->bake.sky) > 0;
+               light_check_day(bake->earlier, &bake->solution, &bake->scene.day, error);
+    bool day = daylight_shines(&bake->scene.day);
     bool good = day ? rad_start_dark(&bake->mesh, arena, &bake->solution, error)
                     : rad_start(&bake->mesh, arena, &bake->solution, error);
     if (good && day) good = shine(bake, error);
@@ -223,7 +225,7 @@ static double peak_mb(void) {
     return (double)usage.ru_maxrss / 1024;
 }
 
-// The power of the lamps, W; the rest came from the sky.
+// The power of the lamps, W; the rest is daylight.
 static double lamp_power(const Mesh *mesh) {
     double power = 0;
     for (int p = 0; p < mesh->patch_count; p++) {
@@ -259,7 +261,7 @@ static json_t *facts_of(const Bake *bake) {
         "direct_pairs", (json_int_t)r->direct_pairs, "direct_cut", (json_int_t)r->direct_cut, "nodes",
         s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
         rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky",
-        rgb_sum(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
+        daylight_shines(&s->day) ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
     add_proxies(facts, bake->mesh.options.proxies);
@@ -304,7 +306,7 @@ static void print_warnings(const Bake *bake) {
     const Mesh *mesh = &bake->mesh;
     app_print_notes(&bake->scene.building, MOST_NOTES);
     double escaped = rgb_sum(s->escaped) / rgb_sum(s->emitted);
-    if (escaped > OPEN && rgb_sum(s->sky) == 0)
+    if (escaped > OPEN && !daylight_shines(&s->day))
         fprintf(stderr, "enfilade: %s is open: %.3g %% of its light escaped\n", bake->a->file, 100 * escaped);
     int lost = lost_in_light(bake);
     if (lost > 0)
@@ -446,7 +448,7 @@ static const Option ROWS[] = {
      .names = BAKE_DOORS_NAMES,
      .name_count = BAKE_DOORS,
      .help = "@ (default drawn)"},
-    OPTION_DAYLIGHT(AT(bake.sky)),
+    OPTION_DAYLIGHT(AT(load.day)),
     {.name = "element",
      .value = "M",
      .type = OPTION_NUMBER,
@@ -588,6 +590,7 @@ static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {
     if (code != APP_GOOD || *help) return code;
     if (a->no_cull) b->bake.rad.culling = CULL_NONE;
     b->load.vis.threads = b->bake.rad.threads;
+    if ((code = app_check_day("bake", &b->load.day)) != APP_GOOD) return code;
     if (b->bake.rad.form_factor.hidden && strcmp(b->bake.rad.method->name, "hemicube") != 0)
         return app_misuse("bake", "bake: --hidden fills the sides of a hemicube: give --method hemicube");
     return APP_GOOD;

@@ -38,7 +38,6 @@ typedef struct Render {
     StillOptions still;  // as asked for, and as fits
     LoadedScene scene;
     const WalkLight *light;
-    RadSolution lamps_only;
     Camera camera;
     StillReport report;
     double seconds_light;
@@ -93,7 +92,7 @@ static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error 
     LightBaker baker = light_baker(&r->scene, arena);
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     if (!baker.bake)
-        return error_set(error, "%s: nothing emits light: it has no lamps (--sky L brings daylight)",
+        return error_set(error, "%s: nothing emits light: it has no lamps (--day brings daylight)",
                          r->a->file);
     LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
     bool good = baker.bake(baker.context, &hooks, arena, light, error);
@@ -109,21 +108,6 @@ static bool get_light(Render *r, const Progress *progress, Arena *arena, Error *
                 (r->light || bake_light(r, progress, arena, error));
     r->seconds_light = clock_seconds() - start;
     return good;
-}
-
-// ---- direct light of the lamps
-
-// The light straight from lamps as the bake shot it, as a solution of its own.
-static void split_lamps(Render *r, Arena *arena) {
-    const Mesh *mesh = r->light->mesh;
-    r->lamps_only = *r->light->solution;
-    r->lamps_only.radiosity =
-        arena_alloc(arena, (size_t)mesh->element_count, sizeof *r->lamps_only.radiosity);
-    for (int e = 0; e < mesh->element_count; e++) {
-        double *out = r->lamps_only.radiosity[e];
-        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, out);
-        for (int c = 0; c < 3; c++) out[c] += r->light->solution->direct[e][c];
-    }
 }
 
 // ---- the picture
@@ -143,8 +127,7 @@ static int fitting_direct(const Mesh *mesh) {
 static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
     const RenderArguments *a = r->a;
     uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->size[0] * (size_t)a->size[1] * 3);
-    StillSource source = {&r->scene.forest, r->light, &r->lamps_only};
-    if (!still_draw(&source, &r->camera, &r->still, progress, rgb, &r->report))
+    if (!still_draw(&r->scene.forest, r->light, &r->camera, &r->still, progress, rgb, &r->report))
         return error_set(error, "stopped");
     return image_write_png(a->out, rgb, a->size[0], a->size[1], error);
 }
@@ -191,7 +174,6 @@ static int render(const RenderArguments *arguments) {
                 load(&r, &options, &arena, &error) && find_camera(&r, &error) &&
                 get_light(&r, &progress, &arena, &error);
     if (good && !arguments->direct_given) r.still.direct = fitting_direct(r.light->mesh);
-    if (good && r.still.direct == STILL_RAYS) split_lamps(&r, &arena);
     good = good && draw(&r, &progress, &arena, &error);
     app_progress_end();
     if (good) print_render(&r);
@@ -206,7 +188,7 @@ static int render(const RenderArguments *arguments) {
 static const Option ROWS[] = {
     {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
     OPTION_MAP(AT(load.map)),
-    OPTION_DAYLIGHT(AT(load.sky)),
+    OPTION_DAYLIGHT(AT(load.day)),
     {.name = "view",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -300,7 +282,7 @@ static int parse_render(int argc, char **argv, RenderArguments *a, bool *help) {
     if (!a->out) return app_misuse("render", "render: where to write is not said: give -o OUT.png");
     if (a->view && a->from) return app_misuse("render", "render: --view or --eye (one of them is allowed)");
     if (a->from && !a->towards) return app_misuse("render", "render: --eye needs --look X,Y,Z");
-    return APP_GOOD;
+    return app_check_day("render", &a->load.day);
 }
 
 int cmd_render(int argc, char **argv) {

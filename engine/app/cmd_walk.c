@@ -53,7 +53,7 @@ static const Option ROWS[] = {
      .help = "the light that `enfilade bake` stored (default: FILE with the suffix .rad, or the light that "
              "`enfilade bake "
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
-    OPTION_DAYLIGHT(AT(load.sky)),
+    OPTION_DAYLIGHT(AT(load.day)),
     {.name = "false-colour",
      .value = "Q",
      .type = OPTION_NAME,
@@ -215,11 +215,12 @@ static int check(const Arguments *a) {
                           "walk: --view, --trace and --full-screen are for the window, not --offscreen");
     if (a->off_screen ? a->no_bake : a->bake)
         return app_misuse("walk", "walk: --bake is for --offscreen, --no-bake for the window");
-    if (rgb_sum(a->load.sky) > 0 && a->walk.verify)
-        return app_misuse("walk", "walk: --sky is not for --verify, which shows no light");
+    if (day_asks(&a->load.day) && a->walk.verify)
+        return app_misuse("walk", "walk: %s is not for --verify, which shows no light",
+                          day_asks_sky(&a->load.day) ? "--sky" : "daylight");
     if (a->toured && a->walk.replay)
         return app_misuse("walk", "walk: --tour or --replay (one of them is allowed)");
-    return APP_GOOD;
+    return app_check_day("walk", &a->load.day);
 }
 
 static int parse_walk(int argc, char **argv, Arguments *a, bool *help) {
@@ -359,7 +360,7 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
     // Daylight that is asked for is baked where no stored light has it.
-    bool day = rgb_sum(load->sky) > 0;
+    bool day = day_asks(&load->day);
     bool bakes = !a->walk.verify && (a->off_screen ? a->bake || day : !a->no_bake);
     load->work = "walking";
     load->find_light = !a->walk.verify;

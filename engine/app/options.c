@@ -69,6 +69,53 @@ static bool read_sky(const char *text, const Option *row, double radiance[3]) {
     return count != 2;
 }
 
+static int days_of(int year, int month) {
+    static const int DAYS[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    return DAYS[month - 1] + (month == 2 && leap);
+}
+
+static bool read_date(const char *text, const Option *row, int date[3]) {
+    char extra;
+    int read[3];
+    if (sscanf(text, "%4d-%2d-%2d%c", &read[0], &read[1], &read[2], &extra) != 3 || read[0] < row->low ||
+        read[0] > row->high || read[1] < 1 || read[1] > 12 || read[2] < 1 ||
+        read[2] > days_of(read[0], read[1]))
+        return false;
+    memcpy(date, read, sizeof read);
+    return true;
+}
+
+// `HH:MM`, and how many characters it has.
+static bool read_clock(const char *text, int *length, double *hours) {
+    int hour, minute;
+    if (*text < '0' || *text > '9' || sscanf(text, "%2d:%2d%n", &hour, &minute, length) != 2) return false;
+    *hours = hour + minute / 60.0;
+    return hour < 24 && minute >= 0 && minute < 60;
+}
+
+static bool read_time(const char *text, const Option *row, double time[2]) {
+    double hours, ahead = NAN;
+    int length;
+    if (!read_clock(text, &length, &hours)) return false;
+    const char *zone = text + length;
+    if (*zone && ((*zone != '+' && *zone != '-') || !read_number(zone, row->low, row->high, &ahead)))
+        return false;
+    time[0] = hours;
+    time[1] = ahead;
+    return true;
+}
+
+static bool read_place(const char *text, double place[2]) {
+    char extra;
+    double read[2];
+    if (sscanf(text, "%lf,%lf%c", &read[0], &read[1], &extra) != 2 || !(fabs(read[0]) <= 90) ||
+        !(fabs(read[1]) <= 180))
+        return false;
+    memcpy(place, read, sizeof read);
+    return true;
+}
+
 static bool read_point(const char *text, Vec3 *out) {
     char extra;
     return sscanf(text, "%lf,%lf,%lf%c", &out->x, &out->y, &out->z, &extra) == 3 && isfinite(out->x) &&
@@ -117,6 +164,12 @@ static bool take_value(const Option *row, const char *text, void *at) {
         return read_point(text, at);
     case OPTION_SKY:
         return read_sky(text, row, at);
+    case OPTION_DATE:
+        return read_date(text, row, at);
+    case OPTION_TIME:
+        return read_time(text, row, at);
+    case OPTION_PLACE:
+        return read_place(text, at);
     case OPTION_NAME:
         return read_choice(text, row, at);
     default:
@@ -137,6 +190,16 @@ static void print_allowed(const Option *row, char *out, size_t size) {
         break;
     case OPTION_SKY:
         snprintf(out, size, "L or R,G,B, %.10g to %.10g each", row->low, row->high);
+        break;
+    case OPTION_DATE:
+        snprintf(out, size, "YYYY-MM-DD, years %.10g to %.10g", row->low, row->high);
+        break;
+    case OPTION_TIME:
+        snprintf(out, size, "HH:MM, or HH:MM+H of a clock H hours ahead of UTC, %.10g to %.10g", row->low,
+                 row->high);
+        break;
+    case OPTION_PLACE:
+        snprintf(out, size, "degrees north and east, -90 to 90 and -180 to 180");
         break;
     case OPTION_NAME:
         *out = 0;

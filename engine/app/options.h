@@ -5,6 +5,7 @@
 
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
+#include "engine/scene/day.h"
 
 // Exit codes.
 enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2 };
@@ -29,9 +30,12 @@ typedef struct Option {
         OPTION_SIZE,       // int[2], pixels: WxH, low to high each
         OPTION_POINT,      // Vec3, metres: X,Y,Z
         OPTION_SKY,        // double[3], W/m^2/sr: L or R,G,B, low to high each
-        OPTION_NAME,       // int: the index of one of `names`
-        OPTION_OTHER,      // as `take` does
-        OPTION_HEADING,    // no option: a line of the help
+        OPTION_DATE,       // int[3]: YYYY-MM-DD, years low to high
+        OPTION_TIME,  // double[2]: HH:MM, hours and NAN, or HH:MM+H, hours and how many a clock is ahead of UTC
+        OPTION_PLACE,    // double[2]: LAT,LON, degrees north and east
+        OPTION_NAME,     // int: the index of one of `names`
+        OPTION_OTHER,    // as `take` does
+        OPTION_HEADING,  // no option: a line of the help
     } type;
     // Where the value goes: an offset in the command's arguments.
     size_t at;
@@ -88,10 +92,51 @@ int app_misuse(const char *command, const char *format, ...) __attribute__((form
         .name = "memory", .value = "MB", .type = OPTION_MEGABYTES, .at = (field), .low = 16,                 \
         .high = 1000000, .help = "memory that may be used, @ (default: " text ")"                            \
     }
+// Six rows, of a DayOptions.
 #define OPTION_DAYLIGHT(field)                                                                               \
+    {.name = "day",                                                                                          \
+     .type = OPTION_FLAG,                                                                                    \
+     .at = (field) + offsetof(DayOptions, day),                                                              \
+     .help = "daylight of sun and sky, at the home's own place and hour where its file has them; each of "   \
+             "the next five options asks for it, too"},                                                      \
+        {.name = "date",                                                                                     \
+         .value = "DATE",                                                                                    \
+         .type = OPTION_DATE,                                                                                \
+         .at = (field) + offsetof(DayOptions, date),                                                         \
+         .low = 1900,                                                                                        \
+         .high = 2100,                                                                                       \
+         .help = "@ (default: the home's own, else 21 June)"},                                               \
+        {.name = "time",                                                                                     \
+         .value = "TIME",                                                                                    \
+         .type = OPTION_TIME,                                                                                \
+         .at = (field) + offsetof(DayOptions, time),                                                         \
+         .low = -14,                                                                                         \
+         .high = 14,                                                                                         \
+         .help = "@; without +H the sun's mean time at the place (default: the home's own, else 10:00)"},    \
+        {.name = "place",                                                                                    \
+         .value = "LAT,LON",                                                                                 \
+         .type = OPTION_PLACE,                                                                               \
+         .at = (field) + offsetof(DayOptions, place),                                                        \
+         .help = "@ (default: the home's own, else 50,0)"},                                                  \
+        {.name = "north",                                                                                    \
+         .value = "DEG",                                                                                     \
+         .type = OPTION_DEGREES,                                                                             \
+         .at = (field) + offsetof(DayOptions, north),                                                        \
+         .low = -360,                                                                                        \
+         .high = 360,                                                                                        \
+         .help = "direction of north in the plan, degrees clockwise from +y, @ (default: the home's own, "   \
+                 "else 0)"},                                                                                 \
+        {.name = "weather",                                                                                  \
+         .value = "NAME",                                                                                    \
+         .type = OPTION_NAME,                                                                                \
+         .at = (field) + offsetof(DayOptions, weather),                                                      \
+         .names = DAYLIGHT_WEATHER_NAMES,                                                                    \
+         .name_count = DAYLIGHT_WEATHERS,                                                                    \
+         .help = "@ (default clear)"},                                                                       \
     {                                                                                                        \
-        .name = "sky", .value = "L", .type = OPTION_SKY, .at = (field), .high = 1e6,                         \
-        .help = "daylight: a sky of that radiance, W/m^2/sr, the same all over; @ (default 0)"               \
+        .name = "sky", .value = "L", .type = OPTION_SKY, .at = (field) + offsetof(DayOptions, sky),          \
+        .high = 1e6,                                                                                         \
+        .help = "instead of these an even sky of that radiance, W/m^2/sr, without a sun; @ (default 0)"      \
     }
 #define OPTION_JSON(field)                                                                                   \
     { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }

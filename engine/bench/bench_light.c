@@ -177,11 +177,12 @@ static void take_results(LightPoints *points, const PathResult *results) {
         points->points[i].scale = fmax(light_point_irradiance(&points->points[i]), DARK * points->mean);
 }
 
-static void light_points_trace(const Mesh *mesh, const double sky[3], LightTruth kind, double error,
+static void light_points_trace(const Mesh *mesh, const double radiance[3], LightTruth kind, double error,
                                uint64_t seed, LightPoints *points) {
     Arena scratch = {0};
     double begin = clock_seconds();
-    PathTracer *tracer = path_tracer_new(mesh, sky, &scratch);
+    Daylight day = daylight_uniform(radiance);
+    PathTracer *tracer = path_tracer_new(mesh, &day, &scratch);
     PathQuery *queries = ARENA_ARRAY(&scratch, PathQuery, points->count);
     PathResult *results = ARENA_ARRAY(&scratch, PathResult, points->count);
     for (int i = 0; i < points->count; i++)
@@ -256,7 +257,7 @@ static void light_bake_defaults(const LightScene *scene, LightBake *out) {
     out->rad.residual = 0;
     out->rad.form_factor.resolution = 0;
     out->rad.row_bytes = RAD_ROWS_FIT;
-    memcpy(out->adapt.sky, scene->arguments->sky, sizeof out->adapt.sky);
+    out->adapt.day = daylight_uniform(scene->arguments->sky);
 }
 
 // Gathers light at all vertices: then the value between corners shows the quality of the final gather.
@@ -274,7 +275,8 @@ static bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error
     const CellGraph *graph = &s->scene.graph;
     AdaptScene lit = {graph, s->vertices, &s->scene.forest, s->doors};
     Mesh *mesh = &bake->mesh;
-    const double *sky = s->arguments->sky, begin = clock_seconds(), worked = clock_work_seconds();
+    Daylight day = daylight_uniform(s->arguments->sky);
+    double begin = clock_seconds(), worked = clock_work_seconds();
     bake->options.proxies = proxies_find(graph, s->vertices, bake->options.proxy, arena);
     bool good = bake->adapt.share > 0
                     ? adapt_mesh(&lit, &bake->options, &bake->adapt, &bake->rad, NULL, arena, mesh, error)
@@ -282,8 +284,8 @@ static bool light_bake(const LightScene *s, Arena *arena, LightBake *bake, Error
     if (!good || !rad_start_dark(mesh, arena, &bake->solution, error)) return false;
     bake->mesh_seconds = clock_seconds() - begin;
     rad_fit(mesh, &bake->rad);
-    if (sky[0] + sky[1] + sky[2] > 0)
-        rad_shine(mesh, &s->scene.forest, s->doors, &bake->rad, sky, NULL, &bake->solution);
+    if (daylight_shines(&day))
+        rad_shine(mesh, &s->scene.forest, s->doors, &bake->rad, &day, NULL, &bake->solution);
     bake->report = rad_shoot(mesh, &s->scene.forest, s->doors, &bake->rad, NULL, &bake->solution);
     if (bake->gather > 0) gather_vertices(s, bake, arena);
     bake->fine = fine_mesh_new(mesh, arena);
@@ -448,7 +450,7 @@ static void trace_pixel(void *context, int index, int thread) {
 
 static void look_and_trace(const ErrorPicture *e, const Camera *camera, Pixels *p) {
     Arena scratch = {0};
-    PathWorld world = path_world(e->mesh, e->solution->sky, &scratch);
+    PathWorld world = path_world(e->mesh, &e->solution->day, &scratch);
     Tracing tracing = {&world, p, e->seed};
     look_through_pixels(e, camera, world.scene, p);
     parallel_for(parallel_threads(0), p->seen, trace_pixel, &tracing);

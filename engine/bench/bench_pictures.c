@@ -271,7 +271,7 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
     BakeOptions options = bake_default_options();
     double begin = clock_seconds();
     float *doors;
-    memcpy(options.sky, s->arguments->sky, sizeof options.sky);
+    options.day = daylight_uniform(s->arguments->sky);
     if (way->share > 0) options.adapt.share = way->share;
     options.rad.form_factor.resolution = way->resolution;
     options.rad.residual = way->residual;
@@ -280,8 +280,8 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
         return false;
     const StabForest *forest = &s->scene.forest;
     rad_fit(&out->mesh, &options.rad);
-    if (rgb_sum(options.sky) > 0)
-        rad_shine(&out->mesh, forest, doors, &options.rad, options.sky, NULL, &out->solution);
+    if (daylight_shines(&options.day))
+        rad_shine(&out->mesh, forest, doors, &options.rad, &options.day, NULL, &out->solution);
     rad_shoot(&out->mesh, forest, doors, &options.rad, NULL, &out->solution);
     if (way->gather > 0) {
         VertexLight light = reconstruct_light(&out->mesh, &out->solution, arena);
@@ -604,7 +604,8 @@ static bool pictures_of_file(const char *file, const BenchArguments *a, Text *cs
     PictureScene s;
     bool good = open_scene(file, a, &arena, &s, error);
     if (good) {
-        s.tracer = path_tracer_new(&s.mesh, a->sky, &arena);
+        Daylight day = daylight_uniform(a->sky);
+        s.tracer = path_tracer_new(&s.mesh, &day, &arena);
         choose_views(&s, &arena);
         good = find_truth(&s, &arena, error);
         path_tracer_end(s.tracer);

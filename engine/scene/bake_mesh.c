@@ -59,7 +59,7 @@ static bool find_mesh(const BakeOptions *bake, const AdaptScene *lit, MeshOption
         options->splits = stored.splits;
     } else if (bake->adapt.share > 0) {
         AdaptOptions adapt = bake->adapt;
-        memcpy(adapt.sky, bake->sky, sizeof adapt.sky);
+        adapt.day = bake->day;
         return adapt_mesh(lit, options, &adapt, &bake->rad, progress, arena, out, error);
     }
     return mesh_build(lit->graph, lit->vertices, lit->door_open, options, arena, out, error);
@@ -67,10 +67,10 @@ static bool find_mesh(const BakeOptions *bake, const AdaptScene *lit, MeshOption
 
 // Before stand-ins and meshes are made, which takes long in furnished homes; many have no lamps.
 static bool check_light(const BakeOptions *bake, const LoadedScene *scene, Error *error) {
-    if (bake->sky[0] + bake->sky[1] + bake->sky[2] > 0 || scene_emits(scene)) return true;
+    if (daylight_shines(&bake->day) || scene_emits(scene)) return true;
     return error_set(error,
                      "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
-                     "(--sky L brings daylight)",
+                     "(--day brings daylight)",
                      scene->building.source, scene->building.material_count);
 }
 

@@ -18,8 +18,8 @@ typedef struct BakeOptions {
     RadOptions rad;
     // One of BAKE_DOORS_...
     int doors;
-    // Radiance, W/m^2/sr a channel; 0: night.
-    double sky[3];
+    // The scene's; all zeros: night.
+    Daylight day;
 } BakeOptions;
 BakeOptions bake_default_options(void);
 

@@ -20,11 +20,14 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
     return (WalkLight){&fine->mesh, shown, doors, fine};
 }
 
-bool light_check_sky(const char *file, const RadSolution *solution, const double sky[3], Error *error) {
-    const double *had = solution->sky;
-    if (memcmp(had, sky, sizeof solution->sky) == 0) return true;
-    return error_set(error, "%s: was made under a sky of %g,%g,%g W/m^2/sr (asked for: %g,%g,%g)", file,
-                     had[0], had[1], had[2], sky[0], sky[1], sky[2]);
+bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error) {
+    const Daylight *had = &solution->day;
+    char made[128], asked[128];
+    bool both_dark = !daylight_shines(had) && !daylight_shines(day);
+    if (both_dark || memcmp(had, day, sizeof *had) == 0) return true;
+    day_describe(had, made, sizeof made);
+    day_describe(day, asked, sizeof asked);
+    return error_set(error, "%s: was made under %s (asked for: %s)", file, made, asked);
 }
 
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error) {
@@ -40,7 +43,7 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
         options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&
-               (rgb_sum(scene->sky) == 0 || light_check_sky(path, solution, scene->sky, error));
+               (!daylight_shines(&scene->day) || light_check_day(path, solution, &scene->day, error));
     }
     arena_free(&scratch);
     if (good) *out = show_fine(fine_mesh_new(mesh, arena), solution, doors, arena);
@@ -92,16 +95,16 @@ static void show_solution(void *context, const RadSolution *so_far) {
     shower->shown = clock_seconds();
 }
 
-// The light of the lamps, and by day that of the sky.
+// The light of the lamps, and by day that of sky and sun.
 static bool begin_light(const BakeOptions *options, const StabForest *forest, const float *doors,
                         const Progress *progress, const Mesh *mesh, Arena *arena, RadSolution *out,
                         Error *error) {
-    if (rgb_sum(options->sky) == 0) return rad_start(mesh, arena, out, error);
+    if (!daylight_shines(&options->day)) return rad_start(mesh, arena, out, error);
     if (!rad_start_dark(mesh, arena, out, error)) return false;
-    if (!rad_shine(mesh, forest, doors, &options->rad, options->sky, progress, out))
+    if (!rad_shine(mesh, forest, doors, &options->rad, &options->day, progress, out))
         return error_set(error, "stopped");
     if (rgb_sum(out->emitted) > 0) return true;
-    return error_set(error, "nothing emits light, and none of the sky's comes in");
+    return error_set(error, "nothing emits light, and no daylight comes in");
 }
 
 static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
@@ -113,7 +116,7 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     float *doors;
     const StabForest *forest = &bake->scene->forest;
     options.rad.threads = hooks->threads;
-    memcpy(options.sky, bake->scene->sky, sizeof options.sky);
+    options.day = bake->scene->day;
     if (!bake_mesh(&options, bake->scene, NULL, &hooks->progress, arena, &doors, mesh, error) ||
         !progress_report(&hooks->progress, "mesh", 0))
         return false;
@@ -138,7 +141,7 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
 
 LightBaker light_baker(LoadedScene *scene, Arena *arena) {
     Error error;
-    bool lit = scene_emits(scene) || rgb_sum(scene->sky) > 0;
+    bool lit = scene_emits(scene) || daylight_shines(&scene->day);
     if (!lit || !scene_has_walls(scene, &error)) return (LightBaker){0};
     SceneBake *bake = ARENA_ARRAY(arena, SceneBake, 1);
     *bake = (SceneBake){scene, light_place(&scene->building, arena)};

@@ -13,11 +13,11 @@ enum { LIGHT_ROOM = 1 << 20 };
 // The first of the scene's lights that fits its mesh, which is made again as it was baked; NULL: none does. Fails where the light
 // was given (SceneOptions.light) and does not fit; others are passed over with a warning.
 bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLight **out, Error *error);
-// One file. Refuses a file that is damaged, of another building, or made under another sky than the scene's.
+// One file. Refuses a file that is damaged, of another building, or made under another day than the scene's.
 bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLight *out, Error *error);
 
-// Refuses a solution from a file that was made under another sky, radiance in W/m^2/sr a channel.
-bool light_check_sky(const char *file, const RadSolution *solution, const double sky[3], Error *error);
+// Refuses a solution from a file that was made under another day.
+bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error);
 
 // Instructions to a bake, and its news.
 typedef struct LightHooks {
@@ -41,8 +41,8 @@ typedef struct LightBaker {
     bool keeps;
 } LightBaker;
 
-// The baker that bakes as `enfilade bake FILE` does by itself, under the scene's sky, and stores the light where that stores it. Its
-// `bake` is NULL where nothing emits light and there is no sky, or there is no surface that light could fall on. The scene was loaded
+// The baker that bakes as `enfilade bake FILE` does by itself, under the scene's day, and stores the light where that stores it. Its
+// `bake` is NULL where nothing emits light and it is night, or there is no surface that light could fall on. The scene was loaded
 // with all lamps.
 LightBaker light_baker(LoadedScene *scene, Arena *arena);
 

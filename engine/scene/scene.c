@@ -15,7 +15,7 @@
 #include "visibility/prepare/prepare.h"
 
 SceneOptions scene_default_options(void) {
-    return (SceneOptions){.vis = vis_default_options(), .keep = true};
+    return (SceneOptions){.vis = vis_default_options(), .day = day_default_options(), .keep = true};
 }
 
 // ---- files
@@ -103,12 +103,13 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
-    *out = (LoadedScene){.warn = options->warn, .sky = {options->sky[0], options->sky[1], options->sky[2]}};
+    *out = (LoadedScene){.warn = options->warn};
     double start = clock_seconds();
     budget_open(path, options->memory, options->gentle);
     if (!maps_read_map(path, options->map, arena, &out->building, error) ||
         !scene_spares(options->written, options->written_count, out->building.beside,
                       out->building.beside_count, error) ||
+        !day_over(&options->day, &out->building, &out->day, error) ||
         (options->find_light && !find_lights(path, options, arena, out, error)))
         return false;
     if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0))

@@ -3,6 +3,7 @@
 #ifndef SCENE_SCENE_H
 #define SCENE_SCENE_H
 
+#include "engine/scene/day.h"
 #include "visibility/vis.h"
 
 // How a building is loaded. Strings and arrays last as long as the scene.
@@ -24,9 +25,9 @@ typedef struct SceneOptions {
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
     bool find_light;
     const char *light;
-    // The sky over the building, radiance in W/m^2/sr a channel: stored light under another sky does not fit, and light that is baked
-    // is under this one. 0: any stored light fits, and light is baked by night.
-    double sky[3];
+    // The daylight asked for: stored light of another day does not fit, and light that is baked is of this one. None: any stored light
+    // fits, and light is baked by night.
+    DayOptions day;
     // The use of the building, where it may take too much memory: "baking"; NULL: "working on it".
     const char *work;
     // Memory that may be used, bytes; 0: as much as fits the file to open it, then three quarters of the machine's.
@@ -58,8 +59,8 @@ typedef struct LoadedScene {
     bool cached, kept, stopped;
     // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.
     long long undecided;
-    // As in the options.
-    double sky[3];
+    // The day asked for, over this building; all zeros: none.
+    Daylight day;
     // Files of light whose head fits the building, where it was looked for.
     const char *lights[SCENE_LIGHTS];
     int light_count;

@@ -76,16 +76,16 @@ static void sky_at(const void *context, Vec3 direction, double out[3]) {
 
 // ---- exposure
 
-static double expose(const StillSource *source, const Camera *camera, double stops) {
-    const Mesh *mesh = source->light->mesh;
+static double expose(const StabForest *forest, const WalkLight *baked, const Camera *camera, double stops) {
+    const Mesh *mesh = baked->mesh;
     Arena scratch = {0};
     LitMesh *lit = lit_mesh_new(mesh, &scratch);
     LitLight light = lit_light_new(lit, &scratch);
-    lit_light_fill(lit, source->light->solution, &light);
-    VisQuery *query = vis_query_new(mesh->graph, source->forest, &scratch);
+    lit_light_fill(lit, baked->solution, &light);
+    VisQuery *query = vis_query_new(mesh->graph, forest, &scratch);
     Eye eye = walk_eye(camera);
     VisResult seen =
-        vis_query(query, &eye, vis_locate(mesh->graph, camera->eye, -1), source->light->door_open, CULL_STAB);
+        vis_query(query, &eye, vis_locate(mesh->graph, camera->eye, -1), baked->door_open, CULL_STAB);
     Exposure exposure = {.stops = stops};
     exposure_adapt(&exposure, exposure_meter(lit, &light, camera, seen.objects, seen.object_count),
                    light.level, 0);
@@ -134,15 +134,16 @@ static void draw_tile(void *context, int index, int thread) {
         atomic_store(&s->stopped, true);
 }
 
-static void prepare_still(Still *s, const StillSource *source, StillReport *report, Arena *arena) {
-    const WalkLight *baked = source->light;
+static void prepare_still(Still *s, const StabForest *forest, const WalkLight *baked, StillReport *report,
+                          Arena *arena) {
     bool rays = s->options->direct == STILL_RAYS;
     s->scene = still_scene_new(baked->mesh, baked->door_open, s->options->tree, arena);
-    StillLamps *lamps = rays ? still_lamps_new(s->scene, source->forest, s->options->samples, arena) : NULL;
-    s->light = still_light_new(s->scene, baked->solution, source->lamps_only, lamps, arena);
-    s->exposure = expose(source, s->camera, s->options->stops);
+    StillLamps *lamps = rays ? still_lamps_new(s->scene, forest, s->options->samples, arena) : NULL;
+    s->light = still_light_new(s->scene, baked->solution, lamps, arena);
+    s->exposure = expose(forest, baked, s->camera, s->options->stops);
     s->sky.exposure = s->exposure;
-    for (int c = 0; c < 3; c++) s->sky.day[c] = M_PI * baked->solution->sky[c];
+    daylight_mean(&baked->solution->day, s->sky.day);
+    for (int c = 0; c < 3; c++) s->sky.day[c] *= M_PI;
     s->media = still_scene_media(s->scene, s->camera->eye);
     s->whitted = (Whitted){s->scene, &s->light, s->options->depth, THRESHOLD, LAMP_RAYS, sky_at, &s->sky};
     report->exposure = s->exposure;
@@ -157,8 +158,8 @@ static void add_work(WhittedWork *sum, const WhittedWork *work) {
     sum->deep += work->deep;
 }
 
-bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
-                const Progress *progress, uint8_t *rgb, StillReport *report) {
+bool still_draw(const StabForest *forest, const WalkLight *baked, const Camera *camera,
+                const StillOptions *options, const Progress *progress, uint8_t *rgb, StillReport *report) {
     Arena arena = {0};
     Still s = {.camera = camera,
                .options = options,
@@ -168,7 +169,7 @@ bool still_draw(const StillSource *source, const Camera *camera, const StillOpti
                .rows = (camera->height + TILE - 1) / TILE};
     double start = clock_seconds();
     *report = (StillReport){0};
-    prepare_still(&s, source, report, &arena);
+    prepare_still(&s, forest, baked, report, &arena);
     report->seconds_scene = clock_seconds() - start;
     s.tiles = ARENA_ARRAY(&arena, Tile, s.columns * s.rows);
     start = clock_seconds();

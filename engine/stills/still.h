@@ -20,13 +20,6 @@ typedef struct StillOptions {
 } StillOptions;
 StillOptions still_default_options(void);
 
-// The scene to be drawn.
-typedef struct StillSource {
-    const StabForest *forest;
-    const WalkLight *light;
-    const RadSolution *lamps_only;  // of the same mesh, light straight from lamps; for STILL_RAYS
-} StillSource;
-
 typedef struct StillReport {
     WhittedWork work;
     double exposure;       // factor of radiosities, m^2/W
@@ -36,7 +29,7 @@ typedef struct StillReport {
 } StillReport;
 
 // Draws into `rgb` [height * width * 3], sRGB, rows from the top. False: progress asked to stop.
-bool still_draw(const StillSource *source, const Camera *camera, const StillOptions *options,
-                const Progress *progress, uint8_t *rgb, StillReport *report);
+bool still_draw(const StabForest *forest, const WalkLight *baked, const Camera *camera,
+                const StillOptions *options, const Progress *progress, uint8_t *rgb, StillReport *report);
 
 #endif

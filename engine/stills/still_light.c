@@ -580,10 +580,14 @@ static const double FACET_REACH = 4;
 
 // ---- made once
 
-static void difference(const Mesh *mesh, const RadSolution *all, const RadSolution *lamps_only,
-                       double (*out)[3]) {
-    for (int e = 0; e < mesh->element_count; e++)
-        for (int c = 0; c < 3; c++) out[e][c] = fmax(all->radiosity[e][c] - lamps_only->radiosity[e][c], 0);
+// The light that was reflected on its way.
+static void reflected_light(const Mesh *mesh, const RadSolution *solution, double (*out)[3]) {
+    for (int e = 0; e < mesh->element_count; e++) {
+        double emitted[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+        for (int c = 0; c < 3; c++)
+            out[e][c] = fmax(solution->radiosity[e][c] - emitted[c] - solution->direct[e][c], 0);
+    }
 }
 
 static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[3]) {
@@ -639,17 +643,17 @@ static void smooth_shapes(const Mesh *mesh, double (*light)[3]) {
     arena_free(&scratch);
 }
 
-StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
-                           const RadSolution *lamps_only, StillLamps *lamps, Arena *arena) {
+StillLight still_light_new(const StillScene *scene, const RadSolution *solution, StillLamps *lamps,
+                           Arena *arena) {
     const Mesh *mesh = scene->mesh;
     StillLight light = {.scene = scene, .lamps = lamps};
     Arena scratch = {0};
     RadSolution shown = *solution;
     if (lamps) {
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
-        difference(mesh, solution, lamps_only, shown.radiosity);
+        reflected_light(mesh, solution, shown.radiosity);
         smooth_shapes(mesh, shown.radiosity);
-        // Light gathered at nodes cannot be split in two: it is not used.
+        // Light at nodes cannot be split in two: it is not used.
         shown.node = NULL;
         shown.node_count = 0;
     }

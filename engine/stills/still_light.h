@@ -31,10 +31,9 @@ typedef struct StillLight {
     double mean[3];     // mean of all surfaces by area, W/m^2
 } StillLight;
 
-// `lamps_only`: the solution of the same mesh for light straight from lamps, without reflection. Then `baked` is the difference of the
-// two solutions, and light straight from lamps comes from `lamps`. With both NULL all light is baked.
-StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
-                           const RadSolution *lamps_only, StillLamps *lamps, Arena *arena);
+// With `lamps`, light straight from lamps comes from these, and `baked` is the rest of the solution. NULL: all light is baked.
+StillLight still_light_new(const StillScene *scene, const RadSolution *solution, StillLamps *lamps,
+                           Arena *arena);
 
 // The light that a ray sees at its hit, W/m^2 a channel (the radiosity of a diffuse surface that looks the same); takes about `rays`
 // shadow rays.

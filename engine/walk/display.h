@@ -48,7 +48,7 @@ enum {
     DISPLAY_KEYS
 };
 
-typedef enum DisplayEventKind {
+enum {
     DISPLAY_KEY_PRESSED,   // `key`, once for a press however long it is held
     DISPLAY_KEY_RELEASED,  // `key`, once for each press, also when the focus is lost while the key is down
     DISPLAY_BUTTON_PRESSED,
@@ -59,10 +59,10 @@ typedef enum DisplayEventKind {
     DISPLAY_FOCUS_LOST,
     DISPLAY_FOCUS_GAINED,
     DISPLAY_CLOSED  // somebody wants to close it
-} DisplayEventKind;
+};
 
 typedef struct DisplayEvent {
-    DisplayEventKind kind;
+    int kind;
     int key;  // a character, or DISPLAY_KEY_ESCAPE .. DISPLAY_KEYS - 1
     double x, y;
 } DisplayEvent;

@@ -67,7 +67,7 @@ static void on_key(GLFWwindow *glfw, int code, int scancode, int action, int mod
     (void)scancode, (void)modifiers;
     int key = key_of(code);
     if (key < 0 || action == GLFW_REPEAT) return;
-    DisplayEventKind kind = action == GLFW_PRESS ? DISPLAY_KEY_PRESSED : DISPLAY_KEY_RELEASED;
+    int kind = action == GLFW_PRESS ? DISPLAY_KEY_PRESSED : DISPLAY_KEY_RELEASED;
     display_push(display_of(glfw), (DisplayEvent){.kind = kind, .key = key});
 }
 
@@ -75,7 +75,7 @@ static void on_button(GLFWwindow *glfw, int code, int action, int modifiers) {
     (void)modifiers;
     int button = button_of(code);
     if (button < 0) return;
-    DisplayEventKind kind = action == GLFW_PRESS ? DISPLAY_BUTTON_PRESSED : DISPLAY_BUTTON_RELEASED;
+    int kind = action == GLFW_PRESS ? DISPLAY_BUTTON_PRESSED : DISPLAY_BUTTON_RELEASED;
     display_push(display_of(glfw), (DisplayEvent){.kind = kind, .key = button});
 }
 

@@ -151,7 +151,7 @@ void building_set_proxy(Building *b, double angle) {
     o->proxy_z1 = box.max.z;
 }
 
-void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...) {
+void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...) {
     va_list args;
     va_start(args, format);
     char *text = arena_format_list(arena, format, args);

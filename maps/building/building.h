@@ -172,6 +172,17 @@ typedef struct Light {
     int object;     // the lamp in which the light sits, or -1
 } Light;
 
+// Where and when a building stands, as far as its file says so.
+typedef struct Site {
+    bool placed;                 // latitude and longitude are known
+    double latitude, longitude;  // radians north and east
+    double north;                // direction of north in the plan, radians clockwise from +y
+    int date[3];                 // year, month, day; year 0: neither date nor hour are known
+    double hour;                 // of the place's clock, 0 .. 24
+    bool zoned;                  // `ahead` is known; else the clock counts as the sun's mean time
+    double ahead;                // hours that the clock is ahead of UTC
+} Site;
+
 // A stored view.
 typedef struct Viewpoint {
     const char *name;
@@ -186,11 +197,12 @@ typedef struct Tour {
     int first_viewpoint, viewpoint_count;  // in Building.tour_points
 } Tour;
 
-typedef enum NoteKind { NOTE_LEAK, NOTE_DROPPED, NOTE_CHANGED, NOTE_KINDS } NoteKind;
+// Kinds of notes.
+enum { NOTE_LEAK, NOTE_DROPPED, NOTE_CHANGED, NOTE_KINDS };
 
 // A remark on reading: a room that is not enclosed (with the way to the hole), or things left out or changed.
 typedef struct Note {
-    NoteKind kind;
+    int kind;
     const char *text;  // one sentence with its place
     Vec3 place;
     int first_point, point_count;  // a leak's path from the room to the hole and out, in Building.points
@@ -230,6 +242,7 @@ typedef struct Building {
     Object *objects;
     Inlay *inlays;
     Light *lights;
+    Site site;
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;
@@ -292,7 +305,7 @@ int building_polygons_allowed(double file_size);
 // Sets the proxy of the last object to the box of its vertices, in the frame turned by `angle` about z.
 void building_set_proxy(Building *b, double angle);
 // Adds a note; the sentence is formatted as by printf.
-void building_note(Arena *arena, Building *b, NoteKind kind, Vec3 place, const char *format, ...)
+void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 // sRGB channel 0..255 to linear reflectance, capped.
 float maps_linear(int srgb);

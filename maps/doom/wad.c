@@ -144,7 +144,7 @@ static void note_lines(const WadMap *map, Arena *arena, Building *b) {
     }
     const struct {
         int count;
-        NoteKind kind;
+        int kind;
         const char *what;
     } NOTES[] = {{short_lines, NOTE_DROPPED, "lines have no length"},
                  {sideless, NOTE_DROPPED, "lines have no sides"},

@@ -1,5 +1,5 @@
 // sh3d.c - reads homes of Sweet Home 3D (format as of versions 5.3 to 7: a ZIP with Home.xml, or that file bare):
-// levels, rooms, cameras, ground; walls, openings and furniture are read by its sister files.
+// levels, rooms, cameras, ground, compass; walls, openings and furniture are read by its sister files.
 //
 // Departures from the program: two levels of one elevation become one storey, since free space cannot overlap; a
 // hidden level is read all the same (people hide the upper floor to draw the lower one), hidden furniture is not;
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "engine/core/polygon.h"
 #include "maps/building/reader.h"
@@ -136,21 +137,58 @@ static void read_tour(Sh3d *s, const XmlNode *environment) {
     if (tour.viewpoint_count > 0) *ARENA_PUSH(s->arena, b->tours, b->tour_count, b->tour_capacity) = tour;
 }
 
+// Cameras tell hours as milliseconds since 1970, in which the place's clock shows the hours of UTC.
+static void read_hour(Sh3d *s, const XmlNode *camera) {
+    static const double DAY = 86400e3;
+    Site *site = &s->b->site;
+    if (!xml_get(camera, "time")) return;
+    double time = sh3d_number(s, camera, "time", 0, SH3D_FIRST_TIME, SH3D_LAST_TIME), day = floor(time / DAY);
+    time_t seconds = (time_t)(day * 86400);
+    struct tm date;
+    if (!gmtime_r(&seconds, &date)) return;
+    site->date[0] = date.tm_year + 1900;
+    site->date[1] = date.tm_mon + 1;
+    site->date[2] = date.tm_mday;
+    site->hour = (time / DAY - day) * 24;
+}
+
+static void read_compass(Sh3d *s, const XmlNode *node) {
+    Site *site = &s->b->site;
+    site->placed = xml_get(node, "latitude") && xml_get(node, "longitude");
+    site->latitude = sh3d_number(s, node, "latitude", 0, -SH3D_MAX_LATITUDE, SH3D_MAX_LATITUDE);
+    site->longitude = sh3d_number(s, node, "longitude", 0, -2 * SH3D_MAX_LATITUDE, 2 * SH3D_MAX_LATITUDE);
+    site->north = sh3d_number(s, node, "northDirection", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+}
+
+// The zone's hour depends on the date, which a camera tells.
+static void find_zone(Sh3d *s) {
+    Site *site = &s->b->site;
+    if (site->date[0] == 0) return;
+    struct tm date = {.tm_year = site->date[0] - 1900, .tm_mon = site->date[1] - 1, .tm_mday = site->date[2]};
+    double wall = (double)timegm(&date) + site->hour * 3600;
+    for (const XmlNode *node = s->home->first; node; node = node->next)
+        if (xml_is(node, "compass"))
+            site->zoned = sh3d_zone_find(sh3d_text(node, "timeZone"), wall, &site->ahead);
+}
+
 static void read_cameras(Sh3d *s) {
     Building *b = s->b;
     for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next) {
         // The camera from above is for plans, not for walks.
         bool observer = is_camera(node, "observerCamera");
         if (xml_is(node, "environment")) read_tour(s, node);
+        if (xml_is(node, "compass")) read_compass(s, node);
         if (!observer && !is_camera(node, "storedCamera")) continue;
         Viewpoint v = read_camera(s, node);
         if (observer) {
             s->has_observer = true;
+            read_hour(s, node);
             v.name = "observer";
             s->observer = v;
         }
         *ARENA_PUSH(s->arena, b->viewpoints, b->viewpoint_count, b->viewpoint_capacity) = v;
     }
+    if (!s->failed) find_zone(s);
 }
 
 // ---- the home

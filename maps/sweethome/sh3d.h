@@ -15,10 +15,14 @@
 // The most bytes of Home.xml; real files have below 1 MB.
 #define SH3D_MAX_XML ((size_t)64 << 20)
 // Bounds on the numbers of a file, in its own centimetres and radians.
-#define SH3D_CM 0.01             // metres
-#define SH3D_MAX_LENGTH 1e6      // width, depth, height, thickness: 10 km
-#define SH3D_MAX_COORDINATE 5e9  // half of MAPS_LIMIT, so that sums stay within it
-#define SH3D_MAX_ANGLE 1e6       // cameras really turn many times round
+#define SH3D_CM 0.01              // metres
+#define SH3D_MAX_LENGTH 1e6       // width, depth, height, thickness: 10 km
+#define SH3D_MAX_COORDINATE 5e9   // half of MAPS_LIMIT, so that sums stay within it
+#define SH3D_MAX_ANGLE 1e6        // cameras really turn many times round
+#define SH3D_MAX_LATITUDE 1.5708  // a right angle, rounded up; a longitude has twice as much
+// Hours of cameras, milliseconds since 1970: the years 1900 to 2100, for which the sun's place is known.
+#define SH3D_FIRST_TIME -2208988800e3
+#define SH3D_LAST_TIME 4133980799e3
 // Heights that differ by at most this count as equal, metres: files hold heights as single-precision centimetres.
 #define SH3D_SAME_HEIGHT 0.01
 
@@ -106,6 +110,13 @@ void sh3d_read_pieces(Sh3d *s);
 
 // Appends a door or window to the sketch; returns false where the node cannot be used.
 bool sh3d_read_opening(Sh3d *s, const XmlNode *node);
+
+// ---- sh3d_zone.c
+
+// How many hours a zone's clock is ahead of UTC when it shows `wall`, seconds since 1970. `zone` is a file of the system's zone data, and
+// `name` the name of one. False: not known.
+bool sh3d_zone_ahead(Bytes zone, double wall, double *hours);
+bool sh3d_zone_find(const char *name, double wall, double *hours);
 
 // ---- sh3d_shape.c
 

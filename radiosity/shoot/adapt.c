@@ -496,8 +496,8 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;
     bool good = rad_start_dark(mesh, &arena, &solution, error);
-    if (good && rgb_sum(a->options->sky) > 0 &&
-        !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, a->options->sky, a->progress,
+    if (good && daylight_shines(&a->options->day) &&
+        !rad_shine(mesh, a->scene->forest, a->scene->door_open, &options, &a->options->day, a->progress,
                    &solution))
         good = error_set(error, "stopped");
     if (good) {

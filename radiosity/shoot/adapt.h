@@ -9,7 +9,7 @@ typedef struct AdaptOptions {
     double share;  // the most elements, as a share of the number that a mesh without splits has; 0: no splits
     double few;    // this many elements are allowed in any case: small buildings need not be frugal
     double smallest;  // edge of the smallest elements, metres
-    double sky[3];    // radiance, W/m^2/sr a channel
+    Daylight day;     // all zeros: night
 } AdaptOptions;
 // The options that `enfilade bake` uses.
 AdaptOptions adapt_default_options(void);

@@ -19,7 +19,8 @@ typedef struct Header {
     int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element, close;
-    double emitted[3], absorbed[3], escaped[3], sky[3], outdoors[3];
+    double emitted[3], absorbed[3], escaped[3], outdoors[3];
+    Daylight day;
     int64_t shots;
 } Header;
 
@@ -114,7 +115,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
     memcpy(header.emitted, solution->emitted, sizeof header.emitted);
     memcpy(header.absorbed, solution->absorbed, sizeof header.absorbed);
     memcpy(header.outdoors, solution->outdoors, sizeof header.outdoors);
-    memcpy(header.sky, solution->sky, sizeof header.sky);
+    header.day = solution->day;
     memcpy(header.escaped, solution->escaped, sizeof header.escaped);
     header.rest = rest_hash(&header);
     size_t total = sizes_of(&header).total;
@@ -206,7 +207,7 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
     memcpy(out->escaped, h->escaped, sizeof h->escaped);
-    memcpy(out->sky, h->sky, sizeof h->sky);
+    out->day = h->day;
     memcpy(out->outdoors, h->outdoors, sizeof h->outdoors);
 }
 
@@ -222,7 +223,7 @@ static bool is_light(double (*v)[3], int count) {
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
         is_light(s->unshot, s->patch_count) && is_light(s->node, s->node_count) && is_light(&s->emitted, 1) &&
-        is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && is_light(&s->sky, 1) &&
+        is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && daylight_is_sound(&s->day) &&
         is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "engine/core/progress.h"
+#include "radiosity/daylight/daylight.h"
 #include "radiosity/factors/form_factor.h"
 
 typedef struct RadSolution RadSolution;
@@ -54,9 +55,8 @@ struct RadSolution {
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
-    // Radiance of the sky that shone (sky.h), W/m^2/sr; its light that came in counts as `emitted`.
-    double sky[3];
-    double outdoors[3];  // the part of `emitted` that the sky sent to surfaces outdoors, W
+    Daylight day;        // the day that shone (sky.h); its light that came in counts as `emitted`
+    double outdoors[3];  // the part of `emitted` that sky and sun sent to surfaces outdoors, W
     long long shots;
     // [node_count] radiosity gathered at the nodes (final_gather.h), in the order of nodes_of; NULL and 0: not gathered.
     double (*node)[3];

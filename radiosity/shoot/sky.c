@@ -1,7 +1,8 @@
-// sky.c - the light of a uniform sky in a building. Outdoors each element looks for the sky above it. Indoors no element does: what
+// sky.c - daylight in a building. Outdoors each element looks for the sky above it. Indoors no element does: what
 // comes through the openings is shot from there (as from a window's panes: Nishita & Nakamae 1986, Continuous Tone Representation
 // of Three-Dimensional Objects Illuminated by Sky Light, have it the other way round). A piece of an opening sees, along each
-// direction of the hemisphere inside, a face; and behind itself, along the same line, the sky or something else.
+// direction of the hemisphere inside, a face; and behind itself, along the same line, the sky, the ground or something else. The line
+// carries the radiance of the sky there. The sun lights elements by sunlight.c.
 //
 // So each line from the sky to an element indoors is counted where it comes in for the last time: one that leaves again through
 // another opening ends there. Elements outdoors, or in no cell, look for themselves.
@@ -15,6 +16,7 @@
 #include "radiosity/factors/form_factor.h"
 #include "radiosity/factors/row.h"
 #include "radiosity/factors/sampler.h"
+#include "radiosity/shoot/sunlight.h"
 
 typedef struct SkyOpening {
     int inside, outside;   // cells
@@ -197,6 +199,16 @@ static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
 
+// The radiance of the sky over that overhead along each sample of views with one normal; 0 from below the horizon. It serves one patch
+// or piece after the other as long as the normal is the same.
+typedef struct SkyTable {
+    Vec3 normal;
+    double *relative;  // [samples]
+} SkyTable;
+
+// Where a line through an opening comes from.
+enum { FROM_NOWHERE, FROM_SKY, FROM_GROUND, ORIGINS };
+
 // One thread's tools.
 typedef struct Watcher {
     Arena arena;
@@ -204,18 +216,31 @@ typedef struct Watcher {
     Sampler *inside, *outside;  // turned against each other: a line through both is a pixel of both
     Sampler *around;            // of elements outdoors
     int32_t *item;              // of any of them
-    bool *sky;                  // [samples] of `inside`: there is sky behind
+    SkyTable behind, above;     // of `outside` and `around`
+    unsigned char *origin;      // [samples] of `inside`: the origin of the light behind
+    int32_t *lit;               // [samples] of `inside`: items of one origin
+    float *weight;              // [samples] of `inside`, times the sky's radiance there
     RowSum sum;
     FormFactorWork work;
 } Watcher;
 
-// The light that a piece sends in.
-typedef struct Beam {
-    Arena arena;
+// The light of one origin that a piece sends in: of its power, for a radiance of `mean`, the shares of elements and backs.
+typedef struct BeamPart {
     int count, *element;
     float *factor;
-    double back;
+    double back, mean;
+} BeamPart;
+
+typedef struct Beam {
+    Arena arena;
+    BeamPart parts[ORIGINS];
 } Beam;
+
+// The hemisphere over an element, weighted by the cosine: the share that is sky, the same with the sky's radiance over that overhead, and
+// the share that is ground beyond the building's.
+typedef struct Seen {
+    double open, sky, ground;
+} Seen;
 
 typedef struct Shine {
     const Mesh *mesh;
@@ -223,9 +248,12 @@ typedef struct Shine {
     const RadOptions *options;
     SkyOpenings openings;
     FaceLines lines;
-    bool *looks;    // [element_count] for the sky itself
-    double *share;  // [element_count] of its hemisphere that is sky
-    int *mirror;    // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
+    const Daylight *day;
+    double below[3];  // radiance of the ground
+    bool ground;      // any of it is above 0
+    bool *looks;      // [element_count] for the sky itself
+    Seen *seen;       // [element_count] by those that look
+    int *mirror;      // [samples] the pixel of `outside` opposite to one of `inside`, -1: none
     Watcher *watchers;
     Beam beams[BATCH];
     int first;  // piece or patch of the batch
@@ -264,7 +292,11 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
     int most = sampler_samples(w->inside)->count + sampler_samples(w->outside)->count +
                sampler_samples(w->around)->count;
     w->item = ARENA_ARRAY(&w->arena, int32_t, most);
-    w->sky = ARENA_ARRAY(&w->arena, bool, most);
+    w->origin = ARENA_ARRAY(&w->arena, unsigned char, most);
+    w->lit = ARENA_ARRAY(&w->arena, int32_t, most);
+    w->weight = ARENA_ARRAY(&w->arena, float, most);
+    w->behind.relative = ARENA_ARRAY(&w->arena, double, most);
+    w->above.relative = ARENA_ARRAY(&w->arena, double, most);
     row_start(&w->sum, s->mesh, &w->arena);
 }
 
@@ -280,6 +312,20 @@ static const View *look_at_sky(const Shine *s, Watcher *w, Sampler *sampler, Vec
 static double height_of(const View *view, const FormFactorSamples *samples, int i) {
     return (double)samples->x[i] * view->x.z + (double)samples->y[i] * view->y.z +
            (double)samples->z[i] * view->z.z;
+}
+
+static const double *relative_of(const Shine *s, SkyTable *table, const View *view,
+                                 const FormFactorSamples *samples) {
+    if (vec3_equal(table->normal, view->z)) return table->relative;
+    table->normal = view->z;
+    for (int i = 0; i < samples->count; i++) {
+        double x = (double)samples->x[i], y = (double)samples->y[i], z = (double)samples->z[i];
+        Vec3 along =
+            vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
+        along.z = height_of(view, samples, i);
+        table->relative[i] = along.z > 0 ? daylight_relative(s->day, along) : 0;
+    }
+    return table->relative;
 }
 
 // ---- elements outdoors
@@ -298,13 +344,22 @@ static Vec3 element_middle(const Mesh *mesh, const Element *element) {
     return area > 0 ? vec3_add(first, vec3_scale(sum, 1 / area)) : first;
 }
 
-static double sky_share(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell) {
+static Seen look_up(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell) {
     const View *view = look_at_sky(s, w, w->around, eye, normal, cell);
     const FormFactorSamples *samples = sampler_samples(w->around);
-    double share = 0;
-    for (int i = 0; i < samples->count; i++)
-        if (w->item[i] < 0 && height_of(view, samples, i) > 0) share += (double)samples->weight[i];
-    return share;
+    const double *relative = relative_of(s, &w->above, view, samples);
+    Seen seen = {0};
+    for (int i = 0; i < samples->count; i++) {
+        if (w->item[i] >= 0) continue;
+        double weight = (double)samples->weight[i];
+        if (height_of(view, samples, i) > 0) {
+            seen.open += weight;
+            seen.sky += weight * relative[i];
+        } else {
+            seen.ground += weight;
+        }
+    }
+    return seen;
 }
 
 // A place that nothing stands before.
@@ -318,7 +373,7 @@ static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patc
     Vec3 eye = element_middle(s->mesh, &s->mesh->elements[e]);
     int cell = cell_before(s, eye, normal, patch_cell);
     s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
-    if (s->looks[e]) s->share[e] = sky_share(s, w, eye, normal, cell);
+    if (s->looks[e]) s->seen[e] = look_up(s, w, eye, normal, cell);
 }
 
 // Under the open sky a patch looks for all its elements.
@@ -327,45 +382,76 @@ static void look_from_patch(void *context, int index, int thread) {
     const Patch *patch = &s->mesh->patches[s->first + index];
     Vec3 n = s->mesh->faces[patch->face].plane.n;
     Watcher *w = &s->watchers[thread];
-    double share = 0;
+    Seen seen = {0};
     bool open = patch->cell >= 0 && sky_is_outdoors(s->mesh->graph, patch->cell);
     if (open) {
-        share = sky_share(s, w, patch->centre, n, patch->cell);
-        open = share > (1 - STANDS_FREE) * open_share(n);
+        seen = look_up(s, w, patch->centre, n, patch->cell);
+        open = seen.open > (1 - STANDS_FREE) * open_share(n);
     }
     for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
         if (!open)
             look_from_element(s, w, e, n, patch->cell);
         else
-            s->looks[e] = true, s->share[e] = share;
+            s->looks[e] = true, s->seen[e] = seen;
     }
 }
 
 // ---- openings
 
-// Is there sky behind a piece, along the lines that come in by it? False: nowhere.
+// Finds the origins of the lines that come in by a piece, and their weights. False: there is no light behind.
 static bool look_back(const Shine *s, Watcher *w, const SkyOpening *o, const SkyPiece *piece) {
     const View *view = look_at_sky(s, w, w->outside, piece->centre, vec3_scale(o->plane.n, -1), o->outside);
-    const FormFactorSamples *out = sampler_samples(w->outside);
-    int count = sampler_samples(w->inside)->count;
+    const FormFactorSamples *out = sampler_samples(w->outside), *in = sampler_samples(w->inside);
+    const double *relative = relative_of(s, &w->behind, view, out);
     bool any = false;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < in->count; i++) {
         int behind = s->mirror[i];
-        w->sky[i] = behind >= 0 && w->item[behind] < 0 && height_of(view, out, behind) > 0;
-        any = any || w->sky[i];
+        w->origin[i] = FROM_NOWHERE;
+        w->weight[i] = in->weight[i];
+        if (behind < 0 || w->item[behind] >= 0) continue;
+        if (height_of(view, out, behind) > 0) {
+            w->origin[i] = FROM_SKY;
+            w->weight[i] *= (float)relative[behind];
+        } else if (s->ground) {
+            w->origin[i] = FROM_GROUND;
+        }
+        any = any || w->origin[i] != FROM_NOWHERE;
     }
     return any;
 }
 
-static void keep_beam(const Shine *s, const Row *row, Beam *beam) {
-    beam->element = ARENA_ARRAY(&beam->arena, int, row->count + 1);
-    beam->factor = ARENA_ARRAY(&beam->arena, float, row->count + 1);
+static void keep_part(const Shine *s, const Row *row, Arena *arena, BeamPart *part) {
+    part->element = ARENA_ARRAY(arena, int, row->count + 1);
+    part->factor = ARENA_ARRAY(arena, float, row->count + 1);
     for (int i = 0; i < row->count; i++) {
         if (s->looks[row->element[i]]) continue;
-        beam->element[beam->count] = row->element[i];
-        beam->factor[beam->count++] = row->factor[i];
+        part->element[part->count] = row->element[i];
+        part->factor[part->count++] = row->factor[i];
     }
-    beam->back = row->back;
+    part->back = row->back;
+}
+
+// A row sums to 1; the sum of the weights before that is the mean radiance over that overhead, exactly 1 for an even sky.
+static double mean_weight(const FormFactorSamples *in, const float *weight) {
+    double plain = 0, weighted = 0;
+    for (int i = 0; i < in->count; i++) {
+        plain += (double)in->weight[i];
+        weighted += (double)weight[i];
+    }
+    return weighted / plain;
+}
+
+static void send_in(const Shine *s, Watcher *w, const View *view, int origin, Beam *beam) {
+    FormFactorSamples in = *sampler_samples(w->inside);
+    BeamPart *part = &beam->parts[origin];
+    part->mean = 1;
+    if (origin == FROM_SKY) {
+        part->mean = mean_weight(&in, w->weight);
+        in.weight = w->weight;
+    }
+    for (int i = 0; i < in.count; i++) w->lit[i] = w->origin[i] == origin ? w->item[i] : -1;
+    row_of_items(&w->sum, view, &in, w->lit);
+    keep_part(s, row_finish(&w->sum), &beam->arena, part);
 }
 
 static void look_in(void *context, int index, int thread) {
@@ -375,16 +461,15 @@ static void look_in(void *context, int index, int thread) {
     const SkyPiece *piece = &s->openings.pieces[s->first + index];
     const SkyOpening *o = &s->openings.openings[piece->opening];
     arena_reset(&beam->arena);
-    beam->count = 0;
-    beam->back = 0;
+    memset(beam->parts, 0, sizeof beam->parts);
     if (!look_back(s, w, o, piece)) return;
     const View *view = look_at_sky(s, w, w->inside, piece->centre, o->plane.n, o->inside);
     const FormFactorSamples *in = sampler_samples(w->inside);
     for (int i = 0; i < in->count; i++)
-        if (!w->sky[i]) w->item[i] = -1;
+        if (w->origin[i] == FROM_NOWHERE) w->item[i] = -1;
     sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
-    row_of_items(&w->sum, view, in, w->item);
-    keep_beam(s, row_finish(&w->sum), beam);
+    send_in(s, w, view, FROM_SKY, beam);
+    if (s->ground) send_in(s, w, view, FROM_GROUND, beam);
 }
 
 // ---- light
@@ -403,14 +488,14 @@ static void receive(const Mesh *mesh, int e, double power, const double radiance
     }
 }
 
-static void receive_beam(const Mesh *mesh, const SkyPiece *piece, const Beam *beam, const double radiance[3],
-                         RadSolution *solution) {
-    double power = M_PI * piece->area;
-    for (int i = 0; i < beam->count; i++)
-        receive(mesh, beam->element[i], power * (double)beam->factor[i], radiance, solution);
+static void receive_part(const Mesh *mesh, const SkyPiece *piece, const BeamPart *part,
+                         const double radiance[3], RadSolution *solution) {
+    double power = M_PI * piece->area * part->mean;
+    for (int i = 0; i < part->count; i++)
+        receive(mesh, part->element[i], power * (double)part->factor[i], radiance, solution);
     for (int c = 0; c < 3; c++) {
-        solution->emitted[c] += power * beam->back * radiance[c];
-        solution->absorbed[c] += power * beam->back * radiance[c];
+        solution->emitted[c] += power * part->back * radiance[c];
+        solution->absorbed[c] += power * part->back * radiance[c];
     }
 }
 
@@ -418,8 +503,7 @@ static int batch_of(const Shine *s, int all, int most) {
     return all - s->first < most ? all - s->first : most;
 }
 
-static bool shine_outdoors(Shine *s, int threads, const double radiance[3], const Progress *progress,
-                           RadSolution *solution) {
+static bool shine_outdoors(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
     const Mesh *mesh = s->mesh;
     double lamps[3];
     memcpy(lamps, solution->emitted, sizeof lamps);
@@ -427,28 +511,53 @@ static bool shine_outdoors(Shine *s, int threads, const double radiance[3], cons
         if (!progress_report(progress, "sky", 0.5 * s->first / mesh->patch_count)) return false;
         parallel_for(threads, batch_of(s, mesh->patch_count, PATCH_BATCH), look_from_patch, s);
     }
-    for (int e = 0; e < mesh->element_count; e++)
-        if (s->share[e] > 0)
-            receive(mesh, e, M_PI * mesh->elements[e].area * s->share[e], radiance, solution);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double area = M_PI * mesh->elements[e].area;
+        if (s->seen[e].sky > 0) receive(mesh, e, area * s->seen[e].sky, s->day->zenith, solution);
+        if (s->ground && s->seen[e].ground > 0)
+            receive(mesh, e, area * s->seen[e].ground, s->below, solution);
+    }
     for (int c = 0; c < 3; c++) solution->outdoors[c] = solution->emitted[c] - lamps[c];
     return true;
 }
 
-static bool shine_in(Shine *s, int threads, const double radiance[3], const Progress *progress,
-                     RadSolution *solution) {
+static bool shine_in(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
     int all = s->openings.piece_count;
     for (s->first = 0; s->first < all; s->first += BATCH) {
         if (!progress_report(progress, "sky", 0.5 + 0.5 * s->first / all)) return false;
         int count = batch_of(s, all, BATCH);
         parallel_for(threads, count, look_in, s);
-        for (int i = 0; i < count; i++)
-            receive_beam(s->mesh, &s->openings.pieces[s->first + i], &s->beams[i], radiance, solution);
+        for (int i = 0; i < count; i++) {
+            const SkyPiece *piece = &s->openings.pieces[s->first + i];
+            receive_part(s->mesh, piece, &s->beams[i].parts[FROM_SKY], s->day->zenith, solution);
+            if (s->ground) receive_part(s->mesh, piece, &s->beams[i].parts[FROM_GROUND], s->below, solution);
+        }
     }
     return true;
 }
 
+// Call after shine_outdoors, which says which elements are outdoors.
+static bool shine_sun(Shine *s, int threads, const Progress *progress, RadSolution *solution) {
+    const Mesh *mesh = s->mesh;
+    const Daylight *day = s->day;
+    Arena arena = {0};
+    if (rgb_sum(day->beam) == 0) return true;
+    if (!progress_report(progress, "sun", 0.5)) return false;
+    double *share = ARENA_ARRAY(&arena, double, mesh->element_count);
+    sunlight_shares(mesh, day->sun, s->options->culling != CULL_NONE, threads, share);
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        if (!(share[e] > 0)) continue;
+        double power = share[e] * element->area * vec3_dot(mesh->faces[element->face].plane.n, day->sun);
+        receive(mesh, e, power, day->beam, solution);
+        for (int c = 0; c < 3 && s->looks[e]; c++) solution->outdoors[c] += power * day->beam[c];
+    }
+    arena_free(&arena);
+    return true;
+}
+
 bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_open, const RadOptions *options,
-               const double radiance[3], const Progress *progress, RadSolution *solution) {
+               const Daylight *day, const Progress *progress, RadSolution *solution) {
     CORE_ASSERT(solution->shots == 0);
     Arena arena = {0};
     int threads = parallel_threads(options->threads);
@@ -456,16 +565,19 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     s->mesh = mesh;
     s->forest = forest;
     s->options = options;
+    s->day = day;
+    daylight_below(day, s->below);
+    s->ground = rgb_sum(s->below) > 0;
     s->openings = sky_openings(mesh->graph, &arena);
     s->lines = lines_of_mesh(mesh, &arena);
     s->looks = ARENA_ARRAY(&arena, bool, mesh->element_count);
-    s->share = ARENA_ARRAY(&arena, double, mesh->element_count);
+    s->seen = ARENA_ARRAY(&arena, Seen, mesh->element_count);
     s->watchers = ARENA_ARRAY(&arena, Watcher, threads);
     for (int t = 0; t < threads; t++) make_watcher(s, door_open, &s->watchers[t]);
     s->mirror = mirror_of(&s->watchers[0], options->form_factor.resolution, &arena);
-    bool good = shine_outdoors(s, threads, radiance, progress, solution) &&
-                shine_in(s, threads, radiance, progress, solution);
-    memcpy(solution->sky, radiance, sizeof solution->sky);
+    bool good = shine_outdoors(s, threads, progress, solution) && shine_sun(s, threads, progress, solution) &&
+                shine_in(s, threads, progress, solution);
+    solution->day = *day;
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
     arena_free(&arena);

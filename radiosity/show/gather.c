@@ -66,7 +66,7 @@ static double size_of(const Mesh *mesh, int element) {
 static NearGatherer *near_gatherer_new(const Mesh *mesh, const RadSolution *solution,
                                        const GatherOptions *options, Arena *arena) {
     NearGatherer *self = ARENA_ARRAY(arena, NearGatherer, 1);
-    *self = (NearGatherer){.world = path_world(mesh, solution->sky, arena),
+    *self = (NearGatherer){.world = path_world(mesh, &solution->day, arena),
                            .solution = solution,
                            .reach = options->near.reach,
                            .error = options->near.error,
@@ -292,12 +292,13 @@ struct Gatherer {
     GatherScene scene;
     GatherOptions options;
     Viewer *viewer;
-    FormFactor *rows;            // of the method
-    FormFactor *samples;         // for slopes: the same, where it has samples; NULL: no slopes
-    Leaving *leaving;            // [element_count]
+    FormFactor *rows;  // of the method
+    FormFactor
+        *samples;      // for slopes and skies that are not even: the same, where it has samples; NULL: none
+    Leaving *leaving;  // [element_count]
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
-    bool any_lamp;
+    bool any_lamp, even_sky;
     NearGatherer *near;  // NULL: none
 };
 
@@ -367,7 +368,8 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->options = *options;
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
-    if (scene->light)
+    self->even_sky = daylight_is_uniform(&scene->solution->day);
+    if (scene->light || !self->even_sky)
         self->samples = options->method->projective
                             ? self->rows
                             : form_factor_new(form_factor_method("hemisphere"), mesh, &rows, arena);
@@ -447,6 +449,32 @@ static void add_near(Gatherer *self, const Near *near, double irradiance[3]) {
     for (int c = 0; c < 3; c++) irradiance[c] += found ? near->share * reflected[c] : near->even[c];
 }
 
+// A direction of the view's axes.
+static Vec3 in_building(const View *view, Vec3 w) {
+    return vec3_add(vec3_scale(view->x, w.x), vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z)));
+}
+
+// Does a ray from the eye along w, in the view's axes, meet a face of the view?
+static bool meets_face(const View *view, const ViewFace *f, Vec3 w) {
+    const Vec3 *v = view->vertices + f->first_vertex;
+    int left = 0, right = 0;
+    if (!(f->d * vec3_dot(f->n, w) > 0)) return false;
+    for (int i = 0; i < f->vertex_count; i++) {
+        double side = vec3_dot(vec3_cross(v[i], v[i + 1 == f->vertex_count ? 0 : i + 1]), w);
+        left += side >= 0;
+        right += side <= 0;
+    }
+    return left == f->vertex_count || right == f->vertex_count;
+}
+
+static void add_sun(const View *view, const Daylight *day, double irradiance[3]) {
+    Vec3 w = {vec3_dot(view->x, day->sun), vec3_dot(view->y, day->sun), vec3_dot(view->z, day->sun)};
+    if (rgb_sum(day->beam) == 0 || !(w.z > 0)) return;
+    for (int i = 0; i < view->face_count; i++)
+        if (meets_face(view, &view->faces[i], w)) return;
+    for (int c = 0; c < 3; c++) irradiance[c] += day->beam[c] * w.z;
+}
+
 static void gather_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
     const Row *row = form_factor_row(self->rows, view);
     for (int i = 0; i < row->count; i++) {
@@ -455,28 +483,28 @@ static void gather_row(Gatherer *self, const View *view, Near *near, double irra
         const double *mean = self->leaving[row->element[i]].mean;
         for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
-    for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->sky[c];
+    if (!self->even_sky) return;
+    for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->day.zenith[c];
 }
 
-// Samples where they meet elements: slopes, and with `means` all of it.
+// Samples where they meet elements: slopes, and with `means` all of it. A sky that is not even is left to samples in any case.
 static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
-    const double *sky = self->scene.solution->sky;
+    bool sky = means || !self->even_sky;
     for (int i = 0; i < samples->count; i++) {
         Vec3 w = vec3((double)samples->x[i], (double)samples->y[i], (double)samples->z[i]);
-        double upwards = view->x.z * w.x + view->y.z * w.y + view->z.z * w.z;
         if (item[i] < 0) {
-            for (int c = 0; c < 3 && means && upwards > 0; c++)
-                irradiance[c] += (double)samples->weight[i] * M_PI * sky[c];
+            double radiance[3] = {0};
+            if (sky) daylight_radiance(&self->scene.solution->day, in_building(view, w), radiance);
+            for (int c = 0; c < 3; c++) irradiance[c] += (double)samples->weight[i] * M_PI * radiance[c];
             continue;
         }
         const ViewFace *face = &view->faces[item[i]];
         double along = vec3_dot(face->n, w);
         if (face->d > 0 || !(along < 0)) continue;
         w = vec3_scale(w, face->d / along);
-        Vec3 p = vec3_add(view->eye, vec3_add(vec3_scale(view->x, w.x),
-                                              vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z))));
+        Vec3 p = vec3_add(view->eye, in_building(view, w));
         int element = mesh_element_at(self->scene.mesh, face->face, p);
         if (put_near(self, element, (double)samples->weight[i], means, near, irradiance)) continue;
         const Leaving *from = &self->leaving[element];
@@ -494,6 +522,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
+    add_sun(view, &self->scene.solution->day, irradiance);
     if (!one) gather_row(self, view, &near, irradiance);
     if (self->samples) add_samples(self, view, one, &near, irradiance);
     add_near(self, &near, irradiance);

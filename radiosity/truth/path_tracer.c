@@ -11,9 +11,9 @@ struct PathTracer {
     PathWorld world;
 };
 
-PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena) {
+PathTracer *path_tracer_new(const Mesh *mesh, const Daylight *day, Arena *arena) {
     PathTracer *tracer = ARENA_ARRAY(arena, PathTracer, 1);
-    tracer->world = path_world(mesh, sky, arena);
+    tracer->world = path_world(mesh, day, arena);
     return tracer;
 }
 

@@ -3,13 +3,14 @@
 #ifndef RADIOSITY_PATH_TRACER_H
 #define RADIOSITY_PATH_TRACER_H
 
+#include "radiosity/daylight/daylight.h"
 #include "radiosity/mesh/mesh.h"
 
 // Faces in a hierarchy for rays. Only one caller at a time may use a tracer, but it may ask for several threads. The tracer lives
 // in the arena of path_tracer_new, but for the memory that path_tracer_end frees; the mesh must outlive the tracer.
 typedef struct PathTracer PathTracer;
-// `sky`: radiance of the sky above the horizon, W/m^2/sr a channel, where a path meets no face; NULL: none.
-PathTracer *path_tracer_new(const Mesh *mesh, const double sky[3], Arena *arena);
+// `day` shines where a path meets no face, and its sun where nothing is in between; NULL: night.
+PathTracer *path_tracer_new(const Mesh *mesh, const Daylight *day, Arena *arena);
 // Frees the memory outside the arena.
 void path_tracer_end(PathTracer *tracer);
 

@@ -490,10 +490,10 @@ static double path_lights_density(const PathLights *lights, const PathPlace *pla
 
 enum { MULTIPLIER = 76 };  // of the lattice
 
-PathWorld path_world(const Mesh *mesh, const double sky[3], Arena *arena) {
+PathWorld path_world(const Mesh *mesh, const Daylight *day, Arena *arena) {
     PathWorld world = {.mesh = mesh, .scene = path_scene_new(mesh, arena)};
     world.lights = path_lights_new(world.scene, arena);
-    for (int c = 0; c < 3; c++) world.sky[c] = sky ? sky[c] : 0;
+    if (day) world.day = *day;
     return world;
 }
 
@@ -554,6 +554,14 @@ static void ask_lamp(const PathWorld *world, const PathPlace *place, const doubl
     add_light(light, weight, mesh_material(world->mesh, lamp.face)->emission, cosine / (asked + cosine));
 }
 
+static void ask_sun(const PathWorld *world, const PathPlace *place, const double weight[3], double light[3]) {
+    const Daylight *day = &world->day;
+    double cosine = vec3_dot(place->normal, day->sun);
+    if (rgb_sum(day->beam) == 0 || !(cosine > 0)) return;
+    if (path_scene_trace(world->scene, place->point, day->sun).face >= 0) return;
+    for (int c = 0; c < 3; c++) light[c] += weight[c] * day->beam[c] * cosine;
+}
+
 Vec3 path_direction(Vec3 normal, double u, double v) {
     double r = sqrt(u), angle = 2 * M_PI * v;
     Vec3 axis = fabs(normal.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
@@ -578,8 +586,11 @@ static bool follow_path(const PathWorld *world, PathPlace *place, const double u
                         void *context, double weight[3], double light[3]) {
     Vec3 along = path_direction(place->normal, u[PATH_DIRECTION], u[PATH_DIRECTION + 1]);
     PathHit hit = path_scene_trace(world->scene, place->point, along);
-    if (hit.face < 0)
-        for (int c = 0; c < 3 && along.z > 0; c++) light[c] += weight[c] * M_PI * world->sky[c];
+    if (hit.face < 0) {
+        double radiance[3];
+        daylight_radiance(&world->day, along, radiance);
+        for (int c = 0; c < 3; c++) light[c] += weight[c] * M_PI * radiance[c];
+    }
     if (hit.face < 0 || !hit.front) return false;
     const Material *m = mesh_material(world->mesh, hit.face);
     Vec3 n = world->mesh->faces[hit.face].plane.n;
@@ -605,6 +616,7 @@ void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, in
     for (; on; bounce++) {
         path_numbers_at(numbers, bounce, u);
         ask_lamp(world, &place, u, weight, light);
+        ask_sun(world, &place, weight, light);
         on = follow_path(world, &place, u, known, context, weight, light);
     }
 }

@@ -3,6 +3,7 @@
 #define RADIOSITY_PATH_WALK_H
 
 #include "engine/core/random.h"
+#include "radiosity/daylight/daylight.h"
 #include "radiosity/mesh/mesh.h"
 
 // ---- tracing rays against the faces of a mesh, with Embree in its robust mode
@@ -41,10 +42,10 @@ typedef struct PathWorld {
     const Mesh *mesh;
     PathScene *scene;
     PathLights *lights;
-    double sky[3];  // radiance of the sky above the horizon, W/m^2/sr a channel
+    Daylight day;
 } PathWorld;
 
-PathWorld path_world(const Mesh *mesh, const double sky[3], Arena *arena);  // `sky` NULL: no sky
+PathWorld path_world(const Mesh *mesh, const Daylight *day, Arena *arena);  // `day` NULL: night
 void path_world_end(PathWorld *world);
 
 enum { PATH_BLOCK = 1021 };  // walks in a block, a prime

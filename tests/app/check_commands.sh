@@ -54,6 +54,17 @@ expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 
 for sky in x -1 1,2 1,2,3,4 1,2, 2e6 ''; do
     expect 2 "$program" bake --sky "$sky" $maps/two-rooms.plan && says err 'allowed L or R,G,B'
 done
+for date in x 2026 2026-13-01 2026-02-29 1899-01-01 2026-06-21x ''; do
+    expect 2 "$program" bake --date "$date" $maps/two-rooms.plan && says err 'allowed YYYY-MM-DD, years 1900 to 2100'
+done
+for time in x 10 24:00 10:60 -1:00 10:00x 10:00+15 ''; do
+    expect 2 "$program" bake --time "$time" $maps/two-rooms.plan && says err 'allowed HH:MM, or HH:MM+H'
+done
+for place in x 50 91,0 0,181 nan,0 50,0,0 ''; do
+    expect 2 "$program" bake --place "$place" $maps/two-rooms.plan && says err 'allowed degrees north and east'
+done
+expect 2 "$program" bake --north 361 $maps/two-rooms.plan && says err 'allowed -360 to 360'
+expect 2 "$program" bake --weather rain $maps/two-rooms.plan && says err 'allowed clear, intermediate, overcast'
 expect 2 "$program" bake --culling most $maps/two-rooms.plan && says err '`most`'
 expect 2 "$program" bake --probe 1,2,3 $maps/two-rooms.plan && says err 'X,Y,Z,NX,NY,NZ'
 expect 2 "$program" bake --probe 1,2,3,0,0,0 $maps/two-rooms.plan && says err 'a probe has no normal'
@@ -354,11 +365,25 @@ same "$work/day/frame-00000.png" "$work/day2/frame-00000.png" 'stored daylight i
 [ -z "$(find "$work"/cache/enfilade/*.rad -newermt 2002-01-01)" ] || fail 'stored daylight is baked again'
 expect 0 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --tour window --size 64x36 --sky 6 && says err 'passed over.*sky of 5,5,5'
 expect 1 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --sky 6 --light "$work/day.rad" && sentence &&
-    says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: 6,6,6)'
+    says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: a sky of 6,6,6 W/m^2/sr)'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -o "$work/day.png"
 rm -rf "$work/cache"
-expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--sky'
+expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--day'
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
+expect 2 "$program" walk $two --offscreen "$work/day" --verify --day && says err 'daylight is not for --verify'
+# A day with a sun: `--day` alone is the usual one, another hour another day; a home has a day of its own.
+expect 0 "$program" bake "$work/unlit.plan" --day -o "$work/usual.rad" && says out 'sky  *[1-9]'
+expect 0 "$program" bake "$work/unlit.plan" --date 2026-06-21 --time 10:00 --place 50,0 --north 0 --weather clear -o "$work/said.rad"
+same "$work/usual.rad" "$work/said.rad" '--day alone is not the usual day'
+expect 0 "$program" bake "$work/unlit.plan" --time 11:00+1 -o "$work/zone.rad"
+same "$work/usual.rad" "$work/zone.rad" 'a clock an hour ahead shows another day'
+expect 1 "$program" bake "$work/unlit.plan" --day --time 11:00 --resume -o "$work/usual.rad" && sentence &&
+    says err 'was made under clear sky with the sun [0-9.]* degrees high'
+expect 1 "$program" bake "$work/unlit.plan" --date 2026-12-21 --time 03:00 -o "$work/x.rad" && sentence &&
+    says err 'the sun is [0-9.]* degrees below the horizon on 2026-12-21 at 03:00'
+for command in "bake FILE" "walk FILE --offscreen $work/day" "render FILE -o $work/day.png"; do
+    expect 2 "$program" ${command/FILE/"$work/unlit.plan"} --sky 5 --weather overcast && says err '--sky is an even sky without a sun'
+done
 
 # What is printed arrives, or the exit status tells: on a full disk, to a closed standard output, which no file takes the place of, and
 # to a reader that has gone, by the signal or without it. A file that the shell opened is written into.

@@ -189,7 +189,7 @@ Test(renderer, baked_sky_is_as_bright_as_its_light, .timeout = 120) {
         renderer_check_open_stage(&s, "build/maps/two-rooms.plan");
         cr_assert(mesh_build(&s.graph, NULL, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
         cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
-        memcpy(solution.sky, RADIANCE[day], sizeof solution.sky);
+        solution.day = daylight_uniform(RADIANCE[day]);
         WalkLight light = {.mesh = &mesh, .solution = &solution};
         cr_assert(walk_renderer_light(s.renderer, &light, &s.arena, &error), "%s", error.text);
         walk_renderer_tone(s.renderer, EXPOSURE, FALSE_COLOUR_OFF);

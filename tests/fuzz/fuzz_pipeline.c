@@ -309,8 +309,14 @@ static int method_count(void) {
     return count;
 }
 
+// An even sky, or a sun anywhere above the horizon.
+static Daylight random_day(Random *random) {
+    if (random_index(random, 2)) return daylight_uniform((const double[]){3, 3, 4});
+    SunPosition sun = {M_PI / 2 * random_unit(random), 2 * M_PI * random_unit(random), 1};
+    return daylight_of(&sun, 0, random_index(random, DAYLIGHT_WEATHERS));
+}
+
 static void light(Scene *s) {
-    static const double SKY[3] = {3, 3, 4};
     RadOptions options = rad_default_options();
     Mesh mesh;
     RadSolution solution;
@@ -330,7 +336,10 @@ static void light(Scene *s) {
         demand(error.text[0], "light, or a sentence");
         return;
     }
-    if (day) rad_shine(&mesh, &s->forest, s->doors, &options, SKY, NULL, &solution);
+    if (day) {
+        Daylight sky = random_day(&s->random);
+        rad_shine(&mesh, &s->forest, s->doors, &options, &sky, NULL, &solution);
+    }
     rad_shoot(&mesh, &s->forest, s->doors, &options, NULL, &solution);
     target_count(TARGET_SHOT);
     check_power(&mesh, &solution);

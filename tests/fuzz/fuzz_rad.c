@@ -5,7 +5,7 @@
 #include "tests/fuzz/store_target.h"
 
 // The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
-enum { HEADER = 224, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
+enum { HEADER = 328, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
 
 static void put_right(unsigned char *file) {
     DerivedHead head;

@@ -10,7 +10,7 @@
 
 typedef struct Room {
     Lit *lit;
-    RadSolution solution, lamps_only;
+    RadSolution solution;
     WalkLight light;
 } Room;
 
@@ -59,23 +59,21 @@ static void add_ball(Room *room, Vec3 centre, double radius, int material) {
     s->tolerance = mesh.tolerance;
 }
 
-static double furnace_of(const Lit *lit, int element, bool lamps_only) {
-    if (mesh_material(&lit->mesh, lit->mesh.elements[element].face)->mirror > 0) return 0;
-    return lamps_only ? 1.5 : 2;
-}
-
-// Every element but mirrors has the radiosity of an even furnace: emission 1, reflectance half. Lamps alone give it 1.5.
+// Every element but mirrors has the radiosity of an even furnace: emission 1, reflectance half. Half comes straight from lamps.
 static void room_finish(Room *room) {
     Lit *lit = room->lit;
-    lit_finish(lit, 0.5, 2);
-    RadSolution *solutions[2] = {&room->solution, &room->lamps_only};
+    RadSolution *s = &room->solution;
     Error error;
-    for (int i = 0; i < 2; i++) {
-        cr_assert(rad_start_dark(&lit->mesh, &lit->arena, solutions[i], &error), "%s", error.text);
-        for (int e = 0; e < lit->mesh.element_count; e++)
-            for (int c = 0; c < 3; c++) solutions[i]->radiosity[e][c] = furnace_of(lit, e, i);
+    lit_finish(lit, 0.5, 2);
+    cr_assert(rad_start_dark(&lit->mesh, &lit->arena, s, &error), "%s", error.text);
+    for (int e = 0; e < lit->mesh.element_count; e++) {
+        bool mirror = mesh_material(&lit->mesh, lit->mesh.elements[e].face)->mirror > 0;
+        for (int c = 0; c < 3; c++) {
+            s->radiosity[e][c] = mirror ? 0 : 2;
+            s->direct[e][c] = mirror ? 0 : 0.5;
+        }
     }
-    room->light = (WalkLight){.mesh = &lit->mesh, .solution = &room->solution};
+    room->light = (WalkLight){.mesh = &lit->mesh, .solution = s};
 }
 
 typedef struct Shot {
@@ -85,8 +83,7 @@ typedef struct Shot {
 
 static Shot shoot(Room *room, Camera camera, const StillOptions *options) {
     Shot shot = {.rgb = ARENA_ARRAY(&room->lit->arena, uint8_t, camera.width * camera.height * 3)};
-    StillSource source = {&room->lit->forest, &room->light, &room->lamps_only};
-    cr_assert(still_draw(&source, &camera, options, NULL, shot.rgb, &shot.report));
+    cr_assert(still_draw(&room->lit->forest, &room->light, &camera, options, NULL, shot.rgb, &shot.report));
     return shot;
 }
 
@@ -102,7 +99,7 @@ static Seen view_of(Room *room, Camera camera, int direct) {
     Arena *arena = &room->lit->arena;
     Seen v = {.scene = still_scene_new(&room->lit->mesh, NULL, STILL_TREE_OWN, arena), .camera = camera};
     StillLamps *lamps = direct == STILL_RAYS ? still_lamps_new(v.scene, &room->lit->forest, 16, arena) : NULL;
-    v.light = still_light_new(v.scene, &room->solution, &room->lamps_only, lamps, arena);
+    v.light = still_light_new(v.scene, &room->solution, lamps, arena);
     v.media = still_scene_media(v.scene, camera.eye);
     v.whitted = (Whitted){.scene = v.scene, .depth = 12, .threshold = 1.0 / 512, .lamp_rays = 2};
     return v;
@@ -183,11 +180,11 @@ Test(whitted, shadows_are_sharp) {
     lit_lamp(room->lit, vec3(1, 2, 2.5));
     room_finish(room);
     for (int e = 0; e < room->lit->mesh.element_count; e++)
-        for (int c = 0; c < 3; c++) room->solution.radiosity[e][c] = room->lamps_only.radiosity[e][c] = 0;
+        for (int c = 0; c < 3; c++) room->solution.radiosity[e][c] = room->solution.direct[e][c] = 0;
     Arena *arena = &room->lit->arena;
     StillScene *scene = still_scene_new(&room->lit->mesh, NULL, STILL_TREE_OWN, arena);
     StillLamps *lamps = still_lamps_new(scene, &room->lit->forest, 16, arena);
-    StillLight light = still_light_new(scene, &room->solution, &room->lamps_only, lamps, arena);
+    StillLight light = still_light_new(scene, &room->solution, lamps, arena);
     for (int i = 0; i < 2; i++) {
         Ray ray = {vec3(1 + 2 * i, 2, 2.4), vec3(0, 0, -1), 0, INFINITY};
         SurfaceHit hit = still_rays_first(scene->all, &ray);

@@ -136,7 +136,7 @@ int draft_count_kind(const Draft *d, RegionKind kind) {
     return count;
 }
 
-int draft_count_notes(const Draft *d, NoteKind kind) {
+int draft_count_notes(const Draft *d, int kind) {
     int count = 0;
     for (int i = 0; i < d->b.note_count; i++) count += d->b.notes[i].kind == kind;
     return count;

@@ -38,7 +38,7 @@ void draft_expect_sound(Draft *d, const char *what);
 void draft_enclose(Draft *d);
 void draft_free(Draft *d);
 int draft_count_kind(const Draft *d, RegionKind kind);
-int draft_count_notes(const Draft *d, NoteKind kind);
+int draft_count_notes(const Draft *d, int kind);
 // Does the opening lead from a region of one kind to one of the other?
 bool draft_joins(const Draft *d, int opening, RegionKind a, RegionKind b);
 double draft_region_area(const Building *b, const Region *r);

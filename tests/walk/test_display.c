@@ -25,7 +25,7 @@ static const DisplayBackEnd NOWHERE = {
     .name = "nowhere", .gather = gather_nothing, .hold_mouse = hold_nothing};
 
 static DisplayEvent random_event(Random *random) {
-    static const DisplayEventKind KINDS[] = {
+    static const int KINDS[] = {
         DISPLAY_KEY_PRESSED,    DISPLAY_KEY_PRESSED,     DISPLAY_KEY_RELEASED,
         DISPLAY_BUTTON_PRESSED, DISPLAY_BUTTON_RELEASED, DISPLAY_LOOK,
         DISPLAY_SCROLLED,       DISPLAY_RESIZED,         DISPLAY_FOCUS_GAINED};
@@ -101,7 +101,7 @@ Test(display, offscreen_follows_its_cues) {
                                {0.5, {.kind = DISPLAY_CLOSED}}};
     static const struct {
         int frame;
-        DisplayEventKind kind;
+        int kind;
     } EXPECTED[] = {{0, DISPLAY_KEY_PRESSED},
                     {6, DISPLAY_KEY_RELEASED},
                     {6, DISPLAY_FOCUS_LOST},

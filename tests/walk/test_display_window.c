@@ -78,7 +78,7 @@ static void type(const char *commands) {
 }
 
 // Frames until `kind` has come with `key` (-1: any), for at most five seconds. Counts the presses of `key` on the way.
-static bool wait_for(Display *display, DisplayEventKind kind, int key, DisplayEvent *out, int *presses) {
+static bool wait_for(Display *display, int kind, int key, DisplayEvent *out, int *presses) {
     double end = display_seconds(display) + 5;
     while (display_seconds(display) < end) {
         for (DisplayEvent e; display_next_event(display, &e);) {

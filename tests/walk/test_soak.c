@@ -50,7 +50,7 @@ static void strike(Soak *s, int key) {
 static void do_something(Soak *s) {
     static const char HELD[] = "WASD C", STRUCK[] = "EEEEEOFGGKNBVXTMIU-=0123456789H";
     static const int OTHERS[] = {DISPLAY_KEY_PAGE_UP, DISPLAY_KEY_PAGE_DOWN, DISPLAY_KEY_LEFT_SHIFT};
-    DisplayEventKind press = below(s, 2) ? DISPLAY_KEY_PRESSED : DISPLAY_KEY_RELEASED;
+    int press = below(s, 2) ? DISPLAY_KEY_PRESSED : DISPLAY_KEY_RELEASED;
     int key = STRUCK[below(s, sizeof STRUCK - 1)];
     s->events++;
     switch (below(s, 8)) {

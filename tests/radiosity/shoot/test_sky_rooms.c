@@ -13,62 +13,6 @@
 
 static Lit *read_plan(const char *rest, double element) { return sky_read_plan_with(rest, element, 2); }
 
-// A room with one window of this size, a table before it, a garden and a wall out there.
-static Lit *room_with_window(double width, double height, double element) {
-    Arena arena = {0};
-    const char *text =
-        arena_format(&arena,
-                     "room a 0,0 4,0 4,3 0,3 floor oak ceiling white walls white wall 0.2\n"
-                     "window w 4.1,1.5 angle 90 width %g sill 0.9 height %g\n"
-                     "model table\n  box -0.4,-0.6,0 0.4,0.6,0.7 oak\nend\nplace table 2.6,1.4\n"
-                     "model wall\n  box -0.1,-2,0 0.1,2,2 white\nend\nplace wall 8,2\n",
-                     width, height);
-    Lit *lit = read_plan(text, element);
-    arena_free(&arena);
-    return lit;
-}
-
-static int by_size(const void *a, const void *b) {
-    double p = *(const double *)a, q = *(const double *)b;
-    return p < q ? -1 : p > q;
-}
-
-enum { POINTS = 24 };
-
-// `make soak` looks at all points, `make test` at a third of them.
-static int point_count(void) { return support_count(8, POINTS); }
-
-// Relative errors of what points indoors gather, in order; points nearly in the dark aside.
-static int errors_of(Lit *lit, const RadSolution *s, double errors[POINTS]) {
-    Arena arena = {0};
-    PathTracer *tracer = path_tracer_new(&lit->mesh, SKY, &arena);
-    PathQuery queries[POINTS];
-    PathResult truth[POINTS];
-    Probes probes = {ARENA_ARRAY(&arena, Probe, POINTS), 0, POINTS};
-    for (int i = 0; probes.count < point_count() && i < lit->mesh.patch_count; i++) {
-        // Anywhere, by a stride that has no factor in common with most counts.
-        const Patch *patch = &lit->mesh.patches[(long long)i * 7919 % lit->mesh.patch_count];
-        if (patch->cell < 0 || vis_region(&lit->graph, patch->cell)->kind != REGION_ROOM) continue;
-        Vec3 n = lit->mesh.faces[patch->face].plane.n;
-        queries[probes.count] = (PathQuery){patch->centre, n, 0.003, 0, 1500000, (uint64_t)i};
-        probes.probes[probes.count++] = (Probe){.place = patch->centre, .normal = n};
-    }
-    path_tracer_irradiance(tracer, queries, probes.count, 0, truth);
-    bake_probes_gather(&(GatherScene){&lit->mesh, &lit->forest, NULL, s, NULL}, &probes);
-    int count = 0;
-    for (int i = 0; i < probes.count; i++) {
-        double h = truth[i].irradiance[1], e = probes.probes[i].irradiance[1] / h - 1;
-        if (!(h > 0.01)) continue;
-        printf("%6.3f %6.3f %6.3f: %9.5f +- %.5f, gathered %+.2f %%\n", queries[i].point.x,
-               queries[i].point.y, queries[i].point.z, h, truth[i].standard_error[1], 100 * e);
-        errors[count++] = fabs(e);
-    }
-    qsort(errors, (size_t)count, sizeof *errors, by_size);
-    path_tracer_end(tracer);
-    arena_free(&arena);
-    return count;
-}
-
 static RadSolution lit_by_sky(Lit *lit, Culling culling, int threads) {
     RadOptions options = sky_options_of(culling, threads);
     RadSolution s = sky_shone(lit, &options);
@@ -79,11 +23,11 @@ static RadSolution lit_by_sky(Lit *lit, Culling culling, int threads) {
 // Proves that a room with a window is lit as path tracing, which knows neither portals nor elements, has it. Tolerances: the bar
 // for random points, a median of 2 %, and that no point is lost in the corners of elements of a quarter of a metre.
 Test(sky, room_with_a_window, .timeout = 300) {
-    Lit *lit = room_with_window(1.2, 1.3, 0.25);
+    Lit *lit = sky_room_with_window(1.2, 1.3, 0.25);
     RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
-    double errors[POINTS];
-    int count = errors_of(lit, &s, errors);
-    cr_assert_geq(count, point_count() * 5 / 8);
+    double errors[SKY_POINTS];
+    int count = sky_errors_of(lit, &s, errors);
+    cr_assert_geq(count, sky_point_count() * 5 / 8);
     cr_assert_leq(errors[count / 2], 0.02, "median %.2f %%", 100 * errors[count / 2]);
     cr_assert_leq(errors[count - 1], 0.1, "at most %.2f %%", 100 * errors[count - 1]);
     sky_check_conserved(lit, &s);
@@ -100,8 +44,8 @@ Test(sky, room_behind_a_room_of_windows, .timeout = 300) {
                          "window u 2.9,1.5 angle 90 width 2.8 sill 0.1 height 2.3\n",
                          0.25);
     RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
-    double errors[POINTS];
-    int count = errors_of(lit, &s, errors);
+    double errors[SKY_POINTS];
+    int count = sky_errors_of(lit, &s, errors);
     cr_assert_leq(errors[count / 2], 0.02, "median %.2f %%", 100 * errors[count / 2]);
     cr_assert_leq(errors[count - 1], 0.1, "at most %.2f %%", 100 * errors[count - 1]);
     lit_free(lit);
@@ -118,9 +62,9 @@ Test(sky, box_with_a_hole, .timeout = 300) {
     lit_box(lit, vec3(1.03, 1.06, 0), vec3(2.04, 1.97, 1), false, LIT_WALL, 1 << 4);
     lit_finish(lit, 0.25, 2);
     RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
-    double errors[POINTS];
-    int count = errors_of(lit, &s, errors);
-    cr_assert_geq(count, point_count() * 5 / 8);
+    double errors[SKY_POINTS];
+    int count = sky_errors_of(lit, &s, errors);
+    cr_assert_geq(count, sky_point_count() * 5 / 8);
     cr_assert_leq(errors[count / 2], 0.02, "median %.2f %%", 100 * errors[count / 2]);
     sky_check_conserved(lit, &s);
     lit_free(lit);
@@ -128,7 +72,7 @@ Test(sky, box_with_a_hole, .timeout = 300) {
 
 // Proves that neither culling nor threads change a bit of it.
 Test(sky, same_culled_and_on_any_number_of_threads) {
-    Lit *lit = room_with_window(1.2, 1.3, 0.5);
+    Lit *lit = sky_room_with_window(1.2, 1.3, 0.5);
     RadOptions one = sky_options_of(CULL_STAB, 1);
     RadSolution first = sky_shone(lit, &one);
     for (int i = 0; i < CULLINGS + 1; i++) {
@@ -145,7 +89,7 @@ Test(sky, same_culled_and_on_any_number_of_threads) {
 // Proves that light through a key-hole is neither lost nor made: a hole of 2 cm, 20 cm deep. What comes in is, within a factor of
 // two, what two discs of its area at its depth exchange: the sky above the horizon, seen along the hole, is half of its far end.
 Test(sky, key_hole) {
-    Lit *lit = room_with_window(0.02, 0.02, 0.25);
+    Lit *lit = sky_room_with_window(0.02, 0.02, 0.25);
     RadSolution s = lit_by_sky(lit, CULL_STAB, 0);
     sky_check_conserved(lit, &s);
     double indoors = s.emitted[1] - s.outdoors[1], opening = 0.02 * 0.02;
@@ -165,7 +109,7 @@ Test(sky, key_hole) {
 
 // Proves that the file remembers the sky, and that a run that was broken off goes on to the same light.
 Test(sky, is_stored_and_resumed) {
-    Lit *lit = room_with_window(1.2, 1.3, 0.5);
+    Lit *lit = sky_room_with_window(1.2, 1.3, 0.5);
     RadSolution whole = lit_by_sky(lit, CULL_STAB, 1), back;
     RadOptions options = sky_options_of(CULL_STAB, 1);
     options.shots = 10;
@@ -176,7 +120,7 @@ Test(sky, is_stored_and_resumed) {
     const char *path = arena_format(&arena, "%s/a.rad", support_folder(&arena));
     cr_assert(rad_save(path, &lit->mesh, NULL, &s, &error), "%s", error.text);
     cr_assert(rad_load(path, &lit->mesh, NULL, &lit->arena, &back, &error), "%s", error.text);
-    cr_assert_arr_eq(back.sky, SKY, sizeof back.sky);
+    cr_assert_arr_eq(&back.day, &whole.day, sizeof back.day);
     options.shots = 0;
     rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &back);
     cr_assert_eq(back.shots, whole.shots);
@@ -193,15 +137,16 @@ static bool stop_at(void *context, const char *stage, double done) {
 
 // Proves that daylight heeds whoever asks to stop, outdoors and at the openings, and else is as if nobody had been told of it.
 Test(sky, stops_when_asked) {
-    Lit *lit = room_with_window(1, 1, 0.5);
+    Lit *lit = sky_room_with_window(1, 1, 0.5);
     RadOptions options = sky_options_of(CULL_STAB, 2);
     double never = 2, at[2] = {0, 0.5};
+    Daylight day = daylight_uniform(SKY);
     RadSolution alone = sky_shone(lit, &options), s;
     Error error = {""};
     for (int i = 0; i < 3; i++) {
         Progress progress = {stop_at, i < 2 ? &at[i] : &never};
         cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &s, &error), "%s", error.text);
-        cr_assert_eq(rad_shine(&lit->mesh, &lit->forest, NULL, &options, SKY, &progress, &s), i == 2);
+        cr_assert_eq(rad_shine(&lit->mesh, &lit->forest, NULL, &options, &day, &progress, &s), i == 2);
     }
     cr_assert_arr_eq(s.radiosity, alone.radiosity, (size_t)s.element_count * sizeof *s.radiosity);
     lit_free(lit);

@@ -130,8 +130,8 @@ static void sum_light(SumFile *f, const char *name, Lit *lit, const MeshOptions 
     sums_scene(f, name);
     sum_mesh(f, &lit->mesh);
     cr_assert(rad_start_dark(&lit->mesh, &lit->arena, &dark, &error), "%s", error.text);
-    const double sky[3] = {1, 2, 3};
-    rad_shine(&lit->mesh, &lit->forest, NULL, &rad, sky, NULL, &dark);
+    const Daylight day = daylight_uniform((const double[]){1, 2, 3});
+    rad_shine(&lit->mesh, &lit->forest, NULL, &rad, &day, NULL, &dark);
     sum_solution(f, "sky", &dark);
     if (rad_start(&lit->mesh, &lit->arena, &solution, &error)) {
         RadReport report = rad_shoot(&lit->mesh, &lit->forest, NULL, &rad, NULL, &solution);

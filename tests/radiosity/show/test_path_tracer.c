@@ -16,9 +16,9 @@ static PathQuery query_at(Vec3 point, Vec3 normal, double error) {
     return (PathQuery){point, normal, error, 0, 4000000, 11};
 }
 
-static PathResult trace(const Lit *lit, const double sky[3], PathQuery query) {
+static PathResult trace(const Lit *lit, const Daylight *day, PathQuery query) {
     Arena arena = {0};
-    PathTracer *tracer = path_tracer_new(&lit->mesh, sky, &arena);
+    PathTracer *tracer = path_tracer_new(&lit->mesh, day, &arena);
     PathResult result;
     path_tracer_irradiance(tracer, &query, 1, 1, &result);
     path_tracer_end(tracer);
@@ -157,12 +157,12 @@ Test(path_tracer, no_leaks) {
     lit_box(lit, vec3(0, 3, -0.5), vec3(3, 6, 2.5), true, LIT_RED, 0);
     lit_box(lit, vec3(0, -3, 0), vec3(2.1, 0, 3), true, LIT_RED, 0);
     lit_finish(lit, 1, 1);
-    static const double SKY[3] = {100, 100, 100};
+    const Daylight day = daylight_uniform((const double[]){100, 100, 100});
     static const Vec3 POINTS[4] = {{1.5, 1.5, 0}, {2.9999, 2.9999, 0}, {0.001, 0.001, 0}, {2.1, 0.0001, 0}};
     for (int i = 0; i < 4; i++) {
         PathQuery query = query_at(POINTS[i], vec3(0, 0, 1), 1e-3);
         query.most_paths = 1000000;
-        PathResult r = trace(lit, SKY, query);
+        PathResult r = trace(lit, &day, query);
         cr_assert_eq(r.irradiance[0], 0, "%g leaks to point %d", r.irradiance[0], i);
     }
     lit_free(lit);
@@ -195,12 +195,12 @@ Test(path_tracer, sky) {
     Lit *lit = lit_new();
     lit_quad(lit, vec3(0, 0, 0), vec3(1, 0, 0), vec3(1, 1, 0), vec3(0, 1, 0), LIT_WALL);
     lit_finish(lit, 1, 1);
-    static const double SKY[3] = {1, 2, 3};
-    PathResult r = trace(lit, SKY, query_at(vec3(0.5, 0.5, 0), vec3(0, 0, 1), 1e-3));
+    const Daylight day = daylight_uniform((const double[]){1, 2, 3});
+    PathResult r = trace(lit, &day, query_at(vec3(0.5, 0.5, 0), vec3(0, 0, 1), 1e-3));
     cr_assert_float_eq(r.irradiance[1], 2 * M_PI, 1e-9);
-    r = trace(lit, SKY, query_at(vec3(0.5, 0.5, 5), vec3(1, 0, 0), 1e-3));
+    r = trace(lit, &day, query_at(vec3(0.5, 0.5, 5), vec3(1, 0, 0), 1e-3));
     check(&r, 2, 3 * M_PI / 2, 1e-3);
-    r = trace(lit, SKY, query_at(vec3(0.5, 0.5, 0), vec3(0, 0, -1), 1e-3));
+    r = trace(lit, &day, query_at(vec3(0.5, 0.5, 0), vec3(0, 0, -1), 1e-3));
     cr_assert_eq(r.irradiance[0], 0);
     lit_free(lit);
 }

@@ -25,10 +25,9 @@ static const DisplayBackEnd NOWHERE = {
     .name = "nowhere", .gather = gather_nothing, .hold_mouse = hold_nothing};
 
 static DisplayEvent random_event(Random *random) {
-    static const int KINDS[] = {
-        DISPLAY_KEY_PRESSED,    DISPLAY_KEY_PRESSED,     DISPLAY_KEY_RELEASED,
-        DISPLAY_BUTTON_PRESSED, DISPLAY_BUTTON_RELEASED, DISPLAY_LOOK,
-        DISPLAY_SCROLLED,       DISPLAY_RESIZED,         DISPLAY_FOCUS_GAINED};
+    static const int KINDS[] = {DISPLAY_KEY_PRESSED,    DISPLAY_KEY_PRESSED,     DISPLAY_KEY_RELEASED,
+                                DISPLAY_BUTTON_PRESSED, DISPLAY_BUTTON_RELEASED, DISPLAY_LOOK,
+                                DISPLAY_SCROLLED,       DISPLAY_RESIZED,         DISPLAY_FOCUS_GAINED};
     DisplayEvent event = {.kind = KINDS[random_index(random, sizeof KINDS / sizeof *KINDS)],
                           .x = random_index(random, 100),
                           .y = random_index(random, 100)};

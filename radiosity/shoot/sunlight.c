@@ -23,7 +23,7 @@ static const double ON_LINE = 1e-9;
 static const double SLIVER = 1e-9;
 // Beams smaller than this reach nothing, m^2, and after so many beams all cells count as reached: time is bounded.
 static const double THIN = 1e-9;
-enum { MOST_BEAMS = 1 << 20 };
+enum { MOST_BEAMS = 1 << 16 };
 
 // A polygon in the sun's axes: x and y across the beams, z towards the sun.
 typedef struct SunPolygon {

@@ -189,3 +189,27 @@ Test(sunlight, open_ground) {
     sky_check_conserved(lit, &s);
     lit_free(lit);
 }
+
+// Proves the light from below the horizon: a box in the air with a hole in a wall, whose ceiling has the most light from there, against path
+// tracing. Tolerance: as for an even sky.
+Test(sunlight, light_from_the_ground, .timeout = 120) {
+    Lit *lit = lit_new();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_RED, 1 << 1);
+    lit_box(lit, vec3(-0.2, -0.2, -0.2), vec3(4.2, 3.2, 2.7), false, LIT_WALL, 1 << 1);
+    lit_quad(lit, vec3(4, 0, 0), vec3(4, 0, 1), vec3(4, 3, 1), vec3(4, 3, 0), LIT_RED);
+    lit_quad(lit, vec3(4.2, -0.2, -0.2), vec3(4.2, 3.2, -0.2), vec3(4.2, 3.2, 1), vec3(4.2, -0.2, 1),
+             LIT_WALL);
+    lit_finish(lit, 0.25, 2);
+    SunPosition sun = {0.9, 3, 1};
+    Daylight day = daylight_of(&sun, 0, DAYLIGHT_OVERCAST);
+    RadOptions options = sky_options_of(CULL_STAB, 0);
+    RadSolution s = sky_day_shone(lit, &day, &options);
+    rad_shoot(&lit->mesh, &lit->forest, NULL, &options, NULL, &s);
+    double errors[SKY_POINTS];
+    int count = sky_errors_of(lit, &s, errors);
+    cr_assert_geq(count, sky_point_count() * 5 / 8);
+    cr_assert_leq(errors[count / 2], 0.02, "median %.2f %%", 100 * errors[count / 2]);
+    cr_assert_leq(errors[count - 1], 0.1, "at most %.2f %%", 100 * errors[count - 1]);
+    sky_check_conserved(lit, &s);
+    lit_free(lit);
+}

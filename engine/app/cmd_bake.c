@@ -57,6 +57,7 @@ typedef struct Bake {
 static BakeArguments bake_default_arguments(void) {
     BakeArguments a = {.load = app_scene_options(), .bake = bake_default_options()};
     a.load.lamps = SCENE_LAMPS_ALL;
+    a.load.fill_lamps = FILL_LAMPS_ON;
     a.load.work = "baking";
     return a;
 }
@@ -192,6 +193,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
     const BakeArguments *a = bake->a;
     const char *written[] = {a->out, a->model}, *read[] = {a->file, a->probe_file};
     SceneOptions load = a->load;
+    memcpy(load.sky, a->bake.sky, sizeof load.sky);
     if (!app_check_files(written, 2, read, 2, &load, error) ||
         !app_load(a->file, &load, arena, &bake->scene, error) || !find_places(bake, arena, error) ||
         !make_mesh(bake, arena, error) || !check_room(bake, error) || !begin_light(bake, arena, error))
@@ -245,6 +247,7 @@ static json_t *facts_of(const Bake *bake) {
         rgb_sum(s->sky) > 0 ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
+    json_object_set_new(facts, "fill_lamps", json_integer(bake->scene.fill.lamps));
     add_proxies(facts, bake->mesh.options.proxies);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
     if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
@@ -430,6 +433,7 @@ static const Option ROWS[] = {
      .name_count = BAKE_DOORS,
      .help = "@ (default drawn)"},
     OPTION_DAYLIGHT(AT(bake.sky)),
+    OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "element",
      .value = "M",
      .type = OPTION_NUMBER,

@@ -70,7 +70,7 @@ static bool check_light(const BakeOptions *bake, const LoadedScene *scene, Error
     if (bake->sky[0] + bake->sky[1] + bake->sky[2] > 0 || scene_emits(scene)) return true;
     return error_set(error,
                      "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
-                     "(--sky L brings daylight)",
+                     "(--fill-lamps on lights its rooms, --sky L brings daylight)",
                      scene->building.source, scene->building.material_count);
 }
 

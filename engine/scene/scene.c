@@ -101,6 +101,36 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 
 // ---- loading
 
+// By day where light is found that was made by day.
+static bool is_day(const SceneOptions *options, const LoadedScene *scene) {
+    Error reason;
+    RadSources sources;
+    if (rgb_sum(options->sky) > 0) return true;
+    return scene->light_count > 0 &&
+           rad_load_sources(scene->lights[0], &scene->building, &sources, &reason) &&
+           rgb_sum(sources.sky) > 0;
+}
+
+// The cells tell the rooms. They are made once more with the lamps, of which those of a soup are part.
+static bool fill_rooms(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
+                       Error *error) {
+    Building *b = &out->building;
+    Arena scratch = {0};
+    CellGraph graph;
+    if (options->fill_lamps == FILL_LAMPS_OFF || b->form == FORM_CELLS) return true;
+    memory_set_stage("making cells");
+    bool good = vis_build_cells(b, &options->vis, &scratch, &graph, error) && memory_within(error);
+    if (good) out->fill = fill_lamps_add(&graph, is_day(options, out), arena, b);
+    arena_free(&scratch);
+    Error sentence;
+    if (out->fill.lamps == 0 || !out->warn) return good;
+    error_set(&sentence, "%s: %d plain lamp%s added in %d room%s without light (--fill-lamps off: none)",
+              path, out->fill.lamps, out->fill.lamps > 1 ? "s were" : " was", out->fill.rooms,
+              out->fill.rooms > 1 ? "s" : "");
+    out->warn(sentence.text);
+    return good;
+}
+
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
     *out = (LoadedScene){.warn = options->warn, .sky = {options->sky[0], options->sky[1], options->sky[2]}};
@@ -111,10 +141,13 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
                       out->building.beside_count, error) ||
         (options->find_light && !find_lights(path, options, arena, out, error)))
         return false;
-    if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0))
+    bool good = true;
+    if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0)) {
         out->lamp_faces = lamp_faces_add(arena, &out->building);
+        good = fill_rooms(path, options, arena, out, error);
+    }
     out->read_seconds = clock_seconds() - start;
-    return true;
+    return good;
 }
 
 bool scene_load_cells(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
@@ -147,10 +180,12 @@ bool scene_load(const char *path, const SceneOptions *options, Arena *arena, Loa
     double start = clock_seconds();
     VisPrepareOptions prepare = {.vis = options->vis, .fresh = options->fresh, .read_only = !options->keep};
     // In a soup every polygon takes part in the making of cells.
-    bool other = out->lamp_faces > 0 && out->building.form == FORM_SOUP;
-    prepare.file =
-        scene_cache_path(arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash,
-                                             other ? "-lamps" : ""));
+    bool soup = out->building.form == FORM_SOUP;
+    const char *lamps = "";
+    if (soup && out->lamp_faces > 0) lamps = "-lamps";
+    if (soup && out->fill.lamps > 0) lamps = arena_format(arena, "-fill-%d", out->fill.lamps);
+    prepare.file = scene_cache_path(
+        arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash, lamps));
     bool there = prepare.file && !options->fresh && access(prepare.file, R_OK) == 0;
     if (options->keep && !there) prepare.read_only = !scene_cache_takes(out, prepare.file, 0);
     Watch watch = {&options->progress, 0};

@@ -3,7 +3,7 @@
 #ifndef SCENE_SCENE_H
 #define SCENE_SCENE_H
 
-#include "visibility/vis.h"
+#include "engine/scene/fill_lamps.h"
 
 // How a building is loaded. Strings and arrays last as long as the scene.
 typedef struct SceneOptions {
@@ -19,6 +19,9 @@ typedef struct SceneOptions {
         // All where the building has stored light, else none.
         SCENE_LAMPS_IF_LIT,
     } lamps;
+    // FILL_LAMPS_ON: rooms without light get lamps (fill_lamps.h), where lights get faces. By day, under `sky` or the sky of light that
+    // is found, rooms with openings to outdoors get none.
+    int fill_lamps;
     // One of a file that holds several maps; NULL: the first.
     const char *map;
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
@@ -54,6 +57,8 @@ typedef struct LoadedScene {
     double read_seconds, cells_seconds, trees_seconds;
     // Objects added for lights.
     int lamp_faces;
+    // Lamps added for rooms without light, and the number of these rooms.
+    FillLamps fill;
     // The trees came from the cache; the cache has them; their search was stopped early.
     bool cached, kept, stopped;
     // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.

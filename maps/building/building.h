@@ -243,6 +243,8 @@ typedef struct Building {
         polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
         tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count,
         beside_count;
+    // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
+    int fill_lamps;
     int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
         opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
         light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,

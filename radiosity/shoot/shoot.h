@@ -87,5 +87,11 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
 // Reads the options of the file's mesh, from which the mesh can be made, and the states of the doors, `door_open` [opening_count].
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,
                       float *door_open, Error *error);
+// The sources of a file's light, beyond the lamps of the building.
+typedef struct RadSources {
+    int fill_lamps;  // as in Building
+    double sky[3];   // radiance, W/m^2/sr a channel; 0: night
+} RadSources;
+bool rad_load_sources(const char *path, const Building *building, RadSources *out, Error *error);
 
 #endif

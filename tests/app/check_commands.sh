@@ -357,7 +357,7 @@ expect 1 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --sky 6 --li
     says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: 6,6,6)'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -o "$work/day.png"
 rm -rf "$work/cache"
-expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--sky'
+expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
 
 # What is printed arrives, or the exit status tells: on a full disk, to a closed standard output, which no file takes the place of, and

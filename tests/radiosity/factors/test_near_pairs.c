@@ -178,8 +178,8 @@ Test(near_pairs, furnace) {
 }
 
 // Proves the same of walls that reflect nearly all light. Unshot light of a share r of the emitted light would still be reflected, as
-// r times the reflectance of all that there is: so much is missing in the mean and no more, and nothing is too bright but by rounding. Single
-// elements are off by errors of shares, which weigh with the reflected part of their light: here nearly all, above half of it.
+// r times the reflectance of all that there is: so much is missing in the mean and no more. Nothing is too bright but by rounding.
+// Single elements are off by errors of shares. These weigh with the reflected part of the light: here nearly all, above half of it.
 Test(near_pairs, furnace_of_bright_walls) {
     static const float REFLECTANCES[] = {0.95f, 0.99f};
     for (int i = 0; i < 2; i++)

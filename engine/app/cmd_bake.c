@@ -58,6 +58,7 @@ typedef struct Bake {
 static BakeArguments bake_default_arguments(void) {
     BakeArguments a = {.load = app_scene_options(), .bake = bake_default_options()};
     a.load.lamps = SCENE_LAMPS_ALL;
+    a.load.fill_lamps = FILL_LAMPS_ON;
     a.load.work = "baking";
     return a;
 }
@@ -264,6 +265,7 @@ static json_t *facts_of(const Bake *bake) {
         daylight_shines(&s->day) ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
+    json_object_set_new(facts, "fill_lamps", json_integer(bake->scene.building.fill_lamps));
     add_proxies(facts, bake->mesh.options.proxies);
     if (bake->out) json_object_set_new(facts, "file", json_string(bake->out));
     if (bake->a->model) json_object_set_new(facts, "model", json_string(bake->a->model));
@@ -449,6 +451,7 @@ static const Option ROWS[] = {
      .name_count = BAKE_DOORS,
      .help = "@ (default drawn)"},
     OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "element",
      .value = "M",
      .type = OPTION_NUMBER,

@@ -92,7 +92,9 @@ static bool bake_light(Render *r, const Progress *progress, Arena *arena, Error 
     LightBaker baker = light_baker(&r->scene, arena);
     WalkLight *light = ARENA_ARRAY(arena, WalkLight, 1);
     if (!baker.bake)
-        return error_set(error, "%s: nothing emits light: it has no lamps (--day brings daylight)",
+        return error_set(error,
+                         "%s: nothing emits light: it has no lamps (--fill-lamps on lights its rooms, --day "
+                         "brings daylight)",
                          r->a->file);
     LightHooks hooks = {.progress = *progress, .threads = r->a->still.threads};
     bool good = baker.bake(baker.context, &hooks, arena, light, error);
@@ -189,6 +191,7 @@ static const Option ROWS[] = {
     {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
     OPTION_MAP(AT(load.map)),
     OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "view",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -288,6 +291,7 @@ static int parse_render(int argc, char **argv, RenderArguments *a, bool *help) {
 int cmd_render(int argc, char **argv) {
     RenderArguments a = {.load = app_scene_options(), .size = {1280, 720}, .still = still_default_options()};
     bool help = false;
+    a.load.fill_lamps = FILL_LAMPS_ON;
     int code = parse_render(argc, argv, &a, &help);
     if (help) options_print_help(&OPTIONS);
     return code != APP_GOOD || help ? code : render(&a);

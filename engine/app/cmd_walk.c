@@ -54,6 +54,7 @@ static const Option ROWS[] = {
              "`enfilade bake "
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
     OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "false-colour",
      .value = "Q",
      .type = OPTION_NAME,
@@ -377,6 +378,7 @@ int cmd_walk(int argc, char **argv) {
                    .window = {.session = session_default_options(), .display = display_default_options()},
                    .load = app_scene_options()};
     bool help = false;
+    a.load.fill_lamps = FILL_LAMPS_ON;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
     int code = parse_walk(argc, argv, &a, &help);

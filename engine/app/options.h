@@ -138,6 +138,13 @@ int app_misuse(const char *command, const char *format, ...) __attribute__((form
         .high = 1e6,                                                                                         \
         .help = "instead of these an even sky of that radiance, W/m^2/sr, without a sun; @ (default 0)"      \
     }
+#define OPTION_FILL_LAMPS(field)                                                                             \
+    {                                                                                                        \
+        .name = "fill-lamps", .value = "STATE", .type = OPTION_NAME, .at = (field),                          \
+        .names = FILL_LAMPS_NAMES, .name_count = FILL_LAMPS_STATES,                                          \
+        .help = "plain ceiling lamps in rooms that no lamp lights, by day in rooms without windows: @ "      \
+                "(default on)"                                                                               \
+    }
 #define OPTION_JSON(field)                                                                                   \
     { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }
 #define OPTION_THREADS(field)                                                                                \

@@ -70,7 +70,7 @@ static bool check_light(const BakeOptions *bake, const LoadedScene *scene, Error
     if (daylight_shines(&bake->day) || scene_emits(scene)) return true;
     return error_set(error,
                      "%s: nothing emits light: it has no lamps, and none of its %d materials an emission "
-                     "(--day brings daylight)",
+                     "(--fill-lamps on lights its rooms, --day brings daylight)",
                      scene->building.source, scene->building.material_count);
 }
 

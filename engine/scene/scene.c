@@ -101,6 +101,35 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 
 // ---- loading
 
+// By day where light is found that was made by day.
+static bool is_day(const LoadedScene *scene) {
+    Error reason;
+    Daylight day;
+    if (daylight_shines(&scene->day)) return true;
+    return scene->light_count > 0 && rad_load_day(scene->lights[0], &scene->building, &day, &reason) &&
+           daylight_shines(&day);
+}
+
+// The cells tell the rooms. They are made once more with the lamps, of which those of a soup are part.
+static bool fill_rooms(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
+                       Error *error) {
+    Building *b = &out->building;
+    Arena scratch = {0};
+    CellGraph graph;
+    if (options->fill_lamps == FILL_LAMPS_OFF || b->form == FORM_CELLS) return true;
+    memory_set_stage("making cells");
+    bool good = vis_build_cells(b, &options->vis, &scratch, &graph, error) && memory_within(error);
+    if (good) fill_lamps_add(&graph, is_day(out), arena, b, &out->filled_rooms);
+    arena_free(&scratch);
+    Error sentence;
+    if (b->fill_lamps == 0 || !out->warn) return good;
+    error_set(&sentence, "%s: %d plain lamp%s added in %d room%s without light (--fill-lamps off: none)",
+              path, b->fill_lamps, b->fill_lamps > 1 ? "s were" : " was", out->filled_rooms,
+              out->filled_rooms > 1 ? "s" : "");
+    out->warn(sentence.text);
+    return good;
+}
+
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
     *out = (LoadedScene){.warn = options->warn};
@@ -112,10 +141,13 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
         !day_over(&options->day, &out->building, &out->day, error) ||
         (options->find_light && !find_lights(path, options, arena, out, error)))
         return false;
-    if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0))
+    bool good = true;
+    if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0)) {
         out->lamp_faces = lamp_faces_add(arena, &out->building);
+        good = fill_rooms(path, options, arena, out, error);
+    }
     out->read_seconds = clock_seconds() - start;
-    return true;
+    return good;
 }
 
 bool scene_load_cells(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
@@ -148,10 +180,13 @@ bool scene_load(const char *path, const SceneOptions *options, Arena *arena, Loa
     double start = clock_seconds();
     VisPrepareOptions prepare = {.vis = options->vis, .fresh = options->fresh, .read_only = !options->keep};
     // In a soup every polygon takes part in the making of cells.
-    bool other = out->lamp_faces > 0 && out->building.form == FORM_SOUP;
-    prepare.file =
-        scene_cache_path(arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash,
-                                             other ? "-lamps" : ""));
+    bool soup = out->building.form == FORM_SOUP;
+    const char *lamps = "";
+    if (soup && out->lamp_faces > 0) lamps = "-lamps";
+    if (soup && out->building.fill_lamps > 0)
+        lamps = arena_format(arena, "-fill-%d", out->building.fill_lamps);
+    prepare.file = scene_cache_path(
+        arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash, lamps));
     bool there = prepare.file && !options->fresh && access(prepare.file, R_OK) == 0;
     if (options->keep && !there) prepare.read_only = !scene_cache_takes(out, prepare.file, 0);
     Watch watch = {&options->progress, 0};

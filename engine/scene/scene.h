@@ -4,7 +4,7 @@
 #define SCENE_SCENE_H
 
 #include "engine/scene/day.h"
-#include "visibility/vis.h"
+#include "engine/scene/fill_lamps.h"
 
 // How a building is loaded. Strings and arrays last as long as the scene.
 typedef struct SceneOptions {
@@ -20,6 +20,9 @@ typedef struct SceneOptions {
         // All where the building has stored light, else none.
         SCENE_LAMPS_IF_LIT,
     } lamps;
+    // FILL_LAMPS_ON: rooms without light get lamps (fill_lamps.h), where lights get faces. By day, under `sky` or the sky of light that
+    // is found, rooms with openings to outdoors get none.
+    int fill_lamps;
     // One of a file that holds several maps; NULL: the first.
     const char *map;
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
@@ -55,6 +58,8 @@ typedef struct LoadedScene {
     double read_seconds, cells_seconds, trees_seconds;
     // Objects added for lights.
     int lamp_faces;
+    // Rooms without light that got lamps (Building.fill_lamps).
+    int filled_rooms;
     // The trees came from the cache; the cache has them; their search was stopped early.
     bool cached, kept, stopped;
     // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.

@@ -162,7 +162,7 @@ void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *
 float maps_linear(int srgb) {
     double c = (srgb < 0 ? 0 : srgb > 255 ? 255 : srgb) / 255.0;
     double linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-    return fminf((float)linear, MAPS_MAX_REFLECTANCE);
+    return fminf((float)linear, MAPS_MAX_COLOUR);
 }
 
 Rgb maps_colour(unsigned rgb) {

@@ -41,7 +41,7 @@ static inline double rgb_sum(const double v[3]) { return v[0] + v[1] + v[2]; }
 // The colour and optics of polygons.
 typedef struct Material {
     const char *name;
-    Rgb reflectance;  // linear, 0 .. 0.85 (MAPS_MAX_REFLECTANCE)
+    Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE)
     Rgb emission;     // radiant exitance, W/m^2
     float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
     float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
@@ -256,6 +256,8 @@ typedef struct Building {
         polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
         tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count,
         beside_count;
+    // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
+    int fill_lamps;
     int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
         opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
         light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
@@ -266,8 +268,10 @@ typedef struct Building {
     double drawn_area, lost_area;  // m^2 of rooms as drawn, and of those that could not be used
 } Building;
 
-// Reflectances above this are capped: it is that of white paint, and the sum of reflections stays finite.
-#define MAPS_MAX_REFLECTANCE 0.85f
+// Reflectances that a file states are refused or capped above this: light is reflected a hundred times, and the sum stays finite.
+#define MAPS_MAX_REFLECTANCE 0.99f
+// Colours as on a screen are capped at this: that of white paint. A file that says white seldom means a better reflector.
+#define MAPS_MAX_COLOUR 0.85f
 // The most corners a leaf has in plan.
 enum { LEAF_CORNERS = 32 };
 // The grid of the plan and of heights, metres: finer than any wall, coarser than the noise in real files.

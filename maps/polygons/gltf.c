@@ -121,11 +121,11 @@ static int make_material(Gltf *g, const GltfItem *item) {
     if (textured && read_texture(g, surface, texture, &read)) mean = read;
     const char *name = gltf_text(g, item, "name", "");
     Rgb colour = {(float)factor[0] * mean.r, (float)factor[1] * mean.g, (float)factor[2] * mean.b};
-    Material material = {
-        .name = name,
-        .reflectance = soup_cap(&g->reader, colour, arena_string(g->scratch, *name ? name : item->place)),
-        .emission = emission_of(g, item),
-        .alpha = alpha_of(g, item, factor[3], textured)};
+    Material material = {.name = name,
+                         .reflectance = soup_cap(&g->reader, colour, MAPS_MAX_COLOUR,
+                                                 arena_string(g->scratch, *name ? name : item->place)),
+                         .emission = emission_of(g, item),
+                         .alpha = alpha_of(g, item, factor[3], textured)};
     if (g->failed) return -1;
     return building_add_material(g->arena, g->b, material);
 }

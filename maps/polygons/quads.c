@@ -85,7 +85,7 @@ static bool add_material(Quads *q, const char *name, double rho, double exitance
              exitance);
     float r = (float)rho, e = (float)exitance;
     Material material = {.name = words,
-                         .reflectance = soup_cap(&q->reader, (Rgb){r, r, r}, name),
+                         .reflectance = soup_cap(&q->reader, (Rgb){r, r, r}, MAPS_MAX_REFLECTANCE, name),
                          .emission = {e, e, e},
                          .alpha = 1};
     *out = building_add_material(q->arena, q->b, material);

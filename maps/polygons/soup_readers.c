@@ -43,14 +43,14 @@ bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes 
     return true;
 }
 
-Rgb soup_cap(SoupReader *reader, Rgb reflectance, const char *material) {
+Rgb soup_cap(SoupReader *reader, Rgb reflectance, float limit, const char *material) {
     float most = fmaxf(reflectance.r, fmaxf(reflectance.g, reflectance.b));
-    if (most > MAPS_MAX_REFLECTANCE) {
+    if (most > limit) {
         if (reader->capped++ == 0) reader->first_capped = material;
         reader->most_capped = fmax(reader->most_capped, (double)most);
+        reader->limit = (double)limit;
     }
-    return (Rgb){fminf(reflectance.r, MAPS_MAX_REFLECTANCE), fminf(reflectance.g, MAPS_MAX_REFLECTANCE),
-                 fminf(reflectance.b, MAPS_MAX_REFLECTANCE)};
+    return (Rgb){fminf(reflectance.r, limit), fminf(reflectance.g, limit), fminf(reflectance.b, limit)};
 }
 
 static void note_size(const char *path, const char *resize, Arena *arena, Building *b) {
@@ -86,8 +86,7 @@ bool soup_finish(const SoupReader *reader, const char *resize, Error *error) {
     if (reader->capped > 0) {
         building_note(reader->arena, b, NOTE_CHANGED, b->start,
                       "%s: %d colours reflect more than %g and were capped, `%.60s` first; the most was %g",
-                      reader->path, reader->capped, (double)MAPS_MAX_REFLECTANCE, reader->first_capped,
-                      reader->most_capped);
+                      reader->path, reader->capped, reader->limit, reader->first_capped, reader->most_capped);
     }
     note_size(reader->path, resize, reader->arena, b);
     return true;

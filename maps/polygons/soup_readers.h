@@ -27,7 +27,8 @@ typedef struct SoupReader {
     uint64_t hash;  // of the files read beside `path`
     size_t bytes;   // of these files
     int files;
-    int capped;                // colours above MAPS_MAX_REFLECTANCE
+    int capped;  // colours above `limit`, the one of soup_cap
+    double limit;
     const char *first_capped;  // the material of the first of them
     double most_capped;
 } SoupReader;
@@ -36,8 +37,9 @@ typedef struct SoupReader {
 // refused, and so are files beyond the limits above. Backslashes count as slashes, since some exporters write them.
 bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes *out, Error *error);
 
-// Returns a linear reflectance, which is 0 or more, capped at MAPS_MAX_REFLECTANCE. Counts the colours above this limit.
-Rgb soup_cap(SoupReader *reader, Rgb reflectance, const char *material);
+// Returns a linear reflectance, which is 0 or more, capped at the format's limit: MAPS_MAX_REFLECTANCE of stated reflectances,
+// MAPS_MAX_COLOUR of colours. Counts the colours above this limit.
+Rgb soup_cap(SoupReader *reader, Rgb reflectance, float limit, const char *material);
 // Every reader of a soup ends with this call. It notes colours that were capped and a size that no building has (`resize` says how
 // the file can state another size), and sets the world's box and the start: the first viewpoint, else a place at eye height in
 // the middle. Fails on a soup without a polygon.

@@ -15,7 +15,9 @@ enum { VERSION = 4 };
 typedef struct Header {
     DerivedHead head;
     uint64_t rest;  // checksum of the rest of the header
-    int32_t element_count, patch_count, door_count, per_patch, node_count;
+    int32_t element_count, patch_count, door_count;
+    int16_t per_patch, fill_lamps;  // the latter as in Building
+    int32_t node_count;
     int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
     int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
     double element, close;
@@ -70,6 +72,11 @@ static Sizes sizes_of(const Header *h) {
 
 static const Building *building_of(const Mesh *mesh) { return mesh->graph->building; }
 
+// The number of lamps tells apart the sets that a building can have: none, those of the night, and fewer by day.
+static int16_t fill_lamps_of(const Building *b) {
+    return (int16_t)(b->fill_lamps < INT16_MAX ? b->fill_lamps : INT16_MAX);
+}
+
 // A door in a file's body.
 static float stored_state(const unsigned char *body, int door) {
     float state;
@@ -106,7 +113,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .door_count = building_of(mesh)->opening_count,
                      .split_bits = splits ? splits->bit_count : -1,
                      .even = splits ? splits->even : -1,
-                     .per_patch = mesh->options.per_patch,
+                     .per_patch = (int16_t)mesh->options.per_patch,
+                     .fill_lamps = fill_lamps_of(building_of(mesh)),
                      .node_count = solution->node_count,
                      .proxy = proxy_of(&mesh->options),
                      .element = mesh->options.element,
@@ -163,6 +171,10 @@ static bool check_nodes(const Header *h, const Mesh *mesh) {
 static bool check_mesh(const char *path, const Header *h, const Mesh *mesh, const float *door_open,
                        const unsigned char *body, Error *error) {
     const MeshOptions *o = &mesh->options;
+    int lamps = fill_lamps_of(building_of(mesh));
+    if (h->fill_lamps != lamps)
+        return error_set(error, "%s: was made with %d fill lamps (asked for: %d; --fill-lamps on or off)",
+                         path, h->fill_lamps, lamps);
     if (h->element != o->element || h->per_patch != o->per_patch) {
         return error_set(error, "%s: has elements of %g m, %d along a patch (asked for: %g m, %d)", path,
                          h->element, h->per_patch, o->element, o->per_patch);
@@ -244,7 +256,8 @@ bool rad_load(const char *path, const Mesh *mesh, const float *door_open, Arena 
 
 static bool check_options(const char *path, const Header *h, const unsigned char *body, Error *error) {
     bool good = h->element >= 0.01 && h->element <= 100 && h->per_patch >= 1 && h->per_patch <= 16 &&
-                h->close >= 0 && h->close <= 1 && h->proxy >= 0 && h->proxy * PROXY_STEP <= 1;
+                h->close >= 0 && h->close <= 1 && h->proxy >= 0 && h->proxy * PROXY_STEP <= 1 &&
+                h->fill_lamps >= 0;
     for (int i = 0; i < h->door_count; i++)
         good = good && stored_state(body, i) >= 0 && stored_state(body, i) <= 1;
     return good || error_set(error, "%s: is damaged: its mesh or doors are out of range", path);
@@ -258,6 +271,16 @@ static MeshSplits *read_splits(const Header *h, const unsigned char *body, Arena
     splits->bits = ARENA_ARRAY(arena, unsigned char, split_bytes(h));
     memcpy(splits->bits, body + sizes_of(h).doors, split_bytes(h));
     return splits;
+}
+
+bool rad_load_day(const char *path, const Building *building, Daylight *out, Error *error) {
+    Arena scratch = {0};
+    Header h;
+    const unsigned char *body;
+    bool good = read_file(path, building, &scratch, &h, &body, error);
+    if (good) *out = h.day;
+    arena_free(&scratch);
+    return good;
 }
 
 bool rad_load_options(const char *path, const Building *building, Arena *arena, MeshOptions *out,

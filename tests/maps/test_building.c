@@ -13,10 +13,10 @@ Test(building, colours) {
     cr_expect_float_eq(maps_linear(0), 0, 0);
     cr_expect_float_eq(maps_linear(10), 10 / 255.0 / 12.92, 1e-6);
     cr_expect_float_eq(maps_linear(188), 0.5029, 1e-3);
-    cr_expect_eq(maps_linear(255), MAPS_MAX_REFLECTANCE);
+    cr_expect_eq(maps_linear(255), MAPS_MAX_COLOUR);
     cr_expect_eq(maps_linear(-5), 0);
     Rgb c = maps_colour(0xFF00BC);
-    cr_expect_eq(c.r, MAPS_MAX_REFLECTANCE);
+    cr_expect_eq(c.r, MAPS_MAX_COLOUR);
     cr_expect_eq(c.g, 0);
     cr_expect_float_eq(c.b, 0.5029, 1e-3);
 }

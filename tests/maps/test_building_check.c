@@ -104,7 +104,7 @@ static void spoil(Building *b, int way) {
         b->viewpoints[0].fov = 0;
         break;
     case 27:
-        b->materials[0].reflectance.g = 0.9f;
+        b->materials[0].reflectance.g = 1.5f;
         break;
     case 28:
         b->storeys[0].height = 0;
@@ -160,7 +160,7 @@ Test(building, check_names_every_fault) {
         "light 0 (lamp): object 4 of 1",
         "viewpoint 0 (door): eye (1, 1, 1.6), yaw 0, pitch 0, field of view 0 (finite; view between 0 and "
         "pi)",
-        "reflectance of material 0: channel 1 is 0.9 (allowed 0 to 0.85)",
+        "reflectance of material 0: channel 1 is 1.5 (allowed 0 to 0.99)",
         "storey 0 (s): floor 0 m, height 0 m, slab 0.2 m (floor finite, height above 0, slab at least 0)",
         "the start (nan, 0, 0) is not finite",
         "region 1 (unnamed): hole 1 at (9.000, 1.000) lies outside",

@@ -163,7 +163,7 @@ static const Bad BAD_LINES[] = {
     {"material red #00FF00", 1, "material 'red' already"},
     {"material blue 00FF00", 1, "colour is '00FF00' (allowed: #RRGGBB"},
     {"material blue #00FF0G", 1, "colour is '#00FF0G'"},
-    {"material blue reflectance 0.9", 1, "reflectance is '0.9' (allowed: a number from 0 to 0.85"},
+    {"material blue reflectance 1", 1, "reflectance is '1' (allowed: a number from 0 to 0.99"},
     {"material blue #00FF00 alpha 2", 1, "alpha is '2'"},
     {"material blue #00FF00 emission 1 2", 1, "emission is the end of the line"},
     {"material", 1, "name is missing"},

@@ -117,11 +117,11 @@ Test(gltf, materials) {
          0},
         {"\"alphaMode\":\"MASK\",\"alphaCutoff\":0.8,\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0."
          "75]}",
-         MAPS_MAX_REFLECTANCE, 0, 0},
+         MAPS_MAX_COLOUR, 0, 0},
         {"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"baseColorFactor\":[0.8,1,1,1]}",
-         0.8f * MAPS_MAX_REFLECTANCE / 2, 1, 0},
+         0.8f * MAPS_MAX_COLOUR / 2, 1, 0},
         {"\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}",
-         MAPS_MAX_REFLECTANCE / 2, 0.5f, 0},
+         MAPS_MAX_COLOUR / 2, 0.5f, 0},
         {"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":1},\"baseColorFactor\":[0.4,1,1,1]}",
          0.4f, 1, 0},
         {"\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}},"

@@ -68,7 +68,7 @@ Test(obj, reads_materials) {
     const ObjMaterial *pane = &m.materials[m.faces[0].material], *tr = &m.materials[m.faces[1].material];
     cr_assert(pane->defined && tr->defined && !m.materials[m.faces[2].material].defined);
     cr_assert_float_eq((double)pane->colour.r, (double)maps_linear(128), 1e-6);
-    cr_assert_float_eq((double)pane->colour.g, (double)MAPS_MAX_REFLECTANCE, 1e-6);
+    cr_assert_float_eq((double)pane->colour.g, (double)MAPS_MAX_COLOUR, 1e-6);
     cr_assert_float_eq((double)pane->alpha, 0.25, 1e-6);
     cr_assert_float_eq((double)tr->alpha, 0.25, 1e-6);
     cr_assert_lt(m.materials[m.faces[2].material].colour.r, maps_linear(128), "dkgrey is dark");

@@ -40,14 +40,15 @@ Test(quads, statements) {
     arena_free(&arena);
 }
 
-// Changes on reading are noted: colours above the limit, bent and concave quads, sizes no building has.
+// Changes on reading are noted: reflectances above the limit, bent and concave quads, sizes no building has.
 Test(quads, changes_are_noted) {
     Arena arena = {0};
     Building b;
     accept(&arena,
-           "quad white 0.9 0  0 0 0  4 0 0  4 3 0  0 3 0\nquad mirror 1 0  0 0 1  4 0 1  4 3 1  0 3 1\n", &b);
+           "quad white 0.995 0  0 0 0  4 0 0  4 3 0  0 3 0\nquad mirror 1 0  0 0 1  4 0 1  4 3 1  0 3 1\n",
+           &b);
     cr_expect_eq(
-        soups_notes(&b, "2 colours reflect more than 0.85 and were capped, `white` first; the most was 1"),
+        soups_notes(&b, "2 colours reflect more than 0.99 and were capped, `white` first; the most was 1"),
         1);
     cr_expect_eq(b.materials[b.polygons[1].material].reflectance.r, MAPS_MAX_REFLECTANCE);
     accept(&arena,

@@ -127,7 +127,7 @@ Test(soup_obj, materials) {
     cr_assert_eq(a.polygon_count, 3, "materials keep faces apart");
     const Material *m[3];
     for (int i = 0; i < 3; i++) m[i] = &a.materials[a.polygons[i].material];
-    cr_expect_eq(m[0]->reflectance.r, MAPS_MAX_REFLECTANCE);
+    cr_expect_eq(m[0]->reflectance.r, MAPS_MAX_COLOUR);
     cr_expect_eq(m[0]->reflectance.g, maps_linear(128));
     cr_expect_str_eq(m[0]->name, "wall");
     cr_expect_eq(m[1]->alpha, 0.25f);

@@ -190,7 +190,8 @@ Test(sunlight, open_ground) {
     lit_free(lit);
 }
 
-// Proves the light from below the horizon: a box in the air with a hole in a wall, whose ceiling has the most light from there, against path
+// Proves the light from below the horizon: a box in the air with a hole in a wall, whose ceiling has the most light from there,
+// against path
 // tracing. Tolerance: as for an even sky.
 Test(sunlight, light_from_the_ground, .timeout = 120) {
     Lit *lit = lit_new();

@@ -190,9 +190,8 @@ Test(sunlight, open_ground) {
     lit_free(lit);
 }
 
-// Proves the light from below the horizon: a box in the air with a hole in a wall, whose ceiling has the most light from there,
-// against path
-// tracing. Tolerance: as for an even sky.
+// Proves the light from below the horizon against path tracing: a box in the air with a hole in a wall, whose ceiling has the most light
+// from there. Tolerance: as for an even sky.
 Test(sunlight, light_from_the_ground, .timeout = 120) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_RED, 1 << 1);

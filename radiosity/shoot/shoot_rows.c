@@ -353,11 +353,13 @@ static FormFactor *form_factor_of(const ShootRows *rows, Maker *maker, int patch
     if (mesh_emits(rows->mesh, rows->mesh->patches[patch].face)) return maker->of_lamps;
     int detail = rows->detail[patch];
     FormFactor **at = &maker->form_factor[detail - LEAST_DETAIL];
-    if (*at) return *at;
-    FormFactorOptions options = rows->usual;
-    double resolution = options.resolution * pow(2, detail / 2.0);
-    options.resolution = (int)fmin(fmax(round(resolution), LEAST_RESOLUTION), FORM_FACTOR_FINEST);
-    return *at = form_factor_new(rows->options->method, rows->mesh, &options, &maker->arena);
+    if (!*at) {
+        FormFactorOptions options = rows->usual;
+        double resolution = options.resolution * pow(2, detail / 2.0);
+        options.resolution = (int)fmin(fmax(round(resolution), LEAST_RESOLUTION), FORM_FACTOR_FINEST);
+        *at = form_factor_new(rows->options->method, rows->mesh, &options, &maker->arena);
+    }
+    return *at;
 }
 
 static void make_row(void *context, int index, int thread) {

@@ -1,18 +1,10 @@
-#!/ bin / bash
-#check_bake.sh - light from file to file : the same bytes however it is made,                                \
-    what is refused and what is said of it, and earlier files
-#kept whatever happens.
-.tests / app /
-    checks.sh
+#!/bin/bash
+# check_bake.sh - light from file to file: the same bytes however it is made, what is refused and what is said of it, and earlier files
+# kept whatever happens.
+. tests/app/checks.sh
 
-#Light : the promised keys, the same bytes on any number of threads, with whatever memory, culled or not ;   \
-    the help's methods.
-    bake() {
-    expect "$1"
-           "$program" bake $maps /
-            two -
-        rooms.plan-- element 0.5 --resolution 50 --residual 0.05 "${@:2}";
-}
+# Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
+bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
 bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1
 for key in polygons patches elements shots residual elements_drawn_mean polygons_drawn_mean seconds seconds_visibility peak_mb
 do says out "\"$key\": [0-9]"; done
@@ -20,17 +12,13 @@ says out '"probes": \['
 bake 0 -o "$work/2.rad" --threads 2 --row-memory 0
 bake 0 -o "$work/7.rad" --threads 7 --row-memory 1
 bake 0 -o "$work/none.rad" --no-cull
-for rad in 2 7 none;
-do
-    cmp - s "$work/1.rad"
-            "$work/$rad.rad" ||
-        fail ".rad differs: $rad"; done
+for rad in 2 7 none; do cmp -s "$work/1.rad" "$work/$rad.rad" || fail ".rad differs: $rad"; done
 printf '# a point\n1 1 0 0 0 1\n' >"$work/points"
 bake 0 -o "$work/1.rad" --probes "$work/points" --probe 1,1,1,0,0,-1
 [ "$(awk 'NF == 12 && $7 > 0' "$work/out" | wc -l)" -eq 2 ] || fail "two probes are $(tail -2 "$work/out")"
 printf '1 1 0 0 1\n' >"$work/points"
 bake 1 -o "$work/1.rad" --probes "$work/points" && says err 'points:1'
-#Broken off and resumed, it ends the same; what does not fit is refused.
+# Broken off and resumed, it ends the same; what does not fit is refused.
 bake 0 -o "$work/part.rad" --shots 100 && says out 'shots  *100'
 bake 0 -o "$work/part.rad" --resume
 same "$work/1.rad" "$work/part.rad" 'a resumed bake ends otherwise'
@@ -43,7 +31,7 @@ same "$work/gathered.rad" "$work/gathered.2.rad" 'the final gather depends on th
 expect 0 "$program" walk $maps/two-rooms.plan --light "$work/gathered.rad" --offscreen "$work/gathered" --size 64x48 --every 1000
 bake 0 -o "$work/gathered.rad" --resume
 same "$work/gathered.rad" "$work/1.rad" 'a resumed bake keeps what was gathered before'
-#A model beside the light or instead of it; whole or not at all.
+# A model beside the light or instead of it; whole or not at all.
 bake 0 -o "$work/both.rad" -o "$work/both.GLB" && says out 'model  *.*both.GLB'
 same "$work/both.rad" "$work/1.rad" 'a model changes the light'
 bake 0 -o "$work/one.glb" --threads 3 && cmp -s "$work/one.glb" "$work/both.GLB" || fail 'models differ'
@@ -58,15 +46,9 @@ printf 'x' | dd of="$work/part.rad" bs=1 seek=2000 conv=notrunc 2>/dev/null
 bake 1 -o "$work/part.rad" --resume && says err 'its checksum is wrong'
 head -c 3000 "$work/1.rad" >"$work/short.rad" && head -c 100 "$work/1.rad" >"$work/stub.rad"
 head -c 5000 /dev/zero >"$work/other.rad"
-shown() {
-    expect 1 "$program" walk "$1" --light "$work/$2.rad" --offscreen "$work/lit" && says err "$3";
-}
-for
-    way in resume show;
-do
-    while
-        read - r file said;
-do
+shown() { expect 1 "$program" walk "$1" --light "$work/$2.rad" --offscreen "$work/lit" && says err "$3"; }
+for way in resume show; do
+    while read -r file said; do
         [ $way = show ] && shown $maps/two-rooms.plan "$file" "$said"
         [ $way = resume ] && bake 1 -o "$work/$file.rad" --resume && says err "$said"
     done <<'END'
@@ -78,14 +60,14 @@ absent cannot be opened
 END
 done
 shown $maps/house.plan 1 'belongs to another building'
-#Lamps for dark rooms : told, part of the light that is found again, and refused where they are switched off.
+# Lamps for dark rooms: told, part of the light that is found again, and refused where they are switched off.
 printf 'plan 1\nmaterial m #808080\nstorey s floor 0 height 3\nroom r 0,0 4,0 4,3 0,3\n' >"$work/dark.plan"
 expect 0 "$program" bake "$work/dark.plan" --element 0.5 -o "$work/dark.rad" && says err '1 plain lamp was added in 1 room without light'
 expect 0 "$program" render "$work/dark.plan" --size 32x18 --samples 1 --direct baked -o "$work/dark.png" && says out 'light read'
 expect 1 "$program" render "$work/dark.plan" --light "$work/dark.rad" --fill-lamps off --size 32x18 --samples 1 --direct baked -o "$work/dark.png" &&
     says err 'was made with 1 fill lamps (asked for: 0; --fill-lamps on or off)'
 expect 1 "$program" bake "$work/dark.plan" --fill-lamps off -o "$work/off.rad" && says err 'nothing emits light'
-#No light, an open building, an element for each grain of sand.
+# No light, an open building, an element for each grain of sand.
 printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
 expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
 printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
@@ -93,7 +75,7 @@ expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is ope
 expect 0 "$program" bake "$work/dark.quads" --sky 5 -o "$work/x.rad" && says out 'sky  *[1-9]'
 printf 'PRT1\n2\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/two.prt"
 expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
-#Surfaces that cannot be, each with its line; those that are mended are told of.
+# Surfaces that cannot be, each with its line; those that are mended are told of.
 lamp='quad l 0 5 0 0 2 0 1 2 1 1 2 1 0 2'
 bad_quad() { # STATUS, what is said, a quad
     printf '%s\n%s\n' "$lamp" "$3" >"$work/odd.quads"
@@ -119,7 +101,7 @@ bad_plan 'reflectance is .nan.' 'material a reflectance nan'
 bad_plan 'emission is .nan.' 'material a #ffffff emission nan'
 bad_plan 'emission is .-1.' 'material a #ffffff emission -1'
 expect 1 "$program" bake $maps/office.plan --element 0.01 -o "$work/x.rad" && says err 'give --element'
-#Whatever happens, an earlier file is kept : no folder, a full disk, killed at any moment.
+# Whatever happens, an earlier file is kept: no folder, a full disk, killed at any moment.
 bake 1 -o "$work/no/such/folder/x.rad" && says err 'cannot be written'
 bake 1 -o "$work" && says err 'Is a directory'
 bake 1 -o /dev/full && says err 'No space left'
@@ -129,8 +111,7 @@ full_disk 1 "$program" bake $maps/two-rooms.plan -o "$work/1.rad"
 says err 'cannot be written'
 same "$work/1.rad" "$work/2.rad" 'an earlier .rad file was lost'
 if unshare -rm true 2>/dev/null; then
-#Room for trees, and for a light of the least size,                                                          \
-    but not for this one : it is asked for when the mesh is there.
+    # Room for trees, and for a light of the least size, but not for this one: it is asked for when the mesh is there.
     small_disk() { # a command, whose cache, and $work/disk, hold 1.2 MB
         mkdir -p "$work/disk"
         expect "$1" unshare -rm bash -c 'mount -t tmpfs -o size=1200k none "$1" && shift && exec "$@"' disk "$work/disk" \
@@ -149,18 +130,15 @@ for wait in 0.01 0.02 0.03 0.05 0.08 0.12 0.2; do
     same "$work/1.rad" "$work/2.rad" "killed after $wait s, it left a broken file"
 done
 rm -f "$work"/1.rad.??????
-#Interrupted, it stores what there is.
+# Interrupted, it stores what there is.
 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --json >"$work/out" 2>"$work/err" &
 sleep 1.5
 kill -INT $!
 wait $! || fail 'an interrupted bake fails'
 says out '"stopped": '
 expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01
-#At any moment : what there is goes on to the same end;                                                      \
-    before there is any, Ctrl - C ends it as any program, and leaves nothing.
-RANDOM=${
-    ENFILADE_SEED:
-        -$(date + % s)}
+# At any moment: what there is goes on to the same end; before there is any, Ctrl-C ends it as any program, and leaves nothing.
+RANDOM=${ENFILADE_SEED:-$(date +%s)}
 for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
     rm -f "$work/early.rad"
     wait=$((RANDOM % 16))  # of about 15
@@ -169,15 +147,12 @@ for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
     kill -INT $! 2>/dev/null
     wait $!
     case $? in
-    0) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;
-;
-    130) [ ! -e "$work/early.rad" ] || fail "interrupted after $wait hundredths, before there was light, it leaves a file" ;
-    ;
-    *) fail "interrupted after $wait hundredths it ends with $?: $(head -2 "$work/err")" ;
-    ;
+    0) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;;
+    130) [ ! -e "$work/early.rad" ] || fail "interrupted after $wait hundredths, before there was light, it leaves a file" ;;
+    *) fail "interrupted after $wait hundredths it ends with $?: $(head -2 "$work/err")" ;;
     esac
 done
-#Lamps of a home give light.
+# Lamps of a home give light.
 expect 0 "$program" bake $maps/house.sh3d -o "$work/x.rad" --element 1 --resolution 50 --residual 0.2
 expect 0 "$program" bake $maps/two-rooms.plan --element 1
 cached=$(ls "$work"/cache/enfilade/*.rad) || fail 'no light in the cache'

@@ -1,29 +1,24 @@
-#!/ bin / bash
-#check_commands.sh - the program as its user meets it : help, exit codes, messages, JSON,                    \
-    files written whole.Light has a script of its
-#own, check_bake.sh, and so have stills, check_render.sh.
+#!/bin/bash
+# check_commands.sh - the program as its user meets it: help, exit codes, messages, JSON, files written whole. Light has a script of its
+# own, check_bake.sh, and so have stills, check_render.sh.
 . tests/app/checks.sh
 
-#Help everywhere, on standard output, with exit status 0.
+# Help everywhere, on standard output, with exit status 0.
 expect 0 "$program" --help && says out 'usage'
-for command in $("$program" --help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p');
-do
+for command in $("$program" --help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
     expect 0 "$program" $command --help
     says out "usage: enfilade $command"
     quiet
 done
 
-#Wrong use : exit 2, what is wrong, and where help is.
+# Wrong use: exit 2, what is wrong, and where help is.
 expect 2 "$program"
 expect 2 "$program" nonsense && says err 'there is no command `nonsense`'
 expect 2 "$program" info && says err '--help'
 expect 2 "$program" info --nonsense $maps/two-rooms.plan && says err '`--nonsense`'
 expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 to 256'
-for command in info vis plan walk bake render "bench walk";
-do
-    for
-        wrong in 15 1000001 12x '';
-do
+for command in info vis plan walk bake render "bench walk"; do
+    for wrong in 15 1000001 12x ''; do
         expect 2 "$program" $command $maps/two-rooms.plan --memory "$wrong" && says err "allowed 16 to 1000000"
     done
 done
@@ -33,10 +28,9 @@ expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --size 0x0
 expect 2 "$program" walk $maps/two-rooms.plan --verify && says err 'need --offscreen'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --view corner && says err 'for the window'
 expect 2 "$program" walk $maps/two-rooms.plan --offscreen "$work/x" --look pretty && says err 'allowed fast, fine'
-#Each benchmark that there is tells what it measures.
+# Each benchmark that there is tells what it measures.
 expect 2 "$program" bench nonsense && says err 'no benchmark `nonsense` (allowed: walk, '
-for bench in $(sed -n 's/.*(allowed: \(.*\))$/\1/p' "$work/err" | tr -d ,);
-do
+for bench in $(sed -n 's/.*(allowed: \(.*\))$/\1/p' "$work/err" | tr -d ,); do
     expect 0 "$program" bench --help && says out "^  $bench  "
 done
 expect 2 "$program" vis --pairs-method nonsense $maps/two-rooms.plan && says err 'is `nonsense`'
@@ -53,25 +47,20 @@ expect 2 "$program" bake && says err 'one building file'
 expect 2 "$program" bake --method nonsense $maps/two-rooms.plan && says err '`nonsense`'
 expect 2 "$program" bake --resolution 7 $maps/two-rooms.plan && says err 'allowed 8 to 2000'
 expect 2 "$program" bake --element 0 $maps/two-rooms.plan && says err 'allowed 0.01 to 100'
-for wrong in --refine=-1 --refine=101 --refine=nan --smallest=0 --smallest=101 --reach=-1 --reach=x --reach=101 --close=-1 --close=2 --proxies=0 --proxies=1 --proxies=on;
-do
+for wrong in --refine=-1 --refine=101 --refine=nan --smallest=0 --smallest=101 --reach=-1 --reach=x --reach=101 --close=-1 --close=2 --proxies=0 --proxies=1 --proxies=on; do
     expect 2 "$program" bake $wrong $maps/two-rooms.plan && says err "bake: ${wrong%=*} is"
 done
 expect 2 "$program" bake --residual 0 $maps/two-rooms.plan && says err 'allowed 1e-09 to 1'
-for sky in x -1 1,2 1,2,3,4 1,2, 2e6 '';
-do
+for sky in x -1 1,2 1,2,3,4 1,2, 2e6 ''; do
     expect 2 "$program" bake --sky "$sky" $maps/two-rooms.plan && says err 'allowed L or R,G,B'
 done
-for date in x 2026 2026-13-01 2026-02-29 1899-01-01 2026-06-21x '';
-do
+for date in x 2026 2026-13-01 2026-02-29 1899-01-01 2026-06-21x ''; do
     expect 2 "$program" bake --date "$date" $maps/two-rooms.plan && says err 'allowed YYYY-MM-DD, years 1900 to 2100'
 done
-for time in x 10 24:00 10:60 -1:00 10:00x 10:00+15 '';
-do
+for time in x 10 24:00 10:60 -1:00 10:00x 10:00+15 ''; do
     expect 2 "$program" bake --time "$time" $maps/two-rooms.plan && says err 'allowed HH:MM, or HH:MM+H'
 done
-for place in x 50 91,0 0,181 nan,0 50,0,0 '';
-do
+for place in x 50 91,0 0,181 nan,0 50,0,0 ''; do
     expect 2 "$program" bake --place "$place" $maps/two-rooms.plan && says err 'allowed degrees north and east'
 done
 expect 2 "$program" bake --north 361 $maps/two-rooms.plan && says err 'allowed -360 to 360'
@@ -86,24 +75,22 @@ expect 2 "$program" bake --hidden raycast $maps/two-rooms.plan && says err 'give
 expect 2 "$program" bench formfactors --methods hemicube-nonsense && says err '`hemicube-nonsense`'
 expect 2 "$program" bench meshes --points 0 && says err 'allowed 1 to 1000000'
 expect 2 "$program" bench hidden --methods zbuffer,nonsense && says err '`zbuffer,nonsense`'
-#Bad input : exit 1 and one sentence with the place.
+# Bad input: exit 1 and one sentence with the place.
 expect 1 "$program" info "$work/absent.plan" && says err 'absent.plan'
 echo 'nonsense 1' >"$work/bad.plan"
 expect 1 "$program" info "$work/bad.plan" && says err 'bad.plan:1'
-#Without a display no window, but what to do instead.
+# Without a display no window, but what to do instead.
 expect 1 env -u DISPLAY -u WAYLAND_DISPLAY "$program" walk $maps/two-rooms.plan && says err '--offscreen'
 expect 1 "$program" plan $maps/two-rooms.plan --from 1000,0,0 && says err 'no cell at'
 [ "$(wc -l <"$work/err")" -eq 1 ] || fail "more than one sentence: $(cat "$work/err")"
 
-#JSON : one object with the promised keys.
+# JSON: one object with the promised keys.
 expect 0 "$program" info --json $maps/house.plan
-for key in cells portals doors doors_joined polygons leaks;
-do says out "\"$key\": [0-9]"; done
+for key in cells portals doors doors_joined polygons leaks; do says out "\"$key\": [0-9]"; done
 expect 0 "$program" vis --json $maps/house.plan
-for key in cells portals doors doors_joined polygons stab_nodes leaks;
-do says out "\"$key\": [0-9]"; done
+for key in cells portals doors doors_joined polygons stab_nodes leaks; do says out "\"$key\": [0-9]"; done
 
-#Too little memory : one sentence that names the file, the stage and the way out; nothing is written.
+# Too little memory: one sentence that names the file, the stage and the way out; nothing is written.
 over() {
     expect 1 "$program" "$@" && sentence
     says err "^enfilade: $maps/[a-z.]*: $stage takes more than [0-9]* MB of memory (--memory MB allows more)\$"
@@ -121,17 +108,14 @@ stage=baking
 over bake $maps/house.plan --memory 40 --element 0.1 -o "$work/over"
 expect 0 "$program" info $maps/office.plan --memory 1000
 
-#The same bytes on 1, 2 and 7 threads, on every sample.
-#Not all that lies there : `make bench` leaves rows of a thousand rooms.
-for map in $maps/{two-rooms,house,office,office-plain}.plan $maps/house.sh3d;
-do
-    for
-        threads in 1 2 7;
-do expect 0 "$program" vis "$map" - o "$work/$threads.vis" --threads $threads; done
+# The same bytes on 1, 2 and 7 threads, on every sample.
+# Not all that lies there: `make bench` leaves rows of a thousand rooms.
+for map in $maps/{two-rooms,house,office,office-plain}.plan $maps/house.sh3d; do
+    for threads in 1 2 7; do expect 0 "$program" vis "$map" -o "$work/$threads.vis" --threads $threads; done
     cmp -s "$work/1.vis" "$work/2.vis" && cmp -s "$work/1.vis" "$work/7.vis" || fail "$map: .vis depends on threads"
 done
 
-#A file that cannot be written : exit 1, nothing beside it, an earlier one kept.
+# A file that cannot be written: exit 1, nothing beside it, an earlier one kept.
 cp "$work/1.vis" "$work/kept.vis"
 expect 1 "$program" vis $maps/two-rooms.plan -o "$work/no/such/folder/x.vis" && says err 'cannot be written'
 full_disk 1 "$program" vis $maps/office.plan -o "$work/kept.vis"
@@ -139,7 +123,7 @@ full_disk 1 "$program" vis $maps/office.plan -o "$work/kept.vis"
 says err 'cannot be written'
 same "$work/1.vis" "$work/kept.vis" 'an earlier file was lost'
 [ "$(ls "$work" | grep -c '\.vis\..')" -eq 0 ] || fail 'a half-written file is left'
-#The cache is used, and one that is damaged is passed over with a warning.
+# The cache is used, and one that is damaged is passed over with a warning.
 expect 0 "$program" plan $maps/two-rooms.plan -o "$work/plan.svg"
 cached=$(ls "$work"/cache/enfilade/*.vis | head -1)
 for file in "$work"/cache/enfilade/*.vis; do printf 'x' | dd of="$file" bs=1 seek=200 conv=notrunc 2>/dev/null; done

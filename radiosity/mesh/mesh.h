@@ -118,6 +118,14 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
 // long as wide.
 MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const MeshDepth *element, Arena *arena);
 
+// The same where parts of elements may be wanted finer than others. `wanted` raises `along` and `patch` to the greatest depths wanted,
+// of elements along each axis of the face's grid and of patches, in a rectangle of the grid: box[0] <= x < box[2],
+// box[1] <= y < box[3]. A rectangle may be smaller than a square.
+MeshSplits *mesh_splits_wanted(const Mesh *mesh,
+                               void (*wanted)(const void *context, const Mesh *mesh, int face,
+                                              const double box[4], int along[2], int *patch),
+                               const void *context, Arena *arena);
+
 // About how many elements the polygons of `mesh` would have without splits.
 double mesh_count_even(const Mesh *mesh);
 

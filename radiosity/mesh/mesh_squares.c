@@ -149,11 +149,20 @@ static int mesh_leaves(MeshBuilder *builder, const Face *face, MeshLeaf *out) {
 
 // ---- writing
 
+// How deep a rectangle of a face's grid is wanted, as for mesh_splits_wanted.
+typedef void Wanted(const void *context, const Mesh *mesh, int face, const double box[4], int along[2],
+                    int *patch);
+
+// A rectangle of a face's grid, [x0, x1) by [y0, y1). Below squares its borders are fractions, exact in binary.
+typedef struct Span {
+    double x0, y0, x1, y1;
+} Span;
+
 typedef struct Writer {
     const Mesh *mesh;
-    const Face *face;
-    const unsigned char *patch;
-    const MeshDepth *element;
+    int face;
+    Wanted *wanted;
+    const void *context;
     Arena *arena;
     MeshSplits *out;
     int capacity;
@@ -166,67 +175,92 @@ static bool write_bit(Writer *w, bool bit) {
     return bit;
 }
 
-// The greatest depths wanted in a block: of patches, and of elements along each axis.
-typedef struct Wanted {
-    int patch, along[2];
-} Wanted;
+static Span half_span(Span s, int axis, int k) {
+    double *low = axis == 0 ? &s.x0 : &s.y0, *high = axis == 0 ? &s.x1 : &s.y1;
+    *(k ? low : high) = (*low + *high) / 2;
+    return s;
+}
 
-static Wanted wanted_in(const Writer *w, MeshBlock b) {
-    Wanted most = {0};
-    for (int j = b.j0; j <= b.j1; j++) {
-        for (int i = b.i0; i <= b.i1; i++) {
-            int e = mesh_square(w->mesh, w->face->first_square + j * w->face->nx + i);
-            if (e < 0) continue;
-            MeshDepth depth = w->element[e];
-            if (w->patch[e] > most.patch) most.patch = w->patch[e];
-            if (depth.x > most.along[0]) most.along[0] = depth.x;
-            if (depth.y > most.along[1]) most.along[1] = depth.y;
-        }
-    }
-    return most;
+static Span part_span(Span s, Cut cut, int axis, int k) {
+    return cut == QUARTERS ? half_span(half_span(s, 0, k % 2), 1, k / 2) : half_span(s, axis, k);
+}
+
+// The greatest depths wanted in a span: of elements along each axis, and of patches.
+static void wanted_in(const Writer *w, Span s, int along[2], int *patch) {
+    along[0] = along[1] = *patch = 0;
+    w->wanted(w->context, w->mesh, w->face, (double[]){s.x0, s.y0, s.x1, s.y1}, along, patch);
 }
 
 // The axis along which a square is halved first. Where both axes are wanted, the choice leaves one half whole if possible.
-static int first_axis(const Writer *w, MeshBlock b, int depth, const Wanted *wanted) {
-    if (wanted->along[1] <= depth) return 0;
-    if (wanted->along[0] <= depth) return 1;
-    for (int k = 0; k < 2; k++)
-        if (wanted_in(w, half_block(b, 1, k)).along[0] <= depth) return 1;
+static int first_axis(const Writer *w, Span s, int depth, const int wanted[2]) {
+    if (wanted[1] <= depth) return 0;
+    if (wanted[0] <= depth) return 1;
+    for (int k = 0; k < 2; k++) {
+        int along[2], patch;
+        wanted_in(w, half_span(s, 1, k), along, &patch);
+        if (along[0] <= depth) return 1;
+    }
     return 0;
 }
 
-static Cut write_cut(Writer *w, MeshBlock b, Node *node, int *axis) {
-    Wanted wanted = wanted_in(w, b);
+static Cut write_cut(Writer *w, Span s, Node *node, int *axis) {
+    int along[2], patch;
+    wanted_in(w, s, along, &patch);
     if (node->patch < 0) {
-        if (may_split(*node) && write_bit(w, wanted.patch > node->depth)) return QUARTERS;
+        if (may_split(*node) && write_bit(w, patch > node->depth)) return QUARTERS;
         node->patch = node->depth;
     }
     if (!may_split(*node)) return WHOLE;
-    *axis = node->axis >= 0 ? 1 - node->axis : first_axis(w, b, node->depth, &wanted);
-    if (!write_bit(w, wanted.along[*axis] > node->depth)) return WHOLE;
+    *axis = node->axis >= 0 ? 1 - node->axis : first_axis(w, s, node->depth, along);
+    if (!write_bit(w, along[*axis] > node->depth)) return WHOLE;
     if (node->axis < 0) write_bit(w, *axis == 1);
     return HALVES;
 }
 
-static void write_node(Writer *w, MeshBlock b, Node node) {
+static void write_node(Writer *w, Span s, Node node) {
     int axis = 0;
-    Cut cut = write_cut(w, b, &node, &axis);
+    Cut cut = write_cut(w, s, &node, &axis);
     for (int k = 0; cut != WHOLE && k < (cut == QUARTERS ? 4 : 2); k++)
-        write_node(w, part(b, cut, axis, k), below(node, cut, axis));
+        write_node(w, part_span(s, cut, axis, k), below(node, cut, axis));
+}
+
+MeshSplits *mesh_splits_wanted(const Mesh *mesh, Wanted *wanted, const void *context, Arena *arena) {
+    CORE_ASSERT(mesh->options.splits);
+    Writer w = {mesh, 0, wanted, context, arena, ARENA_ARRAY(arena, MeshSplits, 1), 0};
+    for (; w.face < mesh->face_count; w.face++) {
+        const Face *face = &mesh->faces[w.face];
+        int root = face->root;
+        for (int j = 0; j < face->ny; j += root)
+            for (int i = 0; i < face->nx; i += root) write_node(&w, (Span){i, j, i + root, j + root}, ROOT);
+    }
+    return w.out;
+}
+
+// Depths that are wanted for whole elements.
+typedef struct WholeDepths {
+    const unsigned char *patch;
+    const MeshDepth *element;
+} WholeDepths;
+
+static void want_whole(const void *context, const Mesh *mesh, int face, const double box[4], int along[2],
+                       int *patch) {
+    const WholeDepths *d = context;
+    const Face *f = &mesh->faces[face];
+    for (int j = (int)box[1]; j < box[3]; j++) {
+        for (int i = (int)box[0]; i < box[2]; i++) {
+            int e = mesh_square(mesh, f->first_square + j * f->nx + i);
+            if (e < 0) continue;
+            MeshDepth depth = d->element[e];
+            if (d->patch[e] > *patch) *patch = d->patch[e];
+            if (depth.x > along[0]) along[0] = depth.x;
+            if (depth.y > along[1]) along[1] = depth.y;
+        }
+    }
 }
 
 MeshSplits *mesh_splits(const Mesh *mesh, const unsigned char *patch, const MeshDepth *element,
                         Arena *arena) {
-    CORE_ASSERT(mesh->options.splits);
-    Writer w = {mesh, NULL, patch, element, arena, ARENA_ARRAY(arena, MeshSplits, 1), 0};
-    for (int f = 0; f < mesh->face_count; f++) {
-        w.face = &mesh->faces[f];
-        int root = w.face->root;
-        for (int j = 0; j < w.face->ny; j += root)
-            for (int i = 0; i < w.face->nx; i += root)
-                write_node(&w, (MeshBlock){i, j, i + root - 1, j + root - 1}, ROOT);
-    }
-    return w.out;
+    return mesh_splits_wanted(mesh, want_whole, &(WholeDepths){patch, element}, arena);
 }
 
 // ---- the grid that a face is cut along: parallel to its longest edge, about its outline.

@@ -112,6 +112,12 @@ SceneOptions app_scene_options(void) {
 }
 
 int app_check_day(const char *command, const DayOptions *day) {
+    if (day->night && day_asks(day))
+        return app_misuse(
+            command,
+            "%s: --night is without daylight (allowed beside it: none of --day, --date, --time, "
+            "--place, --north, --weather, --sky)",
+            command);
     if (!day_asks_sky(day) || !day_asks_sun(day)) return APP_GOOD;
     return app_misuse(
         command,

@@ -18,6 +18,7 @@
 #include "radiosity/show/direct.h"
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
+#include "radiosity/show/shown.h"
 #include "visibility/hidden/hidden.h"
 
 typedef struct BakeArguments {
@@ -46,10 +47,12 @@ typedef struct Bake {
     LoadedScene scene;
     float *doors;  // [opening_count]
     Mesh mesh;
-    FineMesh *fine;  // `mesh` with the fine polygons that its stand-ins replace; NULL: not asked for yet
     RadSolution solution;
-    RadSolution shown;  // on `fine`
-    RadOptions rad;     // as asked for, or as fits the mesh
+    // The mesh that shows the light and `mesh`, each with the fine polygons that its stand-ins replace, and the light on them; NULL: no
+    // model and no probes are asked for
+    FineMesh *fine, *probed;
+    RadSolution shown, probed_light;
+    RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
     double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, seconds;
@@ -153,8 +156,8 @@ static bool report_timed(void *context, const char *stage, double done) {
 static void show_direct(Bake *bake, Arena *arena) {
     double start = clock_seconds();
     Progress progress = app_progress_stoppable(0);
-    bake->report.stopped = !direct_show(&bake->mesh, &bake->scene.forest, bake->rad.threads, &progress, arena,
-                                        &bake->solution, &bake->report);
+    bake->report.stopped = !direct_show(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads,
+                                        &progress, arena, &bake->solution, &bake->report);
     app_progress_end();
     bake->direct_seconds = clock_seconds() - start;
 }
@@ -163,6 +166,7 @@ static void show_direct(Bake *bake, Arena *arena) {
 static void gather_nodes(Bake *bake, Arena *arena) {
     bake->solution.node = NULL;
     bake->solution.node_count = 0;
+    bake->solution.shown = NULL;
     if (bake->report.stopped) return;
     if (!bake->a->final_gather) {
         show_direct(bake, arena);
@@ -181,11 +185,23 @@ static void gather_nodes(Bake *bake, Arena *arena) {
     arena_free(&scratch);
 }
 
-// The building as it is, lit.
-static void light_fine(Bake *bake, Arena *arena) {
-    if (!bake->a->model && bake->a->probes.count == 0) return;
-    bake->fine = fine_mesh_new(&bake->mesh, arena);
-    bake->shown = fine_light(bake->fine, &bake->solution, arena);
+// The model is lit on the mesh that shows the light; probes read the elements that light was found on.
+static bool light_fine(Bake *bake, Arena *arena, Error *error) {
+    if (bake->a->probes.count > 0) {
+        RadSolution found = bake->solution;
+        found.node = NULL;
+        found.node_count = 0;
+        found.shown = NULL;
+        bake->probed = fine_mesh_new(&bake->mesh, arena);
+        bake->probed_light = fine_light(bake->probed, &found, arena);
+    }
+    if (!bake->a->model) return true;
+    const Mesh *mesh;
+    const RadSolution *light;
+    if (!shown_light(&bake->mesh, &bake->solution, bake->doors, arena, &mesh, &light, error)) return false;
+    bake->fine = fine_mesh_new(mesh, arena);
+    bake->shown = fine_light(bake->fine, light, arena);
+    return true;
 }
 
 // A limit of time ends the shooting as a limit of shots does: the bake was not stopped.
@@ -216,8 +232,7 @@ static bool compute(Bake *bake, Arena *arena, Error *error) {
         return false;
     shoot_light(bake);
     gather_nodes(bake, arena);
-    light_fine(bake, arena);
-    return store(bake, error);
+    return light_fine(bake, arena, error) && store(bake, error);
 }
 
 static double peak_mb(void) {
@@ -321,7 +336,7 @@ static void print_warnings(const Bake *bake) {
 // Elements count as constant: slopes would enlarge the errors of elements in corners, where shooters are near.
 static void gather_probes(const Bake *bake, Probes *probes) {
     if (probes->count == 0) return;
-    GatherScene scene = {&bake->fine->mesh, &bake->scene.forest, bake->doors, &bake->shown, NULL};
+    GatherScene scene = {&bake->probed->mesh, &bake->scene.forest, bake->doors, &bake->probed_light, NULL};
     bake_probes_gather(&scene, probes);
 }
 
@@ -450,7 +465,7 @@ static const Option ROWS[] = {
      .names = BAKE_DOORS_NAMES,
      .name_count = BAKE_DOORS,
      .help = "@ (default drawn)"},
-    OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_DAYLIGHT(AT(load.day), "the default"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "element",
      .value = "M",

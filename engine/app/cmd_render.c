@@ -190,7 +190,7 @@ static int render(const RenderArguments *arguments) {
 static const Option ROWS[] = {
     {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
     OPTION_MAP(AT(load.map)),
-    OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "view",
      .value = "NAME",
@@ -292,6 +292,7 @@ int cmd_render(int argc, char **argv) {
     RenderArguments a = {.load = app_scene_options(), .size = {1280, 720}, .still = still_default_options()};
     bool help = false;
     a.load.fill_lamps = FILL_LAMPS_ON;
+    a.load.day.usual = true;
     int code = parse_render(argc, argv, &a, &help);
     if (help) options_print_help(&OPTIONS);
     return code != APP_GOOD || help ? code : render(&a);

@@ -53,7 +53,7 @@ static const Option ROWS[] = {
      .help = "the light that `enfilade bake` stored (default: FILE with the suffix .rad, or the light that "
              "`enfilade bake "
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
-    OPTION_DAYLIGHT(AT(load.day)),
+    OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     {.name = "false-colour",
      .value = "Q",
@@ -360,9 +360,10 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
-    // Daylight that is asked for is baked where no stored light has it.
+    // Daylight that is asked for is baked where no stored light has it; the usual day where anything is baked.
     bool day = day_asks(&load->day);
     bool bakes = !a->walk.verify && (a->off_screen ? a->bake || day : !a->no_bake);
+    load->day.usual = bakes;
     load->work = "walking";
     load->find_light = !a->walk.verify;
     load->lamps = bakes ? SCENE_LAMPS_ALL : load->find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
@@ -379,6 +380,7 @@ int cmd_walk(int argc, char **argv) {
                    .load = app_scene_options()};
     bool help = false;
     a.load.fill_lamps = FILL_LAMPS_ON;
+    a.load.day.usual = true;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
     int code = parse_walk(argc, argv, &a, &help);

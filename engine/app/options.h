@@ -92,12 +92,17 @@ int app_misuse(const char *command, const char *format, ...) __attribute__((form
         .name = "memory", .value = "MB", .type = OPTION_MEGABYTES, .at = (field), .low = 16,                 \
         .high = 1000000, .help = "memory that may be used, @ (default: " text ")"                            \
     }
-// Six rows, of a DayOptions.
-#define OPTION_DAYLIGHT(field)                                                                               \
-    {.name = "day",                                                                                          \
+// Eight rows, of a DayOptions. `by_default` tells the default.
+#define OPTION_DAYLIGHT(field, by_default)                                                                   \
+    {.name = "night",                                                                                        \
      .type = OPTION_FLAG,                                                                                    \
-     .at = (field) + offsetof(DayOptions, day),                                                              \
-     .help = "daylight of sun and sky, at the home's own place and hour where its file has them; each of "   \
+     .at = (field) + offsetof(DayOptions, night),                                                            \
+     .help = "the light of lamps alone (" by_default ")"},                                                   \
+        {.name = "day",                                                                                      \
+         .type = OPTION_FLAG,                                                                                \
+         .at = (field) + offsetof(DayOptions, day),                                                          \
+         .help =                                                                                             \
+             "daylight of sun and sky, at the home's own place and hour where its file has them; each of "   \
              "the next five options asks for it, too"},                                                      \
         {.name = "date",                                                                                     \
          .value = "DATE",                                                                                    \

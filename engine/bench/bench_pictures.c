@@ -19,6 +19,7 @@
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/fine_mesh.h"
 #include "radiosity/show/reconstruct.h"
+#include "radiosity/show/shown.h"
 #include "radiosity/truth/path_tracer.h"
 #include "radiosity/truth/path_walk.h"
 
@@ -290,9 +291,13 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
         gather.resolution = way->gather;
         final_gather(&scene, &gather, 0, NULL, arena, &out->solution);
     }
-    if (way->gather == 0 && !way->shot) direct_show(&out->mesh, forest, 0, NULL, arena, &out->solution, NULL);
-    out->fine = fine_mesh_new(&out->mesh, arena);
-    out->light = fine_light(out->fine, &out->solution, arena);
+    if (way->gather == 0 && !way->shot)
+        direct_show(&out->mesh, forest, doors, 0, NULL, arena, &out->solution, NULL);
+    const Mesh *mesh;
+    const RadSolution *light;
+    if (!shown_light(&out->mesh, &out->solution, doors, arena, &mesh, &light, error)) return false;
+    out->fine = fine_mesh_new(mesh, arena);
+    out->light = fine_light(out->fine, light, arena);
     out->field = reconstruct_light(&out->fine->mesh, &out->light, arena);
     out->seconds = clock_seconds() - begin;
     return true;

@@ -193,9 +193,7 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *o
         for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
     }
     arena_free(&scratch);
-    double sky[3];
-    daylight_mean(&solution->day, sky);
-    for (int c = 0; c < 3; c++) out->sky[c] = (float)(M_PI * sky[c]);
+    out->day = solution->day;
     fill_luminous(lit, solution, out);
     for (int q = FALSE_COLOUR_RADIOSITY; q < FALSE_COLOURS; q++)
         out->ranges[q] = range_of(lit, solution, (FalseColour)q);

@@ -28,7 +28,7 @@ typedef struct LitMesh {
 typedef struct LitLight {
     float (*vertex)[3];  // [vertex_count] radiosity, W/m^2
     float *luminous;     // [element_count] light_luminous of the element; 0 for lamps
-    float sky[3];        // radiosity of the sky above the horizon, W/m^2; 0: night
+    Daylight day;        // that shines; all zeros: night
     double level;        // logarithmic mean of `luminous`, weighted by area and root of light; 0: dark
     LightRange ranges[FALSE_COLOURS];  // a scale for each quantity, of all elements but lamps
 } LitLight;

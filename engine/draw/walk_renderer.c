@@ -269,9 +269,22 @@ typedef struct SceneProgram {
     int clip, eye, size, colour, day;
 } SceneProgram;
 
+// Places of what tells the sky of baked light.
+enum {
+    SKY_LIT,
+    SKY_SUN,
+    SKY_GROUND,
+    SKY_OVERHEAD,
+    SKY_GRADATION,
+    SKY_INDICATRIX,
+    SKY_SUN_SHINES,
+    SKY_PLACES
+};
+
 struct WalkRenderer {
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
+    WalkLit *next;          // light on another mesh, which is being uploaded; NULL: there is none
     const LitLight *light;  // the newest state that is uploaded whole, or NULL
     bool plain;             // one sample a pixel
     LitLook lit_look;
@@ -280,7 +293,8 @@ struct WalkRenderer {
     WalkTarget drawn;  // the frame that the scene is in
     SceneProgram scene[SCENE_SHADERS];
     unsigned sky, occlusion, blur;  // programs
-    int sky_forward, sky_right, sky_up, sky_day, sky_lit, sky_ground, occlusion_tangents;
+    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
+    int sky_lit[SKY_PLACES];
     unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
@@ -329,8 +343,9 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     w->sky_right = glGetUniformLocation(w->sky, "right");
     w->sky_up = glGetUniformLocation(w->sky, "up");
     w->sky_day = glGetUniformLocation(w->sky, "day");
-    w->sky_lit = glGetUniformLocation(w->sky, "lit");
-    w->sky_ground = glGetUniformLocation(w->sky, "lit_ground");
+    static const char *const LIT[SKY_PLACES] = {"lit",       "sun",        "lit_ground", "overhead",
+                                                "gradation", "indicatrix", "sun_shines"};
+    for (int i = 0; i < SKY_PLACES; i++) w->sky_lit[i] = glGetUniformLocation(w->sky, LIT[i]);
     w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
@@ -360,14 +375,22 @@ bool walk_renderer_light(WalkRenderer *w, const WalkLight *light, Arena *arena, 
 }
 
 void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
-    CORE_ASSERT(!w->lit);
-    w->lit = walk_lit_new(mesh, arena);
-    walk_lit_pose(w->lit, NULL, NULL);
+    if (w->lit && walk_lit_mesh(w->lit) == mesh) return;
+    if (w->next && walk_lit_mesh(w->next) == mesh) return;
+    CORE_ASSERT(!w->next);
+    WalkLit *lit = walk_lit_new(mesh, arena);
+    walk_lit_pose(lit, NULL, NULL);
+    *(w->lit ? &w->next : &w->lit) = lit;
 }
 
 bool walk_renderer_take(WalkRenderer *w, const LitLight *light, size_t bytes) {
     CORE_ASSERT(!walk_renderer_fading(w));
-    if (!walk_lit_upload(w->lit, light, bytes)) return false;
+    if (!walk_lit_upload(w->next ? w->next : w->lit, light, bytes)) return false;
+    if (w->next) {
+        walk_lit_free(w->lit);
+        w->lit = w->next;
+        w->next = NULL;
+    }
     w->light = light;
     return true;
 }
@@ -389,6 +412,7 @@ void walk_renderer_tone(WalkRenderer *w, double exposure, FalseColour quantity) 
 void walk_renderer_free(WalkRenderer *w) {
     if (!w) return;
     walk_lit_free(w->lit);
+    walk_lit_free(w->next);
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
     unsigned programs[] = {w->sky, w->occlusion, w->blur};
@@ -458,19 +482,33 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     return true;
 }
 
-// `lit`: the sky of baked light, or NULL. As bright on the screen as the light that it sends.
-static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, const LitLight *lit) {
-    float above[4] = {0}, ground[3] = {0};
-    for (int c = 0; c < 3 && lit; c++) {
-        double light = (double)lit->sky[c] * w->tone.exposure;
-        above[c] = (float)exposure_on_screen(light);
-        ground[c] = (float)exposure_on_screen(WALK_DAY_GROUND * light);
-        if (light > 0) above[3] = 1;
-    }
+static void set_three(int place, const double v[3], double scale) {
+    glUniform3f(place, (float)(v[0] * scale), (float)(v[1] * scale), (float)(v[2] * scale));
+}
+
+// The day of baked light, as bright on the screen as the light that it sends.
+static void set_day(const WalkRenderer *w, const Daylight *day) {
+    double ground[3], top = daylight_relative(day, vec3(0, 0, 1)), beam = rgb_sum(day->beam);
+    const double *cie = day->cie, angle = acos(fmin(fmax(day->sun.z, -1), 1));
+    double about =
+        1 + cie[2] * (exp(cie[3] * angle) - exp(cie[3] * M_PI / 2)) + cie[4] * day->sun.z * day->sun.z;
+    double product = about * (1 + cie[0] * exp(cie[1])) / top;
+    daylight_seen_ground(day, ground);
+    set_vector(w->sky_lit[SKY_SUN], day->sun);
+    set_three(w->sky_lit[SKY_GROUND], ground, w->tone.exposure);
+    set_three(w->sky_lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / product);
+    glUniform2f(w->sky_lit[SKY_GRADATION], (float)cie[0], (float)cie[1]);
+    glUniform3f(w->sky_lit[SKY_INDICATRIX], (float)cie[2], (float)cie[3], (float)cie[4]);
+    glUniform1f(w->sky_lit[SKY_SUN_SHINES], beam > 0);
+}
+
+// `lit`: the day of baked light, or NULL.
+static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, const Daylight *lit) {
+    bool shines = lit && daylight_shines(lit);
     glUseProgram(w->sky);
     glUniform1f(w->sky_day, day);
-    glUniform4fv(w->sky_lit, 1, above);
-    glUniform3fv(w->sky_ground, 1, ground);
+    glUniform1i(w->sky_lit[SKY_LIT], shines);
+    if (shines) set_day(w, lit);
     set_vector(w->sky_forward, camera->forward);
     set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
     set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
@@ -539,9 +577,8 @@ static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     walk_lit_draw(w->lit, true);
     glDisable(GL_POLYGON_OFFSET_FILL);
     if (numbers) return true;
-    const float *sky = w->light->sky;
-    draw_sky(w, camera, false, w->light);
-    draw_panes(w, SCENE_PANES, camera, sky[0] + sky[1] + sky[2] > 0);
+    draw_sky(w, camera, false, &w->light->day);
+    draw_panes(w, SCENE_PANES, camera, daylight_shines(&w->light->day));
     return true;
 }
 

@@ -52,9 +52,6 @@
 #define WALK_NIGHT_GROUND 0.0010, 0.0010, 0.0012
 #define WALK_NIGHT_PANE 0.15
 
-// By daylight the ground outside reflects this share of the sky's light: grass and soil.
-#define WALK_DAY_GROUND 0.2
-
 // Light becomes a screen's value by a factor a little above 1, a shoulder, then the curve of IEC 61966-2-1 (sRGB).
 #define WALK_EXPOSURE 1.08f
 #define WALK_SHOULDER_TOP 0.18f

@@ -5,6 +5,7 @@
 #include "engine/draw/walk_shaders.h"
 
 #include "engine/draw/walk_shade.h"
+#include "radiosity/daylight/daylight.h"
 
 #define VERSION "#version 330 core\n"
 
@@ -254,23 +255,79 @@ const char WALK_SCREEN_VERTEX[] =
             "}\n";
 
 // The sky is mixed from three display colours, which a compiler computes once: a power at each pixel took longer than everything else.
+// The sky of baked light is that of daylight_seen: radiosities times exposure, by direction.
 const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
     "in vec2 at;\n"
     "uniform vec3 forward, right, up;\n"
     "uniform float day;\n"
-    "uniform vec4 lit;\n"  // the even sky of baked light, on the screen; a: there is one
-    "uniform vec3 lit_ground;\n"
+    "uniform bool lit;\n"
+    "uniform vec3 sun, lit_ground;\n"
+    "uniform vec3 overhead;\n"  // over the product of gradation and indicatrix there
+    "uniform vec2 gradation;\n"
+    "uniform vec3 indicatrix;\n"
+    "uniform float sun_shines;\n"
     "out vec4 result;\n"
-    "void main() {\n"
-    "    vec3 zenith = display(mix(NIGHT_ZENITH, vec3(0.30, 0.52, 0.82), day));\n"
-    "    vec3 horizon = display(mix(NIGHT_HORIZON, vec3(0.82, 0.88, 0.93), day));\n"
-    "    vec3 ground = display(mix(NIGHT_GROUND, vec3(0.50, 0.56, 0.44), day));\n"
-    "    if (lit.a > 0.0) { zenith = lit.rgb; horizon = lit.rgb; ground = lit_ground; }\n"
-    "    vec3 ray = forward + at.x * right + at.y * up;\n"
-    "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
-    "    vec3 above = mix(horizon, zenith, 0.97 * sqrt(max(rise, 0.0)));\n"
-    "    result = vec4(mix(ground, above, smoothstep(-0.03, 0.01, rise)), 1.0);\n"
-    "}\n";
+    "vec3 screen(vec3 light) {\n"
+    "    vec3 x = min(light, " WALK_TEXT(
+        WALK_WHITE) ");\n"
+                    "    x = min(" WALK_TEXT(WALK_CURVE(
+                        x)) ", 1.0);\n"
+                            "    return mix(12.92 * x, 1.055 * pow(max(x, 0.0031), vec3(1.0 / 2.4)) - 0.055, "
+                            "step(vec3(0.0031308), x));\n"
+                            "}\n"
+                            "void main() {\n"
+                            "    vec3 ray = forward + at.x * right + at.y * up;\n"
+                            "    float rise = ray.z * inversesqrt(dot(ray, ray));\n"
+                            "    if (lit) {\n"
+                            "        vec3 w = normalize(vec3(ray.xy, max(ray.z, 0.001 * length(ray))));\n"
+                            "        float cosine = clamp(dot(w, sun), -1.0, 1.0), angle = acos(cosine);\n"
+                            "        float about = 1.0 + indicatrix.x * (exp(indicatrix.y * angle) - "
+                            "exp(indicatrix.y * 1.57079633))\n"
+                            "                    + indicatrix.z * cosine * cosine;\n"
+                            "        vec3 sky = overhead * about * (1.0 + gradation.x * exp(gradation.y / "
+                            "w.z));\n"
+                            "        float away = length(normalize(ray) - sun) / " WALK_TEXT(
+                                DAYLIGHT_SUN_RADIUS) ";\n"
+                                                     "        float disc = sun_shines * (1.0 - "
+                                                     "smoothstep(0.9, 1.1, away)) * step(0.0, rise);\n"
+                                                     "        sky = mix(sky, vec3(" WALK_TEXT(
+                                                         WALK_WHITE) "), disc);\n"
+                                                                     "        float above = "
+                                                                     "smoothstep(-" WALK_TEXT(
+                                                                         DAYLIGHT_HAZE) ", 0.0, rise);\n"
+                                                                                        "        result = "
+                                                                                        "vec4(screen(mix(lit_"
+                                                                                        "ground, sky, "
+                                                                                        "above)), 1.0);\n"
+                                                                                        "        return;\n"
+                                                                                        "    }\n"
+                                                                                        "    vec3 zenith = "
+                                                                                        "display(mix(NIGHT_"
+                                                                                        "ZENITH, vec3(0.30, "
+                                                                                        "0.52, 0.82), "
+                                                                                        "day));\n"
+                                                                                        "    vec3 horizon = "
+                                                                                        "display(mix(NIGHT_"
+                                                                                        "HORIZON, vec3(0.82, "
+                                                                                        "0.88, 0.93), "
+                                                                                        "day));\n"
+                                                                                        "    vec3 ground = "
+                                                                                        "display(mix(NIGHT_"
+                                                                                        "GROUND, vec3(0.50, "
+                                                                                        "0.56, 0.44), "
+                                                                                        "day));\n"
+                                                                                        "    vec3 above = "
+                                                                                        "mix(horizon, "
+                                                                                        "zenith, 0.97 * "
+                                                                                        "sqrt(max(rise, "
+                                                                                        "0.0)));\n"
+                                                                                        "    result = "
+                                                                                        "vec4(mix(ground, "
+                                                                                        "above, "
+                                                                                        "smoothstep(-0.03, "
+                                                                                        "0.01, rise)), "
+                                                                                        "1.0);\n"
+                                                                                        "}\n";
 
 // Depth d is 1 - near / z. Samples around each pixel lie on a spiral in a disc, whose radius is half a metre at the pixel's depth; a
 // sample counts by how far it rises over the surface's tangent plane, which is found from the depths themselves.

@@ -48,9 +48,18 @@ bool day_over(const DayOptions *o, const Building *b, Daylight *out, Error *erro
         (int)(60 * (hour - floor(hour)) + 0.5), latitude / DEGREE, longitude / DEGREE);
 }
 
+void day_usual(const Building *building, Daylight *out) {
+    DayOptions usual = day_default_options();
+    Error error;
+    usual.day = true;
+    if (!day_over(&usual, building, out, &error)) *out = (Daylight){0};
+}
+
 void day_describe(const Daylight *day, char *out, size_t size) {
     double turn = atan2(day->sun.x, day->sun.y) / DEGREE;
-    if (daylight_is_uniform(day))
+    if (!daylight_shines(day))
+        snprintf(out, size, "no daylight");
+    else if (daylight_is_uniform(day))
         snprintf(out, size, "a sky of %g,%g,%g W/m^2/sr", day->zenith[0], day->zenith[1], day->zenith[2]);
     else
         snprintf(out, size, "%s sky with the sun %.2f degrees high, %.2f degrees clockwise from +y",

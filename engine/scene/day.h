@@ -9,8 +9,10 @@
 typedef struct DayOptions {
     // An even sky by itself, radiance in W/m^2/sr a channel; 0: none.
     double sky[3];
-    // Daylight is asked for, with nothing said about it.
-    bool day;
+    // Daylight is asked for, with nothing said about it; no daylight is asked for.
+    bool day, night;
+    // Where nothing is asked for and no light is stored, it is day, if it is day at the building's own hour.
+    bool usual;
     // Year, month, day; year 0: not given.
     int date[3];
     // Hours of a clock, and the hours that it is ahead of UTC: NAN, it shows the mean time of the place's longitude. Hours NAN: not given.
@@ -28,6 +30,7 @@ DayOptions day_default_options(void);
 // Is an even sky asked for? A day with a sun?
 bool day_asks_sky(const DayOptions *options);
 bool day_asks_sun(const DayOptions *options);
+// Is any daylight asked for?
 static inline bool day_asks(const DayOptions *options) {
     return day_asks_sky(options) || day_asks_sun(options);
 }
@@ -35,6 +38,9 @@ static inline bool day_asks(const DayOptions *options) {
 // The day over a building; all zeros where none is asked for. Fails where an even sky is asked for as well as a sun, and where it is night
 // at that hour.
 bool day_over(const DayOptions *options, const Building *building, Daylight *out, Error *error);
+
+// The usual day over a building; all zeros where it is night at the building's own hour.
+void day_usual(const Building *building, Daylight *out);
 
 // A day in words, for messages: `size` bytes at most.
 void day_describe(const Daylight *day, char *out, size_t size);

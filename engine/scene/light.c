@@ -7,6 +7,7 @@
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
+#include "radiosity/show/shown.h"
 
 const char *light_place(const Building *building, Arena *arena) {
     return scene_cache_path(arena, arena_format(arena, "%016llx.rad", (unsigned long long)building->hash));
@@ -18,6 +19,16 @@ static WalkLight show_fine(const FineMesh *fine, const RadSolution *solution, co
     RadSolution *shown = ARENA_ARRAY(arena, RadSolution, 1);
     *shown = fine_light(fine, solution, arena);
     return (WalkLight){&fine->mesh, shown, doors, fine};
+}
+
+// The same on the mesh that shows the light.
+static bool show_finer(const Mesh *mesh, const RadSolution *solution, const float *doors, Arena *arena,
+                       WalkLight *out, Error *error) {
+    const Mesh *shown;
+    const RadSolution *light;
+    if (!shown_light(mesh, solution, doors, arena, &shown, &light, error)) return false;
+    *out = show_fine(fine_mesh_new(shown, arena), light, doors, arena);
+    return true;
 }
 
 bool light_check_day(const char *file, const RadSolution *solution, const Daylight *day, Error *error) {
@@ -43,11 +54,13 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
         options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&
-               (!daylight_shines(&scene->day) || light_check_day(path, solution, &scene->day, error));
+               (!scene->day_given || light_check_day(path, solution, &scene->day, error));
     }
     arena_free(&scratch);
-    if (good) *out = show_fine(fine_mesh_new(mesh, arena), solution, doors, arena);
-    return good;
+    if (!good) return false;
+    if (show_finer(mesh, solution, doors, arena, out, error)) return true;
+    Error reason = *error;
+    return error_set(error, "%s: %.900s", path, reason.text);
 }
 
 bool light_find(const LoadedScene *scene, bool given, Arena *arena, const WalkLight **out, Error *error) {
@@ -131,11 +144,12 @@ static bool bake_scene(void *context, const LightHooks *hooks, Arena *arena, Wal
     }
     RadReport report = rad_shoot(mesh, forest, doors, &options.rad, &hooks->progress, solution);
     if (report.stopped) return error_set(error, "stopped");
-    if (!direct_show(mesh, forest, hooks->threads, &hooks->progress, arena, solution, NULL))
+    if (hooks->show) show_solution(&shower, solution);
+    if (!direct_show(mesh, forest, doors, hooks->threads, &hooks->progress, arena, solution, NULL) ||
+        !show_finer(mesh, solution, doors, arena, out, error))
         return error_set(error, "stopped");
     *error = (Error){""};
     if (bake->out) rad_save(bake->out, mesh, doors, solution, error);
-    *out = show_fine(shower.fine, solution, doors, arena);
     return true;
 }
 

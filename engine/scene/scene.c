@@ -105,7 +105,7 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 static bool is_day(const LoadedScene *scene) {
     Error reason;
     Daylight day;
-    if (daylight_shines(&scene->day)) return true;
+    if (daylight_shines(&scene->day) || scene->day_given) return daylight_shines(&scene->day);
     return scene->light_count > 0 && rad_load_day(scene->lights[0], &scene->building, &day, &reason) &&
            daylight_shines(&day);
 }
@@ -141,6 +141,8 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
         !day_over(&options->day, &out->building, &out->day, error) ||
         (options->find_light && !find_lights(path, options, arena, out, error)))
         return false;
+    out->day_given = day_asks(&options->day) || options->day.night;
+    if (options->day.usual && !out->day_given && out->light_count == 0) day_usual(&out->building, &out->day);
     bool good = true;
     if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0)) {
         out->lamp_faces = lamp_faces_add(arena, &out->building);

@@ -64,8 +64,9 @@ typedef struct LoadedScene {
     bool cached, kept, stopped;
     // Pairs of cells, both ways round, that are neither proven to see each other nor excluded.
     long long undecided;
-    // The day asked for, over this building; all zeros: none.
+    // The day asked for, over this building, or the usual one; all zeros: none.
     Daylight day;
+    bool day_given;  // a day or night was asked for: light made under another day does not fit
     // Files of light whose head fits the building, where it was looked for.
     const char *lights[SCENE_LIGHTS];
     int light_count;

@@ -22,7 +22,7 @@ StillOptions still_default_options(void) {
 }
 
 typedef struct Sky {
-    double day[3];    // radiosity of the even sky above the horizon, W/m^2; 0: night
+    Daylight day;
     double exposure;  // divides the night sky, which is given as it is on the screen
 } Sky;
 
@@ -59,18 +59,19 @@ static double smooth_step(double low, double high, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// By night the sky that the walkthrough draws (walk_shaders.c); by day an even sky, over ground that it lights.
+// By night the sky that the walkthrough draws (walk_shaders.c).
 static void sky_at(const void *context, Vec3 direction, double out[3]) {
     static const double ZENITH[3] = {WALK_NIGHT_ZENITH}, HORIZON[3] = {WALK_NIGHT_HORIZON},
                         GROUND[3] = {WALK_NIGHT_GROUND};
     const Sky *sky = context;
     double rise = direction.z, up = 0.97 * sqrt(fmax(rise, 0)), above = smooth_step(-0.03, 0.01, rise);
-    bool day = sky->day[0] + sky->day[1] + sky->day[2] > 0;
+    if (daylight_shines(&sky->day)) {
+        daylight_seen(&sky->day, direction, out);
+        return;
+    }
     for (int c = 0; c < 3; c++) {
         double high = HORIZON[c] + up * (ZENITH[c] - HORIZON[c]);
-        double night = (double)WALK_EXPOSURE * (GROUND[c] + above * (high - GROUND[c])) / sky->exposure;
-        double ground = WALK_DAY_GROUND * sky->day[c];
-        out[c] = day ? ground + above * (sky->day[c] - ground) : night;
+        out[c] = (double)WALK_EXPOSURE * (GROUND[c] + above * (high - GROUND[c])) / sky->exposure;
     }
 }
 
@@ -142,8 +143,7 @@ static void prepare_still(Still *s, const StabForest *forest, const WalkLight *b
     s->light = still_light_new(s->scene, baked->solution, lamps, arena);
     s->exposure = expose(forest, baked, s->camera, s->options->stops);
     s->sky.exposure = s->exposure;
-    daylight_mean(&baked->solution->day, s->sky.day);
-    for (int c = 0; c < 3; c++) s->sky.day[c] *= M_PI;
+    s->sky.day = baked->solution->day;
     s->media = still_scene_media(s->scene, s->camera->eye);
     s->whitted = (Whitted){s->scene, &s->light, s->options->depth, THRESHOLD, LAMP_RAYS, sky_at, &s->sky};
     report->exposure = s->exposure;

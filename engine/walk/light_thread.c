@@ -16,7 +16,8 @@ static const double SHOW_EVERY = 0.3;
 // it a hundredth of that: where software OpenGL takes all cores, the light would never come.
 enum { NICE = 5 };
 
-enum { STATES = 2 };
+// The last state is on a mesh of its own, the finest.
+enum { STATES = 2, LAST = STATES };
 
 struct LightThread {
     LightBaker baker;
@@ -30,7 +31,7 @@ struct LightThread {
     pthread_mutex_t lock;
     pthread_cond_t received;
     _Atomic(LitMesh *) mesh;
-    LitLight state[STATES];
+    LitLight state[STATES + 1];
     int fresh, held;  // the state that the walk is to fetch; the state it has; -1: none
 };
 
@@ -76,11 +77,14 @@ static void show(void *context, const Mesh *mesh, const RadSolution *so_far) {
 
 // Shows the whole solution: waits until the walk has fetched the state before it.
 static void show_last(LightThread *t, const WalkLight *light) {
-    if (!atomic_load(&t->mesh)) begin_mesh(t, light->mesh);
+    LitMesh *mesh = lit_mesh_new(light->mesh, &t->arena);
+    t->state[LAST] = lit_light_new(mesh, &t->arena);
+    lit_light_fill(mesh, light->solution, &t->state[LAST]);
     pthread_mutex_lock(&t->lock);
     while (t->fresh >= 0 && !atomic_load(&t->stop)) pthread_cond_wait(&t->received, &t->lock);
+    atomic_store(&t->mesh, mesh);
+    t->fresh = LAST;
     pthread_mutex_unlock(&t->lock);
-    if (!atomic_load(&t->stop)) fill_light(t, light->solution);
 }
 
 static void *work(void *context) {

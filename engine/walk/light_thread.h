@@ -12,8 +12,9 @@ typedef struct LightThread LightThread;
 // thread can be started.
 LightThread *light_thread_start(const LightBaker *baker, Arena *arena);
 
-LitMesh *light_thread_mesh(const LightThread *thread);  // NULL: there is none yet
-// A new state, or NULL. The state stays unchanged until the next state has been received.
+// The mesh of the newest state; NULL: there is none yet. The last state has a finer mesh than those before it.
+LitMesh *light_thread_mesh(const LightThread *thread);
+// A new state, or NULL. The state stays unchanged until the next state has been received, and so does the mesh until this one has.
 const LitLight *light_thread_light(LightThread *thread);
 void light_thread_received(LightThread *thread);      // the state was copied; the one before may change
 double light_thread_done(const LightThread *thread);  // 0 .. 1

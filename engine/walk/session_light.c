@@ -26,10 +26,9 @@ void session_receive_light(Session *s) {
     Shown *shown = s->shown;
     WalkRenderer *renderer = shown->renderer;
     if (!shown->baking) return;
+    const LitLight *light = walk_renderer_fading(renderer) ? NULL : light_thread_light(shown->baking);
     LitMesh *mesh = light_thread_mesh(shown->baking);
-    if (mesh && !walk_renderer_mesh(renderer)) walk_renderer_expect(renderer, mesh, &shown->arena);
-    const LitLight *light =
-        mesh && !walk_renderer_fading(renderer) ? light_thread_light(shown->baking) : NULL;
+    if (mesh && (light || !walk_renderer_mesh(renderer))) walk_renderer_expect(renderer, mesh, &shown->arena);
     bool first = !walk_renderer_lit(renderer);
     if (light && walk_renderer_take(renderer, light, SLICE)) {
         light_thread_received(shown->baking);

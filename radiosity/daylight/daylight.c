@@ -199,3 +199,32 @@ void daylight_radiance(const Daylight *day, Vec3 direction, double out[3]) {
     double relative = daylight_relative(day, direction);
     for (int c = 0; c < 3; c++) out[c] = day->zenith[c] * relative;
 }
+
+// The colour of grass and soil: three factors with a mean of 1. The light that the ground sends to walls stays white.
+static const double GRASS[3] = {0.96, 1.30, 0.74};
+
+void daylight_seen_ground(const Daylight *day, double out[3]) {
+    daylight_below(day, out);
+    if (daylight_is_uniform(day)) {
+        daylight_mean(day, out);
+        for (int c = 0; c < 3; c++) out[c] *= DAYLIGHT_GROUND;
+    }
+    for (int c = 0; c < 3; c++) out[c] *= M_PI * GRASS[c];
+}
+
+// Level rays count as if they rose so far: the gradation divides by the height.
+static const double LEAST_RISE = 1e-3;
+
+void daylight_seen(const Daylight *day, Vec3 w, double out[3]) {
+    Vec3 up = vec3_normalize(vec3(w.x, w.y, fmax(w.z, LEAST_RISE)));
+    double ground[3], sine = DAYLIGHT_SUN_RADIUS;
+    double t = fmin(fmax(1 + w.z / DAYLIGHT_HAZE, 0), 1), above = t * t * (3 - 2 * t);
+    daylight_radiance(day, up, out);
+    daylight_seen_ground(day, ground);
+    bool disc = w.z > 0 && vec3_dot(w, day->sun) > cos(DAYLIGHT_SUN_RADIUS);
+    for (int c = 0; c < 3; c++) {
+        // A disc of half a degree of radiance L sends pi sine^2 L.
+        if (disc) out[c] += day->beam[c] / (M_PI * sine * sine);
+        out[c] = ground[c] + above * (M_PI * out[c] - ground[c]);
+    }
+}

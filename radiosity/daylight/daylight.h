@@ -55,4 +55,13 @@ void daylight_horizontal(const Daylight *day, double out[3]);
 // The radiance that comes from below the horizon, W/m^2/sr.
 void daylight_below(const Daylight *day, double out[3]);
 
+// The radius of the sun's disc, radians, and the sine of the angle below the horizon over which the ground fades into the sky.
+#define DAYLIGHT_SUN_RADIUS 0.00465
+#define DAYLIGHT_HAZE 0.02
+// The light that an eye sees along a unit direction: the radiosity of a diffuse surface that looks as bright, W/m^2. Sky, the sun's disc,
+// and ground in the colour of grass, which under an even sky reflects DAYLIGHT_GROUND of its light.
+void daylight_seen(const Daylight *day, Vec3 direction, double out[3]);
+// That of the ground alone.
+void daylight_seen_ground(const Daylight *day, double out[3]);
+
 #endif

@@ -1,8 +1,8 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, radiosities of nodes if
-// gathered. The mesh is not stored: it is made again from
-// the building and its splits, and `geometry`, the hash of the elements, says whether it came out the same.
+// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, shone, radiosities of
+// nodes if they were found, splits of the mesh with these nodes if it is another. Meshes are not stored: they are made again from the
+// building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
 #include <string.h>
 
 #include "engine/core/file.h"
@@ -10,7 +10,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-enum { VERSION = 4 };
+enum { VERSION = 5 };
 
 typedef struct Header {
     DerivedHead head;
@@ -18,8 +18,9 @@ typedef struct Header {
     int32_t element_count, patch_count, door_count;
     int16_t per_patch, fill_lamps;  // the latter as in Building
     int32_t node_count;
-    int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
-    int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
+    int32_t proxy;               // tolerance of stand-ins, PROXY_STEP; 0: there are none
+    int32_t split_bits, even;    // -1 each: no splits; no bits: all roots are split so often
+    int32_t shown_bits, unused;  // 0: light is shown on the mesh that it was found on
     double element, close;
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
@@ -51,13 +52,14 @@ static int32_t proxy_of(const MeshOptions *options) {
 }
 
 typedef struct Sizes {
-    size_t doors, splits, radiosity, direct, unshot, nodes, total;
+    size_t doors, splits, radiosity, direct, unshot, shone, nodes, shown, total;
 } Sizes;
 
 // Doubles stay aligned.
 static size_t round_up(size_t bytes) { return (bytes + 7) / 8 * 8; }
 
-static size_t split_bytes(const Header *h) { return h->split_bits > 0 ? ((size_t)h->split_bits + 7) / 8 : 0; }
+static size_t bit_bytes(int32_t bits) { return bits > 0 ? ((size_t)bits + 7) / 8 : 0; }
+static size_t split_bytes(const Header *h) { return bit_bytes(h->split_bits); }
 
 static Sizes sizes_of(const Header *h) {
     Sizes s = {.doors = round_up((size_t)h->door_count * sizeof(float)),
@@ -65,8 +67,10 @@ static Sizes sizes_of(const Header *h) {
                .radiosity = (size_t)h->element_count * 3 * sizeof(double),
                .direct = (size_t)h->element_count * 3 * sizeof(double),
                .unshot = (size_t)h->patch_count * 3 * sizeof(double),
-               .nodes = (size_t)h->node_count * 3 * sizeof(double)};
-    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.nodes;
+               .shone = (size_t)h->patch_count * sizeof(double),
+               .nodes = (size_t)h->node_count * 3 * sizeof(double),
+               .shown = round_up(bit_bytes(h->shown_bits))};
+    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.shone + s.nodes + s.shown;
     return s;
 }
 
@@ -102,7 +106,11 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     memcpy(body, solution->direct, s.direct);
     body += s.direct;
     memcpy(body, solution->unshot, s.unshot);
-    if (solution->node) memcpy(body + s.unshot, solution->node, s.nodes);
+    body += s.unshot;
+    if (solution->shone) memcpy(body, solution->shone, s.shone);
+    body += s.shone;
+    if (solution->node) memcpy(body, solution->node, s.nodes);
+    if (solution->shown) memcpy(body + s.nodes, solution->shown->bits, bit_bytes(h->shown_bits));
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -116,6 +124,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .per_patch = (int16_t)mesh->options.per_patch,
                      .fill_lamps = fill_lamps_of(building_of(mesh)),
                      .node_count = solution->node_count,
+                     .shown_bits = solution->shown ? solution->shown->bit_count : 0,
                      .proxy = proxy_of(&mesh->options),
                      .element = mesh->options.element,
                      .close = mesh->options.close,
@@ -139,7 +148,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
     bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
-        h->patch_count >= 0 && h->node_count >= 0 && (splits || (h->split_bits == -1 && h->even == -1)))
+        h->patch_count >= 0 && h->node_count >= 0 && h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
+        (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
 }
@@ -161,9 +171,10 @@ static bool same_splits(const MeshSplits *splits, const Header *h, const unsigne
            (split_bytes(h) == 0 || memcmp(splits->bits, body + sizes_of(h).doors, split_bytes(h)) == 0);
 }
 
+// Nodes of another mesh are counted when it is made.
 static bool check_nodes(const Header *h, const Mesh *mesh) {
     Arena scratch = {0};
-    bool good = h->node_count == 0 || h->node_count == nodes_of(mesh, &scratch).count;
+    bool good = h->node_count == 0 || h->shown_bits > 0 || h->node_count == nodes_of(mesh, &scratch).count;
     arena_free(&scratch);
     return good;
 }
@@ -215,7 +226,15 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     out->direct = take_bytes(arena, body, s.direct);
     body += s.direct;
     out->unshot = take_bytes(arena, body, s.unshot);
-    if (h->node_count > 0) out->node = take_bytes(arena, body + s.unshot, s.nodes);
+    body += s.unshot;
+    out->shone = take_bytes(arena, body, s.shone);
+    body += s.shone;
+    if (h->node_count > 0) out->node = take_bytes(arena, body, s.nodes);
+    if (h->shown_bits > 0) {
+        out->shown = ARENA_ARRAY(arena, MeshSplits, 1);
+        *out->shown =
+            (MeshSplits){.bit_count = h->shown_bits, .bits = take_bytes(arena, body + s.nodes, s.shown)};
+    }
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
     memcpy(out->escaped, h->escaped, sizeof h->escaped);
@@ -232,11 +251,18 @@ static bool is_light(double (*v)[3], int count) {
     return true;
 }
 
+static bool are_positive(const double *v, int count) {
+    int i = 0;
+    while (i < count && v[i] >= 0 && isfinite(v[i])) i++;
+    return i == count;
+}
+
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
-        is_light(s->unshot, s->patch_count) && is_light(s->node, s->node_count) && is_light(&s->emitted, 1) &&
-        is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) && daylight_is_sound(&s->day) &&
-        is_light(&s->outdoors, 1) && s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        is_light(s->unshot, s->patch_count) && are_positive(s->shone, s->patch_count) &&
+        is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
+        is_light(&s->escaped, 1) && daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) &&
+        s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }

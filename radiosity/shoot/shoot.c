@@ -84,6 +84,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
     out->direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->direct);
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
+    out->shone = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->shone);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
     }

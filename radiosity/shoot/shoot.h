@@ -19,7 +19,7 @@ typedef struct RadOptions {
     bool lamps_only;  // only emitted light is shot, no reflected light
     // Patches that emit shoot at the resolution times this factor, which is reduced where there are very many (shoot_rows.c).
     int lamp_detail;
-    // Patches that reflect much direct light shoot in more directions than others (shoot_rows_fit).
+    // Patches that reflect much light straight from lamps, sun and sky shoot in more directions than others (shoot_rows_fit).
     bool fit_rows;
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
     double reach;
@@ -52,15 +52,19 @@ struct RadSolution {
     double (*radiosity)[3];
     // [element_count] the part of `radiosity` that came straight from lamps, as it was shot; the light of the sky is not in it.
     double (*direct)[3];
+    // [patch_count] the part of `radiosity` that came straight from sun and sky, mean over the patch, sum of the channels
+    double *shone;
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];
     Daylight day;        // the day that shone (sky.h); its light that came in counts as `emitted`
     double outdoors[3];  // the part of `emitted` that sky and sun sent to surfaces outdoors, W
     long long shots;
-    // [node_count] radiosity gathered at the nodes (final_gather.h), in the order of nodes_of; NULL and 0: not gathered.
+    // [node_count] radiosity found at the nodes (direct.h, final_gather.h) of the mesh that shows the light, in the order of nodes_of;
+    // NULL and 0: not found.
     double (*node)[3];
     int node_count;
+    MeshSplits *shown;  // of the mesh that shows the light (shown.h); NULL: it is the mesh of the elements
 };
 
 // The work that was done.

@@ -308,7 +308,8 @@ static double cost_of(const double *strength, int count, double scale) {
     return cost;
 }
 
-// For each patch the power that it reflects of direct light, over the light that falls on surfaces of its cell, to DETAIL_POWER.
+// For each patch the power that it reflects of light straight from lamps, sun and sky, over the light that falls on surfaces of its cell,
+// to DETAIL_POWER.
 static double *strengths_of(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
     int cells = mesh->graph->cell_count;
     double *power = ARENA_ARRAY(arena, double, mesh->patch_count + 1), all = 0, all_area = 0;
@@ -318,6 +319,7 @@ static double *strengths_of(const Mesh *mesh, const RadSolution *solution, Arena
         int cell = patch->cell < 0 ? cells : patch->cell;
         for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
             power[p] += rgb_sum(solution->direct[e]) * mesh->elements[e].area;
+        power[p] += solution->shone[p] * patch->area;
         light[cell] += power[p], all += power[p];
         area[cell] += patch->area, all_area += patch->area;
     }
@@ -342,7 +344,6 @@ void shoot_rows_fit(ShootRows *rows, const RadSolution *solution) {
         else
             low = scale;
     }
-    // By the light of the sky alone all rows stay alike.
     for (int p = 0; p < mesh->patch_count && most > 0; p++)
         rows->detail[p] = (signed char)detail_at(low * strength[p]);
     arena_free(&scratch);

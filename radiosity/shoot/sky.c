@@ -578,6 +578,11 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     bool good = shine_outdoors(s, threads, progress, solution) && shine_sun(s, threads, progress, solution) &&
                 shine_in(s, threads, progress, solution);
     solution->day = *day;
+    for (int p = 0; p < mesh->patch_count; p++) {
+        double emitted[3];
+        rgb_doubles(mesh_material(mesh, mesh->patches[p].face)->emission, emitted);
+        solution->shone[p] = fmax(rgb_sum(solution->unshot[p]) - rgb_sum(emitted), 0);
+    }
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);
     arena_free(&arena);

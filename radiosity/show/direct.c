@@ -6,6 +6,7 @@
 // Radiosity, 1991). Shafts of batches of patches find faces in a tree of boxes; shafts of patches choose among these.
 #include "radiosity/show/direct.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
 #include "engine/core/box_tree.h"
@@ -13,8 +14,10 @@
 #include "engine/core/parallel.h"
 #include "radiosity/factors/analytic.h"
 #include "radiosity/factors/view.h"
+#include "radiosity/show/bends.h"
 #include "radiosity/show/lamp_ways.h"
 #include "radiosity/show/reconstruct.h"
+#include "radiosity/show/shown.h"
 
 // A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
 // at most. That is above the rounding of coordinates and below a visible distance.
@@ -56,7 +59,7 @@ typedef struct Near {
 } Near;
 
 typedef struct Worker {
-    Arena arena;
+    Arena arena, bends;
     BoxHits hits;
     Near *near;
     int *between;  // faces
@@ -74,6 +77,8 @@ typedef struct Worker {
     Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
     int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
     LampFlood *flood;
+    double *light;  // at the corners of an element
+    int light_capacity;
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
     RadReport report;
@@ -106,8 +111,16 @@ typedef struct Direct {
     Group *groups;
     Batch *batches;
     int lamp_object_count, group_count, batch_count, first;  // `first` batch of this look
-    Worker *workers;                                         // [threads]
-    double (*at_corner)[3];                                  // [corner_count]
+    int threads;
+    Arena arena;             // of the workers
+    Worker *workers;         // [threads]
+    double (*at_corner)[3];  // [corner_count]
+    bool *known;             // [corner_count] its light is in `at_corner`; NULL: none is
+    bool *settled;           // [patch_count] all light of its corners is known
+    // [element_count] other light, W/m^2; NULL: bends are not looked for
+    const double *besides;
+    double (*at_node)[3];  // [nodes->count] direct irradiance
+    Bend **bends;          // [element_count]
 } Direct;
 
 // ---- groups and patches
@@ -464,13 +477,12 @@ static bool hides_object(Worker *w, const Before *before, Vec3 point) {
     return hides_lamp(w, &b, move_lamp(w, before->box, 8, point), 8, point) == HIDES_ALL;
 }
 
-// Where the light of a corner of an element is found, in the frame.
-static Vec3 corner_point(const Direct *d, const Frame *frame, int corner, Vec3 towards) {
-    Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[corner]]);
-    Vec3 way = vec3_sub(to_frame(frame, towards), node);
+// Where the light of a point is found that may lie on an element's edge, in the frame.
+static Vec3 off_the_edge(Vec3 point, Vec3 towards) {
+    Vec3 way = vec3_sub(towards, point);
     double length = vec3_length(way), hair = fmin(HAIR * length, LONGEST_HAIR);
-    if (length > 0) node = vec3_add(node, vec3_scale(way, hair / length));
-    return vec3(node.x, node.y, 0);
+    if (length > 0) point = vec3_add(point, vec3_scale(way, hair / length));
+    return vec3(point.x, point.y, 0);
 }
 
 static bool in_one_plane(const Direct *d, int node) {
@@ -495,17 +507,66 @@ static bool corner_counts(const Direct *d, int element, int corner, Vec3 *toward
     return true;
 }
 
-static void light_corner(Worker *w, int first, int end, Vec3 point, double out[3]) {
+// Light from the lamps before `first` .. `end`. Of the faces of a lamp object `most` stand for all.
+static void light_point(Worker *w, int first, int end, Vec3 point, int most, double out[3]) {
     w->report.direct_points++;
     for (int k = first; k < end; k++) {
         Before before = w->before[k];
+        int step = (before.facing_count + most - 1) / most, last = before.first_facing + before.facing_count;
+        double weight = before.facing_count / ceil((double)before.facing_count / step);
         if (hides_object(w, &before, point)) continue;
-        for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
+        for (int i = before.first_facing; i < last; i += step) {
             const Facing *facing = &w->facing[i];
             if (plane_distance(facing->plane, point) <= 0) continue;
-            double share = fmax(share_in_sight(w, facing, point), 0);
+            double share = weight * fmax(share_in_sight(w, facing, point), 0);
             for (int c = 0; c < 3; c++) out[c] += share * facing->emitted[c];
         }
+    }
+}
+
+// So many faces of a lamp stand for all where bends are looked for.
+enum { FACES_FOR_BENDS = 2 };
+
+// An element whose bends are looked for.
+typedef struct Bent {
+    const Direct *d;
+    Worker *worker;
+    const Frame *frame;
+    int first;    // of the lamps before the patch, in Worker.before
+    Vec3 middle;  // in the frame
+    double rho[3];
+} Bent;
+
+// The radiosity by light straight from lamps at a point of the element, the sum of the channels.
+static double light_of_bent(void *context, Vec3 point) {
+    const Bent *b = context;
+    double light[3] = {0, 0, 0};
+    light_point(b->worker, b->first, b->worker->before_count,
+                off_the_edge(to_frame(b->frame, point), b->middle), FACES_FOR_BENDS, light);
+    return b->rho[0] * light[0] + b->rho[1] * light[1] + b->rho[2] * light[2];
+}
+
+static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int first) {
+    const Element *element = &d->mesh->elements[e];
+    Bent bent = {d, w, frame, first, to_frame(frame, element_centroid(d->mesh, e)), {0}};
+    rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, bent.rho);
+    if (w->before_count == first || rgb_sum(bent.rho) == 0) return;
+    w->light = with_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
+    for (int i = 0; i < element->corner_count; i++) {
+        const double *h = d->at_node[d->nodes->of_corner[element->first_corner + i]];
+        w->light[i] = bent.rho[0] * h[0] + bent.rho[1] * h[1] + bent.rho[2] * h[2];
+    }
+    d->bends[e] = bend_find(d->mesh, e, w->light, light_of_bent, &bent, d->besides[e], &w->bends);
+}
+
+static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int first) {
+    const Element *element = &d->mesh->elements[e];
+    for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+        Vec3 towards;
+        if (!corner_counts(d, e, c, &towards) || (d->known && d->known[c])) continue;
+        Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[c]]);
+        light_point(w, first, w->before_count, off_the_edge(node, to_frame(frame, towards)), INT_MAX / 2,
+                    d->at_corner[c]);
     }
 }
 
@@ -517,20 +578,21 @@ static void light_patch(const Direct *d, Worker *w, const Frame *frame, int patc
     bound_patches(d, frame, patch, 1, rectangle);
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
     for (int k = 0; k < lamps; k++) narrow(d, w, there, rectangle, p->face, w->before[k]);
-    for (int e = p->first_element; e < p->first_element + p->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
-            Vec3 towards;
-            if (!corner_counts(d, e, c, &towards)) continue;
-            light_corner(w, first, w->before_count, corner_point(d, frame, c, towards), d->at_corner[c]);
-        }
-    }
+    for (int e = p->first_element; e < p->first_element + p->element_count; e++)
+        (d->besides ? find_bend : light_corners)(d, w, frame, e, first);
     w->before_count = first;
     w->blocker_count = blockers;
     w->facing_count = facing;
 }
 
+static bool is_settled(const Direct *d, const Group *g) {
+    int p = g->first_patch;
+    while (d->settled && p < g->first_patch + g->patch_count && d->settled[p]) p++;
+    return d->settled && p == g->first_patch + g->patch_count;
+}
+
 static void light_group(const Direct *d, Worker *w, const Group *g) {
+    if (is_settled(d, g)) return;
     const Face *face = &d->mesh->faces[g->face];
     Frame frame = {.origin = d->mesh->patches[g->first_patch].centre, .z = face->plane.n};
     Vec3 rectangle[4];
@@ -542,7 +604,7 @@ static void light_group(const Direct *d, Worker *w, const Group *g) {
     for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
     int lamps = w->before_count;
     for (int p = g->first_patch; lamps > 0 && p < g->first_patch + g->patch_count; p++)
-        light_patch(d, w, &frame, p, lamps);
+        if (!d->settled || !d->settled[p]) light_patch(d, w, &frame, p, lamps);
 }
 
 static Box box_of_groups(const Direct *d, const Batch *batch) {
@@ -592,7 +654,10 @@ static void light_batch(void *context, int index, int thread) {
     const Direct *d = context;
     const Batch *batch = &d->batches[d->first + index];
     Worker *w = &d->workers[thread];
-    int own = d->mesh->faces[d->groups[batch->first_group].face].object;
+    int own = d->mesh->faces[d->groups[batch->first_group].face].object, settled = 0;
+    for (int g = batch->first_group; g < batch->first_group + batch->group_count; g++)
+        settled += is_settled(d, &d->groups[g]);
+    if (settled == batch->group_count) return;
     Box box = box_of_groups(d, batch);
     w->near_count = w->between_count = 0;
     for (int i = -1; (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
@@ -692,27 +757,36 @@ static void join_corners(const Direct *d, double (*out)[3]) {
     }
 }
 
+// Takes memory that end_workers frees. `out` NULL: finds bends.
 static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report) {
-    Arena arena = {0};
-    threads = parallel_threads(threads);
-    d->workers = ARENA_ARRAY(&arena, Worker, threads);
-    for (int t = 0; t < threads; t++) d->workers[t].flood = lamp_flood_new(d->ways, &arena);
-    d->at_corner = arena_alloc(&arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
+    d->threads = parallel_threads(threads);
+    d->workers = ARENA_ARRAY(&d->arena, Worker, d->threads);
+    for (int t = 0; t < d->threads; t++) d->workers[t].flood = lamp_flood_new(d->ways, &d->arena);
+    if (out && !d->at_corner)
+        d->at_corner = arena_alloc(&d->arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
     bool go_on = true;
-    for (; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {
+    for (d->first = 0; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {
         int left = d->batch_count - d->first;
         go_on = progress_report(progress, "direct light", (double)d->first / d->batch_count);
-        if (go_on) parallel_for(threads, left < BATCHES_A_LOOK ? left : BATCHES_A_LOOK, light_batch, d);
+        if (go_on) parallel_for(d->threads, left < BATCHES_A_LOOK ? left : BATCHES_A_LOOK, light_batch, d);
     }
-    for (int t = 0; t < threads; t++) {
+    for (int t = 0; t < d->threads; t++) {
         report->direct_points += d->workers[t].report.direct_points;
         report->direct_pairs += d->workers[t].report.direct_pairs;
         report->direct_cut += d->workers[t].report.direct_cut;
-        arena_free(&d->workers[t].arena);
     }
-    if (go_on) join_corners(d, out);
-    arena_free(&arena);
+    if (go_on && out) join_corners(d, out);
     return go_on;
+}
+
+static void end_workers(Direct *d) {
+    for (int t = 0; t < d->threads; t++) {
+        arena_free(&d->workers[t].arena);
+        arena_free(&d->workers[t].bends);
+    }
+    arena_free(&d->arena);
+    d->at_corner = NULL;
+    d->threads = 0;
 }
 
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
@@ -722,86 +796,145 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
     RadReport work = {0};
     start_direct(&d, mesh, forest, nodes, &arena);
     bool good = light_all(&d, threads, progress, out, report ? report : &work);
+    end_workers(&d);
     arena_free(&arena);
     return good;
 }
 
-// ---- light between nodes is linear: where it bends within elements, their means say more than the light at a point
+// ---- light that is shown
 
-// Nodes whose exact light differs from the mean of the elements around by less than the first share keep it, by more than the second
-// have the light that elements tell. Lamps' samples on a few elements scatter by less than the first.
-static const double BENT = 0.15, MUCH_BENT = 0.35;
+// The share of a building's mean light that counts as light in the dark, where errors are not seen.
+static const double DARK = 0.01;
+// Bends may add so many elements, as a share of those there are.
+static const double MOST_ADDED = 0.5;
+// Corners of two meshes nearer than this are in one place, metres.
+static const double SAME_PLACE = 1e-9;
 
-// Power that the elements around a node reflect, W, all channels: of the light that lamps shot, and by the exact light of their nodes.
-typedef struct Around {
-    double shot, exact;
-} Around;
-
-// How much of its light a node takes from elements, 0 .. 1.
-static double bend_of(const Around *a) {
-    double most = fmax(a->shot, a->exact);
-    double off = most > 0 ? fabs(a->shot - a->exact) / most : 0;
-    return fmin(fmax((off - BENT) / (MUCH_BENT - BENT), 0), 1);
+// Light by reflections alone.
+static RadSolution reflected_alone(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+    RadSolution rest = *solution;
+    rest.node = NULL;
+    rest.radiosity = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < 3; c++)
+            rest.radiosity[e][c] = fmax(solution->radiosity[e][c] - solution->direct[e][c], 0);
+    return rest;
 }
 
-static void rgb_of_node(const Mesh *mesh, const Nodes *nodes, int node, double reflectance[3]) {
-    rgb_doubles(mesh_material(mesh, mesh->elements[nodes->element[nodes->first[node]]].face)->reflectance,
-                reflectance);
-}
-
-// The radiosity at each node by light straight from lamps, into `out`, which holds irradiances.
-static void join_means(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
-    Arena scratch = {0};
-    RadSolution shot = *solution;
-    Around *around = ARENA_ARRAY(&scratch, Around, nodes->count + 1);
-    double(*means)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *means), rho[3];
-    shot.radiosity = solution->direct;
-    reconstruct_nodes(mesh, nodes, &shot, means);
-    for (int n = 0; n < nodes->count; n++) {
-        rgb_of_node(mesh, nodes, n, rho);
-        for (int c = 0; c < 3; c++) out[n][c] *= rho[c];
-    }
+// The light on each element against which bends of direct light are seen, the sum of the channels, W/m^2.
+static double *light_besides(const Mesh *mesh, const RadSolution *rest, const RadSolution *whole,
+                             Arena *arena) {
+    double *out = ARENA_ARRAY(arena, double, mesh->element_count + 1), power = 0, area = 0;
     for (int e = 0; e < mesh->element_count; e++) {
-        const Element *element = &mesh->elements[e];
-        double exact = 0;
-        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++)
-            exact += rgb_sum(out[nodes->of_corner[i]]) / element->corner_count;
-        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
-            Around *a = &around[nodes->of_corner[i]];
-            a->shot += element->area * rgb_sum(solution->direct[e]);
-            a->exact += element->area * exact;
+        double emitted[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+        out[e] = fmax(rgb_sum(rest->radiosity[e]) - rgb_sum(emitted), 0);
+        power += mesh->elements[e].area * (out[e] + rgb_sum(whole->direct[e]));
+        area += mesh->elements[e].area;
+    }
+    for (int e = 0; e < mesh->element_count; e++) out[e] += DARK * power / area;
+    return out;
+}
+
+// Finds where light bends within elements.
+static bool find_bends(Direct *d, const double *besides, double (*at_node)[3], int threads,
+                       const Progress *progress, Arena *arena, MeshSplits **out, RadReport *report) {
+    Arena scratch = {0};
+    d->besides = besides;
+    d->at_node = at_node;
+    d->bends = ARENA_ARRAY(&scratch, Bend *, d->mesh->element_count + 1);
+    bool good = light_all(d, threads, progress, NULL, report);
+    *out = good ? bend_splits(d->mesh, d->bends, MOST_ADDED * d->mesh->element_count, arena) : NULL;
+    end_workers(d);
+    arena_free(&scratch);
+    return good;
+}
+
+// Takes over the light of corners that the coarser mesh has, too.
+static void take_known(Direct *d, const Mesh *coarser, const Nodes *nodes, double (*at_node)[3]) {
+    const Mesh *mesh = d->mesh;
+    d->known = ARENA_ARRAY(&d->arena, bool, mesh->corner_count + 1);
+    d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
+    d->at_corner = arena_alloc(&d->arena, (size_t)mesh->corner_count + 1, sizeof *d->at_corner);
+    for (int p = 0; p < mesh->patch_count; p++) d->settled[p] = true;
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e],
+                      *around = &coarser->elements[shown_around(coarser, mesh, e)];
+        for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
+            Vec3 at = mesh->vertices[mesh->corners[c]], towards;
+            // One corner of a node in a plane counts.
+            if (!corner_counts(d, e, c, &towards)) continue;
+            for (int i = around->first_corner; i < around->first_corner + around->corner_count; i++) {
+                if (vec3_length(vec3_sub(at, coarser->vertices[coarser->corners[i]])) > SAME_PLACE) continue;
+                memcpy(d->at_corner[c], at_node[nodes->of_corner[i]], sizeof *at_node);
+                d->known[c] = true;
+                break;
+            }
+            if (!d->known[c]) d->settled[element->patch] = false;
         }
     }
-    for (int n = 0; n < nodes->count; n++) {
-        double bend = bend_of(&around[n]);
-        for (int c = 0; c < 3; c++) out[n][c] += bend * (means[n][c] - out[n][c]);
-    }
-    arena_free(&scratch);
 }
 
-bool direct_show(const Mesh *mesh, const StabForest *forest, int threads, const Progress *progress,
-                 Arena *arena, RadSolution *solution, RadReport *report) {
+// Stores the light at the nodes of the mesh that shows it: reflected light as the elements of `rest` tell it, and direct light, which is
+// known at the nodes of `mesh`.
+static bool light_nodes(Direct *d, double (*at_node)[3], const RadSolution *rest, const Mesh *shown,
+                        const StabForest *forest, int threads, const Progress *progress, Arena *arena,
+                        RadSolution *out, RadReport *report) {
+    Arena scratch = {0};
+    Direct finer;
+    const Mesh *mesh = d->mesh;
+    Nodes finer_nodes;
+    const Nodes *nodes = d->nodes;
+    bool good = true;
+    if (shown != mesh) {
+        finer_nodes = nodes_of(shown, &scratch);
+        double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
+        start_direct(&finer, shown, forest, &finer_nodes, &scratch);
+        take_known(&finer, mesh, nodes, at_node);
+        good = light_all(&finer, threads, progress, irradiance, report);
+        end_workers(&finer);
+        at_node = irradiance;
+        nodes = &finer_nodes;
+    }
+    if (good) {
+        out->node_count = nodes->count;
+        out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
+        shown_nodes(mesh, rest, shown, nodes, out->node);
+        for (int n = 0; n < nodes->count; n++) {
+            double rho[3];
+            int element = nodes->element[nodes->first[n]];
+            rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
+            for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * at_node[n][c];
+        }
+    }
+    arena_free(&scratch);
+    return good;
+}
+
+bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                 const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report) {
     Arena scratch = {0};
     Direct d;
+    Error error;
     RadReport work = {0};
     Nodes nodes = nodes_of(mesh, &scratch);
-    double(*irradiance)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *irradiance);
+    bool good = true;
+    if (!report) report = &work;
     start_direct(&d, mesh, forest, &nodes, &scratch);
-    bool exact = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
-    bool good = !exact || light_all(&d, threads, progress, irradiance, report ? report : &work);
-    if (good && exact) {
-        RadSolution rest = *solution;
-        rest.node = NULL;
-        rest.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);
-        for (int e = 0; e < mesh->element_count; e++)
-            for (int c = 0; c < 3; c++)
-                rest.radiosity[e][c] = fmax(solution->radiosity[e][c] - solution->direct[e][c], 0);
-        solution->node_count = nodes.count;
-        solution->node = arena_alloc(arena, (size_t)nodes.count + 1, sizeof *solution->node);
-        reconstruct_nodes(mesh, &nodes, &rest, solution->node);
-        join_means(mesh, &nodes, solution, irradiance);
-        for (int n = 0; n < nodes.count; n++)
-            for (int c = 0; c < 3; c++) solution->node[n][c] += irradiance[n][c];
+    if (d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS) {
+        RadSolution rest = reflected_alone(mesh, solution, &scratch), out = *solution;
+        double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
+        MeshSplits *splits = NULL;
+        Mesh finer;
+        good = light_all(&d, threads, progress, at_node, report);
+        end_workers(&d);
+        good = good && find_bends(&d, light_besides(mesh, &rest, solution, &scratch), at_node, threads,
+                                  progress, arena, &splits, report);
+        bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
+        out.shown = is_finer ? splits : NULL;
+        good = good && light_nodes(&d, at_node, &rest, is_finer ? &finer : mesh, forest, threads, progress,
+                                   arena, &out, report);
+        if (good) *solution = out;
     }
     arena_free(&scratch);
     return good;

@@ -13,11 +13,12 @@
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
                        const Progress *progress, double (*out)[3], RadReport *report);
 
-// Stores the light at each node in solution->node, allocated in the arena: exact light straight from lamps, and all other light as the
-// elements tell it. The solution is unchanged where there are no lamps, or so many that exact light would take too long
+// Stores the light at each node of a finer mesh in solution->node, and the splits of that mesh in solution->shown, allocated in the
+// arena: exact light straight from lamps, and all other light as the elements tell it. Elements are halved where light straight from
+// lamps bends in them (bends.h). The solution is unchanged where there are no lamps, or so many that exact light would take too long
 // (DIRECT_MOST_PAIRS), and where progress asked to stop: then the result is false.
-bool direct_show(const Mesh *mesh, const StabForest *forest, int threads, const Progress *progress,
-                 Arena *arena, RadSolution *solution, RadReport *report);
+bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
+                 const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6

@@ -24,7 +24,7 @@ bake 0 -o "$work/part.rad" --resume
 same "$work/1.rad" "$work/part.rad" 'a resumed bake ends otherwise'
 bake 1 -o "$work/part.rad" --resume --per-patch 1 && says err 'asked for: 0.5 m, 1'
 bake 1 -o "$work/part.rad" --resume --doors open && says err 'was made with door'
-bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under a sky of 0,0,0'
+bake 1 -o "$work/part.rad" --resume --sky 5 && says err 'was made under no daylight'
 bake 0 -o "$work/gathered.rad" --final-gather --threads 1 --json && says out '"nodes": [1-9]'
 bake 0 -o "$work/gathered.2.rad" --final-gather --threads 2
 same "$work/gathered.rad" "$work/gathered.2.rad" 'the final gather depends on threads'

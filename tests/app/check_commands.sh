@@ -229,7 +229,7 @@ without_cache() { # how many of the commands, what is said, a way to run one wit
 1 vis $two
 0 bake $two $rough
 0 bake $two $rough -o OUT.rad
-0 walk $two --offscreen OUT --tour window --size 64x36 --bake
+0 walk $two --offscreen OUT --tour window --size 64x36 --bake --night
 0 render $two --size 32x18 --samples 1 -o OUT.png
 0 bench collision $two --steps 10
 END
@@ -368,7 +368,10 @@ expect 1 "$program" walk "$work/unlit.plan" --offscreen "$work/day" --sky 6 --li
     says err 'day.rad: was made under a sky of 5,5,5 W/m^2/sr (asked for: a sky of 6,6,6 W/m^2/sr)'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -o "$work/day.png"
 rm -rf "$work/cache"
-expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
+expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off --night -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
+expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png"
+expect 2 "$program" render $two --night --time 9:00 -o "$work/day.png" && says err '--night is without daylight'
+rm -rf "$work/cache"
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --day && says err 'daylight is not for --verify'
 # A day with a sun: `--day` alone is the usual one, another hour another day; a home has a day of its own.

@@ -21,7 +21,7 @@ expect 1 "$program" render $maps/two-rooms.plan -o "$out" --view attic && says e
 expect 1 "$program" render $maps/two-rooms.plan -o "$out" --eye 1,1,1 --look 1,1,1 && says err 'allowed: another place'
 expect 1 "$program" render $maps/two-rooms.plan -o "$out" --light "$work/absent.rad" && says err 'absent.rad'
 printf 'plan 1\nmaterial m #808080\nstorey s floor 0 height 3\nroom r 0,0 4,0 4,3 0,3\n' >"$work/dark.plan"
-expect 1 "$program" render "$work/dark.plan" --fill-lamps off -o "$out" && says err 'nothing emits light'
+expect 1 "$program" render "$work/dark.plan" --fill-lamps off --night -o "$out" && says err 'nothing emits light'
 [ ! -e "$out" ] || fail 'a picture where there was none to draw'
 
 # Quick bakes. One of another building, and one that is damaged, are refused; beside the building they are passed over.

@@ -36,7 +36,7 @@ class Visit:
         open(os.path.join(work, "trace"), "w", encoding="utf-8").close()     # not that of a walk before
         self.errors = open(os.path.join(work, "errors"), "w+", encoding="utf-8")
         self.program = subprocess.Popen(
-            [program, "walk", self.house, "--size", "%dx%d" % SIZE, "--pictures", work, "--trace",
+            [program, "walk", self.house, "--night", "--size", "%dx%d" % SIZE, "--pictures", work, "--trace",
              os.path.join(work, "trace"), *options], stderr=self.errors)
         self.faults = []
         self.hands = Xdotool()

@@ -174,8 +174,49 @@ Test(renderer, doors_move, .timeout = 120) {
     renderer_check_close_stage(&s);
 }
 
-// Proves that the sky of baked light is as bright on the screen as the light that it sends, and the ground a fifth of that; and that
-// the sky of lamps alone is dark. A sky of radiance L has the radiosity pi L. Tolerance: rounding to 8 bits.
+// Proves that the sky of a day is drawn as daylight_seen has it, pixel by pixel, the sun's disc where the sun stands and white, for a clear
+// morning and an overcast noon. Tolerance: rounding to 8 bits, and floats in steep places.
+Test(renderer, sky_of_a_day_by_direction, .timeout = 120) {
+    static const double EXPOSURE = 0.02;
+    for (int weather = 0; weather < DAYLIGHT_WEATHERS; weather++) {
+        Stage s;
+        Mesh mesh;
+        RadSolution solution;
+        Error error;
+        MeshOptions options = mesh_default_options();
+        SunPosition sun = {.altitude = 0.1, .azimuth = 0, .distance = 1};
+        options.element = 1;
+        renderer_check_open_stage(&s, "build/maps/two-rooms.plan");
+        // Towards the sun.
+        Camera camera = camera_look(s.camera.eye, M_PI / 2, 0, 1.2, WIDTH, HEIGHT);
+        cr_assert(mesh_build(&s.graph, NULL, NULL, &options, &s.arena, &mesh, &error), "%s", error.text);
+        cr_assert(rad_start_dark(&mesh, &s.arena, &solution, &error), "%s", error.text);
+        solution.day = daylight_of(&sun, 0, weather);
+        WalkLight light = {.mesh = &mesh, .solution = &solution};
+        cr_assert(walk_renderer_light(s.renderer, &light, &s.arena, &error), "%s", error.text);
+        walk_renderer_tone(s.renderer, EXPOSURE, FALSE_COLOUR_OFF);
+        uint8_t *rgb = arena_alloc(&s.arena, WIDTH * HEIGHT, 3);
+        cr_assert(walk_renderer_draw(s.renderer, &camera, NULL, 0, WALK_BAKED, &error), "%s", error.text);
+        cr_assert(walk_renderer_finish_scene(s.renderer, &error), "%s", error.text);
+        cr_assert(walk_renderer_read(s.renderer, rgb, &error), "%s", error.text);
+        int discs = 0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            Vec3 w = vec3_normalize(camera_ray(&camera, i % WIDTH + 0.5, i / WIDTH + 0.5));
+            double seen[3], away = acos(fmin(vec3_dot(w, solution.day.sun), 1)) / DAYLIGHT_SUN_RADIUS;
+            bool edge = away > 0.8 && away < 1.2;
+            daylight_seen(&solution.day, w, seen);
+            discs += away < 0.8 && solution.day.beam[0] > 0 && rgb[3 * i] >= 250;
+            for (int c = 0; c < 3 && !edge && fabs(w.z) > 0.002; c++)
+                cr_expect_float_eq(rgb[3 * i + c], 255 * exposure_on_screen(seen[c] * EXPOSURE), 2,
+                                   "pixel %d of weather %d", i, weather);
+        }
+        cr_expect_eq(discs > 0, solution.day.beam[0] > 0);
+        renderer_check_close_stage(&s);
+    }
+}
+
+// Proves that the sky of baked light is as bright on the screen as the light that it sends, and the ground as daylight_seen_ground has it;
+// and that the sky of lamps alone is dark. A sky of radiance L has the radiosity pi L. Tolerance: rounding to 8 bits.
 Test(renderer, baked_sky_is_as_bright_as_its_light, .timeout = 120) {
     static const double RADIANCE[2][3] = {{0, 0, 0}, {0.1, 0.2, 0.4}};
     static const double EXPOSURE = 0.5;
@@ -199,10 +240,11 @@ Test(renderer, baked_sky_is_as_bright_as_its_light, .timeout = 120) {
         cr_assert(walk_renderer_read(s.renderer, rgb, &error), "%s", error.text);
         const uint8_t *above = rgb, *ground = rgb + 3 * (WIDTH * HEIGHT - 1);
         for (int c = 0; c < 3; c++) {
-            double light_above = M_PI * RADIANCE[day][c] * EXPOSURE;
+            double light_above = M_PI * RADIANCE[day][c] * EXPOSURE, below[3];
+            daylight_seen_ground(&solution.day, below);
             if (day) {
                 cr_expect_float_eq(above[c], 255 * exposure_on_screen(light_above), 1);
-                cr_expect_float_eq(ground[c], 255 * exposure_on_screen(0.2 * light_above), 1);
+                cr_expect_float_eq(ground[c], 255 * exposure_on_screen(below[c] * EXPOSURE), 1);
             } else {
                 cr_expect(above[c] < 64 && ground[c] < 16, "night: %d over %d", above[c], ground[c]);
             }

@@ -1,11 +1,13 @@
 // fuzz_rad.c - libFuzzer on the .rad reader: a file is refused with a sentence, or it holds light that can be shot on.
 #include <stdlib.h>
 
+#include "radiosity/show/direct.h"
 #include "radiosity/show/reconstruct.h"
+#include "radiosity/show/shown.h"
 #include "tests/fuzz/store_target.h"
 
 // The header of rad_file.c: behind the head a checksum of what comes after it, hashed with the version.
-enum { HEADER = 328, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
+enum { HEADER = 336, REST_SUM = sizeof(DerivedHead), REST = REST_SUM + 8 };
 
 static void put_right(unsigned char *file) {
     DerivedHead head;
@@ -40,19 +42,24 @@ static void make(Made *m) {
         !rad_start(&m->mesh, &t->arena, &solution, NULL))
         abort();
     rad_shoot(&m->mesh, &t->forest, m->doors, &options, NULL, &solution);
-    solution.node_count = nodes_of(&m->mesh, &t->arena).count;
-    solution.node = arena_alloc(&t->arena, (size_t)solution.node_count, sizeof *solution.node);
+    if (!direct_show(&m->mesh, &t->forest, m->doors, 1, NULL, &t->arena, &solution, NULL)) abort();
     if (!rad_save(t->saved, &m->mesh, m->doors, &solution, NULL)) abort();
     store_target_keep(t);
 }
 
-// Some more shots: sums may overflow, but light is never below 0.
+// As it is shown, then some more shots: sums may overflow, but light is never below 0.
 static void use(const Made *m, RadSolution *solution) {
     RadOptions options = few_shots(solution->shots < 1000 ? solution->shots + 3 : 1000);
-    rad_shoot(&m->mesh, &m->target.forest, m->doors, &options, NULL, solution);
     Arena arena = {0};
-    reconstruct_light(&m->mesh, solution, &arena);
+    const Mesh *shown;
+    const RadSolution *light;
+    Error error = {""};
+    if (shown_light(&m->mesh, solution, m->doors, &arena, &shown, &light, &error))
+        reconstruct_light(shown, light, &arena);
+    else if (error.text[0] == 0)
+        abort();
     arena_free(&arena);
+    rad_shoot(&m->mesh, &m->target.forest, m->doors, &options, NULL, solution);
     for (int e = 0; e < solution->element_count; e++) {
         for (int c = 0; c < 3; c++)
             if (solution->radiosity[e][c] < 0) abort();

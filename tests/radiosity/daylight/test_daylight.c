@@ -139,3 +139,39 @@ Test(daylight, unsound_days) {
     bad[6].cie[2] = 1;
     for (int i = 0; i < 7; i++) cr_expect_not(daylight_is_sound(&bad[i]), "day %d", i);
 }
+
+// Proves what an eye sees: pi times the radiance of sky and ground, a disc that sends the sun's beam, and no direction near the horizon
+// that is darker than sky and ground beside it. The disc's light is its radiosity times the square of the sine of its radius.
+Test(daylight, seen_by_direction) {
+    Daylight day = day_at(35, DAYLIGHT_CLEAR);
+    double seen[3], radiance[3], ground[3], level[3];
+    for (int i = 0; i < 40; i++) {
+        double turn = 0.3 + 0.15 * i, z = 0.05 + 0.9 * i / 40, across = sqrt(1 - z * z);
+        Vec3 w = vec3(across * cos(turn), across * sin(turn), z);
+        if (vec3_dot(w, day.sun) > cos(2 * DAYLIGHT_SUN_RADIUS)) continue;
+        daylight_seen(&day, w, seen);
+        daylight_radiance(&day, w, radiance);
+        for (int c = 0; c < 3; c++) cr_expect_float_eq(seen[c] / (M_PI * radiance[c]), 1, 1e-12);
+    }
+    daylight_seen_ground(&day, ground);
+    daylight_seen(&day, vec3_normalize(vec3(1, 1, -1)), seen);
+    cr_expect_arr_eq(seen, ground, sizeof seen);
+    daylight_seen(&day, day.sun, seen);
+    daylight_radiance(&day, day.sun, radiance);
+    for (int c = 0; c < 3; c++) {
+        double beam = (seen[c] - M_PI * radiance[c]) * DAYLIGHT_SUN_RADIUS * DAYLIGHT_SUN_RADIUS;
+        cr_expect_float_eq(beam / day.beam[c], 1, 1e-9);
+    }
+    daylight_seen(&day, vec3_normalize(vec3(1, -1, 1e-6)), level);
+    for (int i = 0; i <= 100; i++) {
+        daylight_seen(&day, vec3_normalize(vec3(1, -1, 0.001 - 0.0006 * i)), seen);
+        for (int c = 0; c < 3; c++) {
+            cr_expect_geq(seen[c], fmin(ground[c], level[c]) * (1 - 1e-3));
+            cr_expect_leq(seen[c], fmax(ground[c], level[c]) * (1 + 1e-3));
+        }
+    }
+    const double even[3] = {1, 1, 1};
+    day = daylight_uniform(even);
+    daylight_seen(&day, vec3(0, 0, -1), seen);
+    cr_expect_float_eq(sum(seen) / 3, M_PI * DAYLIGHT_GROUND, 1e-12);
+}

@@ -1,0 +1,288 @@
+// bends.c - adaptive refinement by samples: a part is halved where its light is off the linear light between its corners (Heckbert,
+// Simulating Global Illumination Using Adaptive Meshing, 1991, tests samples likewise; the trees are those of the mesh).
+#include "radiosity/show/bends.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/core/polygon.h"
+
+// A part is halved if its light is off by more than this share of the light there, and this share times the part's area is more than
+// TOLERANCE of a square whose side is EVEN of an element's: a large part is seen to be off sooner than a small one.
+static const double TOLERANCE = 0.08, EVEN = 1.2;
+// Corners whose light differs by less than this share are alike.
+static const double EVEN_CORNERS = 0.2;
+// No half is shorter than this, metres: the width of the penumbra of a small lamp, and less than a walker sees from two metres.
+static const double SMALLEST = 0.025;
+// Patches of the finer mesh are this many splits above their deepest element.
+enum { BELOW_PATCH = 2 };
+// Corners that parts of elements hardly ever have more of: elements with more are not halved.
+enum { MOST_CORNERS = 40 };
+// Points whose light is remembered, at most.
+enum { KNOWN = 1024, MOST_KNOWN = KNOWN * 3 / 4 };
+// Points are equal within this, metres.
+static const double SAME_POINT = 1e-7;
+
+struct Bend {
+    int axis;  // of the face's grid; -1: not halved
+    double
+        error;  // the share that linear light is off times the area, m^2: the largest of this part and its halves
+    Bend *half[2];
+};
+
+typedef struct Known {
+    long long x, y, z;
+    double light;
+    bool there;
+} Known;
+
+// A rectangle of a face's grid, and how often a root was halved to get there.
+typedef struct Span {
+    double low[2], high[2];
+    int depth[2];
+} Span;
+
+typedef struct Finder {
+    const Face *face;
+    double (*at)(void *context, Vec3 point);
+    void *context;
+    double rest, least;  // least error
+    Arena *arena;
+    Known known[KNOWN];
+    int known_count;
+} Finder;
+
+// Where the light of a point is remembered, or is to be.
+static Known *known_at(Finder *f, Vec3 p) {
+    Vec3 off = vec3_sub(p, f->face->origin);
+    long long x = llround(off.x / SAME_POINT), y = llround(off.y / SAME_POINT),
+              z = llround(off.z / SAME_POINT);
+    size_t at = (size_t)(x * 73856093LL ^ y * 19349663LL ^ z * 83492791LL);
+    if (f->known_count >= MOST_KNOWN) {
+        memset(f->known, 0, sizeof f->known);
+        f->known_count = 0;
+    }
+    for (at = (at ^ at >> 17) % KNOWN; f->known[at].there; at = (at + 1) % KNOWN) {
+        const Known *k = &f->known[at];
+        if (k->x == x && k->y == y && k->z == z) break;
+    }
+    if (!f->known[at].there) f->known[at] = (Known){.x = x, .y = y, .z = z};
+    return &f->known[at];
+}
+
+static void remember(Finder *f, Known *known, double light) {
+    known->light = light;
+    known->there = true;
+    f->known_count++;
+}
+
+static double light_at(Finder *f, Vec3 p) {
+    Known *known = known_at(f, p);
+    if (!known->there) remember(f, known, f->at(f->context, p));
+    return known->light;
+}
+
+static double grid_at(const Face *face, int axis, Vec3 p) {
+    return vec3_dot(axis == 0 ? face->gx : face->gy, vec3_sub(p, face->origin));
+}
+
+static double metres(const Face *face, int axis, double squares) {
+    return squares / vec3_length(axis == 0 ? face->gx : face->gy);
+}
+
+// The block of squares that became the element.
+static Span span_of(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
+    const Face *face = &mesh->faces[e->face];
+    Span s = {.depth = {e->depth.x, e->depth.y}};
+    Vec3 middle = {0, 0, 0};
+    for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+        middle = vec3_add(middle, vec3_scale(mesh->vertices[mesh->corners[c]], 1.0 / e->corner_count));
+    for (int axis = 0; axis < 2; axis++) {
+        double size = ldexp(face->root, -s.depth[axis]);
+        s.low[axis] = floor(grid_at(face, axis, middle) / size) * size;
+        s.high[axis] = s.low[axis] + size;
+    }
+    return s;
+}
+
+static Span half_of(const Span *s, int axis, int k) {
+    Span out = *s;
+    *(k ? &out.low[axis] : &out.high[axis]) = (s->low[axis] + s->high[axis]) / 2;
+    out.depth[axis]++;
+    return out;
+}
+
+// How far linear light is off, as a share of the light at the point.
+static double share_off(const Finder *f, double linear, double light) {
+    double all = f->rest + light;
+    return all > 0 ? fabs(linear - light) / all : 0;
+}
+
+// The largest errors of linear light between the corners of a convex part, along each axis; returns the part's area, m^2.
+static double measure(Finder *f, const Span *s, const Vec3 *v, int count, double off[2]) {
+    Vec3 n = f->face->plane.n, moment = {0, 0, 0};
+    double light[MOST_CORNERS], twice = 0, sum = 0, low = INFINITY, high = 0;
+    off[0] = off[1] = 0;
+    for (int i = 0; i < count; i++) {
+        light[i] = light_at(f, v[i]);
+        low = fmin(low, light[i]);
+        high = fmax(high, light[i]);
+    }
+    for (int i = 1; i + 1 < count; i++) {
+        Vec3 a = vec3_sub(v[i], v[0]), b = vec3_sub(v[i + 1], v[0]);
+        double part = vec3_dot(n, vec3_cross(a, b));
+        moment = vec3_add(moment, vec3_scale(vec3_add(a, b), part / 3));
+        sum += part * (light[0] + light[i] + light[i + 1]) / 3;
+        twice += part;
+    }
+    if (!(twice > 0)) return 0;
+    int longer = metres(f->face, 0, s->high[0] - s->low[0]) < metres(f->face, 1, s->high[1] - s->low[1]);
+    off[longer] = share_off(f, sum / twice, light_at(f, vec3_add(v[0], vec3_scale(moment, 1 / twice))));
+    // Sides are not looked at where nothing says that light bends.
+    bool even = share_off(f, low, high) < EVEN_CORNERS && off[longer] < TOLERANCE / 2;
+    for (int i = 0; i < count && !even; i++) {
+        int next = i + 1 < count ? i + 1 : 0;
+        Vec3 side = vec3_sub(v[next], v[i]);
+        double along[2] = {fabs(vec3_dot(vec3_normalize(f->face->gx), side)),
+                           fabs(vec3_dot(vec3_normalize(f->face->gy), side))};
+        int axis = along[1] > along[0];
+        if (along[axis] < SMALLEST) continue;
+        double middle = light_at(f, vec3_lerp(v[i], v[next], 0.5));
+        off[axis] = fmax(off[axis], share_off(f, (light[i] + light[next]) / 2, middle));
+    }
+    return twice / 2;
+}
+
+static bool may_halve(const Finder *f, const Span *s, int axis) {
+    return s->depth[axis] < MESH_DEEPEST && s->depth[axis] <= s->depth[1 - axis] &&
+           metres(f->face, axis, s->high[axis] - s->low[axis]) / 2 >= SMALLEST;
+}
+
+// The part of a convex polygon below (0) or above (1) a line of the grid; returns how many corners it has.
+static int cut(const Face *face, const Vec3 *v, int count, int axis, double line, int k, Vec3 *out) {
+    Vec3 g = axis == 0 ? face->gx : face->gy, n = vec3_normalize(g);
+    double d = vec3_dot(n, face->origin) + line / vec3_length(g);
+    Plane plane = k ? (Plane){n, d} : (Plane){vec3_scale(n, -1), -d};
+    return polygon_clip(v, count, plane, 0, out);
+}
+
+// `expected`: the share that light is thought to be off, at most.
+static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double expected) {
+    double off[2];
+    if (count < 3 || count > MOST_CORNERS) return NULL;
+    if (expected * metres(f->face, 0, s->high[0] - s->low[0]) * metres(f->face, 1, s->high[1] - s->low[1]) <
+        f->least)
+        return NULL;
+    double area = measure(f, s, v, count, off), error = fmax(off[0], off[1]);
+    int axis = off[1] > off[0];
+    if (!(error > TOLERANCE && error * area > f->least)) return NULL;
+    if (!may_halve(f, s, axis)) axis = 1 - axis;
+    if (!may_halve(f, s, axis)) return NULL;
+    Bend *bend = ARENA_ARRAY(f->arena, Bend, 1);
+    *bend = (Bend){.axis = axis, .error = error * area};
+    for (int k = 0; k < 2; k++) {
+        Vec3 part[MOST_CORNERS + 1];
+        Span half = half_of(s, axis, k);
+        int corners = cut(f->face, v, count, axis, k ? half.low[axis] : half.high[axis], k, part);
+        bend->half[k] = find_in(f, &half, part, corners, error);
+        if (bend->half[k]) bend->error = fmax(bend->error, bend->half[k]->error);
+    }
+    return bend;
+}
+
+Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at)(void *context, Vec3 point),
+                void *context, double rest, Arena *arena) {
+    const Element *e = &mesh->elements[element];
+    if (!mesh->options.splits || e->corner_count > MOST_CORNERS) return NULL;
+    double side = EVEN * mesh->options.element;
+    Finder f = {.face = &mesh->faces[e->face],
+                .at = at,
+                .context = context,
+                .rest = rest,
+                .least = TOLERANCE * side * side,
+                .arena = arena};
+    Vec3 v[MOST_CORNERS];
+    for (int i = 0; i < e->corner_count; i++) {
+        v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];
+        Known *known = known_at(&f, v[i]);
+        if (!known->there) remember(&f, known, corner[i]);
+    }
+    Span span = span_of(mesh, element);
+    return find_in(&f, &span, v, e->corner_count, 1);
+}
+
+// ---- splits
+
+typedef struct Wants {
+    Bend *const *bends;
+    double least;  // bends that are off by no more than this are left out
+} Wants;
+
+static void want_part(const Wants *w, const Bend *bend, const Span *s, const double box[4], int along[2]) {
+    if (s->low[0] >= box[2] || s->high[0] <= box[0] || s->low[1] >= box[3] || s->high[1] <= box[1]) return;
+    if (bend && bend->error > w->least) {
+        for (int k = 0; k < 2; k++) {
+            Span half = half_of(s, bend->axis, k);
+            want_part(w, bend->half[k], &half, box, along);
+        }
+        return;
+    }
+    for (int axis = 0; axis < 2; axis++)
+        along[axis] = s->depth[axis] > along[axis] ? s->depth[axis] : along[axis];
+}
+
+static void want_element(const Wants *w, const Mesh *mesh, int element, const double box[4], int along[2]) {
+    MeshDepth depth = mesh->elements[element].depth;
+    along[0] = depth.x > along[0] ? depth.x : along[0];
+    along[1] = depth.y > along[1] ? depth.y : along[1];
+    if (!w->bends[element]) return;
+    Span span = span_of(mesh, element);
+    want_part(w, w->bends[element], &span, box, along);
+}
+
+static void want(const void *context, const Mesh *mesh, int face, const double box[4], int along[2],
+                 int *patch) {
+    const Face *f = &mesh->faces[face];
+    int last = -1;
+    for (int j = (int)box[1]; j < box[3]; j++) {
+        for (int i = (int)box[0]; i < box[2]; i++) {
+            int code = mesh->squares[f->first_square + j * f->nx + i];
+            if (code == last || code == -1) continue;
+            last = code;
+            const int *several = code < 0 ? mesh->shared + ~(code + 1) : NULL;
+            for (int k = 0; k < (several ? several[0] : 1); k++)
+                want_element(context, mesh, several ? several[k + 1] : code, box, along);
+        }
+    }
+    int deepest = (along[0] > along[1] ? along[0] : along[1]) - BELOW_PATCH;
+    *patch = deepest > *patch ? deepest : *patch;
+}
+
+static void list_errors(const Bend *bend, double *errors, int *count) {
+    if (!bend) return;
+    if (errors) errors[*count] = bend->error;
+    ++*count;
+    for (int k = 0; k < 2; k++) list_errors(bend->half[k], errors, count);
+}
+
+static int largest_first(const void *a, const void *b) {
+    const double *p = a, *q = b;
+    return (*p < *q) - (*p > *q);
+}
+
+MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, double most, Arena *arena) {
+    Arena scratch = {0};
+    Wants wants = {.bends = bends};
+    int count = 0, listed = 0;
+    for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], NULL, &count);
+    double *errors = ARENA_ARRAY(&scratch, double, count + 1);
+    for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], errors, &listed);
+    if (count > most) {
+        qsort(errors, (size_t)count, sizeof *errors, largest_first);
+        wants.least = errors[(int)most];
+    }
+    arena_free(&scratch);
+    return count > 0 ? mesh_splits_wanted(mesh, want, &wants, arena) : NULL;
+}

@@ -16,7 +16,7 @@ rm -rf build/pictures/film
 "$build/enfilade" walk build/maps/house.plan --replay tests/pictures/walk.path --bake --offscreen build/pictures/film \
     --size 480x270 --every 6
 ffmpeg -loglevel error -y -framerate 10 -i build/pictures/film/frame-%05d.png -t 16 -vf "fps=8,scale=360:-1:flags=lanczos,\
-split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]paletteuse=dither=none:diff_mode=rectangle" \
+split[a][b];[a]palettegen=max_colors=128:stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle" \
     tests/pictures/walk.gif
 "$build/enfilade" bake build/maps/house.plan -o build/pictures/house.rad
 for view in living bedroom kitchen; do

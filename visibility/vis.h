@@ -163,6 +163,8 @@ bool vis_shown(const Object *object, const float *door_open);
 // Puts the leaves of doors where `door_open` has them: writes their vertices. `vertices` [vertex_count] is the caller's
 // copy of the graph's, in which leaves are as when closed.
 void vis_pose(const CellGraph *graph, const float *door_open, Vec3 *vertices);
+// Such a copy, in the arena.
+Vec3 *vis_posed(const CellGraph *graph, const float *door_open, Arena *arena);
 
 // Does the polygon let light through? Glass never hides.
 static inline bool vis_is_glass(const CellGraph *graph, int polygon) {

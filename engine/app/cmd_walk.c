@@ -380,7 +380,6 @@ int cmd_walk(int argc, char **argv) {
                    .load = app_scene_options()};
     bool help = false;
     a.load.fill_lamps = FILL_LAMPS_ON;
-    a.load.day.usual = true;
     a.walk.look = WALK_LOOKS;
     a.walk.doors = WALK_DOORS;
     int code = parse_walk(argc, argv, &a, &help);

@@ -243,7 +243,7 @@ static bool light_scene_open(const char *file, const BenchArguments *a, LightTru
     if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
         return false;
     out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
-    out->vertices = bake_vertices(&out->scene.graph, out->doors, arena);
+    out->vertices = vis_posed(&out->scene.graph, out->doors, arena);
     return make_points(out, kind, arena, error);
 }
 

@@ -600,8 +600,8 @@ static bool open_scene(const char *file, const BenchArguments *a, Arena *arena, 
     MeshOptions mesh = mesh_default_options();
     mesh.element = TRUTH_ELEMENT;
     out->doors = bake_doors(&out->scene.building, BAKE_DOORS_DRAWN, arena);
-    return mesh_build(&out->scene.graph, bake_vertices(&out->scene.graph, out->doors, arena), out->doors,
-                      &mesh, arena, &out->mesh, error);
+    return mesh_build(&out->scene.graph, vis_posed(&out->scene.graph, out->doors, arena), out->doors, &mesh,
+                      arena, &out->mesh, error);
 }
 
 static bool pictures_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {

@@ -1,6 +1,7 @@
 // exposure.c - an exposure by the logarithmic mean (Reinhard, Stark, Shirley & Ferwerda 2002, equation 1) of the elements in
 // view, weighted by solid angle and the root of their light: by solid angle alone, a dark garden behind a window would make a room
-// too bright; by solid angle and all of their light, the spot above a lamp would make it too dark.
+// too bright; by solid angle and all of their light, the spot above a lamp would make it too dark. By day an eye in a room adapts to rooms:
+// a sunny garden behind a window would make them too dark.
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/draw/exposure.h"
 
@@ -43,6 +44,8 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
     const CellGraph *graph = mesh->graph;
     // Walls, floors and ceilings are enough to meter; the graph of a polygon soup has no surfaces of cells, only objects.
     bool surfaces_only = graph->surface_first[graph->cell_count] > graph->surface_first[0];
+    int cell = daylight_shines(&light->day) ? vis_locate(graph, camera->eye, -1) : -1;
+    bool in_room = cell >= 0 && vis_region(graph, cell)->kind != REGION_OUTDOORS;
     Vec3 eye = vec3_sub(camera->eye, lit->origin);
     Sum sum = {0};
     for (int k = 0; k < object_count; k++) {
@@ -52,6 +55,7 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
             int f = mesh->face_of[p];
             if (f < 0 || (surfaces_only && plane_distance(lit->plane[p], camera->eye) <= 0)) continue;
             const Face *face = &mesh->faces[f];
+            if (in_room && lit_outdoors(mesh, face->first_element)) continue;
             for (int e = face->first_element; e < face->first_element + face->element_count; e++)
                 add_element_exposure(lit, light, camera, eye, face->plane.n, e, &sum);
         }

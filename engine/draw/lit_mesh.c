@@ -151,18 +151,22 @@ LitLight lit_light_new(const LitMesh *lit, Arena *arena) {
                       .luminous = ARENA_ARRAY(arena, float, lit->mesh->element_count + 1)};
 }
 
+// By day it is far brighter outdoors: the level is that of the rooms, where there are any.
 static void fill_luminous(const LitMesh *lit, const RadSolution *solution, LitLight *out) {
     const Mesh *mesh = lit->mesh;
-    double weights = 0, logs = 0;
+    const bool day = daylight_shines(&solution->day);
+    double weights[2] = {0, 0}, logs[2] = {0, 0};  // outdoors by day second
     for (int e = 0; e < mesh->element_count; e++) {
         double b = light_luminous(solution->radiosity[e]);
         out->luminous[e] = material_emits(mesh_material(mesh, mesh->elements[e].face)) ? 0 : (float)b;
         if (!(out->luminous[e] > 0)) continue;
         double weight = mesh->elements[e].area * sqrt(b);
-        logs += weight * log(b);
-        weights += weight;
+        int where = day && lit_outdoors(mesh, e);
+        logs[where] += weight * log(b);
+        weights[where] += weight;
     }
-    out->level = weights > 0 ? exp(logs / weights) : 0;
+    int where = !(weights[0] > 0);
+    out->level = weights[where] > 0 ? exp(logs[where] / weights[where]) : 0;
 }
 
 // A histogram of areas by the value on them, in bins of a tenth of an octave, with the value 1 in the middle.

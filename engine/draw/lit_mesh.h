@@ -29,7 +29,8 @@ typedef struct LitLight {
     float (*vertex)[3];  // [vertex_count] radiosity, W/m^2
     float *luminous;     // [element_count] light_luminous of the element; 0 for lamps
     Daylight day;        // that shines; all zeros: night
-    double level;        // logarithmic mean of `luminous`, weighted by area and root of light; 0: dark
+    double
+        level;  // logarithmic mean of `luminous`, by day indoors, weighted by area and root of light; 0: dark
     LightRange ranges[FALSE_COLOURS];  // a scale for each quantity, of all elements but lamps
 } LitLight;
 
@@ -39,6 +40,12 @@ Vec3 lit_origin(const CellGraph *graph);
 LitMesh *lit_mesh_new(const Mesh *mesh, Arena *arena);
 static inline int lit_vertex_count(const LitMesh *lit) {
     return lit->first_vertex[lit->mesh->graph->polygon_count];
+}
+
+// Does the element lie outdoors?
+static inline bool lit_outdoors(const Mesh *mesh, int element) {
+    int cell = mesh->patches[mesh->elements[element].patch].cell;
+    return cell >= 0 && vis_region(mesh->graph, cell)->kind == REGION_OUTDOORS;
 }
 
 LitLight lit_light_new(const LitMesh *lit, Arena *arena);

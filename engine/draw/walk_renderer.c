@@ -488,18 +488,15 @@ static void set_three(int place, const double v[3], double scale) {
 
 // The day of baked light, as bright on the screen as the light that it sends.
 static void set_day(const WalkRenderer *w, const Daylight *day) {
-    double ground[3], top = daylight_relative(day, vec3(0, 0, 1)), beam = rgb_sum(day->beam);
-    const double *cie = day->cie, angle = acos(fmin(fmax(day->sun.z, -1), 1));
-    double about =
-        1 + cie[2] * (exp(cie[3] * angle) - exp(cie[3] * M_PI / 2)) + cie[4] * day->sun.z * day->sun.z;
-    double product = about * (1 + cie[0] * exp(cie[1])) / top;
+    double ground[3];
+    const double *cie = day->cie;
     daylight_seen_ground(day, ground);
     set_vector(w->sky_lit[SKY_SUN], day->sun);
     set_three(w->sky_lit[SKY_GROUND], ground, w->tone.exposure);
-    set_three(w->sky_lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / product);
+    set_three(w->sky_lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / daylight_overhead(day));
     glUniform2f(w->sky_lit[SKY_GRADATION], (float)cie[0], (float)cie[1]);
     glUniform3f(w->sky_lit[SKY_INDICATRIX], (float)cie[2], (float)cie[3], (float)cie[4]);
-    glUniform1f(w->sky_lit[SKY_SUN_SHINES], beam > 0);
+    glUniform1f(w->sky_lit[SKY_SUN_SHINES], rgb_sum(day->beam) > 0);
 }
 
 // `lit`: the day of baked light, or NULL.

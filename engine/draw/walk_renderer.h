@@ -25,12 +25,13 @@ WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *err
 bool walk_renderer_light(WalkRenderer *renderer, const WalkLight *light, Arena *arena, Error *error);
 // Light can also arrive while the building is shown: walk_renderer_expect takes the mesh of the light, then walk_renderer_take uploads
 // each state in slices, about `bytes` bytes a call. True once a state is there whole: the picture then fades to it, and the caller keeps
-// it until the next state is there.
+// it until the next state is there. A state on another mesh takes the place of the one before at once, without a fade.
 void walk_renderer_expect(WalkRenderer *renderer, LitMesh *mesh, Arena *arena);
 bool walk_renderer_take(WalkRenderer *renderer, const LitLight *light, size_t bytes);
 void walk_renderer_fade(WalkRenderer *renderer, double seconds);  // advances the fade
 bool walk_renderer_fading(const WalkRenderer *renderer);
-const LitMesh *walk_renderer_mesh(const WalkRenderer *renderer);  // the expected mesh, or NULL
+const LitMesh *
+walk_renderer_mesh(const WalkRenderer *renderer);  // the mesh that is shown or first expected, or NULL
 const LitLight *
 walk_renderer_lit(const WalkRenderer *renderer);  // the state that is shown, NULL: there is no light yet
 

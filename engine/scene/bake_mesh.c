@@ -28,14 +28,6 @@ float *bake_doors(const Building *b, int state, Arena *arena) {
     return doors;
 }
 
-Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena) {
-    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
-    if (graph->vertex_count > 0)
-        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    vis_pose(graph, doors, vertices);
-    return vertices;
-}
-
 static bool check_size(const char *file, double side, const CellGraph *graph, Error *error) {
     double area = 0;
     for (int i = 0; i < graph->polygon_count; i++) {
@@ -84,7 +76,7 @@ bool bake_mesh(const BakeOptions *bake, const LoadedScene *scene, const char *re
     if (!check_size(scene->building.source, options.element, graph, error)) return false;
     Arena scratch = {0};
     *doors = bake_doors(&scene->building, bake->doors, arena);
-    AdaptScene lit = {graph, bake_vertices(graph, *doors, &scratch), &scene->forest, *doors};
+    AdaptScene lit = {graph, vis_posed(graph, *doors, &scratch), &scene->forest, *doors};
     options.proxies = proxies_find(graph, lit.vertices, options.proxy, arena);
     bool good = find_mesh(bake, &lit, &options, resumed, progress, arena, out, error);
     arena_free(&scratch);

@@ -23,9 +23,8 @@ typedef struct BakeOptions {
 } BakeOptions;
 BakeOptions bake_default_options(void);
 
-// The share by which each door is open in one of these states, [opening_count]; and the graph's vertices with the doors there.
+// The share by which each door is open in one of these states, [opening_count].
 float *bake_doors(const Building *building, int state, Arena *arena);
-Vec3 *bake_vertices(const CellGraph *graph, const float *doors, Arena *arena);
 
 // The doors, [opening_count], and the mesh that a bake begins with, or goes on with from the .rad file `resumed` (NULL: from
 // nothing). The scene was loaded with lamps. Refuses a scene without light, and too many elements; fails, "stopped", when progress

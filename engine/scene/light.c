@@ -50,7 +50,7 @@ bool light_load(const char *path, const LoadedScene *scene, Arena *arena, WalkLi
     RadSolution *solution = ARENA_ARRAY(arena, RadSolution, 1);
     bool good = rad_load_options(path, &scene->building, arena, &options, doors, error);
     if (good) {
-        Vec3 *vertices = bake_vertices(graph, doors, &scratch);
+        Vec3 *vertices = vis_posed(graph, doors, &scratch);
         options.proxies = proxies_find(graph, vertices, options.proxy, arena);
         good = mesh_build(graph, vertices, doors, &options, arena, mesh, error) &&
                rad_load(path, mesh, doors, arena, solution, error) &&

@@ -95,9 +95,12 @@ static double indicatrix(const double cie[5], double cosine) {
     return 1 + cie[2] * (exp(cie[3] * angle) - exp(cie[3] * M_PI / 2)) + cie[4] * cosine * cosine;
 }
 
+double daylight_overhead(const Daylight *day) {
+    return indicatrix(day->cie, day->sun.z) * gradation(day->cie, 1);
+}
+
 double daylight_relative(const Daylight *day, Vec3 w) {
-    return indicatrix(day->cie, vec3_dot(w, day->sun)) * gradation(day->cie, w.z) /
-           (indicatrix(day->cie, day->sun.z) * gradation(day->cie, 1));
+    return indicatrix(day->cie, vec3_dot(w, day->sun)) * gradation(day->cie, w.z) / daylight_overhead(day);
 }
 
 // The mean over directions with the density of the cosine: rings of equal share, so that the middles of a grid's cells count alike. The

@@ -43,6 +43,8 @@ bool daylight_is_sound(const Daylight *day);
 // Is the sky the same everywhere, without a sun or light from below?
 bool daylight_is_uniform(const Daylight *day);
 
+// The product of gradation and indicatrix overhead.
+double daylight_overhead(const Daylight *day);
 // The radiance of the sky over that overhead. `direction` is a unit vector that points up.
 double daylight_relative(const Daylight *day, Vec3 direction);
 // The radiance that comes from a unit direction, W/m^2/sr: of the sky above the horizon, of the ground from below. The sun's beam is not

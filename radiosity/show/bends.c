@@ -25,10 +25,10 @@ enum { KNOWN = 1024, MOST_KNOWN = KNOWN * 3 / 4 };
 static const double SAME_POINT = 1e-7;
 
 struct Bend {
-    int axis;  // of the face's grid; -1: not halved
-    double
-        error;  // the share that linear light is off times the area, m^2: the largest of this part and its halves
-    Bend *half[2];
+    int axis;  // of the face's grid, along which the part is halved
+    // The share that linear light is off times the area, m^2: the largest of this part and its halves
+    double error;
+    Bend *half[2];  // NULL: a half that is not halved again
 };
 
 typedef struct Known {

@@ -5,7 +5,7 @@
 
 #include "radiosity/mesh/mesh.h"
 
-// An element, or a part of it, with its halves.
+// An element that is halved, or a part of it.
 typedef struct Bend Bend;
 
 // Halves an element of a mesh with splits until, in each part, linear light between the corners is near enough to the light at the middle

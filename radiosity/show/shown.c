@@ -12,12 +12,9 @@ bool shown_build(const Mesh *mesh, const MeshSplits *splits, const float *door_o
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
     MeshOptions options = mesh->options;
-    Vec3 *vertices = ARENA_ARRAY(&scratch, Vec3, graph->vertex_count + 1);
-    if (graph->vertex_count > 0)
-        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
-    vis_pose(graph, door_open, vertices);
     options.splits = splits;
-    bool good = mesh_build(graph, vertices, door_open, &options, arena, out, error);
+    bool good =
+        mesh_build(graph, vis_posed(graph, door_open, &scratch), door_open, &options, arena, out, error);
     CORE_ASSERT(!good || out->face_count == mesh->face_count);
     arena_free(&scratch);
     return good;

@@ -3,6 +3,7 @@
 
 #include "engine/draw/exposure.h"
 #include "engine/draw/view.h"
+#include "tests/radiosity/shoot/sky_fixture.h"
 #include "tests/support/lit_fixture.h"
 #include "tests/support/support.h"
 
@@ -173,4 +174,38 @@ Test(exposure, tours_are_deterministic, .timeout = 300) {
     cr_expect_eq(support_run(&arena, &output, "diff -r %s/0 %s/1", folder, folder), 0, "%s", output);
     cr_expect_neq(support_run(&arena, &output, "diff -rq %s/0 %s/2", folder, folder), 0);
     arena_free(&arena);
+}
+
+// Proves that by day an eye in a room adapts to the room, whatever shines outdoors, and an eye outdoors to the outdoors; and that the
+// building's level is that of the room. By night the garden behind the window counts.
+Test(exposure, rooms_by_day) {
+    static const double SKY_RADIANCE[3] = {1, 1, 1};
+    Seen s = {.lit = sky_room_with_window(2, 1.5, 0.5)};
+    const Mesh *mesh = &s.lit->mesh;
+    Arena *arena = &s.lit->arena;
+    Error error;
+    cr_assert(rad_start_dark(mesh, arena, &s.solution, &error), "%s", error.text);
+    s.mesh = lit_mesh_new(mesh, arena);
+    s.light = lit_light_new(s.mesh, arena);
+    s.objects = ARENA_ARRAY(arena, int, s.lit->graph.object_count);
+    for (int o = 0; o < s.lit->graph.object_count; o++) s.objects[o] = o;
+    int outdoors = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        outdoors += lit_outdoors(mesh, e);
+        for (int c = 0; c < 3; c++) s.solution.radiosity[e][c] = lit_outdoors(mesh, e) ? 100 : 1;
+    }
+    cr_assert(outdoors > 0 && outdoors < mesh->element_count);
+    for (int day = 0; day < 2; day++) {
+        if (day) s.solution.day = daylight_uniform(SKY_RADIANCE);
+        lit_light_fill(s.mesh, &s.solution, &s.light);
+        double in_room = meter(&s, 1, 0), in_garden = meter(&s, 6, 0);
+        cr_expect_float_eq(in_garden, 100, 1e-3);
+        if (day) {
+            cr_expect_float_eq(in_room, 1, 1e-5);
+            cr_expect_float_eq(s.light.level, 1, 1e-5);
+        } else {
+            cr_expect(in_room > 1.1 && s.light.level > 1.1, "%g, level %g", in_room, s.light.level);
+        }
+    }
+    lit_free(s.lit);
 }

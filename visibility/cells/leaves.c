@@ -16,6 +16,14 @@ void vis_pose(const CellGraph *graph, const float *door_open, Vec3 *vertices) {
     }
 }
 
+Vec3 *vis_posed(const CellGraph *graph, const float *door_open, Arena *arena) {
+    Vec3 *vertices = ARENA_ARRAY(arena, Vec3, graph->vertex_count + 1);
+    if (graph->vertex_count > 0)
+        memcpy(vertices, graph->vertices, (size_t)graph->vertex_count * sizeof *vertices);
+    vis_pose(graph, door_open, vertices);
+    return vertices;
+}
+
 // The leaf's plan box among its own polygons, in a frame along its axis, as when closed.
 static Box own_box(const CellGraph *graph, const Object *object, const Leaf *leaf, Vec2 along) {
     Box box = box_empty();

@@ -6,6 +6,7 @@
 #include "radiosity/show/final_gather.h"
 #include "radiosity/show/shown.h"
 #include "tests/support/baked_fixture.h"
+#include "tests/support/support.h"
 
 // Shares of light are sums over edges of lamps cut by edges of faces, each right to 1e-15 or so; faces that reach less than 1e-8 m into
 // the way to a lamp may be left out, which hides less than so much of a lamp of a centimetre.
@@ -171,7 +172,7 @@ Test(direct, finer_elements_keep_the_power) {
     cr_expect_float_eq(after / before, 1, SLIVERS);
     before = power_of(mesh, l.solution.direct), after = power_of(shown, light->direct);
     cr_expect_float_eq(after / before, 1, SLIVERS);
-    const char *path = "/tmp/enfilade-shown.rad";
+    const char *path = arena_format(&l.lit->arena, "%s/x.rad", support_folder(&l.lit->arena));
     cr_assert(rad_save(path, mesh, NULL, &l.solution, &error), "%s", error.text);
     cr_assert(rad_load(path, mesh, NULL, &l.lit->arena, &back, &error), "%s", error.text);
     cr_assert_not_null(back.shown);
@@ -179,7 +180,6 @@ Test(direct, finer_elements_keep_the_power) {
     cr_expect(shown_light(mesh, &back, NULL, &l.lit->arena, &shown, &light, &error), "%s", error.text);
     back.node_count--;
     cr_expect_not(shown_light(mesh, &back, NULL, &l.lit->arena, &shown, &light, &error));
-    remove(path);
     lit_free(l.lit);
 }
 

@@ -78,12 +78,13 @@ static void reverse(Vec3 *v, int count) {
     }
 }
 
-// The part of a polygon on the left (side 1) or right (-1) of the line from a to b.
-static SunPolygon beside(const SunPolygon *p, Vec3 a, Vec3 b, int side, Arena *arena) {
+// The part of a polygon on the left (side 1) or right (-1) of the line from a to b, and up to `wide` metres beyond the line.
+static SunPolygon beside(const SunPolygon *p, Vec3 a, Vec3 b, int side, double wide, Arena *arena) {
     double *distance = ARENA_ARRAY(arena, double, p->count), length = hypot(b.x - a.x, b.y - a.y);
     SunPolygon out = {ARENA_ARRAY(arena, Vec3, p->count + 2), 0};
     for (int i = 0; i < p->count; i++)
         distance[i] =
+            wide +
             side * ((b.x - a.x) * (p->corners[i].y - a.y) - (b.y - a.y) * (p->corners[i].x - a.x)) / length;
     out.count = polygon_clip_band(p->corners, distance, p->count, ON_LINE, out.corners);
     return out;
@@ -124,6 +125,7 @@ static void project_faces(SunScene *s, Arena *arena) {
 typedef struct Beams {
     const CellGraph *graph;
     SunScene *scene;
+    double sine, wide;  // of the sun's radius; metres that this leads light aside on its way
     Arena scratch;
     int count;
 } Beams;
@@ -137,27 +139,34 @@ static SunPolygon project_portal(const SunScene *s, const CellGraph *graph, cons
     return out;
 }
 
-// The part of a polygon within a convex one; no corners where less than `least` m^2 are left.
-static SunPolygon common_part(SunPolygon p, const Vec3 *v, int count, double least, Arena *arena) {
+// The part of a polygon within a convex one, and up to `wide` metres beyond its edges; no corners where less than `least` m^2 are left.
+static SunPolygon common_part(SunPolygon p, const Vec3 *v, int count, double wide, double least,
+                              Arena *arena) {
     for (int i = 0; i < count && p.count >= 3; i++) {
         Vec3 a = v[i], b = v[i + 1 == count ? 0 : i + 1];
-        if (!is_point(a, b)) p = beside(&p, a, b, 1, arena);
+        if (!is_point(a, b)) p = beside(&p, a, b, 1, wide, arena);
     }
     if (p.count < 3 || !(twice_area(p.corners, p.count) > 2 * least)) p.count = 0;
     return p;
 }
 
-static bool goes_in(const SunScene *s, const Portal *portal, int cell) {
+// Do beams go through the portal into the cell, and does the portal show its area to them? Beams of a wide sun go both ways through a
+// portal that its middle sees edge on.
+enum { GOES_OUT, GOES_IN, GOES_EDGE_ON };
+static int goes_in(const SunScene *s, double sine, const Portal *portal, int cell) {
     Vec3 n = portal->plane.n;  // to cell[0]
     double along = -vec3_dot(n, s->sun);
-    return (portal->cell[0] == cell ? along : -along) > EDGE_ON;
+    if (portal->cell[0] != cell) along = -along;
+    if (along > EDGE_ON + sine) return GOES_IN;
+    return sine > 0 && along > -EDGE_ON - sine ? GOES_EDGE_ON : GOES_OUT;
 }
 
 static bool is_outdoors(const CellGraph *graph, int cell) {
     return vis_region(graph, cell)->kind == REGION_OUTDOORS;
 }
 
-// A straight line passes a convex cell once, so a beam ends after as many portals as there are cells; `left` holds it to that.
+// A beam is the part of its first portal from which light goes on. A straight line passes a convex cell once, so a beam ends after as many
+// portals as there are cells; `left` holds it to that.
 static void follow_beam(Beams *b, SunPolygon beam, int cell, int left) {
     b->scene->reached[cell] = true;
     if (left == 0 || ++b->count > MOST_BEAMS) return;
@@ -165,28 +174,54 @@ static void follow_beam(Beams *b, SunPolygon beam, int cell, int left) {
     for (int w = c->first_way; w < c->first_way + c->way_count; w++) {
         const Way *way = &b->graph->ways[w];
         const Portal *portal = &b->graph->portals[way->portal];
-        if (is_outdoors(b->graph, way->cell) || !goes_in(b->scene, portal, way->cell)) continue;
-        SunPolygon through = project_portal(b->scene, b->graph, portal, &b->scratch);
-        through = common_part(beam, through.corners, through.count, THIN, &b->scratch);
+        int goes = goes_in(b->scene, b->sine, portal, way->cell);
+        if (is_outdoors(b->graph, way->cell) || goes == GOES_OUT) continue;
+        SunPolygon through = beam;
+        if (goes == GOES_IN) {
+            through = project_portal(b->scene, b->graph, portal, &b->scratch);
+            through = common_part(beam, through.corners, through.count, b->wide, THIN, &b->scratch);
+        }
         if (through.count > 0) follow_beam(b, through, way->cell, left - 1);
     }
 }
 
-static void reach_cells(SunScene *s, Arena *arena) {
+// The box about a polygon that beams see edge on.
+static SunPolygon box_around(SunPolygon p, double wide, Arena *arena) {
+    Box box = box_grow(box_of(p.corners, p.count), wide);
+    SunPolygon out = {ARENA_ARRAY(arena, Vec3, 4), 4};
+    out.corners[0] = box.min;
+    out.corners[1] = vec3(box.max.x, box.min.y, 0);
+    out.corners[2] = box.max;
+    out.corners[3] = vec3(box.min.x, box.max.y, 0);
+    return out;
+}
+
+static void reach_cells(SunScene *s, double radius, Arena *arena) {
     const CellGraph *graph = s->mesh->graph;
-    Beams b = {.graph = graph, .scene = s};
+    Box world = graph->building->world;
+    Beams b = {.graph = graph, .scene = s, .sine = sin(radius)};
+    b.wide = radius > 0 ? tan(radius) * vec3_length(vec3_sub(world.max, world.min)) : 0;
     s->reached = ARENA_ARRAY(arena, bool, graph->cell_count + 1);
     for (int c = 0; c < graph->cell_count; c++) s->reached[c] = is_outdoors(graph, c);
     for (int p = 0; p < graph->portal_count; p++) {
         const Portal *portal = &graph->portals[p];
         bool first = is_outdoors(graph, portal->cell[0]);
-        int inside = portal->cell[first];
-        if (first == is_outdoors(graph, portal->cell[1]) || !goes_in(s, portal, inside)) continue;
+        int inside = portal->cell[first], goes = goes_in(s, b.sine, portal, inside);
+        if (first == is_outdoors(graph, portal->cell[1]) || goes == GOES_OUT) continue;
         arena_reset(&b.scratch);
-        follow_beam(&b, project_portal(s, graph, portal, &b.scratch), inside, graph->cell_count);
+        SunPolygon beam = project_portal(s, graph, portal, &b.scratch);
+        if (goes == GOES_EDGE_ON) beam = box_around(beam, b.wide, &b.scratch);
+        follow_beam(&b, beam, inside, graph->cell_count);
     }
     for (int c = 0; c < graph->cell_count && b.count > MOST_BEAMS; c++) s->reached[c] = true;
     arena_free(&b.scratch);
+}
+
+bool *sunlight_cells(const Mesh *mesh, Vec3 sun, double radius, Arena *arena) {
+    SunScene s = {.mesh = mesh, .sun = sun};
+    view_axes(sun, &s.x, &s.y);
+    reach_cells(&s, radius, arena);
+    return s.reached;
 }
 
 // ---- shadows
@@ -207,15 +242,15 @@ static void cut_away(Parts *parts, const SunPolygon *shadow, double least, Arena
     Parts left = {0};
     for (int k = 0; k < parts->count; k++) {
         SunPolygon rest = parts->parts[k];
-        if (common_part(rest, shadow->corners, shadow->count, least, arena).count == 0) {
+        if (common_part(rest, shadow->corners, shadow->count, 0, least, arena).count == 0) {
             keep_part(&left, rest, least, arena);
             continue;
         }
         for (int i = 0; i < shadow->count && rest.count >= 3; i++) {
             Vec3 a = shadow->corners[i], b = shadow->corners[i + 1 == shadow->count ? 0 : i + 1];
             if (is_point(a, b)) continue;
-            keep_part(&left, beside(&rest, a, b, -1, arena), least, arena);
-            rest = beside(&rest, a, b, 1, arena);
+            keep_part(&left, beside(&rest, a, b, -1, 0, arena), least, arena);
+            rest = beside(&rest, a, b, 1, 0, arena);
         }
     }
     *parts = left;
@@ -337,7 +372,7 @@ void sunlight_shares(const Mesh *mesh, Vec3 sun, bool cells_alone, int threads, 
     s.tools = ARENA_ARRAY(&arena, SunTools, threads);
     memset(share, 0, (size_t)mesh->element_count * sizeof *share);
     project_faces(&s, &arena);
-    if (cells_alone) reach_cells(&s, &arena);
+    if (cells_alone) reach_cells(&s, 0, &arena);
     parallel_for(threads, mesh->patch_count, light_patch, &s);
     for (int t = 0; t < threads; t++) {
         arena_free(&s.tools[t].arena);

@@ -9,4 +9,8 @@
 // changes no result. The number of threads changes none either.
 void sunlight_shares(const Mesh *mesh, Vec3 sun, bool cells_alone, int threads, double *share);
 
+// The cells of the mesh's graph [cell_count] into which a sun of this radius, radians, may shine: those outdoors, and those that its
+// beams reach through portals. Allocated in the arena.
+bool *sunlight_cells(const Mesh *mesh, Vec3 sun, double radius, Arena *arena);
+
 #endif

@@ -15,6 +15,10 @@ static const double TOLERANCE = 0.08, EVEN = 1.2;
 static const double EVEN_CORNERS = 0.2;
 // No half is shorter than this, metres: the width of the penumbra of a small lamp, and less than a walker sees from two metres.
 static const double SMALLEST = 0.025;
+// The same where an edge of a shadow of the sun passes: the shown edge lies within half a part's length of the exact one.
+static const double SMALLEST_AT_EDGE = 0.01;
+// There, parts longer than this are looked into even if no point of theirs is off, metres: beams and shadows may be as narrow.
+static const double NARROW = 0.06;
 // Patches of the finer mesh are this many splits above their deepest element.
 enum { BELOW_PATCH = 2 };
 // Corners that parts of elements hardly ever have more of: elements with more are not halved.
@@ -47,7 +51,8 @@ typedef struct Finder {
     const Face *face;
     double (*at)(void *context, Vec3 point);
     void *context;
-    double rest, least;  // least error
+    double rest, least;       // least error
+    double smallest, narrow;  // metres
     Arena *arena;
     Known known[KNOWN];
     int known_count;
@@ -148,7 +153,7 @@ static double measure(Finder *f, const Span *s, const Vec3 *v, int count, double
         double along[2] = {fabs(vec3_dot(vec3_normalize(f->face->gx), side)),
                            fabs(vec3_dot(vec3_normalize(f->face->gy), side))};
         int axis = along[1] > along[0];
-        if (along[axis] < SMALLEST) continue;
+        if (along[axis] < f->smallest) continue;
         double middle = light_at(f, vec3_lerp(v[i], v[next], 0.5));
         off[axis] = fmax(off[axis], share_off(f, (light[i] + light[next]) / 2, middle));
     }
@@ -157,7 +162,7 @@ static double measure(Finder *f, const Span *s, const Vec3 *v, int count, double
 
 static bool may_halve(const Finder *f, const Span *s, int axis) {
     return s->depth[axis] < MESH_DEEPEST && s->depth[axis] <= s->depth[1 - axis] &&
-           metres(f->face, axis, s->high[axis] - s->low[axis]) / 2 >= SMALLEST;
+           metres(f->face, axis, s->high[axis] - s->low[axis]) / 2 >= f->smallest;
 }
 
 // The part of a convex polygon below (0) or above (1) a line of the grid; returns how many corners it has.
@@ -175,25 +180,27 @@ static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double 
     if (expected * metres(f->face, 0, s->high[0] - s->low[0]) * metres(f->face, 1, s->high[1] - s->low[1]) <
         f->least)
         return NULL;
-    double area = measure(f, s, v, count, off), error = fmax(off[0], off[1]);
-    int axis = off[1] > off[0];
-    if (!(error > TOLERANCE && error * area > f->least)) return NULL;
+    double area = measure(f, s, v, count, off), error = fmax(off[0], off[1]),
+           size[2] = {metres(f->face, 0, s->high[0] - s->low[0]), metres(f->face, 1, s->high[1] - s->low[1])};
+    bool bends = error > TOLERANCE && error * area > f->least;
+    int axis = bends ? off[1] > off[0] : size[1] > size[0];
+    if (!bends && size[axis] < f->narrow) return NULL;
     if (!may_halve(f, s, axis)) axis = 1 - axis;
     if (!may_halve(f, s, axis)) return NULL;
     Bend *bend = ARENA_ARRAY(f->arena, Bend, 1);
-    *bend = (Bend){.axis = axis, .error = error * area};
+    *bend = (Bend){.axis = axis, .error = bends ? error * area : 0};
     for (int k = 0; k < 2; k++) {
         Vec3 part[MOST_CORNERS + 1];
         Span half = half_of(s, axis, k);
         int corners = cut(f->face, v, count, axis, k ? half.low[axis] : half.high[axis], k, part);
-        bend->half[k] = find_in(f, &half, part, corners, error);
+        bend->half[k] = find_in(f, &half, part, corners, bends ? error : expected);
         if (bend->half[k]) bend->error = fmax(bend->error, bend->half[k]->error);
     }
-    return bend;
+    return bends || bend->half[0] || bend->half[1] ? bend : NULL;
 }
 
 Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at)(void *context, Vec3 point),
-                void *context, double rest, Arena *arena) {
+                void *context, double rest, bool edge, Arena *arena) {
     const Element *e = &mesh->elements[element];
     if (!mesh->options.splits || e->corner_count > MOST_CORNERS) return NULL;
     double side = EVEN * mesh->options.element;
@@ -201,7 +208,9 @@ Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at
                 .at = at,
                 .context = context,
                 .rest = rest,
-                .least = TOLERANCE * side * side,
+                .least = edge ? 0 : TOLERANCE * side * side,
+                .smallest = edge ? SMALLEST_AT_EDGE : SMALLEST,
+                .narrow = edge ? NARROW : INFINITY,
                 .arena = arena};
     Vec3 v[MOST_CORNERS];
     for (int i = 0; i < e->corner_count; i++) {

@@ -18,6 +18,7 @@
 #include "radiosity/show/lamp_ways.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/show/shown.h"
+#include "radiosity/show/sun_nodes.h"
 
 // A node lies on edges, where other faces touch: light is found this share of the way to the middle of the node's elements, and metres
 // at most. That is above the rounding of coordinates and below a visible distance.
@@ -81,6 +82,7 @@ typedef struct Worker {
     int light_capacity;
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
+    SunPatch *sun;  // NULL: there is no sun
     RadReport report;
 } Worker;
 
@@ -108,6 +110,10 @@ typedef struct Direct {
     Vec3 *place;  // of each vertex in Mesh.outline
     LampObject *lamp_objects;
     LampWays *ways;  // to lamp objects
+    bool lamps;      // their light is looked for
+    SunNodes *sun;   // NULL: there is none
+    // [element_count] the share that sees the sun's middle; NULL: not known
+    const double *in_sun;
     Group *groups;
     Batch *batches;
     int lamp_object_count, group_count, batch_count, first;  // `first` batch of this look
@@ -537,36 +543,41 @@ typedef struct Bent {
     double rho[3];
 } Bent;
 
-// The radiosity by light straight from lamps at a point of the element, the sum of the channels.
+// The radiosity by light straight from lamps and sun at a point of the element, the sum of the channels.
 static double light_of_bent(void *context, Vec3 point) {
     const Bent *b = context;
     double light[3] = {0, 0, 0};
-    light_point(b->worker, b->first, b->worker->before_count,
-                off_the_edge(to_frame(b->frame, point), b->middle), FACES_FOR_BENDS, light);
+    Vec3 at = off_the_edge(to_frame(b->frame, point), b->middle);
+    light_point(b->worker, b->first, b->worker->before_count, at, FACES_FOR_BENDS, light);
+    if (b->worker->sun) sun_patch_add(b->worker->sun, from_frame(b->frame, at), light);
     return b->rho[0] * light[0] + b->rho[1] * light[1] + b->rho[2] * light[2];
 }
 
-static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int first) {
+// `sun`: what the patch has of it.
+static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
     const Element *element = &d->mesh->elements[e];
     Bent bent = {d, w, frame, first, to_frame(frame, element_centroid(d->mesh, e)), {0}};
     rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, bent.rho);
-    if (w->before_count == first || rgb_sum(bent.rho) == 0) return;
+    // Does an edge of a shadow of the sun pass the element?
+    bool edge = sun == SUN_PARTLY && d->in_sun && d->in_sun[e] > 0 && d->in_sun[e] < 1;
+    if ((w->before_count == first && sun != SUN_PARTLY) || rgb_sum(bent.rho) == 0) return;
     w->light = with_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
     for (int i = 0; i < element->corner_count; i++) {
         const double *h = d->at_node[d->nodes->of_corner[element->first_corner + i]];
         w->light[i] = bent.rho[0] * h[0] + bent.rho[1] * h[1] + bent.rho[2] * h[2];
     }
-    d->bends[e] = bend_find(d->mesh, e, w->light, light_of_bent, &bent, d->besides[e], &w->bends);
+    d->bends[e] = bend_find(d->mesh, e, w->light, light_of_bent, &bent, d->besides[e], edge, &w->bends);
 }
 
-static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int first) {
+static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
     const Element *element = &d->mesh->elements[e];
     for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
         Vec3 towards;
         if (!corner_counts(d, e, c, &towards) || (d->known && d->known[c])) continue;
         Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[c]]);
-        light_point(w, first, w->before_count, off_the_edge(node, to_frame(frame, towards)), INT_MAX / 2,
-                    d->at_corner[c]);
+        node = off_the_edge(node, to_frame(frame, towards));
+        light_point(w, first, w->before_count, node, INT_MAX / 2, d->at_corner[c]);
+        if (sun != SUN_DARK) sun_patch_add(w->sun, from_frame(frame, node), d->at_corner[c]);
     }
 }
 
@@ -578,8 +589,9 @@ static void light_patch(const Direct *d, Worker *w, const Frame *frame, int patc
     bound_patches(d, frame, patch, 1, rectangle);
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
     for (int k = 0; k < lamps; k++) narrow(d, w, there, rectangle, p->face, w->before[k]);
+    int sun = w->sun ? sun_patch_look(w->sun, patch, LONGEST_HAIR) : SUN_DARK;
     for (int e = p->first_element; e < p->first_element + p->element_count; e++)
-        (d->besides ? find_bend : light_corners)(d, w, frame, e, first);
+        (d->besides ? find_bend : light_corners)(d, w, frame, e, first, sun);
     w->before_count = first;
     w->blocker_count = blockers;
     w->facing_count = facing;
@@ -603,7 +615,7 @@ static void light_group(const Direct *d, Worker *w, const Group *g) {
     bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
     for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
     int lamps = w->before_count;
-    for (int p = g->first_patch; lamps > 0 && p < g->first_patch + g->patch_count; p++)
+    for (int p = g->first_patch; (lamps > 0 || w->sun) && p < g->first_patch + g->patch_count; p++)
         if (!d->settled || !d->settled[p]) light_patch(d, w, &frame, p, lamps);
 }
 
@@ -660,8 +672,9 @@ static void light_batch(void *context, int index, int thread) {
     if (settled == batch->group_count) return;
     Box box = box_of_groups(d, batch);
     w->near_count = w->between_count = 0;
-    for (int i = -1; (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
-    for (int g = batch->first_group; w->near_count > 0 && g < batch->first_group + batch->group_count; g++)
+    for (int i = -1; d->lamps && (i = lamp_ways_next(d->ways, own, i)) >= 0;) take_object(d, w, box, own, i);
+    bool lit = w->near_count > 0 || w->sun;
+    for (int g = batch->first_group; lit && g < batch->first_group + batch->group_count; g++)
         light_group(d, w, &d->groups[g]);
 }
 
@@ -733,8 +746,9 @@ static double count_pairs(const Direct *d) {
 }
 
 static void start_direct(Direct *d, const Mesh *mesh, const StabForest *forest, const Nodes *nodes,
-                         Arena *arena) {
-    *d = (Direct){.mesh = mesh, .nodes = nodes};
+                         const Daylight *day, Arena *arena) {
+    *d = (Direct){.mesh = mesh, .nodes = nodes, .lamps = true};
+    d->sun = sun_nodes_new(mesh, day, arena);
     sort_faces(d, arena);
     int *object = ARENA_ARRAY(arena, int, d->lamp_object_count + 1);
     for (int i = 0; i < d->lamp_object_count; i++) object[i] = d->lamp_objects[i].object;
@@ -761,7 +775,10 @@ static void join_corners(const Direct *d, double (*out)[3]) {
 static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report) {
     d->threads = parallel_threads(threads);
     d->workers = ARENA_ARRAY(&d->arena, Worker, d->threads);
-    for (int t = 0; t < d->threads; t++) d->workers[t].flood = lamp_flood_new(d->ways, &d->arena);
+    for (int t = 0; t < d->threads; t++) {
+        d->workers[t].flood = lamp_flood_new(d->ways, &d->arena);
+        if (d->sun) d->workers[t].sun = sun_patch_new(d->sun, &d->workers[t].arena);
+    }
     if (out && !d->at_corner)
         d->at_corner = arena_alloc(&d->arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
     bool go_on = true;
@@ -789,12 +806,12 @@ static void end_workers(Direct *d) {
     d->threads = 0;
 }
 
-bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
-                       const Progress *progress, double (*out)[3], RadReport *report) {
+bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
+                       int threads, const Progress *progress, double (*out)[3], RadReport *report) {
     Arena arena = {0};
     Direct d;
     RadReport work = {0};
-    start_direct(&d, mesh, forest, nodes, &arena);
+    start_direct(&d, mesh, forest, nodes, day, &arena);
     bool good = light_all(&d, threads, progress, out, report ? report : &work);
     end_workers(&d);
     arena_free(&arena);
@@ -810,14 +827,16 @@ static const double MOST_ADDED = 0.5;
 // Corners of two meshes nearer than this are in one place, metres.
 static const double SAME_PLACE = 1e-9;
 
-// Light by reflections alone.
-static RadSolution reflected_alone(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+// All light but that straight from the lamps, if `lamps`, and that straight from the sun.
+static RadSolution reflected_alone(const Mesh *mesh, const RadSolution *solution, bool lamps,
+                                   double (*sun)[3], Arena *arena) {
     RadSolution rest = *solution;
     rest.node = NULL;
     rest.radiosity = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);
     for (int e = 0; e < mesh->element_count; e++)
         for (int c = 0; c < 3; c++)
-            rest.radiosity[e][c] = fmax(solution->radiosity[e][c] - solution->direct[e][c], 0);
+            rest.radiosity[e][c] = fmax(
+                solution->radiosity[e][c] - (lamps ? solution->direct[e][c] : 0) - (sun ? sun[e][c] : 0), 0);
     return rest;
 }
 
@@ -889,7 +908,8 @@ static bool light_nodes(Direct *d, double (*at_node)[3], const RadSolution *rest
     if (shown != mesh) {
         finer_nodes = nodes_of(shown, &scratch);
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
-        start_direct(&finer, shown, forest, &finer_nodes, &scratch);
+        start_direct(&finer, shown, forest, &finer_nodes, &rest->day, &scratch);
+        finer.lamps = d->lamps;
         take_known(&finer, mesh, nodes, at_node);
         good = light_all(&finer, threads, progress, irradiance, report);
         end_workers(&finer);
@@ -920,9 +940,17 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
     Nodes nodes = nodes_of(mesh, &scratch);
     bool good = true;
     if (!report) report = &work;
-    start_direct(&d, mesh, forest, &nodes, &scratch);
-    if (d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS) {
-        RadSolution rest = reflected_alone(mesh, solution, &scratch), out = *solution;
+    start_direct(&d, mesh, forest, &nodes, &solution->day, &scratch);
+    d.lamps = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
+    if (d.lamps || d.sun) {
+        double(*sun)[3] = NULL;
+        if (d.sun) {
+            double *share = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
+            sun = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *sun);
+            sun_elements(mesh, &solution->day, parallel_threads(threads), share, sun);
+            d.in_sun = share;
+        }
+        RadSolution rest = reflected_alone(mesh, solution, d.lamps, sun, &scratch), out = *solution;
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
         Mesh finer;

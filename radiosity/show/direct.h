@@ -1,22 +1,24 @@
-// direct.h - the light that comes straight from lamps, exact at the points where light is shown: by closed form of the parts of the
-// lamps in sight.
+// direct.h - the light that comes straight from lamps and the sun's disc, exact at the points where light is shown: by closed form of the
+// parts of both in sight.
 #ifndef RADIOSITY_DIRECT_H
 #define RADIOSITY_DIRECT_H
 
 #include "engine/core/progress.h"
+#include "radiosity/daylight/daylight.h"
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-// The irradiance that the lamps of the mesh alone cause at each node, W/m^2 a channel, into `out` [nodes->count]. The same on any
-// number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work is added to the fields
+// The irradiance that the lamps of the mesh and the sun of the day (NULL: night) alone cause at each node, W/m^2 a channel, into `out`
+// [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work is added to the fields
 // direct_... of `report`, which may be NULL.
-bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, int threads,
-                       const Progress *progress, double (*out)[3], RadReport *report);
+bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
+                       int threads, const Progress *progress, double (*out)[3], RadReport *report);
 
 // Stores the light at each node of a finer mesh in solution->node, and the splits of that mesh in solution->shown, allocated in the
-// arena: exact light straight from lamps, and all other light as the elements tell it. Elements are halved where light straight from
-// lamps bends in them (bends.h). The solution is unchanged where there are no lamps, or so many that exact light would take too long
-// (DIRECT_MOST_PAIRS), and where progress asked to stop: then the result is false.
+// arena: exact light straight from lamps and the sun of solution->day, and all other light as the elements tell it. Elements are halved
+// where this exact light bends in them (bends.h). Where lamps are so many that exact light would take too long (DIRECT_MOST_PAIRS), their
+// light stays as the elements tell it. The solution is unchanged where there is then neither lamp nor sun, and where progress asked to
+// stop: then the result is false.
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
 

@@ -21,7 +21,7 @@ static double worst_difference(const Mesh *mesh, const StabForest *forest, const
     Nodes nodes = nodes_of(mesh, &arena);
     double(*h)[3] = arena_alloc(&arena, (size_t)nodes.count + 1, sizeof *h), worst = 0, mean = 0;
     cr_assert(rad_start(mesh, &arena, &dark, &error), "%s", error.text);
-    cr_assert(direct_irradiance(mesh, forest, &nodes, 0, NULL, h, report));
+    cr_assert(direct_irradiance(mesh, forest, &nodes, NULL, 0, NULL, h, report));
     GatherScene scene = {mesh, forest, doors, &dark, NULL};
     GatherOptions options = gather_default_options();
     options.resolution = 8;
@@ -122,7 +122,7 @@ static Ledge show_ledge(void) {
     RadSolution points = l.solution;
     points.node_count = nodes.count;
     points.node = arena_alloc(&lit->arena, (size_t)nodes.count + 1, sizeof *points.node);
-    cr_assert(direct_irradiance(&lit->mesh, &lit->forest, &nodes, 0, NULL, points.node, NULL));
+    cr_assert(direct_irradiance(&lit->mesh, &lit->forest, &nodes, NULL, 0, NULL, points.node, NULL));
     for (int n = 0; n < nodes.count; n++)
         for (int c = 0; c < 3; c++) points.node[n][c] *= 0.5;
     l.at_nodes = off_below_ledge(lit, &lit->mesh, &points, gatherer, face);

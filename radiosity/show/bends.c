@@ -17,8 +17,6 @@ static const double EVEN_CORNERS = 0.2;
 static const double SMALLEST = 0.025;
 // The same where an edge of a shadow of the sun passes: the shown edge lies within half a part's length of the exact one.
 static const double SMALLEST_AT_EDGE = 0.01;
-// There, parts longer than this are looked into even if no point of theirs is off, metres: beams and shadows may be as narrow.
-static const double NARROW = 0.06;
 // Patches of the finer mesh are this many splits above their deepest element.
 enum { BELOW_PATCH = 2 };
 // Corners that parts of elements hardly ever have more of: elements with more are not halved.
@@ -51,8 +49,9 @@ typedef struct Finder {
     const Face *face;
     double (*at)(void *context, Vec3 point);
     void *context;
-    double rest, least;       // least error
-    double smallest, narrow;  // metres
+    bool (*edge)(void *context, const Vec3 *corner, int count);
+    double rest, least;  // least error
+    double smallest;     // metres
     Arena *arena;
     Known known[KNOWN];
     int known_count;
@@ -184,7 +183,7 @@ static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double 
            size[2] = {metres(f->face, 0, s->high[0] - s->low[0]), metres(f->face, 1, s->high[1] - s->low[1])};
     bool bends = error > TOLERANCE && error * area > f->least;
     int axis = bends ? off[1] > off[0] : size[1] > size[0];
-    if (!bends && size[axis] < f->narrow) return NULL;
+    if (!bends && !(f->edge && f->edge(f->context, v, count))) return NULL;
     if (!may_halve(f, s, axis)) axis = 1 - axis;
     if (!may_halve(f, s, axis)) return NULL;
     Bend *bend = ARENA_ARRAY(f->arena, Bend, 1);
@@ -200,17 +199,18 @@ static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double 
 }
 
 Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at)(void *context, Vec3 point),
-                void *context, double rest, bool edge, Arena *arena) {
+                bool (*edge)(void *context, const Vec3 *corner, int count), void *context, double rest,
+                Arena *arena) {
     const Element *e = &mesh->elements[element];
     if (!mesh->options.splits || e->corner_count > MOST_CORNERS) return NULL;
     double side = EVEN * mesh->options.element;
     Finder f = {.face = &mesh->faces[e->face],
                 .at = at,
+                .edge = edge,
                 .context = context,
                 .rest = rest,
                 .least = edge ? 0 : TOLERANCE * side * side,
                 .smallest = edge ? SMALLEST_AT_EDGE : SMALLEST,
-                .narrow = edge ? NARROW : INFINITY,
                 .arena = arena};
     Vec3 v[MOST_CORNERS];
     for (int i = 0; i < e->corner_count; i++) {

@@ -117,18 +117,18 @@ SunPatch *sun_patch_new(const SunNodes *sun, Arena *arena) {
 // The part of the sun that a face hides from a point.
 enum { HIDES_NONE, HIDES_SOME, HIDES_ALL };
 
-// A quick test by the circle about the polygon.
-static int hidden_part(const SunNodes *s, const SunFace *face, Vec3 point) {
+// A quick test by a circle, of which `sine` is the sine of its radius.
+static int hidden_part(const SunNodes *s, const SunFace *face, double sine, Vec3 point) {
     double height = plane_distance(face->plane, point), sign = height > 0 ? -1 : 1;
     if (fabs(height) <= SHAFT_TOUCH) return HIDES_NONE;  // seen edge-on
     double slope = sign * face->plane.n.z;
-    if (slope <= -s->sine) return HIDES_NONE;
-    bool all = slope >= s->sine;
+    if (slope <= -sine) return HIDES_NONE;
+    bool all = slope >= sine;
     const Vec3 *corner = s->corner + face->first;
     Vec3 last = vec3_sub(corner[face->count - 1], point);
     for (int i = 0; i < face->count; i++) {
         Vec3 next = vec3_sub(corner[i], point), edge = vec3_cross(last, next);
-        double least = s->sine * s->sine * vec3_dot(edge, edge), inside = sign * edge.z;
+        double least = sine * sine * vec3_dot(edge, edge), inside = sign * edge.z;
         last = next;
         bool beside = edge.z * edge.z >= least;
         if (beside && inside < 0) return HIDES_NONE;
@@ -154,7 +154,7 @@ static int find_occluders(SunPatch *at, Vec3 point) {
     for (int i = 0; i < at->blocker_count; i++) {
         int f = at->blocker[i];
         const SunFace *face = &s->face[f];
-        int part = hidden_part(s, face, point);
+        int part = hidden_part(s, face, s->sine, point);
         if (part == HIDES_ALL) {
             memmove(at->blocker + 1, at->blocker, (size_t)i * sizeof *at->blocker);
             at->blocker[0] = f;
@@ -238,42 +238,52 @@ static void bound_patch(const SunNodes *s, const Patch *patch, double around, Ve
     }
 }
 
+// A convex polygon of points in a plane, in the sun's axes, and how wide the sun is that shines on them.
+typedef struct Lit {
+    const Vec3 *corner;  // counter-clockwise from the plane's front
+    int count;
+    Plane plane;
+    double lowest;
+    double wide, sine;  // tangent and sine of the sun's radius
+} Lit;
+
 // Do all of the points lie to the right of the line from a to b, as the sun sees them, by more than the sun's width takes a beam to the
-// left? `turn` -1: the other way round. A beam is widened at point k of `v` by its distance from `height`, times `slope`.
-static bool wholly_beside(const SunNodes *s, Vec3 a, Vec3 b, double turn, const Vec3 *v, int count,
-                          double slope, double height) {
+// left? `turn` -1: the other way round. A beam is widened at point k of `v` by `wide` times its height above `height`.
+static bool wholly_beside(Vec3 a, Vec3 b, double turn, const Vec3 *v, int count, double wide, double height) {
     double x = b.x - a.x, y = b.y - a.y, length = hypot(x, y);
     if (!(length > 0)) return false;
     for (int i = 0; i < count; i++) {
         double right = turn * (y * (v[i].x - a.x) - x * (v[i].y - a.y)) / length;
-        if (right <= s->wide * slope * (v[i].z - height)) return false;
+        if (right <= wide * (v[i].z - height)) return false;
     }
     return true;
 }
 
-// May the face hide some of the sun from the patch in the rectangle?
-static bool may_hide(const SunNodes *s, const SunFace *face, Plane plane, const Vec3 rectangle[4],
-                     double lowest) {
+// May the face hide some of the sun from the polygon?
+static bool may_hide(const SunNodes *s, const SunFace *face, const Lit *lit) {
     const Vec3 *corner = s->corner + face->first;
     bool above = false;
-    for (int i = 0; i < face->count && !above; i++) above = plane_distance(plane, corner[i]) > SHAFT_TOUCH;
-    if (!above || face->highest <= lowest) return false;
-    for (int i = 0; i < 4 && plane.n.z > s->sine; i++)
-        if (wholly_beside(s, rectangle[i], rectangle[(i + 1) % 4], 1, corner, face->count, 1, lowest))
+    for (int i = 0; i < face->count && !above; i++)
+        above = plane_distance(lit->plane, corner[i]) > SHAFT_TOUCH;
+    if (!above || face->highest <= lit->lowest) return false;
+    for (int i = 0; i < lit->count && lit->plane.n.z > s->sine; i++)
+        if (wholly_beside(lit->corner[i], lit->corner[i + 1 < lit->count ? i + 1 : 0], 1, corner, face->count,
+                          lit->wide, lit->lowest))
             return false;
     for (int i = 0; i < face->count && face->turn != 0; i++)
-        if (wholly_beside(s, corner[i], corner[i + 1 < face->count ? i + 1 : 0], face->turn, rectangle, 4, -1,
-                          face->highest))
+        if (wholly_beside(corner[i], corner[i + 1 < face->count ? i + 1 : 0], face->turn, lit->corner,
+                          lit->count, -lit->wide, face->highest))
             return false;
     return true;
 }
 
 // Directions to the sun that pass on one side of an edge from a point are half-spaces for the point, so that corners tell for all points.
-static bool closes(const SunNodes *s, int face, const Vec3 rectangle[4]) {
+static bool closes(const SunNodes *s, int face, const Lit *lit) {
     double side = 0;
-    for (int i = 0; i < 4; i++) {
-        double height = plane_distance(s->face[face].plane, rectangle[i]);
-        if (side * height < 0 || hidden_part(s, &s->face[face], rectangle[i]) != HIDES_ALL) return false;
+    for (int i = 0; i < lit->count; i++) {
+        double height = plane_distance(s->face[face].plane, lit->corner[i]);
+        if (side * height < 0 || hidden_part(s, &s->face[face], lit->sine, lit->corner[i]) != HIDES_ALL)
+            return false;
         side = height;
     }
     return true;
@@ -284,9 +294,9 @@ static void note_closer(SunPatch *at, int face, int place) {
     at->closer[0] = face;
 }
 
-static bool is_closed(SunPatch *at, int own, const Vec3 rectangle[4]) {
+static bool is_closed(SunPatch *at, int own, const Lit *lit) {
     for (int i = 0; i < at->closer_count; i++) {
-        if (at->closer[i] == own || !closes(at->sun, at->closer[i], rectangle)) continue;
+        if (at->closer[i] == own || !closes(at->sun, at->closer[i], lit)) continue;
         note_closer(at, at->closer[i], i);
         return true;
     }
@@ -294,11 +304,11 @@ static bool is_closed(SunPatch *at, int own, const Vec3 rectangle[4]) {
 }
 
 // Lists the faces that may hide the sun from the patch; false: one of them hides all of it.
-static bool find_blockers(SunPatch *at, const Vec3 rectangle[4], Plane plane) {
+static bool find_blockers(SunPatch *at, const Lit *lit) {
     const SunNodes *s = at->sun;
     Box box = box_empty();
-    for (int i = 0; i < 4; i++) box = box_add(box, rectangle[i]);
-    double lowest = box.min.z, wide = s->wide * fmax(s->top - lowest, 0);
+    for (int i = 0; i < lit->count; i++) box = box_add(box, lit->corner[i]);
+    double wide = s->wide * fmax(s->top - lit->lowest, 0);
     box.min.x -= wide, box.min.y -= wide, box.max.x += wide, box.max.y += wide;
     box.max.z = INFINITY;
     box_tree_find(&s->tree, box, at->arena, &at->hits);
@@ -307,9 +317,9 @@ static bool find_blockers(SunPatch *at, const Vec3 rectangle[4], Plane plane) {
         with_room(at->arena, at->blocker, sizeof *at->blocker, 0, at->hits.count, &at->blocker_capacity);
     for (int i = 0; i < at->hits.count; i++) {
         int f = at->hits.items[i];
-        if (f == at->face || !may_hide(s, &s->face[f], plane, rectangle, lowest)) continue;
+        if (f == at->face || !may_hide(s, &s->face[f], lit)) continue;
         at->blocker[at->blocker_count++] = f;
-        if (!closes(s, f, rectangle)) continue;
+        if (!closes(s, f, lit)) continue;
         if (at->closer_count < CLOSERS) at->closer_count++;
         note_closer(at, f, at->closer_count - 1);
         return false;
@@ -331,7 +341,9 @@ int sun_patch_look(SunPatch *at, int patch, double around) {
     at->normal = plane.n;
     if (plane.n.z <= -s->sine || (surface && p->cell >= 0 && !s->reached[p->cell])) return at->state;
     bound_patch(s, p, around, rectangle);
-    if (is_closed(at, p->face, rectangle) || !find_blockers(at, rectangle, plane)) return at->state;
+    Lit lit = {rectangle, 4, plane, INFINITY, s->wide, s->sine};
+    for (int i = 0; i < 4; i++) lit.lowest = fmin(lit.lowest, rectangle[i].z);
+    if (is_closed(at, p->face, &lit) || !find_blockers(at, &lit)) return at->state;
     bool whole = plane.n.z >= s->sine;
     at->disc_count = CORNERS;
     if (whole)
@@ -342,17 +354,34 @@ int sun_patch_look(SunPatch *at, int patch, double around) {
     return at->state;
 }
 
+bool sun_patch_edge(SunPatch *at, const Vec3 *corner, int count) {
+    const SunNodes *s = at->sun;
+    bool some = false;
+    if (at->state != SUN_PARTLY) return false;
+    at->moved = with_room(at->arena, at->moved, sizeof *at->moved, 0, count, &at->moved_capacity);
+    Lit lit = {at->moved, count, s->face[at->face].plane, INFINITY, 0, 0};
+    for (int i = 0; i < count; i++) {
+        at->moved[i] = to_sun(s, corner[i]);
+        lit.lowest = fmin(lit.lowest, at->moved[i].z);
+    }
+    for (int i = 0; i < at->blocker_count; i++) {
+        if (!may_hide(s, &s->face[at->blocker[i]], &lit)) continue;
+        if (closes(s, at->blocker[i], &lit)) return false;
+        some = true;
+    }
+    return some;
+}
+
 // ---- elements
 
-void sun_elements(const Mesh *mesh, const Daylight *day, int threads, double *share, double (*out)[3]) {
+void sun_elements(const Mesh *mesh, const Daylight *day, int threads, double (*out)[3]) {
+    Arena scratch = {0};
+    double *share = ARENA_ARRAY(&scratch, double, mesh->element_count + 1);
     sunlight_shares(mesh, day->sun, true, threads, share);
     for (int e = 0; e < mesh->element_count; e++) {
-        double rho[3];
-        int face = mesh->elements[e].face;
-        rgb_doubles(mesh_material(mesh, face)->reflectance, rho);
-        for (int c = 0; c < 3; c++)
-            out[e][c] = share[e] > 0
-                            ? rho[c] * share[e] * day->beam[c] * vec3_dot(mesh->faces[face].plane.n, day->sun)
-                            : 0;
+        double rho[3], cosine = vec3_dot(mesh->faces[mesh->elements[e].face].plane.n, day->sun);
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
+        for (int c = 0; c < 3; c++) out[e][c] = share[e] > 0 ? rho[c] * share[e] * cosine * day->beam[c] : 0;
     }
+    arena_free(&scratch);
 }

@@ -20,11 +20,12 @@ SunPatch *sun_patch_new(const SunNodes *sun, Arena *arena);
 enum { SUN_DARK, SUN_WHOLE, SUN_PARTLY };
 // Goes to a patch. Points may lie `around` metres beyond its elements.
 int sun_patch_look(SunPatch *at, int patch, double around);
+// May the edge of a shadow that the sun's middle throws pass a convex part of the patch, its corners counter-clockwise from the front?
+bool sun_patch_edge(SunPatch *at, const Vec3 *corner, int count);
 // Adds the irradiance by the sun at a point of the patch, W/m^2 a channel.
 void sun_patch_add(SunPatch *at, Vec3 point, double out[3]);
 
-// The radiosity that the sun causes on each element, as rad_shine adds it, W/m^2 a channel, into `out` [mesh->element_count]; and the share
-// of each element that sees the sun's middle into `share`.
-void sun_elements(const Mesh *mesh, const Daylight *day, int threads, double *share, double (*out)[3]);
+// The radiosity that the sun causes on each element, as rad_shine adds it, W/m^2 a channel, into `out` [mesh->element_count].
+void sun_elements(const Mesh *mesh, const Daylight *day, int threads, double (*out)[3]);
 
 #endif

@@ -118,10 +118,10 @@ static Span half_of(const Span *s, int axis, int k) {
     return out;
 }
 
-// How far linear light is off, as a share of the light at the point.
+// How far linear light is off, as a share of the light at the point: all of it where there should be none.
 static double share_off(const Finder *f, double linear, double light) {
     double all = f->rest + light;
-    return all > 0 ? fabs(linear - light) / all : 0;
+    return all > 0 ? fabs(linear - light) / all : linear > 0;
 }
 
 // The largest errors of linear light between the corners of a convex part, along each axis; returns the part's area, m^2.

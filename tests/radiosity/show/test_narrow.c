@@ -46,7 +46,7 @@ static int by_size(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-// Of errors relative to the truth, or to a hundredth of the mean where that is more.
+// Errors are relative to the truth, or to a hundredth of the mean where that is more.
 typedef struct NarrowErrors {
     double median, rms, p99;
 } NarrowErrors;
@@ -111,7 +111,8 @@ static const struct {
 };
 enum { SCENE_COUNT = sizeof SCENES / sizeof *SCENES };
 
-// Proves that gathered light keeps the bar in narrow places, and that shown light is no farther off than it was. `make soak` looks at all scenes.
+// Proves that gathered light keeps the bar in narrow places, and that shown light is no farther off than it was. `make soak` looks at
+// all scenes.
 Test(narrow, no_worse, .timeout = 300) {
     for (int i = 0; i < support_count(3, SCENE_COUNT); i++) {
         Arena arena = {0};

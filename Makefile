@@ -13,7 +13,8 @@ suites ?= */*
 rooms := $(foreach n,10 30 100 300 1000,build/maps/rooms-$(n).plan build/maps/enfilade-$(n).plan)
 lit := build/maps/office-plain.plan build/maps/house.plan
 files ?= $(if $(filter rooms,$(bench)),$(rooms),$(if $(filter light meshes,$(bench)),$(lit),\
-         $(filter %.plan,$(if $(filter radiosity,$(bench)),$(filter build/maps/office%,$(maps)),$(maps)))))
+         $(if $(filter narrow,$(bench)),$(sort $(wildcard tests/narrow/*.plan)),\
+         $(filter %.plan,$(if $(filter radiosity,$(bench)),$(filter build/maps/office%,$(maps)),$(maps))))))
 peer ?=
 ifeq ($(origin CC),default)
 CC := gcc

@@ -112,8 +112,14 @@ static int face_at(const Mesh *mesh, const Probe *probe) {
     return best;
 }
 
-static void set_radiosity(const Mesh *mesh, Probe *probe) {
-    int face = face_at(mesh, probe);
+// Where light is gathered: on the face itself, for a place given to a few digits may lie behind a slanted face, in the dark.
+static Vec3 place_on(const Mesh *mesh, int face, Vec3 place) {
+    if (face < 0) return place;
+    Vec3 n = mesh->faces[face].plane.n, off = vec3_sub(place, mesh->faces[face].origin);
+    return vec3_sub(place, vec3_scale(n, vec3_dot(n, off)));
+}
+
+static void set_radiosity(const Mesh *mesh, int face, Probe *probe) {
     if (face < 0) return;
     const Material *m = mesh_material(mesh, face);
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
@@ -127,9 +133,11 @@ void bake_probes_gather(const GatherScene *scene, Probes *probes) {
     Gatherer *gatherer = gatherer_new(scene, &options, &scratch);
     for (int i = 0; i < probes->count; i++) {
         Probe *probe = &probes->probes[i];
-        int cell = gather_cell(scene->mesh->graph, probe->place, probe->normal, -1);
-        gather(gatherer, &(ViewPoint){probe->place, probe->normal, cell}, probe->irradiance);
-        set_radiosity(scene->mesh, probe);
+        int face = face_at(scene->mesh, probe);
+        Vec3 place = place_on(scene->mesh, face, probe->place);
+        int cell = gather_cell(scene->mesh->graph, place, probe->normal, -1);
+        gather(gatherer, &(ViewPoint){place, probe->normal, cell}, probe->irradiance);
+        set_radiosity(scene->mesh, face, probe);
     }
     gatherer_end(gatherer);
     arena_free(&scratch);

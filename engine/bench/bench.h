@@ -43,6 +43,10 @@ typedef struct BenchArguments {
     double error;
     // Radiance, W/m^2/sr a channel.
     double sky[3];
+    // Half of the points lie within this of a view that the building stores, metres; 0: all lie anywhere.
+    double near;
+    // The truth is found anew and kept in a file.
+    bool keep;
     // The worst points on standard error.
     bool verbose;
     // A folder for pictures that go with a table, or NULL.

@@ -6,12 +6,13 @@
 #include "engine/bench/bench.h"
 
 extern const Bench BENCH_WALK, BENCH_COLLISION, BENCH_VISIBILITY, BENCH_FORMFACTORS, BENCH_RADIOSITY,
-    BENCH_LIGHT, BENCH_LIT_PICTURES, BENCH_MESHES, BENCH_ROOMS, BENCH_HIDDEN, BENCH_BREAKS, BENCH_RAYS;
-static const Bench *const BENCHES[] = {&BENCH_WALK,         &BENCH_COLLISION, &BENCH_VISIBILITY,
-                                       &BENCH_FORMFACTORS,  &BENCH_RADIOSITY, &BENCH_LIGHT,
-                                       &BENCH_LIT_PICTURES, &BENCH_MESHES,    &BENCH_ROOMS,
-                                       &BENCH_HIDDEN,       &BENCH_BREAKS,    &BENCH_RAYS};
-enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES, MOST_ROWS = 24 };
+    BENCH_LIGHT, BENCH_LIT_PICTURES, BENCH_MESHES, BENCH_NARROW, BENCH_ROOMS, BENCH_HIDDEN, BENCH_BREAKS,
+    BENCH_RAYS;
+static const Bench *const BENCHES[] = {
+    &BENCH_WALK,   &BENCH_COLLISION,    &BENCH_VISIBILITY, &BENCH_FORMFACTORS, &BENCH_RADIOSITY,
+    &BENCH_LIGHT,  &BENCH_LIT_PICTURES, &BENCH_MESHES,     &BENCH_NARROW,      &BENCH_ROOMS,
+    &BENCH_HIDDEN, &BENCH_BREAKS,       &BENCH_RAYS};
+enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES, MOST_ROWS = 24, MOST_USUAL = 12 };
 
 static const char USUAL_FILES[] = "build/maps/office.plan";
 
@@ -64,10 +65,10 @@ static int measure_files(const Bench *bench, BenchArguments *a, char **files, in
         return app_misuse("bench", "bench: --methods is `%s` (`enfilade %s --help` lists those allowed)",
                           a->methods, bench->list ? bench->list : "bench");
     Error error;
-    char usual[128], *word[4];
+    char usual[512], *word[MOST_USUAL];
     snprintf(usual, sizeof usual, "%s", bench->files ? bench->files : USUAL_FILES);
     if (file_count == 0) {
-        for (char *at = strtok(usual, " "); at && file_count < 4; at = strtok(NULL, " "))
+        for (char *at = strtok(usual, " "); at && file_count < MOST_USUAL; at = strtok(NULL, " "))
             word[file_count++] = at;
         files = word;
     }

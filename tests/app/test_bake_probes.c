@@ -148,3 +148,31 @@ Test(bake_probes, are_read) {
     refuse_file(&arena, path, "1 2 nan 0 0 1\n", "has the number nan");
     arena_free(&arena);
 }
+
+// Proves that a point that its digits put a little behind a slanted face, or before it, has the light of the face. Tolerance: light
+// changes less over a micrometre, and all points take the same random numbers.
+Test(bake_probes, beside_a_slanted_face) {
+    static const double OFF[] = {-1e-6, -1e-8, -2e-9, -1e-10, 1e-8, 1e-6};
+    Lit *lit = lit_new();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    lit_quad(lit, vec3(1, 0.5, 0), vec3(1.3, 1.5, 0.1), vec3(0.7, 1.7, 1.2), vec3(0.4, 0.7, 1.1), LIT_WALL);
+    lit_finish(lit, 0.5, 2);
+    RadSolution solution;
+    RadOptions options = rad_default_options();
+    lit_shoot(lit, &options, &solution);
+    GatherScene scene = {&lit->mesh, &lit->forest, NULL, &solution, NULL};
+    const Face *face = &lit->mesh.faces[lit->mesh.face_count - 1];
+    Vec3 n = face->plane.n, on = vec3(0.85, 1.1, 0.6);
+    on = vec3_sub(on, vec3_scale(n, vec3_dot(n, vec3_sub(on, face->origin))));
+    Probe exact = {.place = on, .normal = n};
+    bake_probes_gather(&scene, &(Probes){&exact, 1, 1});
+    cr_assert_gt(exact.irradiance[1], 0);
+    for (size_t i = 0; i < sizeof OFF / sizeof *OFF; i++) {
+        Probe beside = {.place = vec3_add(on, vec3_scale(n, OFF[i])), .normal = n};
+        bake_probes_gather(&scene, &(Probes){&beside, 1, 1});
+        cr_expect_float_eq(beside.irradiance[1], exact.irradiance[1], 1e-5 * exact.irradiance[1],
+                           "%g m off: %g, not %g", OFF[i], beside.irradiance[1], exact.irradiance[1]);
+    }
+    lit_free(lit);
+}

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <stdlib.h>
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
@@ -417,7 +418,7 @@ static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limit
 }
 
 // For the first solution.
-static const double FIRST_RESIDUAL = 0.25;
+static double FIRST_RESIDUAL = 0.25;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
 // its shooters, the strongest first, had so many faces before them. Of a file of 1 MB or less; of larger ones by the square of their size.
@@ -453,6 +454,7 @@ typedef struct Adapt {
     double *indirect;  // [rough.element_count] of the first solution, without what lamps gave, W/m^2
     AdaptField indirect_field;
     double mean;        // reflected radiosity, W/m^2
+    double dark;        // irradiance, W/m^2
     double most;        // elements there may be
     double patch_edge;  // of that of a mesh without splits
     double *lamps;      // [element_count] of the light of lamps alone, on the mesh at hand, W/m^2
@@ -488,7 +490,6 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     double size = fmax(1, a->scene->graph->building->file_size / SMALL_FILE);
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
     options.lamps_only = lamps_only;
-    options.fit_rows = false;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
@@ -526,7 +527,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.loose = true;
     if (!build_adapted(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
-    double power = 0, area = 0;
+    double power = 0, area = 0, incident = 0;
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
     a->indirect = ARENA_ARRAY(&a->scratch, double, count);
     if (!solve(a, &a->rough, false, a->indirect, error) || !solve(a, &a->rough, true, a->lamps, error))
@@ -534,9 +535,11 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     for (int e = 0; e < count; e++) {
         power += a->rough.elements[e].area * a->indirect[e] * reflectance_of(&a->rough, e);
         area += a->rough.elements[e].area;
+        incident += a->rough.elements[e].area * a->indirect[e];
         a->indirect[e] = fmax(0, a->indirect[e] - a->lamps[e]);
     }
     a->mean = power / area;
+    a->dark = getenv("DARKS") ? atof(getenv("DARKS")) * incident / area : 0.03 * incident / area;
     a->indirect_field = adapt_field(&a->rough, a->indirect, &a->scratch);
     return true;
 }
@@ -555,6 +558,11 @@ static Vec3 element_middle(const Mesh *mesh, int element) {
     return vec3_scale(sum, 1.0 / e->corner_count);
 }
 
+// Light as an eye sees it: of equal ratios the steps are equal, but in the dark, where errors are not seen.
+static double seen_light(const Adapt *a, double irradiance) {
+    return a->dark > 0 ? log1p(irradiance / a->dark) : irradiance;
+}
+
 // All light on the elements of a mesh: of lamps as they shone on it, the rest from the rough mesh, as it slopes there.
 static AdaptField find_light(Adapt *a, const Mesh *mesh) {
     double *light = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
@@ -567,6 +575,7 @@ static AdaptField find_light(Adapt *a, const Mesh *mesh) {
         light[e] =
             a->lamps[e] + fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
                                       slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
+        light[e] = seen_light(a, light[e]);
     }
     return adapt_field(mesh, light, &a->scratch);
 }
@@ -597,14 +606,16 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     MeshDepth *element = adapt_depths(&field, &limits, &a->scratch);
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++) {
-        double light = field.light[e] * reflectance_of(mesh, e) + emission_of(mesh, e);
-        int deepest = element[e].x > element[e].y ? element[e].x : element[e].y;
-        patch[e] = limit((int)fmax(patch_depth(a, mesh, e, light), deepest - MOST_BELOW_PATCH));
+        double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
+        int square = element[e].x < element[e].y ? element[e].x : element[e].y;
+        bool lamp = mesh_emits(mesh, mesh->elements[e].face);
+        patch[e] = limit(last && !lamp ? square : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }
 
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
+    if (getenv("FR")) FIRST_RESIDUAL = atof(getenv("FR"));
     if (!first_solution(a, options, error)) return false;
     double even = mesh_count_even(&a->rough);
     a->most = fmax(a->options->share * even, a->options->few);

@@ -1,6 +1,6 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, shone, radiosities of
+// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities of
 // nodes if they were found, splits of the mesh with these nodes if it is another. Meshes are not stored: they are made again from the
 // building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
 #include <string.h>
@@ -10,7 +10,7 @@
 #include "radiosity/mesh/nodes.h"
 #include "radiosity/shoot/shoot.h"
 
-enum { VERSION = 5 };
+enum { VERSION = 6 };
 
 typedef struct Header {
     DerivedHead head;
@@ -52,7 +52,7 @@ static int32_t proxy_of(const MeshOptions *options) {
 }
 
 typedef struct Sizes {
-    size_t doors, splits, radiosity, direct, unshot, shone, nodes, shown, total;
+    size_t doors, splits, radiosity, direct, unshot, daylight, nodes, shown, total;
 } Sizes;
 
 // Doubles stay aligned.
@@ -67,10 +67,10 @@ static Sizes sizes_of(const Header *h) {
                .radiosity = (size_t)h->element_count * 3 * sizeof(double),
                .direct = (size_t)h->element_count * 3 * sizeof(double),
                .unshot = (size_t)h->patch_count * 3 * sizeof(double),
-               .shone = (size_t)h->patch_count * sizeof(double),
+               .daylight = (size_t)h->element_count * 3 * sizeof(double),
                .nodes = (size_t)h->node_count * 3 * sizeof(double),
                .shown = round_up(bit_bytes(h->shown_bits))};
-    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.shone + s.nodes + s.shown;
+    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.shown;
     return s;
 }
 
@@ -107,8 +107,8 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     body += s.direct;
     memcpy(body, solution->unshot, s.unshot);
     body += s.unshot;
-    if (solution->shone) memcpy(body, solution->shone, s.shone);
-    body += s.shone;
+    memcpy(body, solution->daylight, s.daylight);
+    body += s.daylight;
     if (solution->node) memcpy(body, solution->node, s.nodes);
     if (solution->shown) memcpy(body + s.nodes, solution->shown->bits, bit_bytes(h->shown_bits));
 }
@@ -227,8 +227,9 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     body += s.direct;
     out->unshot = take_bytes(arena, body, s.unshot);
     body += s.unshot;
-    out->shone = take_bytes(arena, body, s.shone);
-    body += s.shone;
+    out->reflected = arena_alloc(arena, (size_t)h->patch_count + 1, sizeof *out->reflected);
+    out->daylight = take_bytes(arena, body, s.daylight);
+    body += s.daylight;
     if (h->node_count > 0) out->node = take_bytes(arena, body, s.nodes);
     if (h->shown_bits > 0) {
         out->shown = ARENA_ARRAY(arena, MeshSplits, 1);
@@ -251,15 +252,9 @@ static bool is_light(double (*v)[3], int count) {
     return true;
 }
 
-static bool are_positive(const double *v, int count) {
-    int i = 0;
-    while (i < count && v[i] >= 0 && isfinite(v[i])) i++;
-    return i == count;
-}
-
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
-        is_light(s->unshot, s->patch_count) && are_positive(s->shone, s->patch_count) &&
+        is_light(s->unshot, s->patch_count) && is_light(s->daylight, s->element_count) &&
         is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
         is_light(&s->escaped, 1) && daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) &&
         s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)

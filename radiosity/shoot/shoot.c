@@ -33,7 +33,6 @@ RadOptions rad_default_options(void) {
                         .form_factor = form_factor_default_options(),
                         .culling = CULL_STAB,
                         .lamp_detail = 4,
-                        .fit_rows = true,
                         .reach = 2,
                         .residual = 0.001,
                         .row_bytes = ROWS};
@@ -84,7 +83,8 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->radiosity);
     out->direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->direct);
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
-    out->shone = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->shone);
+    out->daylight = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->daylight);
+    out->reflected = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->reflected);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
     }
@@ -176,9 +176,6 @@ static double unshot_power(const Receiver *r) {
 // Patches shoot what they reflect, from now on.
 static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
-    shoot_elements_finish(s->elements);
-    shoot_elements_store(s->elements, s->solution);
-    if (s->options->fit_rows) shoot_rows_fit(s->rows, s->solution);
     for (int p = 0; p < mesh->patch_count; p++)
         shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
 }
@@ -302,6 +299,65 @@ static void show_solution(Shooter *s) {
     o->show(o->show_context, s->solution);
 }
 
+// ---- reflected light along rows: what a patch shoots to others along its row, these send to it along the same row (reciprocity)
+
+typedef struct Gathering {
+    const Mesh *mesh;
+    const ShootRows *rows;
+    const Four *reflected;  // [element_count] radiosity times area, W, without what is emitted
+    double (*out)[3];       // [patch_count]
+    int *patches;           // of this round
+} Gathering;
+
+static void gather_patch(void *context, int index, int thread) {
+    (void)thread;
+    const Gathering *g = context;
+    const ShootRow *row = shoot_rows_of(g->rows, g->patches[index]);
+    const float *density = row->density;
+    const uint8_t *offset = row->offset;
+    Four sum = {0};
+    for (int r = 0; r < row->run_count; r++) {
+        const Four *from = g->reflected + g->mesh->patches[row->runs[r].patch].first_element;
+        for (int i = 0; i <= row->count[r]; i++) sum += from[*offset++] * four_of((double)*density++);
+    }
+    channels_store(sum * four_of(row->scale), g->out[g->patches[index]]);
+}
+
+static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+    Four *out = ARENA_ARRAY(arena, Four, mesh->element_count + 1);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double emitted[3], area = mesh->elements[e].area;
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+        for (int c = 0; c < 3; c++) out[e][c] = area * fmax(solution->radiosity[e][c] - emitted[c], 0);
+    }
+    return out;
+}
+
+// Rows that are not there are made for this alone. False where progress asked to stop.
+static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
+    Arena arena = {0};
+    int threads = parallel_threads(s->options->threads), done = 0;
+    Gathering g = {mesh, s->rows, reflected_power(mesh, s->solution, &arena), s->solution->reflected,
+                   ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
+    bool go_on = true;
+    for (int there = 1; there >= 0; there--) {
+        int count = 0;
+        for (int p = 0; p < mesh->patch_count && go_on; p++) {
+            bool last = p + 1 == mesh->patch_count;
+            if ((shoot_rows_of(s->rows, p) != NULL) == there) g.patches[count++] = p;
+            if (count == 0 || (!last && (there || count < shoot_rows_wanted(s->rows)))) continue;
+            if (!there) shoot_rows_make(s->rows, g.patches, count);
+            parallel_for(threads, count, gather_patch, &g);
+            for (int i = 0; i < count && !there; i++) shoot_rows_shot(s->rows, g.patches[i]);
+            done += count;
+            count = 0;
+            go_on = progress_report(progress, "reflected light", (double)done / mesh->patch_count);
+        }
+    }
+    arena_free(&arena);
+    return go_on;
+}
+
 RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *door_open,
                     const RadOptions *options, const Progress *progress, RadSolution *solution) {
     Arena arena = {0};
@@ -324,6 +380,10 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     }
     finish(&s);
     report.residual = residual_of(&s);
+    if (!options->lamps_only && report.residual <= options->residual) {
+        solution->gathered = gather_reflected(&s, mesh, progress);
+        report.stopped = !solution->gathered;
+    }
     report.shots = solution->shots - first;
     shoot_rows_report(s.rows, &report);
     shoot_elements_end(s.elements);

@@ -19,8 +19,6 @@ typedef struct RadOptions {
     bool lamps_only;  // only emitted light is shot, no reflected light
     // Patches that emit shoot at the resolution times this factor, which is reduced where there are very many (shoot_rows.c).
     int lamp_detail;
-    // Patches that reflect much light straight from lamps, sun and sky shoot in more directions than others (shoot_rows_fit).
-    bool fit_rows;
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.
     double reach;
     double residual;  // stop when unshot power is this share of the emitted power, 0 .. 1
@@ -52,8 +50,12 @@ struct RadSolution {
     double (*radiosity)[3];
     // [element_count] the part of `radiosity` that came straight from lamps, as it was shot; the light of the sky is not in it.
     double (*direct)[3];
-    // [patch_count] the part of `radiosity` that came straight from sun and sky, mean over the patch, sum of the channels
-    double *shone;
+    // [element_count] the part of `radiosity` that came straight from sun and sky
+    double (*daylight)[3];
+    // [patch_count] if `gathered`: the irradiance by reflected light, gathered along each patch's row once the light is shot. An element
+    // has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does not hold it.
+    double (*reflected)[3];
+    bool gathered;
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.
     double emitted[3], absorbed[3], escaped[3];

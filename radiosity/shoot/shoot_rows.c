@@ -19,16 +19,6 @@ enum { WAITING = 64 };
 static const double FACES_AHEAD = 1 << 20;  // of all their views: about half a second
 // The most that the rows of lamps may cost, in rows of the usual resolution.
 static const double MOST_LAMP_WORK = 4000;
-enum { LEAST_RESOLUTION = 8 };
-// Resolutions of rows are the usual one times powers of the root of 2, with these exponents.
-enum { LEAST_DETAIL = -1, MOST_DETAIL = 6, DETAILS = MOST_DETAIL - LEAST_DETAIL + 1 };
-// All rows together may cost so many times what they would cost with the usual resolution alone.
-static const double DETAIL_COST = 1;
-// The error that a shot causes on an element grows with its power and falls with the 3/2 power of the resolution, whose square is the
-// cost. The sum of squared errors is least for a cost where resolutions are as this power of the powers.
-static const double DETAIL_POWER = 0.4;
-// A cell in which less light falls than this share of the mean counts as one with so much.
-static const double DIM = 0.05;
 // Kept rows lie in blocks of so many bytes, or more.
 static const size_t BLOCK_BYTES = (size_t)1 << 20;
 
@@ -36,8 +26,7 @@ static const size_t BLOCK_BYTES = (size_t)1 << 20;
 typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
-    FormFactor *form_factor[DETAILS];  // NULL: not made yet
-    FormFactor *of_lamps;
+    FormFactor *form_factor, *of_lamps;
     NearPairs *near;    // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
@@ -73,7 +62,6 @@ struct ShootRows {
     Taker *takers;             // [element_count]
     const RadOptions *options;
     FormFactorOptions usual, of_lamps;
-    signed char *detail;  // [patch_count] exponents
     int threads, slot_count, waiting_count;
     Maker *makers;  // [threads]
     Slot *slots;    // [slot_count]
@@ -114,8 +102,8 @@ static void equip_maker(void *context, int index, int thread) {
     Maker *maker = &rows->makers[index];
     if (rows->shapes)
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
-    maker->form_factor[-LEAST_DETAIL] = form_factor_new(method, rows->mesh, &rows->usual, &maker->arena);
-    maker->of_lamps = maker->form_factor[-LEAST_DETAIL];
+    maker->form_factor = form_factor_new(method, rows->mesh, &rows->usual, &maker->arena);
+    maker->of_lamps = maker->form_factor;
     if (rows->of_lamps.resolution != rows->usual.resolution)
         maker->of_lamps = form_factor_new(method, rows->mesh, &rows->of_lamps, &maker->arena);
 }
@@ -142,7 +130,6 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->slots = ARENA_ARRAY(arena, Slot, rows->slot_count);
     rows->making = ARENA_ARRAY(arena, int, rows->slot_count);
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
-    rows->detail = ARENA_ARRAY(arena, signed char, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
     // So that a byte tells which element of its patch one is.
@@ -154,9 +141,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
 void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
         Maker *maker = &rows->makers[t];
-        if (maker->of_lamps != maker->form_factor[-LEAST_DETAIL]) form_factor_end(maker->of_lamps);
-        for (int i = 0; i < DETAILS; i++)
-            if (maker->form_factor[i]) form_factor_end(maker->form_factor[i]);
+        if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
+        form_factor_end(maker->form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
     }
@@ -294,75 +280,6 @@ static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
     return row;
 }
 
-// ---- resolutions
-
-static int detail_at(double wanted) {
-    int detail = (int)lround(2 * log2(fmax(wanted, 1e-9)));
-    return detail < LEAST_DETAIL ? LEAST_DETAIL : detail > MOST_DETAIL ? MOST_DETAIL : detail;
-}
-
-// Rows in rows of the usual resolution, if patches of strength 1 have that one.
-static double cost_of(const double *strength, int count, double scale) {
-    double cost = 0;
-    for (int p = 0; p < count; p++) cost += ldexp(1, detail_at(scale * strength[p]));
-    return cost;
-}
-
-// For each patch the power that it reflects of light straight from lamps, sun and sky, over the light that falls on surfaces of its cell,
-// to DETAIL_POWER.
-static double *strengths_of(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
-    int cells = mesh->graph->cell_count;
-    double *power = ARENA_ARRAY(arena, double, mesh->patch_count + 1), all = 0, all_area = 0;
-    double *light = ARENA_ARRAY(arena, double, cells + 1), *area = ARENA_ARRAY(arena, double, cells + 1);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        const Patch *patch = &mesh->patches[p];
-        int cell = patch->cell < 0 ? cells : patch->cell;
-        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
-            power[p] += rgb_sum(solution->direct[e]) * mesh->elements[e].area;
-        power[p] += solution->shone[p] * patch->area;
-        light[cell] += power[p], all += power[p];
-        area[cell] += patch->area, all_area += patch->area;
-    }
-    for (int p = 0; p < mesh->patch_count; p++) {
-        int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
-        double near = fmax(light[cell] / area[cell], DIM * all / all_area);
-        power[p] = near > 0 ? pow(power[p] / near, DETAIL_POWER) : 0;
-    }
-    return power;
-}
-
-void shoot_rows_fit(ShootRows *rows, const RadSolution *solution) {
-    Arena scratch = {0};
-    const Mesh *mesh = rows->mesh;
-    double *strength = strengths_of(mesh, solution, &scratch), low = 1e-6, high = 1e6, most = 0;
-    for (int p = 0; p < mesh->patch_count; p++) most = fmax(most, strength[p]);
-    // The cost grows with the scale.
-    for (int i = 0; i < 40; i++) {
-        double scale = sqrt(low * high);
-        if (cost_of(strength, mesh->patch_count, scale) > DETAIL_COST * mesh->patch_count)
-            high = scale;
-        else
-            low = scale;
-    }
-    for (int p = 0; p < mesh->patch_count && most > 0; p++)
-        rows->detail[p] = (signed char)detail_at(low * strength[p]);
-    arena_free(&scratch);
-}
-
-// The form factors for a patch's row.
-static FormFactor *form_factor_of(const ShootRows *rows, Maker *maker, int patch) {
-    if (mesh_emits(rows->mesh, rows->mesh->patches[patch].face)) return maker->of_lamps;
-    int detail = rows->detail[patch];
-    FormFactor **at = &maker->form_factor[detail - LEAST_DETAIL];
-    if (!*at) {
-        FormFactorOptions options = rows->usual;
-        double resolution = options.resolution * pow(2, detail / 2.0);
-        options.resolution = (int)fmin(fmax(round(resolution), LEAST_RESOLUTION), FORM_FACTOR_FINEST);
-        *at = form_factor_new(rows->options->method, rows->mesh, &options, &maker->arena);
-    }
-    return *at;
-}
-
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
@@ -373,7 +290,8 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
-    const Row *row = form_factor_row(form_factor_of(rows, maker, slot->patch), view);
+    bool lamp = mesh_emits(rows->mesh, patch->face);
+    const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);
@@ -441,9 +359,8 @@ void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
         const Maker *maker = &rows->makers[t];
-        for (int i = 0; i < DETAILS; i++)
-            if (maker->form_factor[i]) elements += form_factor_work(maker->form_factor[i]).elements_drawn;
-        if (maker->of_lamps != maker->form_factor[-LEAST_DETAIL])
+        elements += form_factor_work(maker->form_factor).elements_drawn;
+        if (maker->of_lamps != maker->form_factor)
             elements += form_factor_work(maker->of_lamps).elements_drawn;
         report->seconds_visibility += rows->makers[t].seconds_visibility;
         report->row_bytes += rows->makers[t].kept_bytes;

@@ -25,9 +25,6 @@ typedef struct ShootRows ShootRows;
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
                           const RadOptions *options, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
-// Chooses the resolution of each patch's row by the light that the patch reflects straight from lamps, sun and sky, which must be
-// complete in the solution. To be called before any patch but lamps gets a row; without the call all these rows have the same resolution.
-void shoot_rows_fit(ShootRows *rows, const RadSolution *solution);
 
 // How many rows to make at a time, so that all threads have enough to do and the rows of neighbours are made together; never more
 // than shoot_rows_most.

@@ -581,7 +581,9 @@ bool rad_shine(const Mesh *mesh, const StabForest *forest, const float *door_ope
     for (int p = 0; p < mesh->patch_count; p++) {
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->patches[p].face)->emission, emitted);
-        solution->shone[p] = fmax(rgb_sum(solution->unshot[p]) - rgb_sum(emitted), 0);
+        for (int e = mesh->patches[p].first_element, i = 0; i < mesh->patches[p].element_count; e++, i++)
+            for (int c = 0; c < 3; c++)
+                solution->daylight[e][c] = fmax(solution->radiosity[e][c] - emitted[c], 0);
     }
     for (int t = 0; t < threads; t++) arena_free(&s->watchers[t].arena);
     for (int i = 0; i < BATCH; i++) arena_free(&s->beams[i].arena);

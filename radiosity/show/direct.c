@@ -840,16 +840,22 @@ static const double MOST_ADDED_BY_SUN = 30000;
 // Corners of two meshes nearer than this are in one place, metres.
 static const double SAME_PLACE = 1e-9;
 
-// All light but that straight from the lamps, if `lamps`, and that straight from the sun.
-static RadSolution reflected_alone(const Mesh *mesh, const RadSolution *solution, bool lamps,
-                                   double (*sun)[3], Arena *arena) {
+// All light but that straight from the lamps, if `lamps`, that straight from the sun, and, if `gathered`, reflected light.
+static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bool lamps,
+                               double (*sun)[3], bool gathered, Arena *arena) {
     RadSolution rest = *solution;
     rest.node = NULL;
+    rest.gathered = gathered;
     rest.radiosity = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *rest.radiosity);
-    for (int e = 0; e < mesh->element_count; e++)
-        for (int c = 0; c < 3; c++)
-            rest.radiosity[e][c] = fmax(
-                solution->radiosity[e][c] - (lamps ? solution->direct[e][c] : 0) - (sun ? sun[e][c] : 0), 0);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double emitted[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
+        for (int c = 0; c < 3; c++) {
+            double direct = solution->direct[e][c],
+                   all = gathered ? emitted[c] + direct + solution->daylight[e][c] : solution->radiosity[e][c];
+            rest.radiosity[e][c] = fmax(all - (lamps ? direct : 0) - (sun ? sun[e][c] : 0), 0);
+        }
+    }
     return rest;
 }
 
@@ -938,7 +944,7 @@ static bool light_nodes(Direct *d, double (*at_node)[3], const RadSolution *rest
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * at_node[n][c];
+            for (int c = 0; c < 3; c++) out->node[n][c] = getenv("ONLYDIRECT") ? rho[c] * at_node[n][c] : getenv("ONLYREST") ? out->node[n][c] : out->node[n][c] + rho[c] * at_node[n][c];
         }
     }
     arena_free(&scratch);
@@ -956,13 +962,13 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
     if (!report) report = &work;
     start_direct(&d, mesh, forest, &nodes, &solution->day, &scratch);
     d.lamps = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
-    if (d.lamps || d.sun) {
+    if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
         if (d.sun) {
             sun = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *sun);
             sun_elements(mesh, &solution->day, parallel_threads(threads), sun);
         }
-        RadSolution rest = reflected_alone(mesh, solution, d.lamps, sun, &scratch), out = *solution;
+        RadSolution rest = other_light(mesh, solution, d.lamps, sun, false, &scratch), out = *solution;
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
         Mesh finer;
@@ -970,6 +976,7 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         end_workers(&d);
         good = good && find_bends(&d, light_besides(mesh, &rest, solution, &scratch), at_node, threads,
                                   progress, arena, &splits, report);
+        if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
         out.shown = is_finer ? splits : NULL;
         good = good && light_nodes(&d, at_node, &rest, is_finer ? &finer : mesh, forest, threads, progress,

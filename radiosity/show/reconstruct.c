@@ -8,6 +8,7 @@
 // centroid: so linear fields come back as they are, also at borders and where elements of several sizes meet.
 #include "radiosity/show/reconstruct.h"
 
+#include <stdlib.h>
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
@@ -23,12 +24,14 @@ static const double NEAREST = 1e-18;
 static const double SLIVER = 0.25;
 // The rest laid on top of the first fit is at most this share of it: around lamps it would be dark rings.
 static const double MOST_REST = 0.2;
+// Values between those of patches may be extrapolated to these shares of the least and the greatest of them.
+static const double LEAST_OUTSIDE = 0.3, MOST_OUTSIDE = 1.5;
 // Spread of centroids along an axis, as a share of their squared distances, below which they lie on a line.
 static const double NO_SPREAD = 1e-6;
 
-// An element seen from a node, in its tangent plane.
+// An element or a patch seen from a node, in its tangent plane.
 typedef struct Around {
-    int element;
+    int unit;
     double x, y, weight;
     double factor;
 } Around;
@@ -40,7 +43,8 @@ typedef struct Fit {
     Vec3 *centroid;      // [element_count]
     double (*light)[3];  // [element_count] W/m^2, there
     bool *sliver;        // [element_count]
-    int *stamp, now;     // [element_count] the collection that last took the element
+    bool of_patches;     // units are patches, not elements: `centroid` and `stamp` are theirs
+    int *stamp, now;     // [element_count] the collection that last took the unit
     Vec3 x, y;           // of the node's plane
     Around *around;
     int count, capacity;
@@ -100,18 +104,30 @@ static void find_light(Fit *fit) {
     }
 }
 
-// ---- which elements
+// ---- which elements, or patches
 
-static void take_element(Fit *fit, int node, int element) {
+static void take_unit(Fit *fit, int node, int element) {
     const Nodes *nodes = fit->nodes;
+    const Element *e = &fit->mesh->elements[element];
     Vec3 n = nodes->normal[node];
-    if (fit->stamp[element] == fit->now) return;
-    if (vec3_dot(fit->mesh->faces[fit->mesh->elements[element].face].plane.n, n) < NODES_CURVED) return;
-    fit->stamp[element] = fit->now;
-    Vec3 p = vec3_sub(fit->centroid[element], fit->mesh->vertices[nodes->vertex[node]]);
+    int unit = fit->of_patches ? e->patch : element;
+    if (fit->stamp[unit] == fit->now) return;
+    if (vec3_dot(fit->mesh->faces[e->face].plane.n, n) < NODES_CURVED) return;
+    fit->stamp[unit] = fit->now;
+    Vec3 p = vec3_sub(fit->centroid[unit], fit->mesh->vertices[nodes->vertex[node]]);
     double square = vec3_dot(p, p);
     *ARENA_PUSH(&fit->scratch, fit->around, fit->count, fit->capacity) =
-        (Around){element, vec3_dot(fit->x, p), vec3_dot(fit->y, p), 1 / fmax(square, NEAREST), 0};
+        (Around){unit, vec3_dot(fit->x, p), vec3_dot(fit->y, p), 1 / fmax(square, NEAREST), 0};
+}
+
+static void take_around(Fit *fit, int node, int element) {
+    const Nodes *nodes = fit->nodes;
+    const Element *e = &fit->mesh->elements[element];
+    for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) {
+        int other = nodes->of_corner[c];
+        for (int i = nodes->first[other]; i < nodes->first[other + 1]; i++)
+            take_unit(fit, node, nodes->element[i]);
+    }
 }
 
 // Those that meet at the node; with `wide`, those that meet at any of their nodes.
@@ -120,16 +136,13 @@ static void collect(Fit *fit, int node, bool wide) {
     const Mesh *mesh = fit->mesh;
     fit->count = 0;
     fit->now++;
-    for (int i = nodes->first[node]; i < nodes->first[node + 1]; i++)
-        take_element(fit, node, nodes->element[i]);
+    for (int i = nodes->first[node]; i < nodes->first[node + 1]; i++) take_unit(fit, node, nodes->element[i]);
     int own = fit->count;
     for (int k = 0; wide && k < own; k++) {
-        const Element *e = &mesh->elements[fit->around[k].element];
-        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) {
-            int other = nodes->of_corner[c];
-            for (int i = nodes->first[other]; i < nodes->first[other + 1]; i++)
-                take_element(fit, node, nodes->element[i]);
-        }
+        int unit = fit->around[k].unit;
+        const Patch *patch = fit->of_patches ? &mesh->patches[unit] : NULL;
+        for (int i = 0; i < (patch ? patch->element_count : 1); i++)
+            take_around(fit, node, patch ? patch->first_element + i : unit);
     }
 }
 
@@ -206,7 +219,7 @@ static void add_fits(Fit *fit, double (*out)[3]) {
         find_factors(fit, n);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < fit->count; i++)
-                out[n][c] += fit->around[i].factor * fit->light[fit->around[i].element][c];
+                out[n][c] += fit->around[i].factor * fit->light[fit->around[i].unit][c];
     }
 }
 
@@ -382,4 +395,69 @@ void reconstruct_in(const Mesh *mesh, const VertexLight *light, int element, Vec
 
 void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 point, double out[3]) {
     reconstruct_in(mesh, light, mesh_element_at(mesh, face, point), point, out);
+}
+
+// ---- values at the centres of patches
+
+// The fits of all nodes to the patches' light, between LEAST_OUTSIDE and MOST_OUTSIDE of the values around.
+static void fit_patches(Fit *fit, double (*light)[3], double (*out)[3]) {
+    for (int n = 0; n < fit->nodes->count; n++) {
+        double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
+        find_factors(fit, n);
+        for (int c = 0; c < 3; c++) out[n][c] = 0;
+        for (int i = 0; i < fit->count; i++) {
+            const double *from = light[fit->around[i].unit];
+            for (int c = 0; c < 3; c++) {
+                out[n][c] += fit->around[i].factor * from[c];
+                low[c] = fmin(low[c], from[c]);
+                high[c] = fmax(high[c], from[c]);
+            }
+        }
+        for (int c = 0; c < 3; c++)
+            out[n][c] = fmin(fmax(out[n][c], LEAST_OUTSIDE * low[c]), MOST_OUTSIDE * high[c]);
+    }
+}
+
+// The light that the corners show at the centre of a patch.
+static void shown_at_centre(const Mesh *mesh, const Nodes *nodes, double (*node)[3], int patch, double out[3]) {
+    const Patch *p = &mesh->patches[patch];
+    VertexLight light = {.corner = NULL};
+    (void)light;
+    int e = mesh_element_at(mesh, p->face, p->centre), best[3] = {0, 1, 2}, triangle[3 * FEW];
+    const Element *element = &mesh->elements[e];
+    double share[3] = {1, 0, 0};
+    Vec3 v[FEW];
+    out[0] = out[1] = out[2] = 0;
+    if (element->corner_count > FEW) return;
+    triangulate(mesh, element, v, triangle);
+    find_shares(mesh, element, triangle, p->centre, best, share);
+    for (int k = 0; k < 3; k++)
+        for (int c = 0; c < 3; c++)
+            out[c] += share[k] * node[nodes->of_corner[element->first_corner + best[k]]][c];
+}
+
+void reconstruct_patches(const Mesh *mesh, const Nodes *nodes, double (*light)[3], double (*out)[3]) {
+    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = true};
+    fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->patch_count + 1);
+    fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->patch_count + 1);
+    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)mesh->patch_count + 1, sizeof *rest);
+    double(*more)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count + 1, sizeof *more);
+    double *count = ARENA_ARRAY(&fit.scratch, double, nodes->count + 1);
+    for (int p = 0; p < mesh->patch_count; p++) fit.centroid[p] = mesh->patches[p].centre;
+    fit_patches(&fit, light, out);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        double shown[3];
+        shown_at_centre(mesh, nodes, out, p, shown);
+        for (int c = 0; c < 3; c++) rest[p][c] = fmin(fmax(light[p][c] - shown[c], -MOST_REST * light[p][c]), MOST_REST * light[p][c]);
+    }
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int i = mesh->elements[e].first_corner; i < mesh->elements[e].first_corner + mesh->elements[e].corner_count; i++) {
+            int n = nodes->of_corner[i];
+            count[n]++;
+            for (int c = 0; c < 3; c++) more[n][c] += rest[mesh->elements[e].patch][c];
+        }
+    if (!getenv("NOLIFT"))
+    for (int n = 0; n < nodes->count; n++)
+        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c] + more[n][c] / fmax(count[n], 1), 0);
+    arena_free(&fit.scratch);
 }

@@ -21,6 +21,9 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
 // The radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
 
+// The same from values at the centres of patches, `light` [mesh->patch_count].
+void reconstruct_patches(const Mesh *mesh, const Nodes *nodes, double (*light)[3], double (*out)[3]);
+
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
 

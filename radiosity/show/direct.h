@@ -9,8 +9,8 @@
 #include "radiosity/shoot/shoot.h"
 
 // The irradiance that the lamps of the mesh and the sun of the day (NULL: night) alone cause at each node, W/m^2 a channel, into `out`
-// [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work is added to the fields
-// direct_... of `report`, which may be NULL.
+// [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work
+// is added to the fields direct_... of `report`, which may be NULL.
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
                        int threads, const Progress *progress, double (*out)[3], RadReport *report);
 

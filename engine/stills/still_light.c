@@ -9,6 +9,7 @@
 #include "engine/draw/false_colour.h"
 #include "engine/draw/walk_shade.h"
 #include "radiosity/factors/analytic.h"
+#include "radiosity/show/direct.h"
 #include "radiosity/show/gather.h"
 
 // A place on a surface, to which the light of lamps is asked for.
@@ -649,11 +650,17 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
     StillLight light = {.scene = scene, .lamps = lamps};
     Arena scratch = {0};
     RadSolution shown = *solution;
-    if (lamps) {
+    double(*reflected)[3] = arena_alloc(&scratch, (size_t)solution->node_count + 1, sizeof *reflected);
+    if (lamps && lamps->forest && rgb_sum(solution->day.beam) > 0 &&
+        direct_reflected(mesh, lamps->forest, solution, 0, reflected)) {
+        light.sun = solution->day;
+        view_axes(light.sun.sun, &light.sun_x, &light.sun_y);
+        shown.node = reflected;
+    } else if (lamps) {
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         reflected_light(mesh, solution, shown.radiosity);
         smooth_shapes(mesh, shown.radiosity);
-        // Light at nodes cannot be split in two: it is not used.
+        // Light at nodes is split in two only where the sun shines: elsewhere its light is found in elements soon enough.
         shown.node = NULL;
         shown.node_count = 0;
     }
@@ -729,6 +736,26 @@ static void add_lamps(const StillLight *light, const StillSurface *s, const Spot
     out[2] += (double)s->material->reflectance.b * arrives[2];
 }
 
+// Adds the sun's light, by rays to points of its disc.
+static void add_sun(const StillLight *light, const StillSurface *s, Vec3 at, Vec3 normal, int rays,
+                    StillNumbers *numbers, double out[3]) {
+    double u[3], seen = 0, wide = tan(DAYLIGHT_SUN_RADIUS);
+    if (vec3_dot(normal, light->sun.sun) <= -wide) return;
+    for (int k = 0; k < rays; k++) {
+        lamp_numbers_next(numbers, u);
+        double r = wide * sqrt(u[0]), turn = 2 * M_PI * u[1];
+        Vec3 aside =
+            vec3_add(vec3_scale(light->sun_x, r * cos(turn)), vec3_scale(light->sun_y, r * sin(turn)));
+        Vec3 way = vec3_normalize(vec3_add(light->sun.sun, aside));
+        double cosine = vec3_dot(normal, way);
+        Ray ray = still_ray(at, way);
+        if (cosine > 0 && !still_rays_blocked(light->scene->opaque, &ray)) seen += cosine / rays;
+    }
+    out[0] += (double)s->material->reflectance.r * seen * light->sun.beam[0];
+    out[1] += (double)s->material->reflectance.g * seen * light->sun.beam[1];
+    out[2] += (double)s->material->reflectance.b * seen * light->sun.beam[2];
+}
+
 void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, int rays,
                     StillNumbers *numbers, double out[3]) {
     const StillSurface *s = &light->scene->surfaces[hit->item];
@@ -741,6 +768,7 @@ void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *h
         reconstruct_in(light->scene->mesh, &light->baked, spot.element, spot.point, out);
         for (int c = 0; c < 3; c++) out[c] *= share;
         if (light->lamps) add_lamps(light, s, &spot, at, normal, hit->front, rays, numbers, out);
+        if (rgb_sum(light->sun.beam) > 0) add_sun(light, s, at, normal, rays, numbers, out);
     }
     // In the other cases the baked light contains the emission.
     if (hit->front && (light->lamps || spot.element < 0)) {

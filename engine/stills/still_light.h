@@ -28,10 +28,13 @@ typedef struct StillLight {
     const StillScene *scene;
     VertexLight baked;  // all light, or the light that was reflected on its way
     StillLamps *lamps;  // NULL: their light is in `baked`
+    Daylight sun;       // its disc lights places by shadow rays; no beam: the sun's light is in `baked`
+    Vec3 sun_x, sun_y;  // unit vectors across its beam
     double mean[3];     // mean of all surfaces by area, W/m^2
 } StillLight;
 
-// With `lamps`, light straight from lamps comes from these, and `baked` is the rest of the solution. NULL: all light is baked.
+// With `lamps`, light straight from lamps comes from these, that of the sun from its disc, and `baked` is the rest of the solution. The
+// sun's light stays baked where the solution has no light at nodes. NULL: all light is baked.
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution, StillLamps *lamps,
                            Arena *arena);
 

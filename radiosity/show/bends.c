@@ -17,6 +17,8 @@ static const double EVEN_CORNERS = 0.2;
 static const double SMALLEST = 0.025;
 // The same where an edge of a shadow of the sun passes: the shown edge lies within half a part's length of the exact one.
 static const double SMALLEST_AT_EDGE = 0.01;
+// But no shorter than would cut a whole face into so many squares: a mesh has squares as small as the smallest element of their face.
+static const double MOST_SQUARES = 1e6;
 // Patches of the finer mesh are this many splits above their deepest element.
 enum { BELOW_PATCH = 2 };
 // Corners that parts of elements hardly ever have more of: elements with more are not halved.
@@ -210,8 +212,12 @@ Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at
                 .context = context,
                 .rest = rest,
                 .least = edge ? 0 : TOLERANCE * side * side,
-                .smallest = edge ? SMALLEST_AT_EDGE : SMALLEST,
+                .smallest = SMALLEST,
                 .arena = arena};
+    if (edge) {
+        double area = metres(f.face, 0, f.face->nx) * metres(f.face, 1, f.face->ny);
+        f.smallest = fmin(SMALLEST, fmax(SMALLEST_AT_EDGE, sqrt(area / MOST_SQUARES)));
+    }
     Vec3 v[MOST_CORNERS];
     for (int i = 0; i < e->corner_count; i++) {
         v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];

@@ -9,8 +9,8 @@
 #include "radiosity/shoot/shoot.h"
 
 // The irradiance that the lamps of the mesh and the sun of the day (NULL: night) alone cause at each node, W/m^2 a channel, into `out`
-// [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work is added to the fields
-// direct_... of `report`, which may be NULL.
+// [nodes->count]. The same on any number of threads (0: all cores). False where progress asked to stop: `out` is then incomplete. The work
+// is added to the fields direct_... of `report`, which may be NULL.
 bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *nodes, const Daylight *day,
                        int threads, const Progress *progress, double (*out)[3], RadReport *report);
 
@@ -21,6 +21,11 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 // stop: then the result is false.
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
+
+// The light at nodes without emitted light and light straight from lamps and sun, W/m^2 a channel, into `out` [solution->node_count].
+// `solution` is as direct_show made it, on the mesh that shows its light. False where lamps are too many, or nodes are not known.
+bool direct_reflected(const Mesh *mesh, const StabForest *forest, const RadSolution *solution, int threads,
+                      double (*out)[3]);
 
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6

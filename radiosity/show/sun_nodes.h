@@ -16,7 +16,7 @@ SunNodes *sun_nodes_new(const Mesh *mesh, const Daylight *day, Arena *arena);
 typedef struct SunPatch SunPatch;
 SunPatch *sun_patch_new(const SunNodes *sun, Arena *arena);
 
-// What a patch has of the sun: nothing, the whole disc at each of its points, or what sun_patch_add finds.
+// A patch has nothing of the sun, the whole disc at each of its points, or the part that sun_patch_add finds.
 enum { SUN_DARK, SUN_WHOLE, SUN_PARTLY };
 // Goes to a patch. Points may lie `around` metres beyond its elements.
 int sun_patch_look(SunPatch *at, int patch, double around);

@@ -15,7 +15,7 @@ typedef struct PathShares {
     bool day, lamps;  // any light came from the day, straight from lamps; else their shares are not set
 } PathShares;
 
-// What walks met at one place: sums of the light of the day (of the sky, or of the sun, reflected once), and of squares of the light of
+// The light that walks met at one place: sums of the light of the day (of the sky, or of the sun, reflected once), and of squares of the light of
 // lamps, over the density of the choices that led to it.
 typedef struct PathTally {
     double day[GUIDE_BINS], lamp[PATH_LAMP_GROUPS];
@@ -29,7 +29,7 @@ double path_shares_density(const PathShares *shares, double u, double v);
 // The group of lamps that `*u` chooses; *u becomes uniform in [0, 1) again.
 int path_shares_lamp(const PathShares *shares, double *u);
 
-// What one walk met at a surface.
+// The light that one walk met at a surface.
 typedef struct PathStep {
     PathPlace place;
     int bin[2],

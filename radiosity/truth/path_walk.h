@@ -32,7 +32,7 @@ Vec3 path_scene_origin(const PathScene *scene);
 // ---- walks
 
 typedef struct PathLights PathLights;
-// What walks learned of the scene (path_guide.h).
+// The knowledge that walks gathered of the scene (path_guide.h).
 typedef struct PathGuide PathGuide;
 
 // A point at which light arrives, and the normal of its surface, in the scene's coordinates.

@@ -71,6 +71,8 @@ typedef struct Bench {
     void (*print_methods)(void);
     // Measured unless others are given, separated by blanks; NULL: the office.
     const char *files;
+    // The default of --fill-lamps.
+    int fill_lamps;
 } Bench;
 
 #define BENCH_AT(field) offsetof(BenchArguments, field)

@@ -1,7 +1,9 @@
-// bench_pictures.c - how right the light of a walk's picture is: four views of each building, the light that each pixel shows against
-// path tracing at random pixels, and against a converged gather at every pixel, whose ratio to it tells blotches by their size.
+// bench_pictures.c - how right the light of a walk's picture is: four views of each building by night and by day, the light that each
+// pixel shows against path tracing at random pixels, and against a converged gather at every pixel, whose ratio to it tells blotches by
+// their size.
 //
-// The truth of a view is kept in the user's cache: it depends on the building, the view, the sky, the seed and the error asked for.
+// The truth of a view is kept in the user's cache: it depends on the building, the lamps added to it, the view, the day, the seed and the
+// error asked for.
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,8 +13,11 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "engine/draw/exposure.h"
 #include "engine/draw/false_colour.h"
 #include "engine/draw/image.h"
+#include "engine/draw/view.h"
+#include "engine/draw/walk_shade.h"
 #include "engine/scene/bake_mesh.h"
 #include "radiosity/shoot/sky.h"
 #include "radiosity/show/direct.h"
@@ -35,10 +40,15 @@ static const int GATHERED_RESOLUTION = 200;
 static const double GATHERED_RESIDUAL = 2e-4;
 // Beyond so many paths a pixel stays as uncertain as it is.
 static const long long MOST_PATHS = 4000000;
+// Walks that learn where light comes from.
+static const long long LEARNING_PATHS = 300000;
+// The first round stops at so many times the error asked for, or after so many paths.
+static const double FIRST = 10;
+static const long long FIRST_PATHS = 20000;
 // Pixels at which the gather is held against an exact one, to tell its noise.
 enum { NOISE_PIXELS = 64 };
 // The file of a truth gets another number with another content.
-enum { TRUTH_VERSION = 1 };
+enum { TRUTH_VERSION = 2 };
 static const size_t LARGEST_TRUTH = (size_t)1 << 30;
 
 // A pixel that shows a front that reflects light.
@@ -58,11 +68,12 @@ typedef struct PictureView {
     double *deviation;  // [chosen_count] its standard error
     double mean;        // of `truth`
     double noise;       // of the gather, the root of the mean square, a share
+    double seconds;     // of the gather, its bake included
     int seen_count, chosen_count;
 } PictureView;
 
 typedef struct PictureScene {
-    const char *file;
+    const char *file, *hour;
     const BenchArguments *arguments;
     LoadedScene scene;
     float *doors;
@@ -72,7 +83,7 @@ typedef struct PictureScene {
     PathTracer *tracer;
 } PictureScene;
 
-// A light, as a walk shows it.
+// A light, as a walk shows it; `fine` NULL: the view's gather.
 typedef struct Shown {
     Mesh mesh;
     RadSolution solution;
@@ -87,7 +98,8 @@ typedef struct PictureWay {
     const char *name;
     int resolution, gather;  // of shots, and of a final gather at all vertices; 0: as `enfilade bake` does
     double share, residual;
-    bool shot;  // light straight from lamps is shown as it was shot
+    bool shot;      // light straight from lamps is shown as it was shot
+    bool gathered;  // no bake: the gather at every pixel that blotches are told by
 } PictureWay;
 
 static const PictureWay WAYS[] = {
@@ -98,6 +110,7 @@ static const PictureWay WAYS[] = {
     {.name = "split-1", .share = 1},
     {.name = "split-2", .share = 2},
     {.name = "final-gather", .gather = 50},
+    {.name = "gathered", .gathered = true},
 };
 enum { WAY_COUNT = sizeof WAYS / sizeof *WAYS };
 
@@ -244,9 +257,13 @@ static void trace_pixels(const PictureScene *s, PictureView *view) {
     PathResult *results = ARENA_ARRAY(&scratch, PathResult, count + 1);
     for (int i = 0; i < count; i++) {
         const Seen *seen = &view->seen[view->chosen[i]];
-        queries[i] = (PathQuery){
-            .point = seen->point, .normal = seen->normal, .seed = s->arguments->seed + (uint64_t)seen->pixel};
+        queries[i] = (PathQuery){.point = seen->point,
+                                 .normal = seen->normal,
+                                 .relative_error = FIRST * s->arguments->error,
+                                 .most_paths = FIRST_PATHS,
+                                 .seed = s->arguments->seed + (uint64_t)seen->pixel};
     }
+    path_tracer_learn(s->tracer, queries, count, LEARNING_PATHS, 0);
     path_tracer_irradiance(s->tracer, queries, count, 0, results);
     for (int i = 0; i < count; i++) take_paths(view, i, &results[i]);
     view->mean = mean_of(view->truth, count);
@@ -256,6 +273,7 @@ static void trace_pixels(const PictureScene *s, PictureView *view) {
         if (view->deviation[i] <= most) continue;
         which[asked] = i;
         queries[asked] = queries[i];
+        queries[asked].relative_error = 0;
         // Errors of irradiance: at most this share of what is reflected.
         queries[asked].absolute_error = 3 * most / rgb_sum(seen->albedo);
         queries[asked++].most_paths = MOST_PATHS;
@@ -272,7 +290,7 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
     BakeOptions options = bake_default_options();
     double begin = clock_seconds();
     float *doors;
-    options.day = daylight_uniform(s->arguments->sky);
+    options.day = s->scene.day;
     if (way->share > 0) options.adapt.share = way->share;
     options.rad.form_factor.resolution = way->resolution;
     options.rad.residual = way->residual;
@@ -303,9 +321,11 @@ static bool bake_way(const PictureScene *s, const PictureWay *way, Arena *arena,
     return true;
 }
 
-// The radiosity that the pixel shows, the sum of the channels; NAN where the walk draws nothing.
-static double shown_at(const Shown *shown, const Seen *seen) {
+// The radiosity that a pixel of view->seen shows, the sum of the channels; NAN where the walk draws nothing.
+static double shown_at(const Shown *shown, const PictureView *view, int index) {
     double b[3];
+    const Seen *seen = &view->seen[index];
+    if (!shown->fine) return view->gathered[index];
     int face = shown->fine->mesh.face_of[seen->polygon];
     if (face < 0) return NAN;
     reconstruct_at(&shown->fine->mesh, &shown->field, face, seen->point, b);
@@ -362,8 +382,9 @@ static void find_noise(const PictureScene *s, PictureView *view, const Shown *fr
 
 typedef struct TruthKey {
     uint64_t version, building, seed;
-    double camera[14], sky[3], error;
-    int64_t width, height, points, seen;
+    double camera[14], error;
+    Daylight day;
+    int64_t fill_lamps, width, height, points, seen;
 } TruthKey;
 
 static TruthKey truth_key(const PictureScene *s, const PictureView *view) {
@@ -374,17 +395,18 @@ static TruthKey truth_key(const PictureScene *s, const PictureView *view) {
                       a->seed,
                       {c->eye.x, c->eye.y, c->eye.z, c->forward.x, c->forward.y, c->forward.z, c->right.x,
                        c->right.y, c->right.z, c->up.x, c->up.y, c->up.z, c->tan_x, c->tan_y},
-                      {a->sky[0], a->sky[1], a->sky[2]},
                       a->error,
+                      s->scene.day,
+                      s->scene.building.fill_lamps,
                       c->width,
                       c->height,
                       view->chosen_count,
                       view->seen_count};
 }
 
-// The numbers of a truth, in the order of the file: mean, noise, truth, deviation, gathered.
+// The numbers of a truth, in the order of the file: mean, noise, seconds, truth, deviation, gathered.
 static size_t truth_numbers(const PictureView *view) {
-    return 2 + 2 * (size_t)view->chosen_count + (size_t)view->seen_count;
+    return 3 + 2 * (size_t)view->chosen_count + (size_t)view->seen_count;
 }
 
 static void copy_truth(PictureView *view, double *numbers, bool store) {
@@ -393,6 +415,7 @@ static void copy_truth(PictureView *view, double *numbers, bool store) {
         size_t count;
     } parts[] = {{&view->mean, 1},
                  {&view->noise, 1},
+                 {&view->seconds, 1},
                  {view->truth, (size_t)view->chosen_count},
                  {view->deviation, (size_t)view->chosen_count},
                  {view->gathered, (size_t)view->seen_count}};
@@ -465,10 +488,12 @@ static bool find_truth(PictureScene *s, Arena *arena, Error *error) {
         trace_pixels(s, view);
         GatherOptions options = gather_default_options();
         options.resolution = GATHERED_RESOLUTION;
+        view->seconds = -clock_seconds();
         gather_pixels(s, view, &from, &options, NULL, view->seen_count, view->gathered);
+        view->seconds += clock_seconds() + from.seconds;
         find_noise(s, view, &from);
         keep_truth(s, view);
-        fprintf(stderr, "%s, view %s: truth in %.1f s\n", bench_name(s->file), view->name,
+        fprintf(stderr, "%s, view %s, %s: truth in %.1f s\n", bench_name(s->file), view->name, s->hour,
                 clock_seconds() - begin);
     }
     arena_free(&scratch);
@@ -482,22 +507,33 @@ static int by_size(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-// Shares of the truth, without the scatter of the truth itself.
-static void find_errors(const PictureView *view, const Shown *shown, double *mean, double *p95) {
+// Shares of the truth.
+typedef struct PictureErrors {
+    double mean, median, p95;  // without the scatter of the truth itself
+    double bias;               // the mean of signed errors
+} PictureErrors;
+
+static double at_share(const double *sorted, int count, double share) {
+    return count > 0 ? sorted[(int)(share * (count - 1) + 0.5)] : 0;
+}
+
+static PictureErrors find_errors(const PictureView *view, const Shown *shown) {
     Arena scratch = {0};
-    double *off = ARENA_ARRAY(&scratch, double, view->chosen_count + 1);
+    double *off = ARENA_ARRAY(&scratch, double, view->chosen_count + 1), bias = 0;
     int count = 0;
     for (int i = 0; i < view->chosen_count; i++) {
-        double value = shown_at(shown, &view->seen[view->chosen[i]]);
+        double value = shown_at(shown, view, view->chosen[i]);
         double scale = fmax(view->truth[i], DARK * view->mean);
         if (isnan(value) || !(scale > 0)) continue;
         double error = value - view->truth[i], deviation = view->deviation[i];
         off[count++] = sqrt(fmax(error * error - deviation * deviation, 0)) / scale;
+        bias += error / scale;
     }
-    *mean = mean_of(off, count);
     qsort(off, (size_t)count, sizeof *off, by_size);
-    *p95 = count > 0 ? off[(int)(0.95 * (count - 1) + 0.5)] : 0;
+    PictureErrors errors = {mean_of(off, count), at_share(off, count, 0.5), at_share(off, count, 0.95),
+                            count > 0 ? bias / count : 0};
     arena_free(&scratch);
+    return errors;
 }
 
 // The worst band. Pixels darker than a hundredth of the view's mean are left out.
@@ -510,7 +546,7 @@ static double find_blotches(const PictureScene *s, const PictureView *view, cons
     double *light = ARENA_ARRAY(&scratch, double, view->seen_count + 1), worst = 0;
     double *truth = ARENA_ARRAY(&scratch, double, view->seen_count + 1), rms[BLOTCH_BANDS];
     for (int i = 0; i < view->seen_count; i++) {
-        double value = shown_at(shown, &view->seen[i]);
+        double value = shown_at(shown, view, i);
         if (!(value > 0) || !(view->gathered[i] > DARK * view->mean)) continue;
         point[count] = view->seen[i].point;
         normal[count] = view->seen[i].normal;
@@ -518,8 +554,8 @@ static double find_blotches(const PictureScene *s, const PictureView *view, cons
         truth[count++] = view->gathered[i];
     }
     double stays = blotch_bands(&(BlotchPixels){count, point, normal, light, truth}, rms);
-    fprintf(stderr, "%s, view %s, %s: blotches of 6, 12, 24, 48, 96 cm", bench_name(s->file), view->name,
-            way->name);
+    fprintf(stderr, "%s, view %s, %s, %s: blotches of 6, 12, 24, 48, 96 cm", bench_name(s->file), view->name,
+            s->hour, way->name);
     for (int b = 0; b < BLOTCH_BANDS; b++) {
         fprintf(stderr, " %.2f", 100 * rms[b]);
         worst = fmax(worst, rms[b]);
@@ -550,7 +586,7 @@ static bool draw_view(const PictureScene *s, const PictureView *view, const Pict
     memset(rgb, NOTHING, (size_t)(9 * width * height));
     for (int i = 0; i < view->seen_count; i++) {
         const Seen *seen = &view->seen[i];
-        double value = shown_at(shown, seen), scale = fmax(view->gathered[i], DARK * view->mean);
+        double value = shown_at(shown, view, i), scale = fmax(view->gathered[i], DARK * view->mean);
         if (isnan(value) || !(scale > 0)) continue;
         uint8_t *at = rgb + 3 * (seen->pixel / width * 3 * width + seen->pixel % width);
         const double both[2] = {value, view->gathered[i]};
@@ -561,8 +597,8 @@ static bool draw_view(const PictureScene *s, const PictureView *view, const Pict
         }
         put_signed(at + 6 * width, (value - view->gathered[i]) / scale / ENDS);
     }
-    const char *path = arena_format(&scratch, "%s/%s-%s-%s.png", s->arguments->pictures, bench_name(s->file),
-                                    view->name, way->name);
+    const char *path = arena_format(&scratch, "%s/%s-%s-%s-%s.png", s->arguments->pictures,
+                                    bench_name(s->file), view->name, s->hour, way->name);
     bool good = file_make_folder(s->arguments->pictures, error) &&
                 image_write_png(path, rgb, 3 * width, height, error);
     arena_free(&scratch);
@@ -571,16 +607,17 @@ static bool draw_view(const PictureScene *s, const PictureView *view, const Pict
 
 static bool measure_way(const PictureScene *s, const PictureWay *way, Text *csv, Error *error) {
     Arena arena = {0};
-    Shown shown;
-    bool good = bake_way(s, way, &arena, &shown, error);
+    Shown shown = {.fine = NULL};
+    bool good = way->gathered || bake_way(s, way, &arena, &shown, error);
     for (int v = 0; v < s->view_count && good; v++) {
         const PictureView *view = &s->views[v];
-        double mean, p95;
+        PictureErrors errors = find_errors(view, &shown);
         size_t before = csv->size;
-        find_errors(view, &shown, &mean, &p95);
+        fprintf(stderr, "%s, view %s, %s, %s: median error %.2f %%, bias %+.2f %%\n", bench_name(s->file),
+                view->name, s->hour, way->name, 100 * errors.median, 100 * errors.bias);
         double blotch = find_blotches(s, view, way, &shown);
-        text_append(csv, "%s,%s,%s,%s,%.3f,%.5f,%.5f,%.5f\n", bench_name(s->file), view->name,
-                    rgb_sum(s->arguments->sky) > 0 ? "day" : "night", way->name, shown.seconds, mean, p95,
+        text_append(csv, "%s,%s,%s,%s,%.3f,%.5f,%.5f,%.5f\n", bench_name(s->file), view->name, s->hour,
+                    way->name, way->gathered ? view->seconds : shown.seconds, errors.mean, errors.p95,
                     blotch);
         fputs(csv->data + before, stdout);
         fflush(stdout);
@@ -590,11 +627,13 @@ static bool measure_way(const PictureScene *s, const PictureWay *way, Text *csv,
     return good;
 }
 
-static bool open_scene(const char *file, const BenchArguments *a, Arena *arena, PictureScene *out,
+static bool open_scene(const char *file, const BenchArguments *a, bool day, Arena *arena, PictureScene *out,
                        Error *error) {
-    *out = (PictureScene){.file = file, .arguments = a};
+    *out = (PictureScene){.file = file, .hour = day ? "day" : "night", .arguments = a};
     SceneOptions options = a->load;
     options.lamps = SCENE_LAMPS_ALL;
+    options.day.night = !day;
+    options.day.day = day && !day_asks_sky(&options.day);
     if (!app_load(file, &options, arena, &out->scene, error) || !scene_has_walls(&out->scene, error))
         return false;
     MeshOptions mesh = mesh_default_options();
@@ -604,13 +643,12 @@ static bool open_scene(const char *file, const BenchArguments *a, Arena *arena, 
                       arena, &out->mesh, error);
 }
 
-static bool pictures_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+static bool pictures_at(const char *file, const BenchArguments *a, bool day, Text *csv, Error *error) {
     Arena arena = {0};
     PictureScene s;
-    bool good = open_scene(file, a, &arena, &s, error);
+    bool good = open_scene(file, a, day, &arena, &s, error);
     if (good) {
-        Daylight day = daylight_uniform(a->sky);
-        s.tracer = path_tracer_new(&s.mesh, &day, &arena);
+        s.tracer = path_tracer_new(&s.mesh, &s.scene.day, &arena);
         choose_views(&s, &arena);
         good = find_truth(&s, &arena, error);
         path_tracer_end(s.tracer);
@@ -622,6 +660,20 @@ static bool pictures_of_file(const char *file, const BenchArguments *a, Text *cs
     return good;
 }
 
+// Both hours, unless one is asked for.
+static bool at_hours(const char *file, const BenchArguments *a,
+                     bool (*each)(const char *file, const BenchArguments *a, bool day, Text *csv,
+                                  Error *error),
+                     Text *csv, Error *error) {
+    const DayOptions *asked = &a->load.day;
+    return (day_asks(asked) || each(file, a, false, csv, error)) &&
+           (asked->night || each(file, a, true, csv, error));
+}
+
+static bool pictures_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+    return at_hours(file, a, pictures_at, csv, error);
+}
+
 static bool measure_pictures(const BenchArguments *a, Error *error) {
     BenchArguments own = *a;
     if (own.points == 0) own.points = 300;
@@ -629,13 +681,112 @@ static bool measure_pictures(const BenchArguments *a, Error *error) {
     return bench_table(&own, PICTURES_HEAD, NULL, pictures_of_file, error);
 }
 
+// ---- how bright rooms are on the screen
+
+static const char ROOMS_HEAD[] = "building,hour,room,name,area,tenth,median\n";
+
+typedef struct RoomElement {
+    double light, area;  // share of white; m^2
+} RoomElement;
+
+static int by_light(const void *a, const void *b) {
+    const RoomElement *p = a, *q = b;
+    return p->light < q->light ? -1 : p->light > q->light;
+}
+
+// The light below which this share of the area is. `elements` are sorted.
+static double light_at(const RoomElement *elements, int count, double area, double share) {
+    int i = 0;
+    for (double sum = 0; i + 1 < count; i++)
+        if ((sum += elements[i].area) >= share * area) break;
+    return count > 0 ? elements[i].light : 0;
+}
+
+// The factor of the screen for an eye that has adapted to the view from the middle of a cell.
+static double room_exposure(const PictureScene *s, const LitMesh *lit, const LitLight *light, int cell) {
+    Arena scratch = {0};
+    const int *size = s->arguments->size;
+    Viewpoint v = cell_view(&s->scene.graph, cell);
+    Camera camera = camera_look(v.eye, v.yaw, v.pitch, v.fov, size[0], size[1]);
+    Eye eye = walk_eye(&camera);
+    VisQuery *query = vis_query_new(&s->scene.graph, &s->scene.forest, &scratch);
+    VisResult seen = vis_query(query, &eye, vis_locate(&s->scene.graph, v.eye, cell), s->doors, CULL_STAB);
+    Exposure exposure = {.stops = 0};
+    exposure_adapt(&exposure, exposure_meter(lit, light, &camera, seen.objects, seen.object_count),
+                   light->level, 0);
+    arena_free(&scratch);
+    return exposure_scale(&exposure);
+}
+
+// As a share of white; the screen's own curve, by which white is 1, is left out.
+static double screen_luminance(double light) {
+    double x = fmin(light, WALK_WHITE);
+    return fmin(WALK_CURVE(x), 1);
+}
+
+static void measure_room(const PictureScene *s, const LitMesh *lit, const LitLight *light, int cell,
+                         Text *csv) {
+    Arena scratch = {0};
+    const CellGraph *graph = &s->scene.graph;
+    const Mesh *mesh = lit->mesh;
+    int region = graph->cells[cell].region, count = 0;
+    RoomElement *elements = ARENA_ARRAY(&scratch, RoomElement, mesh->element_count + 1);
+    double scale = room_exposure(s, lit, light, cell), area = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        int in = mesh->patches[mesh->elements[e].patch].cell;
+        if (in < 0 || (region >= 0 ? graph->cells[in].region != region : in != cell) ||
+            mesh_emits(mesh, mesh->elements[e].face))
+            continue;
+        elements[count] =
+            (RoomElement){screen_luminance(scale * (double)light->luminous[e]), mesh->elements[e].area};
+        area += elements[count++].area;
+    }
+    qsort(elements, (size_t)count, sizeof *elements, by_light);
+    size_t before = csv->size;
+    text_append(csv, "%s,%s,%d,%s,%.2f,%.4f,%.4f\n", bench_name(s->file), s->hour,
+                region >= 0 ? region : cell, region >= 0 ? graph->building->regions[region].name : "", area,
+                light_at(elements, count, area, 0.1), light_at(elements, count, area, 0.5));
+    fputs(csv->data + before, stdout);
+    arena_free(&scratch);
+}
+
+static bool rooms_at(const char *file, const BenchArguments *a, bool day, Text *csv, Error *error) {
+    Arena arena = {0};
+    PictureScene s;
+    Shown shown;
+    bool good = open_scene(file, a, day, &arena, &s, error) && bake_way(&s, &WAYS[0], &arena, &shown, error);
+    if (good) {
+        const CellGraph *graph = &s.scene.graph;
+        LitMesh *lit = lit_mesh_new(&shown.fine->mesh, &arena);
+        LitLight light = lit_light_new(lit, &arena);
+        lit_light_fill(lit, &shown.light, &light);
+        bool *used = ARENA_ARRAY(&arena, bool, graph->building->region_count + graph->cell_count + 1);
+        for (int cell; (cell = largest_room(graph, used)) >= 0;) {
+            int region = graph->cells[cell].region;
+            used[region >= 0 ? region : cell] = true;
+            measure_room(&s, lit, &light, cell, csv);
+        }
+    }
+    arena_free(&arena);
+    return good;
+}
+
+static bool rooms_of_file(const char *file, const BenchArguments *a, Text *csv, Error *error) {
+    return at_hours(file, a, rooms_at, csv, error);
+}
+
+static bool measure_rooms(const BenchArguments *a, Error *error) {
+    return bench_table(a, ROOMS_HEAD, NULL, rooms_of_file, error);
+}
+
 static const Option PICTURES_ROWS[] = {
     BENCH_METHODS("some of the ways below (default: default)"),
     BENCH_POINTS("300"),
     BENCH_ERROR("standard error of the truth, relative, @ (default 0.005)"),
     BENCH_SEED("of pixels and paths"),
-    BENCH_SKY,
-    BENCH_PICTURES("of each view and way, shown, gathered, and the error: DIR/FILE-VIEW-WAY.png"),
+    OPTION_DAYLIGHT(BENCH_AT(load.day), "default: by night, then by day"),
+    OPTION_FILL_LAMPS(BENCH_AT(load.fill_lamps)),
+    BENCH_PICTURES("of each view and way, shown, gathered, and the error: DIR/FILE-VIEW-HOUR-WAY.png"),
     BENCH_SIZE("of the views"),
     BENCH_CSV,
 };
@@ -653,4 +804,24 @@ const Bench BENCH_LIT_PICTURES = {
     .is_method = is_picture_method,
     .print_methods = print_ways,
     .files = BENCH_LIT_FILES,
+    .fill_lamps = FILL_LAMPS_ON,
+};
+
+static const Option ROOMS_ROWS[] = {
+    OPTION_DAYLIGHT(BENCH_AT(load.day), "default: by night, then by day"),
+    OPTION_FILL_LAMPS(BENCH_AT(load.fill_lamps)),
+    BENCH_SIZE("of the view that the eye adapts to"),
+    BENCH_CSV,
+};
+
+const Bench BENCH_ROOMS_LIGHT = {
+    .name = "rooms-light",
+    .about =
+        "how bright each room is on a walk's screen: the luminance, as a share of white, below which a tenth "
+        "and half of the area of its surfaces lie, for an eye that has adapted to the view from the "
+        "middle of the room",
+    BENCH_OPTIONS(ROOMS_ROWS),
+    .run = measure_rooms,
+    .files = BENCH_LIT_FILES,
+    .fill_lamps = FILL_LAMPS_ON,
 };

@@ -6,12 +6,12 @@
 #include "engine/bench/bench.h"
 
 extern const Bench BENCH_WALK, BENCH_COLLISION, BENCH_VISIBILITY, BENCH_FORMFACTORS, BENCH_RADIOSITY,
-    BENCH_LIGHT, BENCH_LIT_PICTURES, BENCH_MESHES, BENCH_NARROW, BENCH_ROOMS, BENCH_HIDDEN, BENCH_BREAKS,
-    BENCH_RAYS;
+    BENCH_LIGHT, BENCH_LIT_PICTURES, BENCH_MESHES, BENCH_NARROW, BENCH_ROOMS, BENCH_ROOMS_LIGHT, BENCH_HIDDEN,
+    BENCH_BREAKS, BENCH_RAYS;
 static const Bench *const BENCHES[] = {
-    &BENCH_WALK,   &BENCH_COLLISION,    &BENCH_VISIBILITY, &BENCH_FORMFACTORS, &BENCH_RADIOSITY,
-    &BENCH_LIGHT,  &BENCH_LIT_PICTURES, &BENCH_MESHES,     &BENCH_NARROW,      &BENCH_ROOMS,
-    &BENCH_HIDDEN, &BENCH_BREAKS,       &BENCH_RAYS};
+    &BENCH_WALK,        &BENCH_COLLISION,    &BENCH_VISIBILITY, &BENCH_FORMFACTORS, &BENCH_RADIOSITY,
+    &BENCH_LIGHT,       &BENCH_LIT_PICTURES, &BENCH_MESHES,     &BENCH_NARROW,      &BENCH_ROOMS,
+    &BENCH_ROOMS_LIGHT, &BENCH_HIDDEN,       &BENCH_BREAKS,     &BENCH_RAYS};
 enum { BENCH_COUNT = sizeof BENCHES / sizeof *BENCHES, MOST_ROWS = 24, MOST_USUAL = 12 };
 
 static const char USUAL_FILES[] = "build/maps/office.plan";
@@ -92,6 +92,7 @@ static int run_bench(const Bench *bench, int argc, char **argv) {
                         .resolution_count = 5,
                         .shooters = 60,
                         .rays = 4000000};
+    a.load.fill_lamps = bench->fill_lamps;
     Option rows[MOST_ROWS];
     int count = COMMON_COUNT + bench->option_count, first = 0;
     bool help = false;
@@ -102,6 +103,7 @@ static int run_bench(const Bench *bench, int argc, char **argv) {
     int code = options_parse(&table, argc, argv, &a, NULL, &first, &help);
     if (help) print_bench_help();
     if (code != APP_GOOD || help) return code;
+    if ((code = app_check_day("bench", &a.load.day)) != APP_GOOD) return code;
     if (a.quick) a.shooters = 20, a.rays = 300000;
     return measure_files(bench, &a, argv + first, argc - first);
 }

@@ -29,6 +29,9 @@ typedef struct PathResult {
     long long paths;
 } PathResult;
 
+// Learns where light comes from, by so many walks from these points. Answers then need fewer walks for the same error, and have the
+// same mean as without; `paths` does not count walks that learn. The same on any number of threads.
+void path_tracer_learn(PathTracer *tracer, const PathQuery *queries, int count, long long walks, int threads);
 // Answers `queries` [count] into `results` [count]: the same on any number of threads (0: all cores).
 void path_tracer_irradiance(const PathTracer *tracer, const PathQuery *queries, int count, int threads,
                             PathResult *results);

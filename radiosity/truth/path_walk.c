@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "engine/core/polygon.h"
+#include "radiosity/truth/path_guide.h"
 #include "visibility/hidden/embree_device.h"
 
 struct PathScene {
@@ -282,7 +283,7 @@ enum { LEAF_LIGHTS = 16 };
 static const double LEAST_COSINE = 0.05;
 
 typedef struct PathLight {
-    int face, node;           // its leaf
+    int face, node, group;    // its leaf; in PathLights.groups
     int first, corner_count;  // in PathLights.corners
     Vec3 centre, n;
     Box box;
@@ -294,8 +295,13 @@ typedef struct LightNode {
     Vec3 centre;
     double power, radius2;
     int parent, child[2];  // -1: a leaf
-    int first, count;      // of a leaf, lights
+    int first, count;      // lights
 } LightNode;
+
+// Lights that are learned of together: those of a node, or a part of those of a leaf.
+typedef struct LightGroup {
+    int node, first, count;
+} LightGroup;
 
 struct PathLights {
     const Mesh *mesh;
@@ -303,7 +309,8 @@ struct PathLights {
     LightNode *nodes;
     Vec3 *corners;
     int *of_face;  // [face_count] -1: emits nothing
-    int count, node_count;
+    LightGroup groups[PATH_LAMP_GROUPS];
+    int count, node_count, group_count;
 };
 
 // ---- made once
@@ -365,6 +372,42 @@ static int make_node(PathLights *lights, int first, int count, int parent) {
     return index;
 }
 
+static double group_power(const PathLights *lights, const LightGroup *group) {
+    double power = 0;
+    for (int i = group->first; i < group->first + group->count; i++) power += lights->lights[i].power;
+    return power;
+}
+
+// Halves the strongest group until there are as many as there may be.
+static void make_groups(PathLights *lights) {
+    double power[PATH_LAMP_GROUPS];
+    lights->groups[0] = (LightGroup){0, 0, lights->count};
+    power[0] = group_power(lights, &lights->groups[0]);
+    lights->group_count = 1;
+    while (lights->group_count < PATH_LAMP_GROUPS) {
+        int most = -1;
+        for (int g = 0; g < lights->group_count; g++)
+            if (lights->groups[g].count > 1 && (most < 0 || power[g] > power[most])) most = g;
+        if (most < 0) break;
+        LightGroup whole = lights->groups[most], half[2] = {whole, whole};
+        const LightNode *node = &lights->nodes[whole.node];
+        for (int k = 0; k < 2; k++) {
+            half[k].node = node->child[0] >= 0 ? node->child[k] : whole.node;
+            half[k].count = node->child[0] >= 0 ? lights->nodes[half[k].node].count
+                                                : (k ? whole.count - whole.count / 2 : whole.count / 2);
+        }
+        half[1].first = half[0].first + half[0].count;
+        for (int k = 0; k < 2; k++) {
+            int g = k ? lights->group_count++ : most;
+            lights->groups[g] = half[k];
+            power[g] = group_power(lights, &half[k]);
+        }
+    }
+    for (int g = 0; g < lights->group_count; g++)
+        for (int i = lights->groups[g].first; i < lights->groups[g].first + lights->groups[g].count; i++)
+            lights->lights[i].group = g;
+}
+
 // Points in the scene's coordinates.
 static PathLights *path_lights_new(const PathScene *scene, Arena *arena) {
     const Mesh *mesh = scene->mesh;
@@ -388,6 +431,7 @@ static PathLights *path_lights_new(const PathScene *scene, Arena *arena) {
     }
     make_node(lights, 0, lights->count, -1);
     for (int i = 0; i < lights->count; i++) lights->of_face[lights->lights[i].face] = i;
+    if (lights->count > 0) make_groups(lights);
     return lights;
 }
 
@@ -423,12 +467,18 @@ static double first_share(const PathLights *lights, const LightNode *node, const
     return low + high > 0 ? low / (low + high) : 0.5;
 }
 
-static double weigh_leaf(const PathLights *lights, const LightNode *node, const PathPlace *place,
+static double weigh_leaf(const PathLights *lights, const LightGroup *leaf, const PathPlace *place,
                          double weight[LEAF_LIGHTS]) {
     double sum = 0;
-    for (int i = 0; i < node->count; i++)
-        sum += weight[i] = light_weight(&lights->lights[node->first + i], place);
+    for (int i = 0; i < leaf->count; i++)
+        sum += weight[i] = light_weight(&lights->lights[leaf->first + i], place);
     return sum;
+}
+
+// The leaf of a light in a group: the group itself where it is a part of a leaf.
+static LightGroup leaf_of(const PathLights *lights, const LightGroup *group, int node) {
+    const LightNode *leaf = &lights->nodes[node];
+    return group->node == node ? *group : (LightGroup){node, leaf->first, leaf->count};
 }
 
 // ---- choosing
@@ -447,11 +497,10 @@ static Vec3 point_of(const PathLights *lights, const PathLight *light, double u,
     return vec3_lerp(c[0], vec3_lerp(c[i], c[i + 1], along), far);
 }
 
-// `u` are in [0, 1). False: no light could reach the place by this choice.
-static bool path_lights_choose(const PathLights *lights, const PathPlace *place, const double u[3],
-                               PathLightPoint *out) {
-    if (lights->count == 0) return false;
-    const LightNode *node = lights->nodes;
+// Chooses among the lights of a group; `u` are in [0, 1). False: no light could reach the place by this choice.
+static bool choose_in_group(const PathLights *lights, const LightGroup *group, const PathPlace *place,
+                            const double u[3], PathLightPoint *out) {
+    const LightNode *node = &lights->nodes[group->node];
     double at = u[0], probability = 1, weight[LEAF_LIGHTS];
     while (node->child[0] >= 0) {
         double share = first_share(lights, node, place);
@@ -460,32 +509,67 @@ static bool path_lights_choose(const PathLights *lights, const PathPlace *place,
         probability *= first ? share : 1 - share;
         node = &lights->nodes[node->child[!first]];
     }
-    double sum = weigh_leaf(lights, node, place, weight), left = at * sum;
+    LightGroup leaf = leaf_of(lights, group, (int)(node - lights->nodes));
+    double sum = weigh_leaf(lights, &leaf, place, weight), left = at * sum;
     if (!(sum > 0)) return false;
     int i = 0;
-    while (i + 1 < node->count && left >= weight[i]) left -= weight[i++];
+    while (i + 1 < leaf.count && left >= weight[i]) left -= weight[i++];
     if (!(weight[i] > 0)) return false;
-    const PathLight *light = &lights->lights[node->first + i];
+    const PathLight *light = &lights->lights[leaf.first + i];
     *out = (PathLightPoint){light->face, point_of(lights, light, u[1], u[2]),
                             probability * weight[i] / sum / light->area};
     return true;
 }
 
-// The density with which points of an emitting face are chosen, 1/m^2.
-static double path_lights_density(const PathLights *lights, const PathPlace *place, int face) {
-    int index = lights->of_face[face];
-    if (index < 0) return 0;
+// The density with which points of a light of the group are chosen there, 1/m^2.
+static double density_in_group(const PathLights *lights, const LightGroup *group, const PathPlace *place,
+                               int index) {
     const PathLight *light = &lights->lights[index];
-    double weight[LEAF_LIGHTS], sum = weigh_leaf(lights, &lights->nodes[light->node], place, weight);
-    double own = weight[index - lights->nodes[light->node].first];
+    LightGroup leaf = leaf_of(lights, group, light->node);
+    double weight[LEAF_LIGHTS], sum = weigh_leaf(lights, &leaf, place, weight);
+    double own = weight[index - leaf.first];
     if (!(own > 0)) return 0;
     double probability = own / sum;
-    for (int at = light->node; lights->nodes[at].parent >= 0; at = lights->nodes[at].parent) {
+    for (int at = light->node; at != group->node; at = lights->nodes[at].parent) {
         const LightNode *parent = &lights->nodes[lights->nodes[at].parent];
         double share = first_share(lights, parent, place);
         probability *= parent->child[0] == at ? share : 1 - share;
     }
     return probability / light->area;
+}
+
+// The share of choices of a lamp that are by what was learned; all others are by power and distance.
+static const double LEARNED = 0.8;
+
+static LightGroup all_lights(const PathLights *lights) { return (LightGroup){0, 0, lights->count}; }
+
+// The density with which points of an emitting face are chosen, 1/m^2.
+static double path_lights_density(const PathLights *lights, const PathPlace *place, const PathShares *shares,
+                                  int face) {
+    int index = lights->of_face[face];
+    if (index < 0) return 0;
+    LightGroup all = all_lights(lights);
+    double density = density_in_group(lights, &all, place, index);
+    if (!shares || !shares->lamps) return density;
+    int group = lights->lights[index].group;
+    double share = (double)shares->lamp[group + 1] - (double)shares->lamp[group];
+    if (!(share > 0)) return (1 - LEARNED) * density;
+    return (1 - LEARNED) * density +
+           LEARNED * share * density_in_group(lights, &lights->groups[group], place, index);
+}
+
+static bool path_lights_choose(const PathLights *lights, const PathPlace *place, const PathShares *shares,
+                               const double u[3], PathLightPoint *out) {
+    if (lights->count == 0) return false;
+    LightGroup group = all_lights(lights);
+    double v[3] = {u[0], u[1], u[2]};
+    if (!shares || !shares->lamps) return choose_in_group(lights, &group, place, v, out);
+    bool learned = v[0] < LEARNED;
+    v[0] = learned ? v[0] / LEARNED : (v[0] - LEARNED) / (1 - LEARNED);
+    if (learned) group = lights->groups[path_shares_lamp(shares, &v[0])];
+    if (!choose_in_group(lights, &group, place, v, out)) return false;
+    out->density = path_lights_density(lights, place, shares, out->face);
+    return true;
 }
 
 enum { MULTIPLIER = 76 };  // of the lattice
@@ -540,34 +624,106 @@ static double as_directions(double density, Vec3 to, Vec3 normal) {
     return across > 0 ? density * d2 * sqrt(d2) / across : 0;
 }
 
-// The share of a lamp's light that arrives, asked for, and weighed.
-static void ask_lamp(const PathWorld *world, const PathPlace *place, const double u[PATH_NUMBERS],
-                     const double weight[3], double light[3]) {
-    PathLightPoint lamp;
-    if (!path_lights_choose(world->lights, place, u + PATH_LAMP, &lamp)) return;
-    Vec3 to = vec3_sub(lamp.point, place->point);
-    double cosine = vec3_dot(place->normal, vec3_normalize(to)) / M_PI;
-    double asked = as_directions(lamp.density, to, world->mesh->faces[lamp.face].plane.n);
-    if (!(cosine > 0) || !(asked > 0)) return;
-    PathHit hit = path_scene_trace(world->scene, place->point, vec3_normalize(to));
-    if (hit.face != lamp.face) return;
-    add_light(light, weight, mesh_material(world->mesh, lamp.face)->emission, cosine / (asked + cosine));
-}
-
-static void ask_sun(const PathWorld *world, const PathPlace *place, const double weight[3], double light[3]) {
-    const Daylight *day = &world->day;
-    double cosine = vec3_dot(place->normal, day->sun);
-    if (rgb_sum(day->beam) == 0 || !(cosine > 0)) return;
-    if (path_scene_trace(world->scene, place->point, day->sun).face >= 0) return;
-    for (int c = 0; c < 3; c++) light[c] += weight[c] * day->beam[c] * cosine;
+static void axes_about(Vec3 normal, Vec3 axes[2]) {
+    Vec3 axis = fabs(normal.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
+    axes[0] = vec3_normalize(vec3_cross(axis, normal));
+    axes[1] = vec3_cross(normal, axes[0]);
 }
 
 Vec3 path_direction(Vec3 normal, double u, double v) {
     double r = sqrt(u), angle = 2 * M_PI * v;
-    Vec3 axis = fabs(normal.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
-    Vec3 x = vec3_normalize(vec3_cross(axis, normal)), y = vec3_cross(normal, x);
-    return vec3_normalize(vec3_add(vec3_scale(normal, sqrt(1 - u)),
-                                   vec3_add(vec3_scale(x, r * cos(angle)), vec3_scale(y, r * sin(angle)))));
+    Vec3 axes[2];
+    axes_about(normal, axes);
+    return vec3_normalize(
+        vec3_add(vec3_scale(normal, sqrt(1 - u)),
+                 vec3_add(vec3_scale(axes[0], r * cos(angle)), vec3_scale(axes[1], r * sin(angle)))));
+}
+
+// One surface of a walk: where it is, and what is known of it.
+typedef struct Stop {
+    PathPlace place;
+    const PathShares *shares;  // NULL: nothing is known
+    double u[PATH_NUMBERS], *weight;
+    double sun_share;  // of the sun's light there; the rest was asked for at the surface before
+} Stop;
+
+// The share of the day's light along a direction that is not asked for.
+static double day_share(const Stop *stop, double u, double v) {
+    bool asked = stop->shares && stop->shares->day;
+    return asked ? 1 / (1 + path_shares_density(stop->shares, u, v)) : 1;
+}
+
+// The share of a lamp's light that arrives, asked for, and weighed.
+static void ask_lamp(const PathWorld *world, const Stop *stop, double light[3], PathStep *step) {
+    PathLightPoint lamp;
+    const PathPlace *place = &stop->place;
+    const PathLights *lights = world->lights;
+    if (!path_lights_choose(lights, place, stop->shares, stop->u + PATH_LAMP, &lamp)) return;
+    Vec3 to = vec3_sub(lamp.point, place->point), along = vec3_normalize(to);
+    double cosine = vec3_dot(place->normal, along) / M_PI;
+    double asked = as_directions(lamp.density, to, world->mesh->faces[lamp.face].plane.n);
+    if (!(cosine > 0) || !(asked > 0)) return;
+    PathHit hit = path_scene_trace(world->scene, place->point, along);
+    if (hit.face != lamp.face) return;
+    Rgb emission = mesh_material(world->mesh, lamp.face)->emission;
+    double share = cosine / (asked + cosine);
+    add_light(light, stop->weight, emission, share);
+    if (!step) return;
+    int index = lights->of_face[lamp.face];
+    step->group = lights->lights[index].group;
+    double inside = density_in_group(lights, &lights->groups[step->group], place, index);
+    double found = share * ((double)emission.r + (double)emission.g + (double)emission.b);
+    if (inside > 0) step->lamp = found * found * lamp.density / inside;
+}
+
+// The irradiance by a point of the sun's disc, chosen by u.
+static bool sun_at(const PathWorld *world, const PathPlace *place, const double u[2], double irradiance[3]) {
+    const Daylight *day = &world->day;
+    if (day->beam[0] + day->beam[1] + day->beam[2] == 0) return false;
+    double r = DAYLIGHT_SUN_RADIUS * sqrt(u[0]), angle = 2 * M_PI * u[1];
+    Vec3 axes[2];
+    axes_about(day->sun, axes);
+    Vec3 off = vec3_add(vec3_scale(axes[0], r * cos(angle)), vec3_scale(axes[1], r * sin(angle)));
+    Vec3 sun = vec3_normalize(vec3_add(day->sun, off));
+    double cosine = vec3_dot(place->normal, sun);
+    if (!(cosine > 0) || path_scene_trace(world->scene, place->point, sun).face >= 0) return false;
+    for (int c = 0; c < 3; c++) irradiance[c] = day->beam[c] * cosine;
+    return true;
+}
+
+// `before` is the step that led here, NULL: none, or nobody asks.
+static void ask_sun(const PathWorld *world, const Stop *stop, double light[3], PathStep *before) {
+    double irradiance[3];
+    if (!sun_at(world, &stop->place, stop->u + PATH_LAMP + 1, irradiance)) return;
+    for (int c = 0; c < 3; c++) light[c] += stop->sun_share * stop->weight[c] * irradiance[c];
+    for (int c = 0; c < 3 && before; c++)
+        before->day[0] += stop->sun_share * stop->weight[c] * irradiance[c] / M_PI;
+}
+
+// Asks for the light of the day where it was met before: for the sky, and for sunlight that a surface reflects. Directions by cosines
+// find the same light.
+static void ask_day(const PathWorld *world, const Stop *stop, double light[3], PathStep *step) {
+    if (!stop->shares || !stop->shares->day) return;
+    double u = stop->u[PATH_LAMP + 1], v = stop->u[PATH_LAMP + 2], found[3];
+    double density = path_shares_warp(stop->shares, &u, &v);
+    Vec3 along = path_direction(stop->place.normal, u, v);
+    PathHit hit = path_scene_trace(world->scene, stop->place.point, along);
+    if (hit.face < 0) {
+        daylight_radiance(&world->day, along, found);
+        for (int c = 0; c < 3; c++) found[c] *= M_PI;
+    } else {
+        PathPlace there = {path_scene_before(world->scene, hit.face, hit.point),
+                           world->mesh->faces[hit.face].plane.n};
+        if (!hit.front || !sun_at(world, &there, stop->u + PATH_DIRECTION, found)) return;
+        Rgb rho = mesh_material(world->mesh, hit.face)->reflectance;
+        found[0] *= (double)rho.r;
+        found[1] *= (double)rho.g;
+        found[2] *= (double)rho.b;
+    }
+    for (int c = 0; c < 3; c++) light[c] += stop->weight[c] * found[c] / (1 + density);
+    if (!step) return;
+    step->bin[1] = path_guide_bin(u, v);
+    step->day[1] = (found[0] + found[1] + found[2]) / M_PI / (1 + density);
 }
 
 bool path_reflect(const Material *m, double u, double weight[3]) {
@@ -580,43 +736,72 @@ bool path_reflect(const Material *m, double u, double weight[3]) {
     return true;
 }
 
-// Follows a direction; false: the path ends there.
-static bool follow_path(const PathWorld *world, PathPlace *place, const double u[PATH_NUMBERS],
+// Follows a direction; false: the walk ends there.
+static bool follow_path(const PathWorld *world, Stop *stop,
                         bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
-                        void *context, double weight[3], double light[3]) {
-    Vec3 along = path_direction(place->normal, u[PATH_DIRECTION], u[PATH_DIRECTION + 1]);
+                        void *context, double light[3], PathStep *step) {
+    PathPlace *place = &stop->place;
+    double u = stop->u[PATH_DIRECTION], v = stop->u[PATH_DIRECTION + 1], *weight = stop->weight;
+    Vec3 along = path_direction(place->normal, u, v);
+    double unasked = day_share(stop, u, v);
+    if (step) step->bin[0] = path_guide_bin(u, v);
     PathHit hit = path_scene_trace(world->scene, place->point, along);
     if (hit.face < 0) {
         double radiance[3];
         daylight_radiance(&world->day, along, radiance);
-        for (int c = 0; c < 3; c++) light[c] += weight[c] * M_PI * radiance[c];
+        for (int c = 0; c < 3; c++) light[c] += unasked * weight[c] * M_PI * radiance[c];
+        if (step) step->day[0] = unasked * (radiance[0] + radiance[1] + radiance[2]);
     }
     if (hit.face < 0 || !hit.front) return false;
     const Material *m = mesh_material(world->mesh, hit.face);
     Vec3 n = world->mesh->faces[hit.face].plane.n;
-    double density = path_lights_density(world->lights, place, hit.face);
-    double asked = as_directions(density, vec3_sub(hit.point, place->point), n);
     double cosine = vec3_dot(place->normal, along) / M_PI;
-    if (cosine > 0) add_light(light, weight, m->emission, cosine / (asked + cosine));
+    if (world->lights->of_face[hit.face] >= 0 && cosine > 0) {
+        double lamp = path_lights_density(world->lights, place, stop->shares, hit.face);
+        double asked = as_directions(lamp, vec3_sub(hit.point, place->point), n);
+        add_light(light, weight, m->emission, cosine / (asked + cosine));
+    }
     double reflected[3];
     if (known && known(context, place->point, &hit, reflected)) {
         for (int c = 0; c < 3; c++) light[c] += weight[c] * reflected[c];
         return false;
     }
-    if (!path_reflect(m, u[PATH_ROULETTE], weight)) return false;
+    if (!path_reflect(m, stop->u[PATH_ROULETTE], weight)) return false;
     *place = (PathPlace){path_scene_before(world->scene, hit.face, hit.point), n};
+    stop->sun_share = unasked;
     return true;
+}
+
+static void walk(const PathWorld *world, Stop *stop, PathNumbers *numbers, int bounce,
+                 bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
+                 void *context, const PathShares *own, PathTrail *trail, double light[3]) {
+    bool on = true;
+    PathStep *before = NULL;
+    for (; on; bounce++) {
+        PathStep *step = trail && trail->count < PATH_TRAIL_STEPS ? &trail->steps[trail->count++] : NULL;
+        stop->shares = own ? own : world->guide ? path_guide_at(world->guide, &stop->place) : NULL;
+        own = NULL;
+        if (step) *step = (PathStep){.place = stop->place, .group = -1};
+        path_numbers_at(numbers, bounce, stop->u);
+        ask_lamp(world, stop, light, step);
+        ask_sun(world, stop, light, before);
+        ask_day(world, stop, light, step);
+        before = step;
+        on = follow_path(world, stop, known, context, light, step);
+    }
 }
 
 void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce,
                bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
                void *context, double weight[3], double light[3]) {
-    double u[PATH_NUMBERS];
-    bool on = true;
-    for (; on; bounce++) {
-        path_numbers_at(numbers, bounce, u);
-        ask_lamp(world, &place, u, weight, light);
-        ask_sun(world, &place, weight, light);
-        on = follow_path(world, &place, u, known, context, weight, light);
-    }
+    Stop stop = {.place = place, .weight = weight, .sun_share = 1};
+    walk(world, &stop, numbers, bounce, known, context, NULL, NULL, light);
+}
+
+void path_walk_guided(const PathWorld *world, PathPlace place, PathNumbers *numbers, const PathShares *own,
+                      PathTrail *trail, double light[3]) {
+    double weight[3] = {1, 1, 1};
+    Stop stop = {.place = place, .weight = weight, .sun_share = 1};
+    if (trail) trail->count = 0;
+    walk(world, &stop, numbers, 0, NULL, NULL, own, trail, light);
 }

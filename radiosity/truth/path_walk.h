@@ -32,6 +32,8 @@ Vec3 path_scene_origin(const PathScene *scene);
 // ---- walks
 
 typedef struct PathLights PathLights;
+// The knowledge that walks gathered of the scene (path_guide.h).
+typedef struct PathGuide PathGuide;
 
 // A point at which light arrives, and the normal of its surface, in the scene's coordinates.
 typedef struct PathPlace {
@@ -43,12 +45,15 @@ typedef struct PathWorld {
     PathScene *scene;
     PathLights *lights;
     Daylight day;
+    PathGuide *guide;  // NULL: nothing was learned
 } PathWorld;
 
 PathWorld path_world(const Mesh *mesh, const Daylight *day, Arena *arena);  // `day` NULL: night
 void path_world_end(PathWorld *world);
 
 enum { PATH_BLOCK = 1021 };  // walks in a block, a prime
+// Lamps that are close to each other are learned of together: at most so many groups.
+enum { PATH_LAMP_GROUPS = 64 };
 
 // The random numbers that a walk takes at each surface: three to choose a point of a lamp, two for a direction, one for Russian
 // roulette. The first PATH_LATTICE_BOUNCES surfaces take them from a lattice.
@@ -75,6 +80,12 @@ Vec3 path_direction(Vec3 normal, double u, double v);
 void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, int bounce,
                bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
                void *context, double weight[3], double light[3]);
+// A walk without `known` from bounce 0 on. `own` are the shares of the place itself, NULL: those of the world's guide. `trail` takes what
+// the walk met, NULL: nobody asks.
+struct PathShares;
+struct PathTrail;
+void path_walk_guided(const PathWorld *world, PathPlace place, PathNumbers *numbers,
+                      const struct PathShares *own, struct PathTrail *trail, double light[3]);
 // Multiplies a walk's weight by the reflectance, with Russian roulette by `u`; false: the walk is absorbed.
 bool path_reflect(const Material *material, double u, double weight[3]);
 

@@ -35,58 +35,64 @@ struct Bend {
     Bend *half[2];  // NULL: a half that is not halved again
 };
 
-typedef struct Known {
-    long long x, y, z;
-    double light;
-    bool there;
-} Known;
-
 // A rectangle of a face's grid, and how often a root was halved to get there.
 typedef struct Span {
     double low[2], high[2];
     int depth[2];
 } Span;
 
-typedef struct Finder {
+struct BendFinder {
     const Face *face;
-    double (*at)(void *context, Vec3 point);
-    void *context;
-    bool (*edge)(void *context, const Vec3 *corner, int count);
-    double rest, least;  // least error
-    double smallest;     // metres
+    const BendLight *light;
+    double least;     // least error
+    double smallest;  // metres
     Arena *arena;
-    Known known[KNOWN];
-    int known_count;
-} Finder;
+    BendPoint points[MOST_KNOWN];
+    int count;
+    short known[KNOWN];  // by place: one more than the index of a point; 0: none
+};
 
-// Where the light of a point is remembered, or is to be.
-static Known *known_at(Finder *f, Vec3 p) {
+BendFinder *bend_finder_new(Arena *arena) { return ARENA_ARRAY(arena, BendFinder, 1); }
+
+const BendPoint *bend_points(const BendFinder *f, int *count) {
+    *count = f->count;
+    return f->points;
+}
+
+// The point at a place, or a new one, which has no light yet.
+static BendPoint *point_at(BendFinder *f, Vec3 p, bool *is_new) {
     Vec3 off = vec3_sub(p, f->face->origin);
     long long x = llround(off.x / SAME_POINT), y = llround(off.y / SAME_POINT),
               z = llround(off.z / SAME_POINT);
     size_t at = (size_t)(x * 73856093LL ^ y * 19349663LL ^ z * 83492791LL);
-    if (f->known_count >= MOST_KNOWN) {
+    if (f->count == MOST_KNOWN) {
         memset(f->known, 0, sizeof f->known);
-        f->known_count = 0;
+        f->count = 0;
     }
-    for (at = (at ^ at >> 17) % KNOWN; f->known[at].there; at = (at + 1) % KNOWN) {
-        const Known *k = &f->known[at];
-        if (k->x == x && k->y == y && k->z == z) break;
+    *is_new = false;
+    for (at = (at ^ at >> 17) % KNOWN; f->known[at]; at = (at + 1) % KNOWN) {
+        BendPoint *known = &f->points[f->known[at] - 1];
+        Vec3 d = vec3_sub(known->point, p);
+        if (fabs(d.x) < SAME_POINT && fabs(d.y) < SAME_POINT && fabs(d.z) < SAME_POINT) return known;
     }
-    if (!f->known[at].there) f->known[at] = (Known){.x = x, .y = y, .z = z};
-    return &f->known[at];
+    *is_new = true;
+    f->known[at] = (short)(f->count + 1);
+    f->points[f->count].point = p;
+    return &f->points[f->count++];
 }
 
-static void remember(Finder *f, Known *known, double light) {
-    known->light = light;
-    known->there = true;
-    f->known_count++;
-}
-
-static double light_at(Finder *f, Vec3 p) {
-    Known *known = known_at(f, p);
-    if (!known->there) remember(f, known, f->at(f->context, p));
-    return known->light;
+// Radiosity by the light, the sum of the channels.
+static double light_at(BendFinder *f, Vec3 p) {
+    bool is_new;
+    BendPoint *point = point_at(f, p, &is_new);
+    if (is_new) {
+        double h[3] = {0, 0, 0};
+        f->light->at(f->light->context, p, h);
+        memcpy(point->irradiance, h, sizeof h);
+    }
+    double sum = 0;
+    for (int c = 0; c < 3; c++) sum += f->light->reflectance[c] * point->irradiance[c];
+    return sum;
 }
 
 static double grid_at(const Face *face, int axis, Vec3 p) {
@@ -121,13 +127,13 @@ static Span half_of(const Span *s, int axis, int k) {
 }
 
 // How far linear light is off, as a share of the light at the point: all of it where there should be none.
-static double share_off(const Finder *f, double linear, double light) {
-    double all = f->rest + light;
+static double share_off(const BendFinder *f, double linear, double light) {
+    double all = f->light->rest + light;
     return all > 0 ? fabs(linear - light) / all : linear > 0;
 }
 
 // The largest errors of linear light between the corners of a convex part, along each axis; returns the part's area, m^2.
-static double measure(Finder *f, const Span *s, const Vec3 *v, int count, double off[2]) {
+static double measure(BendFinder *f, const Span *s, const Vec3 *v, int count, double off[2]) {
     Vec3 n = f->face->plane.n, moment = {0, 0, 0};
     double light[MOST_CORNERS], twice = 0, sum = 0, low = INFINITY, high = 0;
     off[0] = off[1] = 0;
@@ -161,7 +167,7 @@ static double measure(Finder *f, const Span *s, const Vec3 *v, int count, double
     return twice / 2;
 }
 
-static bool may_halve(const Finder *f, const Span *s, int axis) {
+static bool may_halve(const BendFinder *f, const Span *s, int axis) {
     return s->depth[axis] < MESH_DEEPEST && s->depth[axis] <= s->depth[1 - axis] &&
            metres(f->face, axis, s->high[axis] - s->low[axis]) / 2 >= f->smallest;
 }
@@ -175,7 +181,7 @@ static int cut(const Face *face, const Vec3 *v, int count, int axis, double line
 }
 
 // `expected`: the share that light is thought to be off, at most.
-static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double expected) {
+static Bend *find_in(BendFinder *f, const Span *s, const Vec3 *v, int count, double expected) {
     double off[2];
     if (count < 3 || count > MOST_CORNERS) return NULL;
     if (expected * metres(f->face, 0, s->high[0] - s->low[0]) * metres(f->face, 1, s->high[1] - s->low[1]) <
@@ -185,7 +191,7 @@ static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double 
            size[2] = {metres(f->face, 0, s->high[0] - s->low[0]), metres(f->face, 1, s->high[1] - s->low[1])};
     bool bends = error > TOLERANCE && error * area > f->least;
     int axis = bends ? off[1] > off[0] : size[1] > size[0];
-    if (!bends && !(f->edge && f->edge(f->context, v, count))) return NULL;
+    if (!bends && !(f->light->edge && f->light->edge(f->light->context, v, count))) return NULL;
     if (!may_halve(f, s, axis)) axis = 1 - axis;
     if (!may_halve(f, s, axis)) return NULL;
     Bend *bend = ARENA_ARRAY(f->arena, Bend, 1);
@@ -200,32 +206,30 @@ static Bend *find_in(Finder *f, const Span *s, const Vec3 *v, int count, double 
     return bends || bend->half[0] || bend->half[1] ? bend : NULL;
 }
 
-Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at)(void *context, Vec3 point),
-                bool (*edge)(void *context, const Vec3 *corner, int count), void *context, double rest,
+Bend *bend_find(BendFinder *f, const Mesh *mesh, int element, double (*corner)[3], const BendLight *light,
                 Arena *arena) {
     const Element *e = &mesh->elements[element];
-    if (!mesh->options.splits || e->corner_count > MOST_CORNERS) return NULL;
     double side = EVEN * mesh->options.element;
-    Finder f = {.face = &mesh->faces[e->face],
-                .at = at,
-                .edge = edge,
-                .context = context,
-                .rest = rest,
-                .least = edge ? 0 : TOLERANCE * side * side,
-                .smallest = SMALLEST,
-                .arena = arena};
-    if (edge) {
-        double area = metres(f.face, 0, f.face->nx) * metres(f.face, 1, f.face->ny);
-        f.smallest = fmin(SMALLEST, fmax(SMALLEST_AT_EDGE, sqrt(area / MOST_SQUARES)));
+    f->face = &mesh->faces[e->face];
+    f->light = light;
+    f->least = light->edge ? 0 : TOLERANCE * side * side;
+    f->smallest = SMALLEST;
+    f->arena = arena;
+    f->count = 0;
+    memset(f->known, 0, sizeof f->known);
+    if (!mesh->options.splits || e->corner_count > MOST_CORNERS) return NULL;
+    if (light->edge) {
+        double area = metres(f->face, 0, f->face->nx) * metres(f->face, 1, f->face->ny);
+        f->smallest = fmin(SMALLEST, fmax(SMALLEST_AT_EDGE, sqrt(area / MOST_SQUARES)));
     }
     Vec3 v[MOST_CORNERS];
     for (int i = 0; i < e->corner_count; i++) {
+        bool is_new;
         v[i] = mesh->vertices[mesh->corners[e->first_corner + i]];
-        Known *known = known_at(&f, v[i]);
-        if (!known->there) remember(&f, known, corner[i]);
+        memcpy(point_at(f, v[i], &is_new)->irradiance, corner[i], sizeof *corner);
     }
     Span span = span_of(mesh, element);
-    return find_in(&f, &span, v, e->corner_count, 1);
+    return find_in(f, &span, v, e->corner_count, 1);
 }
 
 // ---- splits

@@ -8,14 +8,36 @@
 // An element that is halved, or a part of it.
 typedef struct Bend Bend;
 
+// The light in which bends are looked for.
+typedef struct BendLight {
+    // The irradiance at a point of the element, W/m^2 a channel.
+    void (*at)(void *context, Vec3 point, double irradiance[3]);
+    // Whether a shadow's edge may pass a part; NULL: that is not asked.
+    bool (*edge)(void *context, const Vec3 *corner, int count);
+    void *context;
+    double reflectance[3];
+    double rest;  // radiosity by all other light on the element, the sum of the channels, which counts as even
+} BendLight;
+
+// A point, and the irradiance there.
+typedef struct BendPoint {
+    Vec3 point;
+    double irradiance[3];
+} BendPoint;
+
+// The memory of one thread for the search.
+typedef struct BendFinder BendFinder;
+BendFinder *bend_finder_new(Arena *arena);
+
 // Halves an element of a mesh with splits until, in each part, linear light between the corners is near enough to the light at the middle
-// and at the middles of the sides, or the part is 2.5 cm long. `corner` [corner_count of the element] is the light at its corners, `at`
-// tells the light at a point; `rest` is other light on the element, which counts as even. `edge`, if not NULL, tells whether a shadow's
-// edge may pass a part: such parts are looked into also where none of these points is off, and halved until they are 1 cm long. NULL: light
-// does not bend in the element. The result lives in the arena.
-Bend *bend_find(const Mesh *mesh, int element, const double *corner, double (*at)(void *context, Vec3 point),
-                bool (*edge)(void *context, const Vec3 *corner, int count), void *context, double rest,
+// and at the middles of the sides, or the part is 2.5 cm long. `corner` [corner_count of the element] is the irradiance at its corners.
+// Parts that a shadow's edge may pass are looked into also where none of these points is off, and halved until they are 1 cm long. NULL:
+// light does not bend in the element. The result lives in the arena.
+Bend *bend_find(BendFinder *finder, const Mesh *mesh, int element, double (*corner)[3], const BendLight *light,
                 Arena *arena);
+
+// The points at which the last search looked, those at the middles and corners of all parts among them; valid until the next one.
+const BendPoint *bend_points(const BendFinder *finder, int *count);
 
 // Splits of a finer mesh: as deep as the elements of the mesh, and as their bends [element_count] ask for. Where that would take more
 // than `most` further elements, the bends that are least off are left out. NULL: nothing bends.

@@ -29,6 +29,10 @@ enum { CLOSERS = 8 };
 // Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
 // looks at progress.
 enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
+// Patches for which what stands before lamps is found at a time.
+enum { TOGETHER = 4 };
+// Points of two meshes nearer than this are in one place, metres.
+static const double SAME_PLACE = 1e-7;
 
 // A face in the axes of a group: z is the normal of the face that the group is on.
 typedef struct Blocker {
@@ -59,6 +63,19 @@ typedef struct Near {
     int object, first, count;  // in Worker.between
 } Near;
 
+// The light that a group has found at a node.
+typedef struct NodeLight {
+    int group, corner;  // one more than the group's index; in Mesh.corners
+} NodeLight;
+
+// Points whose light is known within an element, beyond its corners.
+typedef struct Within {
+    const BendPoint *points;  // [count] NULL: it does not bend
+    int count;
+    bool middle_known;
+    double middle[3];  // irradiance at its centroid, W/m^2
+} Within;
+
 typedef struct Worker {
     Arena arena, bends;
     BoxHits hits;
@@ -78,8 +95,11 @@ typedef struct Worker {
     Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
     int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
     LampFlood *flood;
-    double *light;  // at the corners of an element
+    double (*light)[3];  // irradiance at the corners of an element
     int light_capacity;
+    BendFinder *finder;
+    NodeLight *of_node;  // [nodes->count]
+    bool sampled;        // not all faces of a lamp were asked
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
     SunPatch *sun;  // NULL: there is no sun
@@ -123,8 +143,8 @@ typedef struct Direct {
     bool *settled;           // [patch_count] all light of its corners is known
     // [element_count] other light, W/m^2; NULL: bends are not looked for
     const double *besides;
-    double (*at_node)[3];  // [nodes->count] direct irradiance
-    Bend **bends;          // [element_count]
+    Bend **bends;    // [element_count]
+    Within *within;  // [element_count]
 } Direct;
 
 // ---- groups and patches
@@ -518,6 +538,7 @@ static void light_point(Worker *w, int first, int end, Vec3 point, int most, dou
         Before before = w->before[k];
         int step = (before.facing_count + most - 1) / most, last = before.first_facing + before.facing_count;
         double weight = before.facing_count / ceil((double)before.facing_count / step);
+        w->sampled = w->sampled || step > 1;
         if (hides_object(w, &before, point)) continue;
         for (int i = before.first_facing; i < last; i += step) {
             const Facing *facing = &w->facing[i];
@@ -538,17 +559,14 @@ typedef struct Bent {
     const Frame *frame;
     int first;    // of the lamps before the patch, in Worker.before
     Vec3 middle;  // in the frame
-    double rho[3];
 } Bent;
 
-// The radiosity by light straight from lamps and sun at a point of the element, the sum of the channels.
-static double light_of_bent(void *context, Vec3 point) {
+// Irradiance straight from lamps and sun at a point of the element.
+static void light_of_bent(void *context, Vec3 point, double out[3]) {
     const Bent *b = context;
-    double light[3] = {0, 0, 0};
     Vec3 at = off_the_edge(to_frame(b->frame, point), b->middle);
-    light_point(b->worker, b->first, b->worker->before_count, at, FACES_FOR_BENDS, light);
-    if (b->worker->sun) sun_patch_add(b->worker->sun, from_frame(b->frame, at), light);
-    return b->rho[0] * light[0] + b->rho[1] * light[1] + b->rho[2] * light[2];
+    light_point(b->worker, b->first, b->worker->before_count, at, FACES_FOR_BENDS, out);
+    if (b->worker->sun) sun_patch_add(b->worker->sun, from_frame(b->frame, at), out);
 }
 
 static bool edge_of_bent(void *context, const Vec3 *corner, int count) {
@@ -564,45 +582,96 @@ static bool edge_in_element(const Direct *d, Worker *w, int e) {
     return sun_patch_edge(w->sun, w->moved, element->corner_count);
 }
 
-// `sun`: what the patch has of it.
-static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
-    const Element *element = &d->mesh->elements[e];
-    Bent bent = {d, w, frame, first, to_frame(frame, element_centroid(d->mesh, e)), {0}};
-    rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, bent.rho);
-    if ((w->before_count == first && sun != SUN_PARTLY) || rgb_sum(bent.rho) == 0) return;
-    w->light = with_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
-    for (int i = 0; i < element->corner_count; i++) {
-        const double *h = d->at_node[d->nodes->of_corner[element->first_corner + i]];
-        w->light[i] = bent.rho[0] * h[0] + bent.rho[1] * h[1] + bent.rho[2] * h[2];
-    }
-    bool edge = sun == SUN_PARTLY && edge_in_element(d, w, e);
-    d->bends[e] = bend_find(d->mesh, e, w->light, light_of_bent, edge ? edge_of_bent : NULL, &bent,
-                            d->besides[e], &w->bends);
+// Light at a corner of an element, as all lamps and the sun give it.
+static void light_corner(const Direct *d, Worker *w, const Frame *frame, int c, Vec3 towards, int first,
+                         int sun, double out[3]) {
+    Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[c]]);
+    node = off_the_edge(node, to_frame(frame, towards));
+    light_point(w, first, w->before_count, node, INT_MAX / 2, out);
+    if (sun != SUN_DARK) sun_patch_add(w->sun, from_frame(frame, node), out);
 }
 
-static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int first, int sun) {
+// Light at the corners of an element, in Worker.light: another element may have it by now, if it belongs to the same group, so that it does
+// not depend on threads.
+static void collect_corners(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first,
+                            int sun) {
+    const Element *element = &d->mesh->elements[e];
+    w->light = with_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
+    for (int i = 0; i < element->corner_count; i++) {
+        Vec3 towards;
+        int c = element->first_corner + i;
+        const NodeLight *known = &w->of_node[d->nodes->of_corner[c]];
+        memset(w->light[i], 0, sizeof *w->light);
+        if (corner_counts(d, e, c, &towards))
+            memcpy(w->light[i], d->at_corner[c], sizeof *w->light);
+        else if (known->group == group + 1)
+            memcpy(w->light[i], d->at_corner[known->corner], sizeof *w->light);
+        else
+            light_corner(d, w, frame, c, towards, first, sun, w->light[i]);
+    }
+}
+
+static const BendPoint *find_point(const BendPoint *points, int count, Vec3 at) {
+    for (int i = 0; i < count; i++)
+        if (vec3_length(vec3_sub(points[i].point, at)) < SAME_PLACE) return &points[i];
+    return NULL;
+}
+
+// `sun`: what the patch has of it.
+static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first, int sun) {
+    const Element *element = &d->mesh->elements[e];
+    Vec3 middle = element_centroid(d->mesh, e);
+    Bent bent = {d, w, frame, first, to_frame(frame, middle)};
+    BendLight light = {.at = light_of_bent, .context = &bent, .rest = d->besides[e]};
+    rgb_doubles(mesh_material(d->mesh, element->face)->reflectance, light.reflectance);
+    if ((w->before_count == first && sun != SUN_PARTLY) || rgb_sum(light.reflectance) == 0) return;
+    collect_corners(d, w, frame, e, group, first, sun);
+    if (sun == SUN_PARTLY && edge_in_element(d, w, e)) light.edge = edge_of_bent;
+    w->sampled = false;
+    d->bends[e] = bend_find(w->finder, d->mesh, e, w->light, &light, &w->bends);
+    if (w->sampled) return;
+    Within *within = &d->within[e];
+    const BendPoint *points = bend_points(w->finder, &within->count), *at = find_point(points, within->count, middle);
+    within->middle_known = at != NULL;
+    if (at) memcpy(within->middle, at->irradiance, sizeof within->middle);
+    if (!d->bends[e]) {
+        within->count = 0;
+        return;
+    }
+    BendPoint *kept = ARENA_ARRAY(&w->bends, BendPoint, within->count);
+    memcpy(kept, points, (size_t)within->count * sizeof *kept);
+    within->points = kept;
+}
+
+static void light_corners(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first,
+                          int sun) {
     const Element *element = &d->mesh->elements[e];
     for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
         Vec3 towards;
-        if (!corner_counts(d, e, c, &towards) || (d->known && d->known[c])) continue;
-        Vec3 node = to_frame(frame, d->mesh->vertices[d->mesh->corners[c]]);
-        node = off_the_edge(node, to_frame(frame, towards));
-        light_point(w, first, w->before_count, node, INT_MAX / 2, d->at_corner[c]);
-        if (sun != SUN_DARK) sun_patch_add(w->sun, from_frame(frame, node), d->at_corner[c]);
+        if (!corner_counts(d, e, c, &towards)) continue;
+        if (!d->known || !d->known[c]) light_corner(d, w, frame, c, towards, first, sun, d->at_corner[c]);
+        w->of_node[d->nodes->of_corner[c]] = (NodeLight){group + 1, c};
     }
 }
 
-static void light_patch(const Direct *d, Worker *w, const Frame *frame, int patch, int lamps) {
+// Patches first .. end - 1, which share what is before them.
+static void light_patches(const Direct *d, Worker *w, const Frame *frame, int group, int first_patch, int end,
+                          int lamps) {
     const Mesh *mesh = d->mesh;
-    const Patch *p = &mesh->patches[patch];
     int first = w->before_count, blockers = w->blocker_count, facing = w->facing_count;
     Vec3 rectangle[4], there[4];
-    bound_patches(d, frame, patch, 1, rectangle);
+    bound_patches(d, frame, first_patch, end - first_patch, rectangle);
     for (int i = 0; i < 4; i++) there[i] = from_frame(frame, rectangle[i]);
-    for (int k = 0; k < lamps; k++) narrow(d, w, there, rectangle, p->face, w->before[k]);
-    int sun = w->sun ? sun_patch_look(w->sun, patch, LONGEST_HAIR) : SUN_DARK;
-    for (int e = p->first_element; e < p->first_element + p->element_count; e++)
-        (d->besides ? find_bend : light_corners)(d, w, frame, e, first, sun);
+    for (int k = 0; k < lamps; k++)
+        narrow(d, w, there, rectangle, mesh->patches[first_patch].face, w->before[k]);
+    for (int p = first_patch; p < end; p++) {
+        const Patch *patch = &mesh->patches[p];
+        int sun = w->sun ? sun_patch_look(w->sun, p, LONGEST_HAIR) : SUN_DARK;
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+            light_corners(d, w, frame, e, group, first, sun);
+            if (d->besides) find_bend(d, w, frame, e, group, first, sun);
+        }
+    }
     w->before_count = first;
     w->blocker_count = blockers;
     w->facing_count = facing;
@@ -613,6 +682,8 @@ static bool is_settled(const Direct *d, const Group *g) {
     while (d->settled && p < g->first_patch + g->patch_count && d->settled[p]) p++;
     return d->settled && p == g->first_patch + g->patch_count;
 }
+
+static bool patch_is_settled(const Direct *d, int patch) { return d->settled && d->settled[patch]; }
 
 static void light_group(const Direct *d, Worker *w, const Group *g) {
     if (is_settled(d, g)) return;
@@ -625,9 +696,13 @@ static void light_group(const Direct *d, Worker *w, const Group *g) {
     w->corner_count = w->blocker_count = w->before_count = w->facing_count = 0;
     bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
     for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
-    int lamps = w->before_count;
-    for (int p = g->first_patch; (lamps > 0 || w->sun) && p < g->first_patch + g->patch_count; p++)
-        if (!d->settled || !d->settled[p]) light_patch(d, w, &frame, p, lamps);
+    int lamps = w->before_count, end = g->first_patch + g->patch_count, next;
+    for (int p = g->first_patch; (lamps > 0 || w->sun) && p < end; p = next) {
+        next = p + 1;
+        if (patch_is_settled(d, p)) continue;
+        while (next < end && next < p + TOGETHER && !patch_is_settled(d, next)) next++;
+        light_patches(d, w, &frame, (int)(g - d->groups), p, next, lamps);
+    }
 }
 
 static Box box_of_groups(const Direct *d, const Batch *batch) {
@@ -782,15 +857,17 @@ static void join_corners(const Direct *d, double (*out)[3]) {
     }
 }
 
-// Takes memory that end_workers frees. `out` NULL: finds bends.
+// Takes memory that end_workers frees. With Direct.besides bends are found, too.
 static bool light_all(Direct *d, int threads, const Progress *progress, double (*out)[3], RadReport *report) {
     d->threads = parallel_threads(threads);
     d->workers = ARENA_ARRAY(&d->arena, Worker, d->threads);
     for (int t = 0; t < d->threads; t++) {
         d->workers[t].flood = lamp_flood_new(d->ways, &d->arena);
         if (d->sun) d->workers[t].sun = sun_patch_new(d->sun, &d->workers[t].arena);
+        d->workers[t].of_node = ARENA_ARRAY(&d->arena, NodeLight, d->nodes->count + 1);
+        if (d->besides) d->workers[t].finder = bend_finder_new(&d->arena);
     }
-    if (out && !d->at_corner)
+    if (!d->at_corner)
         d->at_corner = arena_alloc(&d->arena, (size_t)d->mesh->corner_count + 1, sizeof *d->at_corner);
     bool go_on = true;
     for (d->first = 0; d->first < d->batch_count && go_on; d->first += BATCHES_A_LOOK) {
@@ -803,7 +880,7 @@ static bool light_all(Direct *d, int threads, const Progress *progress, double (
         report->direct_pairs += d->workers[t].report.direct_pairs;
         report->direct_cut += d->workers[t].report.direct_cut;
     }
-    if (go_on && out) join_corners(d, out);
+    if (go_on) join_corners(d, out);
     return go_on;
 }
 
@@ -860,8 +937,10 @@ static const double DARK = 0.01;
 static const double MOST_ADDED = 0.5;
 // And so many more under a sun, whose shadows have edges that are sharp wherever they pass. Homes take 10,000 to 20,000.
 static const double MOST_ADDED_BY_SUN = 30000;
-// Corners of two meshes nearer than this are in one place, metres.
-static const double SAME_PLACE = 1e-9;
+// Nodes are lifted by this share of what linear light between them is below the light at the middle of elements: so the mean of the
+// two is the same where light is bent like a parabola. Where it is off by more than MOST_LIFT of all light there, at edges of shadows, they
+// are left as they are.
+static const double LIFT = 2.0 / 3, MOST_LIFT = 0.08;
 
 // All light but that straight from the lamps, if `lamps`, that straight from the sun, and, if `gathered`, reflected light.
 static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bool lamps,
@@ -897,44 +976,90 @@ static double *light_besides(const Mesh *mesh, const RadSolution *rest, const Ra
     return out;
 }
 
-// Finds where light bends within elements.
-static bool find_bends(Direct *d, const double *besides, double (*at_node)[3], int threads,
-                       const Progress *progress, Arena *arena, MeshSplits **out, RadReport *report) {
-    Arena scratch = {0};
-    d->besides = besides;
-    d->at_node = at_node;
-    d->bends = ARENA_ARRAY(&scratch, Bend *, d->mesh->element_count + 1);
-    bool good = light_all(d, threads, progress, NULL, report);
-    double most = MOST_ADDED * d->mesh->element_count + (d->sun ? MOST_ADDED_BY_SUN : 0);
-    *out = good ? bend_splits(d->mesh, d->bends, most, arena) : NULL;
-    end_workers(d);
-    arena_free(&scratch);
-    return good;
-}
-
-// Takes over the light of corners that the coarser mesh has, too.
-static void take_known(Direct *d, const Mesh *coarser, const Nodes *nodes, double (*at_node)[3]) {
-    const Mesh *mesh = d->mesh;
+// Takes over the light of points that is known within elements of the coarser mesh.
+static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3]) {
+    const Mesh *mesh = d->mesh, *rough = coarser->mesh;
     d->known = ARENA_ARRAY(&d->arena, bool, mesh->corner_count + 1);
     d->settled = ARENA_ARRAY(&d->arena, bool, mesh->patch_count + 1);
     d->at_corner = arena_alloc(&d->arena, (size_t)mesh->corner_count + 1, sizeof *d->at_corner);
     for (int p = 0; p < mesh->patch_count; p++) d->settled[p] = true;
     for (int e = 0; e < mesh->element_count; e++) {
-        const Element *element = &mesh->elements[e],
-                      *around = &coarser->elements[shown_around(coarser, mesh, e)];
+        int in = shown_around(rough, mesh, e);
+        const Element *element = &mesh->elements[e], *around = &rough->elements[in];
         for (int c = element->first_corner; c < element->first_corner + element->corner_count; c++) {
             Vec3 at = mesh->vertices[mesh->corners[c]], towards;
             // One corner of a node in a plane counts.
             if (!corner_counts(d, e, c, &towards)) continue;
             for (int i = around->first_corner; i < around->first_corner + around->corner_count; i++) {
-                if (vec3_length(vec3_sub(at, coarser->vertices[coarser->corners[i]])) > SAME_PLACE) continue;
-                memcpy(d->at_corner[c], at_node[nodes->of_corner[i]], sizeof *at_node);
+                if (vec3_length(vec3_sub(at, rough->vertices[rough->corners[i]])) > SAME_PLACE) continue;
+                memcpy(d->at_corner[c], at_node[coarser->nodes->of_corner[i]], sizeof *at_node);
                 d->known[c] = true;
                 break;
+            }
+            const BendPoint *point = d->known[c] ? NULL : find_point(coarser->within[in].points, coarser->within[in].count, at);
+            if (point) {
+                memcpy(d->at_corner[c], point->irradiance, sizeof point->irradiance);
+                d->known[c] = true;
             }
             if (!d->known[c]) d->settled[element->patch] = false;
         }
     }
+}
+
+// The mean over an element of the light at its corners, linear in triangles about the first.
+static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[3], int element, double out[3]) {
+    const Element *e = &mesh->elements[element];
+    Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[mesh->corners[e->first_corner]];
+    const int *node = nodes->of_corner + e->first_corner;
+    double all = 0;
+    out[0] = out[1] = out[2] = 0;
+    for (int i = 1; i + 1 < e->corner_count; i++) {
+        Vec3 a = vec3_sub(mesh->vertices[mesh->corners[e->first_corner + i]], base),
+             b = vec3_sub(mesh->vertices[mesh->corners[e->first_corner + i + 1]], base);
+        double part = vec3_dot(n, vec3_cross(a, b));
+        all += part;
+        for (int c = 0; c < 3; c++)
+            out[c] += part * (at_node[node[0]][c] + at_node[node[i]][c] + at_node[node[i + 1]][c]) / 3;
+    }
+    for (int c = 0; c < 3; c++) out[c] = all > 0 ? out[c] / all : 0;
+}
+
+// Lifts nodes so that light between them is right in the mean. `d` knows the light within the elements of its mesh, in which those
+// of `shown` lie.
+static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, double (*at_node)[3]) {
+    Arena scratch = {0};
+    double(*lift)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *lift);
+    int *count = ARENA_ARRAY(&scratch, int, nodes->count + 1);
+    for (int e = 0; e < shown->element_count; e++) {
+        const Element *element = &shown->elements[e];
+        int in = shown == d->mesh ? e : shown_around(d->mesh, shown, e);
+        const Within *within = &d->within[in];
+        const double *middle = within->middle;
+        double linear[3], rho[3], off[3] = {0, 0, 0}, light = d->besides[in], gap = 0;
+        if (within->points) {
+            const BendPoint *at = find_point(within->points, within->count, element_centroid(shown, e));
+            middle = at ? at->irradiance : NULL;
+        }
+        if (middle && within->middle_known) {
+            linear_mean(shown, nodes, at_node, e, linear);
+            rgb_doubles(mesh_material(shown, element->face)->reflectance, rho);
+            for (int c = 0; c < 3; c++) {
+                off[c] = middle[c] - linear[c];
+                light += rho[c] * middle[c];
+                gap += rho[c] * off[c];
+            }
+            if (fabs(gap) > MOST_LIFT * light) off[0] = off[1] = off[2] = 0;
+        }
+        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
+            int node = nodes->of_corner[i];
+            count[node]++;
+            for (int c = 0; c < 3; c++) lift[node][c] += LIFT * off[c];
+        }
+    }
+    for (int n = 0; n < nodes->count; n++)
+        for (int c = 0; c < 3; c++)
+            at_node[n][c] = fmax(at_node[n][c] + (count[n] > 0 ? lift[n][c] / count[n] : 0), 0);
+    arena_free(&scratch);
 }
 
 // Stores the light at the nodes of the mesh that shows it: reflected light as the elements of `rest` tell it, and direct light, which is
@@ -953,12 +1078,13 @@ static bool light_nodes(Direct *d, double (*at_node)[3], const RadSolution *rest
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
         start_direct(&finer, shown, forest, &finer_nodes, &rest->day, &scratch);
         finer.lamps = d->lamps;
-        take_known(&finer, mesh, nodes, at_node);
+        take_known(&finer, d, at_node);
         good = light_all(&finer, threads, progress, irradiance, report);
         end_workers(&finer);
         at_node = irradiance;
         nodes = &finer_nodes;
     }
+    if (good && !getenv("NOLIFT")) lift_nodes(d, shown, nodes, at_node);
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
@@ -995,16 +1121,21 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
         Mesh finer;
+        d.besides = light_besides(mesh, &rest, solution, &scratch);
+        d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
+        d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
         good = light_all(&d, threads, progress, at_node, report);
-        end_workers(&d);
-        good = good && find_bends(&d, light_besides(mesh, &rest, solution, &scratch), at_node, threads,
-                                  progress, arena, &splits, report);
+        if (good) {
+            double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
+            splits = bend_splits(mesh, d.bends, most, arena);
+        }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
         out.shown = is_finer ? splits : NULL;
         good = good && light_nodes(&d, at_node, &rest, is_finer ? &finer : mesh, forest, threads, progress,
                                    arena, &out, report);
         if (good) *solution = out;
+        end_workers(&d);
     }
     arena_free(&scratch);
     return good;

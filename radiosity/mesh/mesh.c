@@ -269,3 +269,17 @@ int mesh_element_at(const Mesh *mesh, int index, Vec3 point) {
     CORE_ASSERT(best >= 0);
     return element_of(mesh, face->first_square + best, point);
 }
+
+Vec3 element_centroid(const Mesh *mesh, int element) {
+    const Element *e = &mesh->elements[element];
+    const int *corner = mesh->corners + e->first_corner;
+    Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[corner[0]], moment = {0};
+    double twice = 0;
+    for (int i = 1; i + 1 < e->corner_count; i++) {
+        Vec3 a = vec3_sub(mesh->vertices[corner[i]], base), b = vec3_sub(mesh->vertices[corner[i + 1]], base);
+        double part = vec3_dot(n, vec3_cross(a, b));
+        moment = vec3_add(moment, vec3_scale(vec3_add(a, b), part / 3));
+        twice += part;
+    }
+    return twice > 0 ? vec3_add(base, vec3_scale(moment, 1 / twice)) : base;
+}

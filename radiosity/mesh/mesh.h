@@ -129,6 +129,9 @@ MeshSplits *mesh_splits_wanted(const Mesh *mesh,
 // About how many elements the polygons of `mesh` would have without splits.
 double mesh_count_even(const Mesh *mesh);
 
+// The centroid of an element's area.
+Vec3 element_centroid(const Mesh *mesh, int element);
+
 // The element of a face at a point of its plane. Where rounding puts the point outside the face, an element of the nearest square.
 int mesh_element_at(const Mesh *mesh, int face, Vec3 point);
 

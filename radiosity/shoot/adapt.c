@@ -550,14 +550,6 @@ static double root_edge(const Mesh *mesh, int element) {
     return face->root / sqrt(vec3_length(face->gx) * vec3_length(face->gy));
 }
 
-static Vec3 element_middle(const Mesh *mesh, int element) {
-    const Element *e = &mesh->elements[element];
-    Vec3 sum = {0, 0, 0};
-    for (int i = 0; i < e->corner_count; i++)
-        sum = vec3_add(sum, mesh->vertices[mesh->corners[e->first_corner + i]]);
-    return vec3_scale(sum, 1.0 / e->corner_count);
-}
-
 // Light as an eye sees it: of equal ratios the steps are equal, but in the dark, where errors are not seen.
 static double seen_light(const Adapt *a, double irradiance) {
     return a->dark > 0 ? log1p(irradiance / a->dark) : irradiance;
@@ -567,9 +559,9 @@ static double seen_light(const Adapt *a, double irradiance) {
 static AdaptField find_light(Adapt *a, const Mesh *mesh) {
     double *light = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++) {
-        Vec3 here = element_middle(mesh, e);
+        Vec3 here = element_centroid(mesh, e);
         int face = mesh->elements[e].face, rough = mesh_element_at(&a->rough, face, here);
-        Vec3 off = vec3_sub(here, element_middle(&a->rough, rough));
+        Vec3 off = vec3_sub(here, element_centroid(&a->rough, rough));
         const Face *grid = &a->rough.faces[face];
         const double *slope = a->indirect_field.slope[rough];
         light[e] =

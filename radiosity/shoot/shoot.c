@@ -85,6 +85,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
     out->daylight = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->daylight);
     out->reflected = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->reflected);
+    out->close = ARENA_ARRAY(arena, float, mesh->patch_count + 1);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
     }
@@ -305,22 +306,31 @@ typedef struct Gathering {
     const Mesh *mesh;
     const ShootRows *rows;
     const Four *reflected;  // [element_count] radiosity times area, W, without what is emitted
+    Vec3 *middle;           // [element_count]
     double (*out)[3];       // [patch_count]
+    float *close;           // [patch_count]
     int *patches;           // of this round
 } Gathering;
 
 static void gather_patch(void *context, int index, int thread) {
     (void)thread;
     const Gathering *g = context;
-    const ShootRow *row = shoot_rows_of(g->rows, g->patches[index]);
+    const Mesh *mesh = g->mesh;
+    int patch = g->patches[index];
+    const ShootRow *row = shoot_rows_of(g->rows, patch);
     const float *density = row->density;
     const uint8_t *offset = row->offset;
+    Vec3 eye = mesh->patches[patch].centre;
     Four sum = {0};
+    double close = 0, width2 = mesh->patches[patch].area;
     for (int r = 0; r < row->run_count; r++) {
-        const Four *from = g->reflected + g->mesh->patches[row->runs[r].patch].first_element;
-        for (int i = 0; i <= row->count[r]; i++) sum += from[*offset++] * four_of((double)*density++);
+        int first = mesh->patches[row->runs[r].patch].first_element;
+        Vec3 to = vec3_sub(g->middle[first], eye);
+        close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
+        for (int i = 0; i <= row->count[r]; i++) sum += g->reflected[first + *offset++] * four_of((double)*density++);
     }
-    channels_store(sum * four_of(row->scale), g->out[g->patches[index]]);
+    channels_store(sum * four_of(row->scale), g->out[patch]);
+    g->close[patch] = (float)close;
 }
 
 static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
@@ -337,8 +347,14 @@ static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int threads = parallel_threads(s->options->threads), done = 0;
-    Gathering g = {mesh, s->rows, reflected_power(mesh, s->solution, &arena), s->solution->reflected,
-                   ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
+    Gathering g = {.mesh = mesh,
+                   .rows = s->rows,
+                   .reflected = reflected_power(mesh, s->solution, &arena),
+                   .middle = ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
+                   .out = s->solution->reflected,
+                   .close = s->solution->close,
+                   .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
+    for (int e = 0; e < mesh->element_count; e++) g.middle[e] = element_centroid(mesh, e);
     bool go_on = true;
     for (int there = 1; there >= 0; there--) {
         int count = 0;

@@ -55,6 +55,8 @@ struct RadSolution {
     // [patch_count] if `gathered`: the irradiance by reflected light, gathered along each patch's row once the light is shot. An element
     // has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does not hold it.
     double (*reflected)[3];
+    // [patch_count] if `gathered`: the share of the row that meets surfaces closer than the patch is wide
+    float *close;
     bool gathered;
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.

@@ -330,20 +330,6 @@ static const double *relative_of(const Shine *s, SkyTable *table, const View *vi
 
 // ---- elements outdoors
 
-static Vec3 element_middle(const Mesh *mesh, const Element *element) {
-    const int *corner = mesh->corners + element->first_corner;
-    Vec3 first = mesh->vertices[corner[0]], sum = {0, 0, 0};
-    double area = 0;
-    for (int i = 1; i + 1 < element->corner_count; i++) {
-        Vec3 a = vec3_sub(mesh->vertices[corner[i]], first);
-        Vec3 b = vec3_sub(mesh->vertices[corner[i + 1]], first);
-        double twice = vec3_length(vec3_cross(a, b));
-        sum = vec3_add(sum, vec3_scale(vec3_add(a, b), twice / 3));
-        area += twice;
-    }
-    return area > 0 ? vec3_add(first, vec3_scale(sum, 1 / area)) : first;
-}
-
 static Seen look_up(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell) {
     const View *view = look_at_sky(s, w, w->around, eye, normal, cell);
     const FormFactorSamples *samples = sampler_samples(w->around);
@@ -370,7 +356,7 @@ static int cell_before(const Shine *s, Vec3 eye, Vec3 normal, int hint) {
 }
 
 static void look_from_element(Shine *s, Watcher *w, int e, Vec3 normal, int patch_cell) {
-    Vec3 eye = element_middle(s->mesh, &s->mesh->elements[e]);
+    Vec3 eye = element_centroid(s->mesh, e);
     int cell = cell_before(s, eye, normal, patch_cell);
     s->looks[e] = cell < 0 || sky_is_outdoors(s->mesh->graph, cell);
     if (s->looks[e]) s->seen[e] = look_up(s, w, eye, normal, cell);

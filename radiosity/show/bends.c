@@ -236,6 +236,7 @@ Bend *bend_find(BendFinder *f, const Mesh *mesh, int element, double (*corner)[3
 
 typedef struct Wants {
     Bend *const *bends;
+    const MeshDepth *halved;
     double least;  // bends that are off by no more than this are left out
 } Wants;
 
@@ -254,6 +255,10 @@ static void want_part(const Wants *w, const Bend *bend, const Span *s, const dou
 
 static void want_element(const Wants *w, const Mesh *mesh, int element, const double box[4], int along[2]) {
     MeshDepth depth = mesh->elements[element].depth;
+    if (w->halved) {
+        depth.x = (unsigned char)(depth.x + w->halved[element].x);
+        depth.y = (unsigned char)(depth.y + w->halved[element].y);
+    }
     along[0] = depth.x > along[0] ? depth.x : along[0];
     along[1] = depth.y > along[1] ? depth.y : along[1];
     if (!w->bends[element]) return;
@@ -291,10 +296,13 @@ static int largest_first(const void *a, const void *b) {
     return (*p < *q) - (*p > *q);
 }
 
-MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, double most, Arena *arena) {
+MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most,
+                        Arena *arena) {
     Arena scratch = {0};
-    Wants wants = {.bends = bends};
+    Wants wants = {.bends = bends, .halved = halved};
     int count = 0, listed = 0;
+    bool any = false;
+    for (int e = 0; e < mesh->element_count && halved; e++) any = any || halved[e].x + halved[e].y > 0;
     for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], NULL, &count);
     double *errors = ARENA_ARRAY(&scratch, double, count + 1);
     for (int e = 0; e < mesh->element_count; e++) list_errors(bends[e], errors, &listed);
@@ -303,5 +311,5 @@ MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, double most, Arena
         wants.least = errors[(int)most];
     }
     arena_free(&scratch);
-    return count > 0 ? mesh_splits_wanted(mesh, want, &wants, arena) : NULL;
+    return count > 0 || any ? mesh_splits_wanted(mesh, want, &wants, arena) : NULL;
 }

@@ -39,8 +39,9 @@ Bend *bend_find(BendFinder *finder, const Mesh *mesh, int element, double (*corn
 // The points at which the last search looked, those at the middles and corners of all parts among them; valid until the next one.
 const BendPoint *bend_points(const BendFinder *finder, int *count);
 
-// Splits of a finer mesh: as deep as the elements of the mesh, and as their bends [element_count] ask for. Where that would take more
-// than `most` further elements, the bends that are least off are left out. NULL: nothing bends.
-MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, double most, Arena *arena);
+// Splits of a finer mesh: as deep as the elements of the mesh, as their bends [element_count] ask for, and halved so often as `halved`
+// [element_count] says (NULL: not at all). Where bends would take more than `most` further elements, those that are least off are left
+// out. NULL: nothing bends or is halved.
+MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most, Arena *arena);
 
 #endif

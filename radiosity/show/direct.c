@@ -17,6 +17,7 @@
 #include "radiosity/show/bends.h"
 #include "radiosity/show/lamp_ways.h"
 #include "radiosity/show/reconstruct.h"
+#include "radiosity/show/reflected.h"
 #include "radiosity/show/shown.h"
 #include "radiosity/show/sun_nodes.h"
 
@@ -1062,38 +1063,54 @@ static void lift_nodes(const Direct *d, const Mesh *shown, const Nodes *nodes, d
     arena_free(&scratch);
 }
 
-// Stores the light at the nodes of the mesh that shows it: reflected light as the elements of `rest` tell it, and direct light, which is
-// known at the nodes of `mesh`.
-static bool light_nodes(Direct *d, double (*at_node)[3], const RadSolution *rest, const Mesh *shown,
-                        const StabForest *forest, int threads, const Progress *progress, Arena *arena,
-                        RadSolution *out, RadReport *report) {
+// Light that is shown: the solution on `mesh`, its light but that straight from lamps and sun, and reflected light where that is gathered
+// (rest.gathered); the mesh that shows it, and how often that halves elements for reflected light.
+typedef struct Showing {
+    const StabForest *forest;
+    const float *door_open;
+    const RadSolution *solution, *rest;
+    const Mesh *shown;
+    const MeshDepth *halved;
+    int threads;
+    const Progress *progress;
+} Showing;
+
+// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh.
+static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
+                        RadReport *report) {
     Arena scratch = {0};
     Direct finer;
-    const Mesh *mesh = d->mesh;
+    const Mesh *mesh = d->mesh, *shown = s->shown;
     Nodes finer_nodes;
     const Nodes *nodes = d->nodes;
     bool good = true;
     if (shown != mesh) {
         finer_nodes = nodes_of(shown, &scratch);
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
-        start_direct(&finer, shown, forest, &finer_nodes, &rest->day, &scratch);
+        start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &scratch);
         finer.lamps = d->lamps;
         take_known(&finer, d, at_node);
-        good = light_all(&finer, threads, progress, irradiance, report);
+        good = light_all(&finer, s->threads, s->progress, irradiance, report);
         end_workers(&finer);
         at_node = irradiance;
         nodes = &finer_nodes;
     }
     if (good && !getenv("NOLIFT")) lift_nodes(d, shown, nodes, at_node);
+    double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
+    if (good && s->rest->gathered) {
+        GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
+        good = reflected_nodes(&scene, s->halved, shown, nodes, s->threads, s->progress, reflected);
+    }
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
-        shown_nodes(mesh, rest, shown, nodes, out->node);
+        shown_nodes(mesh, s->rest, shown, nodes, out->node);
         for (int n = 0; n < nodes->count; n++) {
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            for (int c = 0; c < 3; c++) out->node[n][c] = getenv("ONLYDIRECT") ? rho[c] * at_node[n][c] : getenv("ONLYREST") ? out->node[n][c] : out->node[n][c] + rho[c] * at_node[n][c];
+            for (int c = 0; c < 3; c++) { if (getenv("ONLYDIRECT")) out->node[n][c] = 0, reflected[n][c] = 0; if (getenv("ONLYREST")) at_node[n][c] = 0; }
+            for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * (at_node[n][c] + reflected[n][c]);
         }
     }
     arena_free(&scratch);
@@ -1121,19 +1138,26 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);
         MeshSplits *splits = NULL;
         Mesh finer;
+        Showing show = {.forest = forest,
+                        .door_open = door_open,
+                        .solution = solution,
+                        .rest = &rest,
+                        .threads = threads,
+                        .progress = progress};
         d.besides = light_besides(mesh, &rest, solution, &scratch);
         d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
         d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
         good = light_all(&d, threads, progress, at_node, report);
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
-            splits = bend_splits(mesh, d.bends, most, arena);
+            if (solution->gathered) show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
+            splits = bend_splits(mesh, d.bends, show.halved, most, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
         out.shown = is_finer ? splits : NULL;
-        good = good && light_nodes(&d, at_node, &rest, is_finer ? &finer : mesh, forest, threads, progress,
-                                   arena, &out, report);
+        show.shown = is_finer ? &finer : mesh;
+        good = good && light_nodes(&d, &show, at_node, arena, &out, report);
         if (good) *solution = out;
         end_workers(&d);
     }

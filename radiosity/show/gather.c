@@ -355,7 +355,7 @@ static void find_leaving(Gatherer *self) {
             out->mean[c] =
                 self->scene.solution->radiosity[e][c] - (self->options.exact_lamps ? emitted[c] : 0);
     }
-    for (int f = 0; f < mesh->face_count && self->options.exact_lamps; f++)
+    for (int f = 0; f < mesh->face_count && self->options.exact_lamps && !self->options.reflected; f++)
         self->any_lamp = self->any_lamp || mesh_emits(mesh, f);
 }
 
@@ -368,7 +368,7 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     self->options = *options;
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
-    self->even_sky = daylight_is_uniform(&scene->solution->day);
+    self->even_sky = options->reflected || daylight_is_uniform(&scene->solution->day);
     if (scene->light || !self->even_sky)
         self->samples = options->method->projective
                             ? self->rows
@@ -483,7 +483,7 @@ static void gather_row(Gatherer *self, const View *view, Near *near, double irra
         const double *mean = self->leaving[row->element[i]].mean;
         for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
-    if (!self->even_sky) return;
+    if (!self->even_sky || self->options.reflected) return;
     for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->day.zenith[c];
 }
 
@@ -491,7 +491,7 @@ static void gather_row(Gatherer *self, const View *view, Near *near, double irra
 static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
-    bool sky = means || !self->even_sky;
+    bool sky = (means || !self->even_sky) && !self->options.reflected;
     for (int i = 0; i < samples->count; i++) {
         Vec3 w = vec3((double)samples->x[i], (double)samples->y[i], (double)samples->z[i]);
         if (item[i] < 0) {
@@ -522,7 +522,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
-    add_sun(view, &self->scene.solution->day, irradiance);
+    if (!self->options.reflected) add_sun(view, &self->scene.solution->day, irradiance);
     if (!one) gather_row(self, view, &near, irradiance);
     if (self->samples) add_samples(self, view, one, &near, irradiance);
     add_near(self, &near, irradiance);

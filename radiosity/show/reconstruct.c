@@ -8,7 +8,6 @@
 // centroid: so linear fields come back as they are, also at borders and where elements of several sizes meet.
 #include "radiosity/show/reconstruct.h"
 
-#include <stdlib.h>
 #include "engine/core/error.h"
 #include "engine/core/polygon.h"
 
@@ -43,6 +42,7 @@ typedef struct Fit {
     Vec3 *centroid;      // [element_count]
     double (*light)[3];  // [element_count] W/m^2, there
     bool *sliver;        // [element_count]
+    bool *covered;       // [unit] no light reaches it: it says nothing of the light beside it; NULL: none is
     bool of_patches;     // units are patches, not elements: `centroid` and `stamp` are theirs
     int *stamp, now;     // [element_count] the collection that last took the unit
     Vec3 x, y;           // of the node's plane
@@ -50,20 +50,6 @@ typedef struct Fit {
     int count, capacity;
     Arena scratch;
 } Fit;
-
-Vec3 element_centroid(const Mesh *mesh, int element) {
-    const Element *e = &mesh->elements[element];
-    const int *corner = mesh->corners + e->first_corner;
-    Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[corner[0]], moment = {0};
-    double twice = 0;
-    for (int i = 1; i + 1 < e->corner_count; i++) {
-        Vec3 a = vec3_sub(mesh->vertices[corner[i]], base), b = vec3_sub(mesh->vertices[corner[i + 1]], base);
-        double part = vec3_dot(n, vec3_cross(a, b));
-        moment = vec3_add(moment, vec3_scale(vec3_add(a, b), part / 3));
-        twice += part;
-    }
-    return twice > 0 ? vec3_add(base, vec3_scale(moment, 1 / twice)) : base;
-}
 
 // ---- slivers
 
@@ -111,7 +97,7 @@ static void take_unit(Fit *fit, int node, int element) {
     const Element *e = &fit->mesh->elements[element];
     Vec3 n = nodes->normal[node];
     int unit = fit->of_patches ? e->patch : element;
-    if (fit->stamp[unit] == fit->now) return;
+    if (fit->stamp[unit] == fit->now || (fit->covered && fit->covered[unit])) return;
     if (vec3_dot(fit->mesh->faces[e->face].plane.n, n) < NODES_CURVED) return;
     fit->stamp[unit] = fit->now;
     Vec3 p = vec3_sub(fit->centroid[unit], fit->mesh->vertices[nodes->vertex[node]]);
@@ -207,10 +193,10 @@ static void find_factors(Fit *fit, int node) {
     view_axes(fit->nodes->normal[node], &fit->x, &fit->y);
     for (size_t i = 0; i < sizeof WAYS / sizeof *WAYS; i++) {
         collect(fit, node, WAYS[i].wide);
-        if (lay(fit, WAYS[i].axes) <= WAYS[i].noise) return;
+        if (fit->count > 0 && lay(fit, WAYS[i].axes) <= WAYS[i].noise) return;
     }
     collect(fit, node, false);
-    lay(fit, 0);
+    if (fit->count > 0) lay(fit, 0);
 }
 
 // Adds the fits of all nodes to the elements' light.
@@ -397,16 +383,17 @@ void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 p
     reconstruct_in(mesh, light, mesh_element_at(mesh, face, point), point, out);
 }
 
-// ---- values at the centres of patches
+// ---- values at the centres of patches or elements
 
-// The fits of all nodes to the patches' light, between LEAST_OUTSIDE and MOST_OUTSIDE of the values around.
-static void fit_patches(Fit *fit, double (*light)[3], double (*out)[3]) {
+// The fits of all nodes to the values, between LEAST_OUTSIDE and MOST_OUTSIDE of those around.
+static void fit_values(Fit *fit, double (*value)[3], double (*out)[3]) {
     for (int n = 0; n < fit->nodes->count; n++) {
         double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
         find_factors(fit, n);
         for (int c = 0; c < 3; c++) out[n][c] = 0;
+        if (fit->count == 0) continue;
         for (int i = 0; i < fit->count; i++) {
-            const double *from = light[fit->around[i].unit];
+            const double *from = value[fit->around[i].unit];
             for (int c = 0; c < 3; c++) {
                 out[n][c] += fit->around[i].factor * from[c];
                 low[c] = fmin(low[c], from[c]);
@@ -418,46 +405,56 @@ static void fit_patches(Fit *fit, double (*light)[3], double (*out)[3]) {
     }
 }
 
-// The light that the corners show at the centre of a patch.
-static void shown_at_centre(const Mesh *mesh, const Nodes *nodes, double (*node)[3], int patch, double out[3]) {
-    const Patch *p = &mesh->patches[patch];
-    VertexLight light = {.corner = NULL};
-    (void)light;
-    int e = mesh_element_at(mesh, p->face, p->centre), best[3] = {0, 1, 2}, triangle[3 * FEW];
-    const Element *element = &mesh->elements[e];
+// How far a value is above the linear light between the nodes, but for more than MOST_REST of it.
+static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
+                          double out[3]) {
+    const Mesh *mesh = fit->mesh;
+    int face = fit->of_patches ? mesh->patches[unit].face : mesh->elements[unit].face;
+    int in = fit->of_patches ? mesh_element_at(mesh, face, fit->centroid[unit]) : unit, best[3] = {0, 1, 2};
+    const Element *e = &mesh->elements[in];
     double share[3] = {1, 0, 0};
-    Vec3 v[FEW];
-    out[0] = out[1] = out[2] = 0;
-    if (element->corner_count > FEW) return;
-    triangulate(mesh, element, v, triangle);
-    find_shares(mesh, element, triangle, p->centre, best, share);
-    for (int k = 0; k < 3; k++)
-        for (int c = 0; c < 3; c++)
-            out[c] += share[k] * node[nodes->of_corner[element->first_corner + best[k]]][c];
+    Vec3 *v = ARENA_ARRAY(scratch, Vec3, e->corner_count);
+    int *triangle = ARENA_ARRAY(scratch, int, 3 * e->corner_count);
+    triangulate(mesh, e, v, triangle);
+    find_shares(mesh, e, triangle, fit->centroid[unit], best, share);
+    for (int c = 0; c < 3; c++) {
+        double shown = 0;
+        for (int k = 0; k < 3; k++)
+            shown += share[k] * node[fit->nodes->of_corner[e->first_corner + best[k]]][c];
+        out[c] = fmin(fmax(value[c] - shown, -MOST_REST * value[c]), MOST_REST * value[c]);
+    }
 }
 
-void reconstruct_patches(const Mesh *mesh, const Nodes *nodes, double (*light)[3], double (*out)[3]) {
-    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = true};
-    fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->patch_count + 1);
-    fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->patch_count + 1);
-    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)mesh->patch_count + 1, sizeof *rest);
+void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
+                        double (*out)[3]) {
+    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches};
+    Arena scratch = {0};
+    int units = of_patches ? mesh->patch_count : mesh->element_count;
+    fit.covered = ARENA_ARRAY(&fit.scratch, bool, units + 1);
+    for (int u = 0; u < units; u++) fit.covered[u] = !(rgb_sum(value[u]) > 0);
+    fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, units + 1);
+    fit.stamp = ARENA_ARRAY(&fit.scratch, int, units + 1);
+    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)units + 1, sizeof *rest);
     double(*more)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count + 1, sizeof *more);
-    double *count = ARENA_ARRAY(&fit.scratch, double, nodes->count + 1);
-    for (int p = 0; p < mesh->patch_count; p++) fit.centroid[p] = mesh->patches[p].centre;
-    fit_patches(&fit, light, out);
-    for (int p = 0; p < mesh->patch_count; p++) {
-        double shown[3];
-        shown_at_centre(mesh, nodes, out, p, shown);
-        for (int c = 0; c < 3; c++) rest[p][c] = fmin(fmax(light[p][c] - shown[c], -MOST_REST * light[p][c]), MOST_REST * light[p][c]);
+    int *count = ARENA_ARRAY(&fit.scratch, int, nodes->count + 1);
+    for (int u = 0; u < units; u++)
+        fit.centroid[u] = of_patches ? mesh->patches[u].centre : element_centroid(mesh, u);
+    fit_values(&fit, value, out);
+    for (int u = 0; u < units; u++) {
+        arena_reset(&scratch);
+        rest_of_value(&fit, out, u, value[u], &scratch, rest[u]);
     }
-    for (int e = 0; e < mesh->element_count; e++)
-        for (int i = mesh->elements[e].first_corner; i < mesh->elements[e].first_corner + mesh->elements[e].corner_count; i++) {
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        if (fit.covered[of_patches ? element->patch : e]) continue;
+        for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
             int n = nodes->of_corner[i];
             count[n]++;
-            for (int c = 0; c < 3; c++) more[n][c] += rest[mesh->elements[e].patch][c];
+            for (int c = 0; c < 3; c++) more[n][c] += rest[of_patches ? element->patch : e][c];
         }
-    if (!getenv("NOLIFT"))
+    }
     for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c] + more[n][c] / fmax(count[n], 1), 0);
+        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
+    arena_free(&scratch);
     arena_free(&fit.scratch);
 }

@@ -21,8 +21,10 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
 // The radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
 
-// The same from values at the centres of patches, `light` [mesh->patch_count].
-void reconstruct_patches(const Mesh *mesh, const Nodes *nodes, double (*light)[3], double (*out)[3]);
+// The same from values at the centres of patches, or at the centroids of elements. Linear light between the nodes passes through the values
+// where they bend by less than a fifth.
+void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
+                        double (*out)[3]);
 
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
@@ -32,8 +34,5 @@ int *reconstruct_triangles(const Mesh *mesh, Arena *arena);
 void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 point, double out[3]);
 // The same where the element is known.
 void reconstruct_in(const Mesh *mesh, const VertexLight *light, int element, Vec3 point, double out[3]);
-
-// The centroid of an element's area.
-Vec3 element_centroid(const Mesh *mesh, int element);
 
 #endif

@@ -24,34 +24,14 @@ int shown_around(const Mesh *mesh, const Mesh *shown, int element) {
     return mesh_element_at(mesh, shown->elements[element].face, element_centroid(shown, element));
 }
 
-// Radiosities at the nodes of the mesh: as the elements tell them, and reflected light as it was gathered at patches.
-static void light_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
-    reconstruct_nodes(mesh, nodes, solution, out);
-    if (!solution->gathered) return;
-    Arena scratch = {0};
-    double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
-    reconstruct_patches(mesh, nodes, solution->reflected, reflected);
-    for (int n = 0; n < nodes->count; n++) {
-        double rho[3];
-        int element = nodes->element[nodes->first[n]];
-        rgb_doubles(mesh_material(mesh, mesh->elements[element].face)->reflectance, rho);
-        for (int c = 0; c < 3; c++) out[n][c] += rho[c] * reflected[n][c];
-    }
-    arena_free(&scratch);
-}
-
 void shown_nodes(const Mesh *mesh, const RadSolution *solution, const Mesh *shown, const Nodes *nodes,
                  double (*out)[3]) {
     Arena scratch = {0};
     if (shown == mesh) {
-        light_nodes(mesh, nodes, solution, out);
+        reconstruct_nodes(mesh, nodes, solution, out);
         return;
     }
-    Nodes own = nodes_of(mesh, &scratch);
-    double(*value)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *value);
-    VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
-    light_nodes(mesh, &own, solution, value);
-    for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], value[own.of_corner[i]], sizeof *value);
+    VertexLight light = reconstruct_light(mesh, solution, &scratch);
     light.triangle = reconstruct_triangles(mesh, &scratch);
     for (int n = 0; n < nodes->count; n++)
         reconstruct_in(mesh, &light, shown_around(mesh, shown, nodes->element[nodes->first[n]]),

@@ -18,8 +18,7 @@ bool shown_build(const Mesh *mesh, const MeshSplits *splits, const float *door_o
 // The element of `mesh` in which an element of the finer mesh lies.
 int shown_around(const Mesh *mesh, const Mesh *shown, int element);
 
-// The radiosity at nodes of a finer mesh as the elements of `mesh` tell it, W/m^2, into `out` [nodes->count]. `shown` may be `mesh`. Where
-// the solution is `gathered`, its radiosities are those without reflected light, which its patches tell.
+// The radiosity at nodes of a finer mesh as the elements of `mesh` tell it, W/m^2, into `out` [nodes->count]. `shown` may be `mesh`.
 void shown_nodes(const Mesh *mesh, const RadSolution *solution, const Mesh *shown, const Nodes *nodes,
                  double (*out)[3]);
 

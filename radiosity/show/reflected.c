@@ -1,0 +1,185 @@
+// reflected.c - reflected light has one value for each patch, gathered along the patch's row (RadSolution.reflected). Where neighbours
+// differ much, or much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of
+// each part. The nodes between all these values are those of reconstruct.h.
+//
+// Source: G. J. Ward, F. M. Rubinstein & R. D. Clear, A Ray Tracing Solution for Diffuse Interreflection, 1988: values of indirect light
+// are the denser the closer other surfaces are. Departure: steps of the light itself count as well, as shares of all light there.
+#include "radiosity/show/reflected.h"
+
+#include <stdlib.h>
+#include <stdio.h>
+
+#include "engine/core/parallel.h"
+#include "radiosity/show/shown.h"
+
+// Steps between neighbours above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
+static const double STEP_ONE = 0.12, STEP_TWO = 0.35, CLOSE_ONE = 0.5, CLOSE_TWO = 0.8;
+// No part is shorter for it, metres.
+static const double SHORTEST = 0.05;
+// So many parts may come of it, as a share of the elements.
+static const double MOST_PARTS = 0.5;
+// The share of the mean light that counts as light in the dark.
+static const double DARK = 0.01;
+// Directions each way of the rows of parts.
+enum { RESOLUTION = 40 };
+// Parts between two looks at progress.
+enum { PARTS_A_LOOK = 1024 };
+
+typedef struct Steps {
+    const Mesh *mesh;
+    const RadSolution *solution;
+    double *light;      // [element_count] W/m^2, the sum of the channels
+    float (*worst)[2];  // [element_count] along each axis
+} Steps;
+
+static void find_shown_light(Steps *s, Arena *arena) {
+    const Mesh *mesh = s->mesh;
+    double power = 0, area = 0;
+    s->light = ARENA_ARRAY(arena, double, mesh->element_count + 1);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double rho[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
+        for (int c = 0; c < 3; c++)
+            s->light[e] += rho[c] * s->solution->reflected[mesh->elements[e].patch][c] +
+                           s->solution->direct[e][c] + s->solution->daylight[e][c];
+        power += mesh->elements[e].area * s->light[e];
+        area += mesh->elements[e].area;
+    }
+    for (int e = 0; e < mesh->element_count; e++) s->light[e] += DARK * power / area;
+}
+
+static void take_step(Steps *s, int a, int b) {
+    const Mesh *mesh = s->mesh;
+    const Element *p = &mesh->elements[a], *q = &mesh->elements[b];
+    if (p->patch == q->patch || p->face != q->face) return;
+    double rho[3], step = 0;
+    rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
+    for (int c = 0; c < 3; c++)
+        step += rho[c] * fabs(s->solution->reflected[p->patch][c] - s->solution->reflected[q->patch][c]);
+    bool covered = !(rgb_sum(s->solution->reflected[p->patch]) > 0 && rgb_sum(s->solution->reflected[q->patch]) > 0);
+    if (covered) return;
+    step /= fmin(s->light[a], s->light[b]);
+    const Face *face = &mesh->faces[p->face];
+    Vec3 way = vec3_sub(element_centroid(mesh, b), element_centroid(mesh, a));
+    int axis = fabs(vec3_dot(vec3_normalize(face->gy), way)) > fabs(vec3_dot(vec3_normalize(face->gx), way));
+    s->worst[a][axis] = fmaxf(s->worst[a][axis], (float)step);
+    s->worst[b][axis] = fmaxf(s->worst[b][axis], (float)step);
+}
+
+static double length_along(const Mesh *mesh, const Element *e, int axis) {
+    const Face *face = &mesh->faces[e->face];
+    return axis == 0 ? ldexp(face->root / vec3_length(face->gx), -e->depth.x)
+                     : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
+}
+
+static unsigned char depth_for(const Mesh *mesh, const Element *e, int axis, double step, double close) {
+    int depth = step > STEP_TWO || close > CLOSE_TWO ? 2 : step > STEP_ONE || close > CLOSE_ONE ? 1 : 0;
+    while (depth > 0 && ldexp(length_along(mesh, e, axis), -depth) < SHORTEST) depth--;
+    return (unsigned char)depth;
+}
+
+// A cost of all parts, if steps count by so much.
+static double count_parts(const Steps *s, double scale, MeshDepth *out) {
+    const Mesh *mesh = s->mesh;
+    double parts = 0;
+    for (int e = 0; e < mesh->element_count; e++) {
+        const Element *element = &mesh->elements[e];
+        double close = scale * (double)s->solution->close[element->patch];
+        out[e] = (MeshDepth){depth_for(mesh, element, 0, scale * (double)s->worst[e][0], close),
+                             depth_for(mesh, element, 1, scale * (double)s->worst[e][1], close)};
+        if (rgb_sum((double[]){s->light[e], 0, 0}) > 0 && out[e].x + out[e].y > 0)
+            parts += ldexp(1, out[e].x + out[e].y);
+    }
+    return parts;
+}
+
+MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, Arena *arena) {
+    Arena scratch = {0};
+    Steps s = {.mesh = mesh, .solution = solution};
+    MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
+    s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
+    find_shown_light(&s, &scratch);
+    for (int n = 0; n < nodes->count; n++)
+        for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
+            for (int k = i + 1; k < nodes->first[n + 1]; k++)
+                take_step(&s, nodes->element[i], nodes->element[k]);
+    double scale = 1;
+    while (count_parts(&s, scale, out) > MOST_PARTS * mesh->element_count) scale *= 0.8;
+    if (getenv("SAY")) { fprintf(stderr, "scale %g parts %g\n", scale, count_parts(&s, scale, out)); for (int e = 0; e < mesh->element_count; e++) if (mesh->faces[mesh->elements[e].face].polygon == atoi(getenv("SAY"))) { Vec3 m = element_centroid(mesh, e), q = mesh->patches[mesh->elements[e].patch].centre; fprintf(stderr, "el %d patch %d at %.3f %.3f %.3f patch centre %.3f %.3f area %.4f I %.4f close %.2f step %.2f %.2f depth %d %d halved %d %d\n", e, mesh->elements[e].patch, m.x, m.y, m.z, q.x, q.y, mesh->elements[e].area, solution->reflected[mesh->elements[e].patch][0], (double)solution->close[mesh->elements[e].patch], (double)s.worst[e][0], (double)s.worst[e][1], mesh->elements[e].depth.x, mesh->elements[e].depth.y, out[e].x, out[e].y); } }
+    arena_free(&scratch);
+    return out;
+}
+
+// ---- light at nodes
+
+typedef struct Parts {
+    const GatherScene *scene;
+    const Mesh *shown;
+    Gatherer **gatherer;  // [threads]
+    const int *part, *in;  // elements of `shown`, and of the scene's mesh around them
+    double (*value)[3];   // [shown->element_count]
+    int first;            // of this look
+} Parts;
+
+static void gather_part(void *context, int index, int thread) {
+    const Parts *p = context;
+    const Mesh *mesh = p->scene->mesh;
+    int part = p->part[p->first + index];
+    const Element *around = &mesh->elements[p->in[part]];
+    const Face *face = &mesh->faces[around->face];
+    bool surface = mesh->graph->objects[face->object].kind == OBJECT_SURFACE;
+    int hint = mesh->patches[around->patch].cell;
+    Vec3 at = element_centroid(p->shown, part);
+    int cell = surface ? hint : gather_cell(mesh->graph, at, face->plane.n, hint);
+    gather(p->gatherer[thread], &(ViewPoint){at, face->plane.n, cell}, p->value[part]);
+}
+
+static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count, const int *in,
+                         int threads, const Progress *progress, double (*value)[3]) {
+    Arena scratch = {0};
+    threads = parallel_threads(threads);
+    Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, 0};
+    GatherOptions options = gather_default_options();
+    options.resolution = RESOLUTION;
+    options.reflected = true;
+    for (int t = 0; t < threads; t++) p.gatherer[t] = gatherer_new(scene, &options, &scratch);
+    bool go_on = true;
+    for (; p.first < count && go_on; p.first += PARTS_A_LOOK) {
+        go_on = progress_report(progress, "reflected light", (double)p.first / count);
+        int left = count - p.first;
+        if (go_on) parallel_for(threads, left < PARTS_A_LOOK ? left : PARTS_A_LOOK, gather_part, &p);
+    }
+    for (int t = 0; t < threads; t++) gatherer_end(p.gatherer[t]);
+    arena_free(&scratch);
+    return go_on;
+}
+
+bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
+                     int threads, const Progress *progress, double (*out)[3]) {
+    const Mesh *mesh = scene->mesh;
+    if (shown == mesh) {
+        reconstruct_values(mesh, nodes, true, scene->solution->reflected, out);
+        return true;
+    }
+    Arena scratch = {0};
+    Nodes own = nodes_of(mesh, &scratch);
+    double(*node)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *node);
+    double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
+    int *in = ARENA_ARRAY(&scratch, int, shown->element_count + 1);
+    int *part = ARENA_ARRAY(&scratch, int, shown->element_count + 1), count = 0;
+    VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
+    reconstruct_values(mesh, &own, true, scene->solution->reflected, node);
+    for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
+    light.triangle = reconstruct_triangles(mesh, &scratch);
+    for (int e = 0; e < shown->element_count; e++) {
+        in[e] = shown_around(mesh, shown, e);
+        if (halved && halved[in[e]].x + halved[in[e]].y > 0)
+            part[count++] = e;
+        else
+            reconstruct_in(mesh, &light, in[e], element_centroid(shown, e), value[e]);
+    }
+    bool go_on = gather_parts(scene, shown, part, count, in, threads, progress, value);
+    if (go_on) reconstruct_values(shown, nodes, false, value, out);
+    arena_free(&scratch);
+    return go_on;
+}

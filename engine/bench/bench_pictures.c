@@ -485,7 +485,9 @@ static bool find_truth(PictureScene *s, Arena *arena, Error *error) {
         if (!baked) good = bake_way(s, &GATHERED, &scratch, &from, error);
         baked = true;
         if (!good) break;
+        double paths = -clock_seconds();
         trace_pixels(s, view);
+        paths += clock_seconds();
         GatherOptions options = gather_default_options();
         options.resolution = GATHERED_RESOLUTION;
         view->seconds = -clock_seconds();
@@ -493,8 +495,8 @@ static bool find_truth(PictureScene *s, Arena *arena, Error *error) {
         view->seconds += clock_seconds() + from.seconds;
         find_noise(s, view, &from);
         keep_truth(s, view);
-        fprintf(stderr, "%s, view %s, %s: truth in %.1f s\n", bench_name(s->file), view->name, s->hour,
-                clock_seconds() - begin);
+        fprintf(stderr, "%s, view %s, %s: truth in %.1f s, of which %.1f s are of paths\n",
+                bench_name(s->file), view->name, s->hour, clock_seconds() - begin, paths);
     }
     arena_free(&scratch);
     return good;

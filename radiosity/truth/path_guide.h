@@ -15,8 +15,8 @@ typedef struct PathShares {
     bool day, lamps;  // any light came from the day, straight from lamps; else their shares are not set
 } PathShares;
 
-// The light that walks met at one place: sums of the light of the day (of the sky, or of the sun, reflected once), and of squares of the light of
-// lamps, over the density of the choices that led to it.
+// The light that walks met at one place: sums of the light of the day (of the sky, or of the sun, reflected once), and of squares of the
+// light of lamps, over the density of the choices that led to it.
 typedef struct PathTally {
     double day[GUIDE_BINS], lamp[PATH_LAMP_GROUPS];
     int walks;

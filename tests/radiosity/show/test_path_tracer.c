@@ -239,7 +239,8 @@ static void check_learned(const Lit *lit, const Daylight *day, double error, dou
 }
 
 // Proves that a tracer that has learned finds the same light, within three standard errors, with fewer walks and on any number of
-// threads: under a lamp in a shade, below a room whose lamps are closer and not to be seen. And by day in a room with a small window.
+// threads: under a lamp in a shade, below a room whose lamps are closer and not to be seen. And by day in a room with a small window, without a sun and with
+// one that shines in.
 Test(path_tracer, learned_light_is_the_same) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
@@ -264,5 +265,9 @@ Test(path_tracer, learned_light_is_the_same) {
     lit_finish(lit, 1, 1);
     const Daylight day = daylight_uniform((const double[]){1, 2, 3});
     check_learned(lit, &day, 1e-2, 0.6);
+    Daylight sunny = day;
+    sunny.sun = vec3_normalize(vec3(1, 0.1, 0.5));
+    for (int c = 0; c < 3; c++) sunny.beam[c] = 100;
+    check_learned(lit, &sunny, 1e-2, 0.6);
     lit_free(lit);
 }

@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <stdlib.h>
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
@@ -418,7 +417,7 @@ static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limit
 }
 
 // For the first solution.
-static double FIRST_RESIDUAL = 0.25;
+static const double FIRST_RESIDUAL = 0.02;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
 // its shooters, the strongest first, had so many faces before them. Of a file of 1 MB or less; of larger ones by the square of their size.
@@ -433,6 +432,10 @@ enum { LAMP_DETAIL = 2 };
 static const double PATCH_EDGE = 1.5;
 // How often roots are split, twice as long as patches usually are, into patches.
 enum { MOST_PATCH_SPLITS = 2 };
+// Irradiance of this share of the mean counts as dark where the mesh is fitted to what an eye sees.
+static const double SEEN = 0.1;
+// Light straight from lamps counts by so much: it is shown on a finer mesh (direct.h), and here only must be sent on from the right place.
+static const double LAMPS = 0.1;
 // Patches with less light than this share of the mean are no larger for it.
 static const double DARK = 0.1;
 // Reflectance below which surfaces count as if they had so much.
@@ -539,7 +542,7 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
         a->indirect[e] = fmax(0, a->indirect[e] - a->lamps[e]);
     }
     a->mean = power / area;
-    a->dark = getenv("DARKS") ? atof(getenv("DARKS")) * incident / area : 0.03 * incident / area;
+    a->dark = SEEN * incident / area;
     a->indirect_field = adapt_field(&a->rough, a->indirect, &a->scratch);
     return true;
 }
@@ -565,7 +568,7 @@ static AdaptField find_light(Adapt *a, const Mesh *mesh) {
         const Face *grid = &a->rough.faces[face];
         const double *slope = a->indirect_field.slope[rough];
         light[e] =
-            a->lamps[e] + fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
+            LAMPS * a->lamps[e] + fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
                                       slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
         light[e] = seen_light(a, light[e]);
     }
@@ -607,7 +610,6 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
 }
 
 static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, Error *error) {
-    if (getenv("FR")) FIRST_RESIDUAL = atof(getenv("FR"));
     if (!first_solution(a, options, error)) return false;
     double even = mesh_count_even(&a->rough);
     a->most = fmax(a->options->share * even, a->options->few);

@@ -52,7 +52,7 @@ void rad_fit(const Mesh *mesh, RadOptions *options) {
         int patches;  // up to so many
         double residual;
         int resolution;
-    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 141}, {INT32_MAX, 1e-3, 80}};
+    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 80}, {INT32_MAX, 1e-3, 40}};
     int i = 0;
     while (mesh->patch_count > FIT[i].patches) i++;
     if (options->residual == 0) options->residual = FIT[i].residual;

@@ -405,7 +405,7 @@ static void fit_values(Fit *fit, double (*value)[3], double (*out)[3]) {
     }
 }
 
-// How far a value is above the linear light between the nodes, but for more than MOST_REST of it.
+// How far a value is above the linear light between the nodes.
 static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const double value[3], Arena *scratch,
                           double out[3]) {
     const Mesh *mesh = fit->mesh;
@@ -421,12 +421,12 @@ static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const dou
         double shown = 0;
         for (int k = 0; k < 3; k++)
             shown += share[k] * node[fit->nodes->of_corner[e->first_corner + best[k]]][c];
-        out[c] = fmin(fmax(value[c] - shown, -MOST_REST * value[c]), MOST_REST * value[c]);
+        out[c] = value[c] - shown;
     }
 }
 
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
-                        double (*out)[3]) {
+                        double (*out)[3], double (*rest)[3]) {
     Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches};
     Arena scratch = {0};
     int units = of_patches ? mesh->patch_count : mesh->element_count;
@@ -434,7 +434,7 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
     for (int u = 0; u < units; u++) fit.covered[u] = !(rgb_sum(value[u]) > 0);
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, units + 1);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, units + 1);
-    double(*rest)[3] = arena_alloc(&fit.scratch, (size_t)units + 1, sizeof *rest);
+    if (!rest) rest = arena_alloc(&fit.scratch, (size_t)units + 1, sizeof *rest);
     double(*more)[3] = arena_alloc(&fit.scratch, (size_t)nodes->count + 1, sizeof *more);
     int *count = ARENA_ARRAY(&fit.scratch, int, nodes->count + 1);
     for (int u = 0; u < units; u++)
@@ -450,7 +450,9 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
         for (int i = element->first_corner; i < element->first_corner + element->corner_count; i++) {
             int n = nodes->of_corner[i];
             count[n]++;
-            for (int c = 0; c < 3; c++) more[n][c] += rest[of_patches ? element->patch : e][c];
+            int u = of_patches ? element->patch : e;
+            for (int c = 0; c < 3; c++)
+                more[n][c] += fmin(fmax(rest[u][c], -MOST_REST * value[u][c]), MOST_REST * value[u][c]);
         }
     }
     for (int n = 0; n < nodes->count; n++)

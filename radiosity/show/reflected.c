@@ -6,14 +6,15 @@
 // are the denser the closer other surfaces are. Departure: steps of the light itself count as well, as shares of all light there.
 #include "radiosity/show/reflected.h"
 
-#include <stdlib.h>
-#include <stdio.h>
+#include <math.h>
 
 #include "engine/core/parallel.h"
 #include "radiosity/show/shown.h"
 
-// Steps between neighbours above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
-static const double STEP_ONE = 0.12, STEP_TWO = 0.35, CLOSE_ONE = 0.5, CLOSE_TWO = 0.8;
+// Bends above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
+static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.5, CLOSE_TWO = 0.8;
+// They count by the root of an element's length over this, metres: what is short is seen less.
+static const double LONG = 0.3;
 // No part is shorter for it, metres.
 static const double SHORTEST = 0.05;
 // So many parts may come of it, as a share of the elements.
@@ -29,6 +30,7 @@ typedef struct Steps {
     const Mesh *mesh;
     const RadSolution *solution;
     double *light;      // [element_count] W/m^2, the sum of the channels
+    double (*rest)[3];  // [patch_count] of reconstruct_values
     float (*worst)[2];  // [element_count] along each axis
 } Steps;
 
@@ -72,23 +74,27 @@ static double length_along(const Mesh *mesh, const Element *e, int axis) {
                      : ldexp(face->root / vec3_length(face->gy), -e->depth.y);
 }
 
-static unsigned char depth_for(const Mesh *mesh, const Element *e, int axis, double step, double close) {
-    int depth = step > STEP_TWO || close > CLOSE_TWO ? 2 : step > STEP_ONE || close > CLOSE_ONE ? 1 : 0;
+static unsigned char depth_for(const Mesh *mesh, const Element *e, int axis, double bend, double close) {
+    double weight = sqrt(length_along(mesh, e, axis) / LONG);
+    bend *= weight, close *= weight;
+    int depth = bend > BEND_TWO || close > CLOSE_TWO ? 2 : bend > BEND_ONE || close > CLOSE_ONE ? 1 : 0;
     while (depth > 0 && ldexp(length_along(mesh, e, axis), -depth) < SHORTEST) depth--;
     return (unsigned char)depth;
 }
 
-// A cost of all parts, if steps count by so much.
+// The number of all parts, if bends count by so much.
 static double count_parts(const Steps *s, double scale, MeshDepth *out) {
     const Mesh *mesh = s->mesh;
     double parts = 0;
     for (int e = 0; e < mesh->element_count; e++) {
         const Element *element = &mesh->elements[e];
-        double close = scale * (double)s->solution->close[element->patch];
-        out[e] = (MeshDepth){depth_for(mesh, element, 0, scale * (double)s->worst[e][0], close),
-                             depth_for(mesh, element, 1, scale * (double)s->worst[e][1], close)};
-        if (rgb_sum((double[]){s->light[e], 0, 0}) > 0 && out[e].x + out[e].y > 0)
-            parts += ldexp(1, out[e].x + out[e].y);
+        double rho[3], bend = 0, close = scale * (double)s->solution->close[element->patch];
+        rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
+        for (int c = 0; c < 3; c++) bend += scale * rho[c] * fabs(s->rest[element->patch][c]) / s->light[e];
+        const float *step = s->worst[e];
+        out[e] = (MeshDepth){depth_for(mesh, element, 0, step[0] * 2 < step[1] ? 0 : bend, close),
+                             depth_for(mesh, element, 1, step[1] * 2 < step[0] ? 0 : bend, close)};
+        if (out[e].x + out[e].y > 0) parts += ldexp(1, out[e].x + out[e].y);
     }
     return parts;
 }
@@ -99,13 +105,15 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
     MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
     s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
     find_shown_light(&s, &scratch);
+    double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
+    s.rest = arena_alloc(&scratch, (size_t)mesh->patch_count + 1, sizeof *s.rest);
+    reconstruct_values(mesh, nodes, true, solution->reflected, node, s.rest);
     for (int n = 0; n < nodes->count; n++)
         for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
             for (int k = i + 1; k < nodes->first[n + 1]; k++)
                 take_step(&s, nodes->element[i], nodes->element[k]);
     double scale = 1;
     while (count_parts(&s, scale, out) > MOST_PARTS * mesh->element_count) scale *= 0.8;
-    if (getenv("SAY")) { fprintf(stderr, "scale %g parts %g\n", scale, count_parts(&s, scale, out)); for (int e = 0; e < mesh->element_count; e++) if (mesh->faces[mesh->elements[e].face].polygon == atoi(getenv("SAY"))) { Vec3 m = element_centroid(mesh, e), q = mesh->patches[mesh->elements[e].patch].centre; fprintf(stderr, "el %d patch %d at %.3f %.3f %.3f patch centre %.3f %.3f area %.4f I %.4f close %.2f step %.2f %.2f depth %d %d halved %d %d\n", e, mesh->elements[e].patch, m.x, m.y, m.z, q.x, q.y, mesh->elements[e].area, solution->reflected[mesh->elements[e].patch][0], (double)solution->close[mesh->elements[e].patch], (double)s.worst[e][0], (double)s.worst[e][1], mesh->elements[e].depth.x, mesh->elements[e].depth.y, out[e].x, out[e].y); } }
     arena_free(&scratch);
     return out;
 }
@@ -158,7 +166,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
                      int threads, const Progress *progress, double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
     if (shown == mesh) {
-        reconstruct_values(mesh, nodes, true, scene->solution->reflected, out);
+        reconstruct_values(mesh, nodes, true, scene->solution->reflected, out, NULL);
         return true;
     }
     Arena scratch = {0};
@@ -168,7 +176,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     int *in = ARENA_ARRAY(&scratch, int, shown->element_count + 1);
     int *part = ARENA_ARRAY(&scratch, int, shown->element_count + 1), count = 0;
     VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
-    reconstruct_values(mesh, &own, true, scene->solution->reflected, node);
+    reconstruct_values(mesh, &own, true, scene->solution->reflected, node, NULL);
     for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
     light.triangle = reconstruct_triangles(mesh, &scratch);
     for (int e = 0; e < shown->element_count; e++) {
@@ -179,7 +187,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
             reconstruct_in(mesh, &light, in[e], element_centroid(shown, e), value[e]);
     }
     bool go_on = gather_parts(scene, shown, part, count, in, threads, progress, value);
-    if (go_on) reconstruct_values(shown, nodes, false, value, out);
+    if (go_on) reconstruct_values(shown, nodes, false, value, out, NULL);
     arena_free(&scratch);
     return go_on;
 }

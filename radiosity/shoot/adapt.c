@@ -426,6 +426,9 @@ static const double FIRST_LOOKS = 1.6e7, LAMP_LOOKS = 3e6, SMALL_FILE = 1e6;
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Elements are not more often split than so below their patch.
 enum { MOST_BELOW_PATCH = 2 };
+// A patch is as large as its largest element, since each has one value of reflected light. Where there are more elements than this, it is
+// twice as large: they are smaller, too.
+static const double MOST_SINGLE = 60e3;
 // Lamp detail of the pilot solution, which only tells where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
@@ -600,11 +603,12 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
                           .halves = last};
     MeshDepth *element = adapt_depths(&field, &limits, &a->scratch);
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
+    int below = a->most > MOST_SINGLE;
     for (int e = 0; e < mesh->element_count; e++) {
         double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
         bool lamp = mesh_emits(mesh, mesh->elements[e].face);
-        patch[e] = limit(last && !lamp ? square : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
+        patch[e] = limit(last && !lamp ? square - below : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }

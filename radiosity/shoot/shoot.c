@@ -343,7 +343,24 @@ static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution
     return out;
 }
 
-// Rows that are not there are made for this alone. False where progress asked to stop.
+// Patches smaller than this, m^2, whose row is not there have the reflected light that was shot to them.
+static const double SMALL = 0.01;
+
+static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
+    const Patch *p = &mesh->patches[patch];
+    double rho[3], emitted[3];
+    rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
+    rgb_doubles(mesh_material(mesh, p->face)->emission, emitted);
+    for (int c = 0; c < 3; c++) {
+        double power = 0;
+        for (int e = p->first_element; e < p->first_element + p->element_count; e++)
+            power += mesh->elements[e].area *
+                     (s->radiosity[e][c] - s->direct[e][c] - s->daylight[e][c] - emitted[c]);
+        out[c] = rho[c] > 0 ? fmax(power, 0) / (rho[c] * p->area) : 0;
+    }
+}
+
+// Rows of larger patches that are not there are made for this alone. False where progress asked to stop.
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int threads = parallel_threads(s->options->threads), done = 0;
@@ -360,7 +377,11 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         int count = 0;
         for (int p = 0; p < mesh->patch_count && go_on; p++) {
             bool last = p + 1 == mesh->patch_count;
-            if ((shoot_rows_of(s->rows, p) != NULL) == there) g.patches[count++] = p;
+            bool is_there = shoot_rows_of(s->rows, p) != NULL;
+            if (!is_there && mesh->patches[p].area < SMALL)
+                take_shot(mesh, s->solution, p, s->solution->reflected[p]);
+            else if (is_there == there)
+                g.patches[count++] = p;
             if (count == 0 || (!last && (there || count < shoot_rows_wanted(s->rows)))) continue;
             if (!there) shoot_rows_make(s->rows, g.patches, count);
             parallel_for(threads, count, gather_patch, &g);

@@ -1075,6 +1075,10 @@ typedef struct Showing {
     const Progress *progress;
 } Showing;
 
+#include "engine/core/clock.h"
+#include <stdio.h>
+static double T0;
+#define TICK(name) do { double t = clock_seconds(); if (getenv("TICK")) fprintf(stderr, "%-20s %.2f\n", name, t - T0); T0 = t; } while (0)
 // Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh.
 static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
                         RadReport *report) {
@@ -1089,13 +1093,17 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
         start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &scratch);
         finer.lamps = d->lamps;
+        TICK("start finer");
         take_known(&finer, d, at_node);
+        TICK("take known");
         good = light_all(&finer, s->threads, s->progress, irradiance, report);
         end_workers(&finer);
         at_node = irradiance;
         nodes = &finer_nodes;
     }
+    TICK("light finer");
     if (good && !getenv("NOLIFT")) lift_nodes(d, shown, nodes, at_node);
+    TICK("lift");
     double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
     if (good && s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
@@ -1104,11 +1112,15 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
-        shown_nodes(mesh, s->rest, shown, nodes, out->node);
+        TICK("reflected");
+        // By night all other light is emitted, and even.
+        bool dark = s->rest->gathered && !daylight_shines(&s->rest->day) && d->lamps;
+        if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->node);
         for (int n = 0; n < nodes->count; n++) {
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
+            if (dark) rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->node[n]);
             for (int c = 0; c < 3; c++) { if (getenv("ONLYDIRECT")) out->node[n][c] = 0, reflected[n][c] = 0; if (getenv("ONLYREST")) at_node[n][c] = 0; }
             for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * (at_node[n][c] + reflected[n][c]);
         }
@@ -1123,10 +1135,13 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
     Direct d;
     Error error;
     RadReport work = {0};
+    T0 = clock_seconds();
     Nodes nodes = nodes_of(mesh, &scratch);
+    TICK("nodes");
     bool good = true;
     if (!report) report = &work;
     start_direct(&d, mesh, forest, &nodes, &solution->day, &scratch);
+    TICK("start");
     d.lamps = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
     if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
@@ -1148,16 +1163,21 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
         d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
         good = light_all(&d, threads, progress, at_node, report);
+        TICK("light_all");
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (solution->gathered) show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
+            TICK("depths");
             splits = bend_splits(mesh, d.bends, show.halved, most, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
+        TICK("splits");
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
+        TICK("build");
         out.shown = is_finer ? splits : NULL;
         show.shown = is_finer ? &finer : mesh;
         good = good && light_nodes(&d, &show, at_node, arena, &out, report);
+        TICK("rest");
         if (good) *solution = out;
         end_workers(&d);
     }

@@ -42,6 +42,7 @@ typedef struct Fit {
     Vec3 *centroid;      // [element_count]
     double (*light)[3];  // [element_count] W/m^2, there
     bool *sliver;        // [element_count]
+    const bool *wanted;  // [nodes->count] nodes to be found; NULL: all
     bool *covered;       // [unit] no light reaches it: it says nothing of the light beside it; NULL: none is
     bool of_patches;     // units are patches, not elements: `centroid` and `stamp` are theirs
     int *stamp, now;     // [element_count] the collection that last took the unit
@@ -389,6 +390,7 @@ void reconstruct_at(const Mesh *mesh, const VertexLight *light, int face, Vec3 p
 static void fit_values(Fit *fit, double (*value)[3], double (*out)[3]) {
     for (int n = 0; n < fit->nodes->count; n++) {
         double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {0};
+        if (fit->wanted && !fit->wanted[n]) continue;
         find_factors(fit, n);
         for (int c = 0; c < 3; c++) out[n][c] = 0;
         if (fit->count == 0) continue;
@@ -425,9 +427,17 @@ static void rest_of_value(const Fit *fit, double (*node)[3], int unit, const dou
     }
 }
 
+// Are all nodes of an element wanted?
+static bool all_wanted(const Fit *fit, int element) {
+    const Element *e = &fit->mesh->elements[element];
+    int c = e->first_corner, end = c + e->corner_count;
+    while (c < end && fit->wanted[fit->nodes->of_corner[c]]) c++;
+    return c == end;
+}
+
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
-                        double (*out)[3], double (*rest)[3]) {
-    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches};
+                        const bool *wanted, double (*out)[3], double (*rest)[3]) {
+    Fit fit = {.mesh = mesh, .nodes = nodes, .of_patches = of_patches, .wanted = wanted};
     Arena scratch = {0};
     int units = of_patches ? mesh->patch_count : mesh->element_count;
     fit.covered = ARENA_ARRAY(&fit.scratch, bool, units + 1);
@@ -442,6 +452,7 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
     fit_values(&fit, value, out);
     for (int u = 0; u < units; u++) {
         arena_reset(&scratch);
+        if (wanted && !all_wanted(&fit, u)) continue;
         rest_of_value(&fit, out, u, value[u], &scratch, rest[u]);
     }
     for (int e = 0; e < mesh->element_count; e++) {
@@ -456,7 +467,7 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
         }
     }
     for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3; c++) out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
+        for (int c = 0; c < 3 && (!wanted || wanted[n]); c++) out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
     arena_free(&scratch);
     arena_free(&fit.scratch);
 }

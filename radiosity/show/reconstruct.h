@@ -23,8 +23,9 @@ void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *
 
 // The same from values at the centres of patches, or at the centroids of elements. Linear light between the nodes passes through the values
 // where they bend by less than a fifth. How far a plane through the values around each was below it goes into `rest`, if not NULL.
+// `wanted` [nodes->count]: the nodes to be found; NULL: all.
 void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, double (*value)[3],
-                        double (*out)[3], double (*rest)[3]);
+                        const bool *wanted, double (*out)[3], double (*rest)[3]);
 
 // The triangles that elements are drawn as, for VertexLight.triangle: worth making where reconstruct_at is called often.
 int *reconstruct_triangles(const Mesh *mesh, Arena *arena);

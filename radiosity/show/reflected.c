@@ -17,8 +17,8 @@ static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.5, CLOSE_TWO
 static const double LONG = 0.3;
 // No part is shorter for it, metres.
 static const double SHORTEST = 0.05;
-// So many parts may come of it, as a share of the elements.
-static const double MOST_PARTS = 0.5;
+// So many parts may come of it, as a share of the patches.
+static const double MOST_PARTS = 0.4;
 // The share of the mean light that counts as light in the dark.
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
@@ -107,13 +107,13 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
     find_shown_light(&s, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
     s.rest = arena_alloc(&scratch, (size_t)mesh->patch_count + 1, sizeof *s.rest);
-    reconstruct_values(mesh, nodes, true, solution->reflected, node, s.rest);
+    reconstruct_values(mesh, nodes, true, solution->reflected, NULL, node, s.rest);
     for (int n = 0; n < nodes->count; n++)
         for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
             for (int k = i + 1; k < nodes->first[n + 1]; k++)
                 take_step(&s, nodes->element[i], nodes->element[k]);
     double scale = 1;
-    while (count_parts(&s, scale, out) > MOST_PARTS * mesh->element_count) scale *= 0.8;
+    while (count_parts(&s, scale, out) > MOST_PARTS * mesh->patch_count) scale *= 0.8;
     arena_free(&scratch);
     return out;
 }
@@ -166,7 +166,7 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
                      int threads, const Progress *progress, double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
     if (shown == mesh) {
-        reconstruct_values(mesh, nodes, true, scene->solution->reflected, out, NULL);
+        reconstruct_values(mesh, nodes, true, scene->solution->reflected, NULL, out, NULL);
         return true;
     }
     Arena scratch = {0};
@@ -175,8 +175,9 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
     int *in = ARENA_ARRAY(&scratch, int, shown->element_count + 1);
     int *part = ARENA_ARRAY(&scratch, int, shown->element_count + 1), count = 0;
+    bool *anew = ARENA_ARRAY(&scratch, bool, nodes->count + 1);  // nodes of parts
     VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
-    reconstruct_values(mesh, &own, true, scene->solution->reflected, node, NULL);
+    reconstruct_values(mesh, &own, true, scene->solution->reflected, NULL, node, NULL);
     for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
     light.triangle = reconstruct_triangles(mesh, &scratch);
     for (int e = 0; e < shown->element_count; e++) {
@@ -187,7 +188,14 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
             reconstruct_in(mesh, &light, in[e], element_centroid(shown, e), value[e]);
     }
     bool go_on = gather_parts(scene, shown, part, count, in, threads, progress, value);
-    if (go_on) reconstruct_values(shown, nodes, false, value, out, NULL);
+    for (int i = 0; i < count; i++) {
+        const Element *e = &shown->elements[part[i]];
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) anew[nodes->of_corner[c]] = true;
+    }
+    if (go_on) reconstruct_values(shown, nodes, false, value, anew, out, NULL);
+    for (int n = 0; n < nodes->count; n++)
+        if (!anew[n])
+            reconstruct_in(mesh, &light, in[nodes->element[nodes->first[n]]], shown->vertices[nodes->vertex[n]], out[n]);
     arena_free(&scratch);
     return go_on;
 }

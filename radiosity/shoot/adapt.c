@@ -608,7 +608,8 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
         double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
         bool lamp = mesh_emits(mesh, mesh->elements[e].face);
-        patch[e] = limit(last && !lamp ? square - below : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
+        bool furniture = below && mesh->graph->objects[mesh->faces[mesh->elements[e].face].object].kind != OBJECT_SURFACE;
+        patch[e] = limit(last && !lamp ? square - furniture : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }

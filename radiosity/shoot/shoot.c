@@ -315,19 +315,19 @@ typedef struct Gathering {
 static void gather_patch(void *context, int index, int thread) {
     (void)thread;
     const Gathering *g = context;
-    const Mesh *mesh = g->mesh;
     int patch = g->patches[index];
     const ShootRow *row = shoot_rows_of(g->rows, patch);
     const float *density = row->density;
     const uint8_t *offset = row->offset;
-    Vec3 eye = mesh->patches[patch].centre;
+    Vec3 eye = g->mesh->patches[patch].centre;
     Four sum = {0};
-    double close = 0, width2 = mesh->patches[patch].area;
+    double close = 0, width2 = g->mesh->patches[patch].area;
     for (int r = 0; r < row->run_count; r++) {
-        int first = mesh->patches[row->runs[r].patch].first_element;
+        int first = g->mesh->patches[row->runs[r].patch].first_element;
         Vec3 to = vec3_sub(g->middle[first], eye);
         close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
-        for (int i = 0; i <= row->count[r]; i++) sum += g->reflected[first + *offset++] * four_of((double)*density++);
+        for (int i = 0; i <= row->count[r]; i++)
+            sum += g->reflected[first + *offset++] * four_of((double)*density++);
     }
     channels_store(sum * four_of(row->scale), g->out[patch]);
     g->close[patch] = (float)close;
@@ -343,7 +343,7 @@ static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution
     return out;
 }
 
-// Patches smaller than this, m^2, whose row is not there have the reflected light that was shot to them.
+// Patches smaller than this, m^2, have the reflected light that was shot to them: homes have tens of thousands of them.
 static const double SMALL = 0.01;
 
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
@@ -360,7 +360,7 @@ static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double 
     }
 }
 
-// Rows of larger patches that are not there are made for this alone. False where progress asked to stop.
+// Rows that are not there are made for this alone. False where progress asked to stop.
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int threads = parallel_threads(s->options->threads), done = 0;
@@ -377,10 +377,9 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         int count = 0;
         for (int p = 0; p < mesh->patch_count && go_on; p++) {
             bool last = p + 1 == mesh->patch_count;
-            bool is_there = shoot_rows_of(s->rows, p) != NULL;
-            if (!is_there && mesh->patches[p].area < SMALL)
+            if (mesh->patches[p].area < SMALL)
                 take_shot(mesh, s->solution, p, s->solution->reflected[p]);
-            else if (is_there == there)
+            else if ((shoot_rows_of(s->rows, p) != NULL) == there)
                 g.patches[count++] = p;
             if (count == 0 || (!last && (there || count < shoot_rows_wanted(s->rows)))) continue;
             if (!there) shoot_rows_make(s->rows, g.patches, count);

@@ -13,7 +13,7 @@
 
 // Bends above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
 static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.5, CLOSE_TWO = 0.8;
-// They count by the root of an element's length over this, metres: what is short is seen less.
+// They count by an element's length over this, metres: what is short is seen less.
 static const double LONG = 0.3;
 // No part is shorter for it, metres.
 static const double SHORTEST = 0.05;
@@ -75,7 +75,7 @@ static double length_along(const Mesh *mesh, const Element *e, int axis) {
 }
 
 static unsigned char depth_for(const Mesh *mesh, const Element *e, int axis, double bend, double close) {
-    double weight = sqrt(length_along(mesh, e, axis) / LONG);
+    double weight = length_along(mesh, e, axis) / LONG;
     bend *= weight, close *= weight;
     int depth = bend > BEND_TWO || close > CLOSE_TWO ? 2 : bend > BEND_ONE || close > CLOSE_ONE ? 1 : 0;
     while (depth > 0 && ldexp(length_along(mesh, e, axis), -depth) < SHORTEST) depth--;

@@ -98,6 +98,14 @@ char *arena_format(Arena *arena, const char *format, ...) {
     return text;
 }
 
+void arena_join(Arena *to, Arena *from) {
+    ArenaBlock **end = &to->head;
+    while (*end) end = &(*end)->next;
+    *end = from->head;
+    to->used += from->used;
+    *from = (Arena){0};
+}
+
 void arena_free(Arena *arena) {
     while (arena->head) {
         ArenaBlock *next = arena->head->next;

@@ -426,9 +426,9 @@ static const double FIRST_LOOKS = 1.6e7, LAMP_LOOKS = 3e6, SMALL_FILE = 1e6;
 enum { LAMP_ROUNDS = 1, SPLITS_A_ROUND = 2 };
 // Elements are not more often split than so below their patch.
 enum { MOST_BELOW_PATCH = 2 };
-// A patch is as large as its largest element, since each has one value of reflected light. Where there are more elements than this, it is
-// twice as large: they are smaller, too.
-static const double MOST_SINGLE = 60e3;
+// A patch is as large as its largest element, since each has one value of reflected light: so large are its steps. Where that would be more
+// patches than this, those of things in rooms are larger, and then those of walls, floors and ceilings.
+static const double MOST_PATCHES = 45e3;
 // Lamp detail of the pilot solution, which only tells where shadows are.
 enum { LAMP_DETAIL = 2 };
 // Where patches are as light asks they may be larger, of those of a mesh without splits.
@@ -463,6 +463,7 @@ typedef struct Adapt {
     double dark;        // irradiance, W/m^2
     double most;        // elements there may be
     double patch_edge;  // of that of a mesh without splits
+    int above;          // in ABOVE
     double *lamps;      // [element_count] of the light of lamps alone, on the mesh at hand, W/m^2
 } Adapt;
 
@@ -595,6 +596,17 @@ static int patch_depth(const Adapt *a, const Mesh *mesh, int element, double lig
     return depth < 0 ? 0 : depth > MOST_PATCH_SPLITS ? MOST_PATCH_SPLITS : depth;
 }
 
+static bool is_surface(const Mesh *mesh, int element) {
+    int object = mesh->faces[mesh->elements[element].face].object;
+    return mesh->graph->objects[object].kind == OBJECT_SURFACE;
+}
+
+// By how many splits patches are larger than their elements, for [surfaces, things]: ever larger ones.
+static const int ABOVE[][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 2}, {2, 3}};
+enum { ABOVE_COUNT = sizeof ABOVE / sizeof *ABOVE };
+// So many times too many patches become few enough two steps on.
+static const double FAR_TOO_MANY = 1.5;
+
 static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     AdaptField field = find_light(a, mesh);
     AdaptLimits limits = {.most = last ? a->most : PILOT * a->most,
@@ -603,13 +615,12 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
                           .halves = last};
     MeshDepth *element = adapt_depths(&field, &limits, &a->scratch);
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
-    int below = a->most > MOST_SINGLE;
+    const int *above = ABOVE[a->above];
     for (int e = 0; e < mesh->element_count; e++) {
         double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
         bool lamp = mesh_emits(mesh, mesh->elements[e].face);
-        bool furniture = below && mesh->graph->objects[mesh->faces[mesh->elements[e].face].object].kind != OBJECT_SURFACE;
-        patch[e] = limit(last && !lamp ? square - furniture : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
+        patch[e] = limit(last && !lamp ? square - above[!is_surface(mesh, e)] : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }
@@ -621,17 +632,29 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
     a->patch_edge = even > a->options->few ? PATCH_EDGE : 1;
     const Mesh *mesh = &a->rough;
     MeshOptions finer = *options;
-    for (int round = 0;; round++) {
-        bool last = round == LAMP_ROUNDS;
-        Mesh *next = last ? out : ARENA_ARRAY(&a->scratch, Mesh, 1);
-        finer.close = last ? options->close : 0;
-        finer.loose = !last;
-        finer.splits = split(a, mesh, last, arena);
-        if (!build_adapted(a, &finer, last ? arena : &a->scratch, next, error)) return false;
-        if (last) return true;
+    for (int round = 0; round < LAMP_ROUNDS; round++) {
+        Mesh *next = ARENA_ARRAY(&a->scratch, Mesh, 1);
+        finer.close = 0;
+        finer.loose = true;
+        finer.splits = split(a, mesh, false, &a->scratch);
+        if (!build_adapted(a, &finer, &a->scratch, next, error)) return false;
         mesh = next;
         a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
         if (!solve(a, mesh, true, a->lamps, error)) return false;
+    }
+    finer.close = options->close;
+    finer.loose = false;
+    // Cuts along things add patches, so that these are counted when they are there.
+    for (Arena own = {0};; a->above++) {
+        finer.splits = split(a, mesh, true, &own);
+        bool good = build_adapted(a, &finer, &own, out, error);
+        if (good && out->patch_count > MOST_PATCHES && a->above + 1 < ABOVE_COUNT) {
+            a->above += out->patch_count > FAR_TOO_MANY * MOST_PATCHES && a->above + 2 < ABOVE_COUNT;
+            arena_free(&own);
+            continue;
+        }
+        arena_join(arena, &own);
+        return good;
     }
 }
 

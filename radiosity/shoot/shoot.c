@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "engine/core/parallel.h"
@@ -52,7 +53,7 @@ void rad_fit(const Mesh *mesh, RadOptions *options) {
         int patches;  // up to so many
         double residual;
         int resolution;
-    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 80}, {INT32_MAX, 1e-3, 40}};
+    } FIT[] = {{4000, 1e-4, 200}, {10000, 3e-4, 80}, {INT32_MAX, 1e-3, 48}};
     int i = 0;
     while (mesh->patch_count > FIT[i].patches) i++;
     if (options->residual == 0) options->residual = FIT[i].residual;
@@ -85,6 +86,8 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
     out->daylight = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->daylight);
     out->reflected = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->reflected);
+    out->sent = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->sent);
+    out->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     out->close = ARENA_ARRAY(arena, float, mesh->patch_count + 1);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
@@ -177,6 +180,9 @@ static double unshot_power(const Receiver *r) {
 // Patches shoot what they reflect, from now on.
 static void queue_reflected(Shooter *s, const Mesh *mesh) {
     if (s->options->lamps_only) return;
+    shoot_elements_finish(s->elements);
+    shoot_elements_store(s->elements, s->solution);
+    shoot_rows_find_strong(s->rows, s->solution);
     for (int p = 0; p < mesh->patch_count; p++)
         shoot_queue_raise(&s->queue, p, unshot_power(&s->receivers[p]));
 }
@@ -307,6 +313,7 @@ typedef struct Gathering {
     const ShootRows *rows;
     const Four *reflected;  // [element_count] radiosity times area, W, without what is emitted
     Vec3 *middle;           // [element_count]
+    double (*sent)[3];      // [patch_count]
     double (*out)[3];       // [patch_count]
     float *close;           // [patch_count]
     int *patches;           // of this round
@@ -330,21 +337,57 @@ static void gather_patch(void *context, int index, int thread) {
             sum += g->reflected[first + *offset++] * four_of((double)*density++);
     }
     channels_store(sum * four_of(row->scale), g->out[patch]);
+    for (int c = 0; c < 3; c++) g->out[patch][c] += g->sent[patch][c];
     g->close[patch] = (float)close;
 }
 
+// Strong patches have none: they send it themselves.
 static const Four *reflected_power(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
     Four *out = ARENA_ARRAY(arena, Four, mesh->element_count + 1);
     for (int e = 0; e < mesh->element_count; e++) {
         double emitted[3], area = mesh->elements[e].area;
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
-        for (int c = 0; c < 3; c++) out[e][c] = area * fmax(solution->radiosity[e][c] - emitted[c], 0);
+        bool strong = solution->strong[mesh->elements[e].patch];
+        for (int c = 0; c < 3 && !strong; c++)
+            out[e][c] = area * fmax(solution->radiosity[e][c] - emitted[c], 0);
     }
     return out;
 }
 
-// Patches smaller than this, m^2, have the reflected light that was shot to them: homes have tens of thousands of them.
-static const double SMALL = 0.01;
+// Adds what a strong patch sends to others.
+static void send(const Mesh *mesh, RadSolution *s, int patch, const ShootRow *row) {
+    const Patch *p = &mesh->patches[patch];
+    double power[3] = {0, 0, 0}, emitted[3];
+    rgb_doubles(mesh_material(mesh, p->face)->emission, emitted);
+    for (int e = p->first_element; e < p->first_element + p->element_count; e++)
+        for (int c = 0; c < 3; c++)
+            power[c] += mesh->elements[e].area * fmax(s->radiosity[e][c] - emitted[c], 0) * row->scale;
+    for (int r = 0; r < row->run_count; r++) {
+        int to = row->runs[r].patch;
+        for (int c = 0; c < 3; c++)
+            s->sent[to][c] += power[c] * (double)row->runs[r].share / mesh->patches[to].area;
+    }
+}
+
+// In the order of patches, so that sums are the same however rows are kept.
+static void send_strong(Shooter *s, const Mesh *mesh) {
+    RadSolution *out = s->solution;
+    memcpy(out->strong, shoot_rows_strong(s->rows), (size_t)mesh->patch_count * sizeof *out->strong);
+    memset(out->sent, 0, (size_t)mesh->patch_count * sizeof *out->sent);
+    for (int p = 0; p < mesh->patch_count; p++) {
+        if (!out->strong[p]) continue;
+        if (!shoot_rows_of(s->rows, p)) {
+            // Its neighbours' rows are made with it.
+            int count = 0, most = (int)shoot_rows_wanted(s->rows);
+            for (int q = p; q < mesh->patch_count && count < most; q++)
+                if (out->strong[q] && !shoot_rows_of(s->rows, q)) s->next[count++] = q;
+            shoot_rows_make(s->rows, s->next, count);
+        }
+        send(mesh, out, p, shoot_rows_of(s->rows, p));
+        shoot_rows_shot(s->rows, p);
+    }
+}
+
 
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
     const Patch *p = &mesh->patches[patch];
@@ -364,10 +407,12 @@ static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double 
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
     int threads = parallel_threads(s->options->threads), done = 0;
+    send_strong(s, mesh);
     Gathering g = {.mesh = mesh,
                    .rows = s->rows,
                    .reflected = reflected_power(mesh, s->solution, &arena),
                    .middle = ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
+                   .sent = s->solution->sent,
                    .out = s->solution->reflected,
                    .close = s->solution->close,
                    .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
@@ -377,7 +422,7 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
         int count = 0;
         for (int p = 0; p < mesh->patch_count && go_on; p++) {
             bool last = p + 1 == mesh->patch_count;
-            if (mesh->patches[p].area < SMALL)
+            if (mesh->patches[p].area < RAD_SMALL)
                 take_shot(mesh, s->solution, p, s->solution->reflected[p]);
             else if ((shoot_rows_of(s->rows, p) != NULL) == there)
                 g.patches[count++] = p;

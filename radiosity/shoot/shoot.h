@@ -36,6 +36,8 @@ typedef struct RadOptions {
 } RadOptions;
 // The hemisphere method, culling by stab trees, a residual of a thousandth, 128 MB of rows.
 RadOptions rad_default_options(void);
+// Patches smaller than this, m^2, have the reflected light that was shot to them, not gathered light: homes have tens of thousands of them.
+#define RAD_SMALL 0.01
 // Memory for rows as fits a mesh and the machine, for rad_fit to replace.
 #define RAD_ROWS_FIT SIZE_MAX
 // Replaces a residual or a resolution of 0 by a value that suits the mesh: with few patches, light can be found more exactly. And
@@ -55,6 +57,10 @@ struct RadSolution {
     // [patch_count] if `gathered`: the irradiance by reflected light, gathered along each patch's row once the light is shot. An element
     // has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does not hold it.
     double (*reflected)[3];
+    // [patch_count] if `gathered`: the part of `reflected` that comes from strong patches, which send it along their own rows; and which
+    // patches are strong (shoot_rows.h)
+    double (*sent)[3];
+    bool *strong;
     // [patch_count] if `gathered`: the share of the row that meets surfaces closer than the patch is wide
     float *close;
     bool gathered;

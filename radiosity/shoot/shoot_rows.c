@@ -68,6 +68,7 @@ struct ShootRows {
     int *making;    // [slot_count] those of the rows that are made at a time
     ShootRow **of;  // [patch_count] NULL: not there
     bool *there;    // [patch_count]
+    bool *strong;   // [patch_count]
     bool full;
     long long made;
 };
@@ -131,6 +132,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->making = ARENA_ARRAY(arena, int, rows->slot_count);
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
+    rows->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
     // So that a byte tells which element of its patch one is.
     for (int p = 0; p < mesh->patch_count; p++)
@@ -280,6 +282,54 @@ static ShootRow *keep(const ShootRows *rows, Maker *maker, size_t bytes) {
     return row;
 }
 
+// ---- strong patches
+
+// So many patches may be strong, as a share of all: the rows of all others cost about as much as theirs.
+static const double MOST_STRONG = 0.02;
+// A patch is strong if it reflects so many times the light that a patch of its cell reflects in the mean.
+static const double STRONG = 6;
+// A cell in which less light falls than this share of the mean counts as one with so much.
+static const double DIM = 0.05;
+
+typedef struct Strength {
+    double times;
+    int patch;
+} Strength;
+
+static int strongest_first(const void *a, const void *b) {
+    const Strength *p = a, *q = b;
+    return p->times != q->times ? (p->times > q->times ? -1 : 1) : p->patch - q->patch;
+}
+
+void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
+    const Mesh *mesh = rows->mesh;
+    Arena scratch = {0};
+    int cells = mesh->graph->cell_count, count = mesh->patch_count;
+    Strength *strength = ARENA_ARRAY(&scratch, Strength, count + 1);
+    double *light = ARENA_ARRAY(&scratch, double, cells + 1), *area = ARENA_ARRAY(&scratch, double, cells + 1);
+    double all = 0, all_area = 0;
+    for (int p = 0; p < count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        int cell = patch->cell < 0 ? cells : patch->cell;
+        double power = 0;
+        for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++)
+            power += (rgb_sum(solution->direct[e]) + rgb_sum(solution->daylight[e])) * mesh->elements[e].area;
+        strength[p] = (Strength){power / patch->area, p};
+        light[cell] += power, all += power;
+        area[cell] += patch->area, all_area += patch->area;
+    }
+    for (int p = 0; p < count; p++) {
+        int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
+        double mean = fmax(light[cell] / area[cell], DIM * all / all_area);
+        strength[p].times = mean > 0 && !mesh_emits(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
+    }
+    qsort(strength, (size_t)count, sizeof *strength, strongest_first);
+    for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++) rows->strong[strength[i].patch] = true;
+    arena_free(&scratch);
+}
+
+const bool *shoot_rows_strong(const ShootRows *rows) { return rows->strong; }
+
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
     Maker *maker = &rows->makers[thread];
@@ -290,7 +340,7 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
-    bool lamp = mesh_emits(rows->mesh, patch->face);
+    bool lamp = rows->strong[slot->patch] || mesh_emits(rows->mesh, patch->face);
     const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);

@@ -26,6 +26,13 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
                           const RadOptions *options, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
 
+// Chooses the patches whose rows have as many directions as those of lamps: those that reflect most light straight from lamps, sun and sky,
+// for the light of their cell. Direct light must be complete in the solution. To be called before any patch but lamps gets a row; without
+// the call no patch is strong.
+void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution);
+// [patch_count]
+const bool *shoot_rows_strong(const ShootRows *rows);
+
 // How many rows to make at a time, so that all threads have enough to do and the rows of neighbours are made together; never more
 // than shoot_rows_most.
 int shoot_rows_wanted(const ShootRows *rows);

@@ -26,11 +26,40 @@ enum { RESOLUTION = 40 };
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
+// Within a patch light may change by this share of its value as its elements tell it; those smaller than this share of their mean have too
+// few samples to tell anything.
+static const double MOST_CHANGE = 0.5, SLIVER = 0.25;
+
+// Irradiances by reflected light of elements: that of their patch, and the step from it that shots tell.
+static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
+    for (int p = 0; p < mesh->patch_count; p++) {
+        const Patch *patch = &mesh->patches[p];
+        int first = patch->first_element, end = first + patch->element_count;
+        double rho[3], emitted[3];
+        rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
+        rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+        for (int c = 0; c < 3; c++) {
+            double value = s->reflected[p][c], power = 0, area = 0;
+            for (int e = first; e < end; e++) {
+                const double size = mesh->elements[e].area;
+                out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->daylight[e][c] - emitted[c];
+                power += size * out[e][c];
+                area += size;
+            }
+            for (int e = first; e < end; e++) {
+                bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
+                double step = rho[c] > 0 && !sliver ? (out[e][c] - power / area) / rho[c] : 0;
+                out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
+            }
+        }
+    }
+}
+
 typedef struct Steps {
     const Mesh *mesh;
     const RadSolution *solution;
     double *light;      // [element_count] W/m^2, the sum of the channels
-    double (*rest)[3];  // [patch_count] of reconstruct_values
+    double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
     float (*worst)[2];  // [element_count] along each axis
 } Steps;
 
@@ -42,7 +71,7 @@ static void find_shown_light(Steps *s, Arena *arena) {
         double rho[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
         for (int c = 0; c < 3; c++)
-            s->light[e] += rho[c] * s->solution->reflected[mesh->elements[e].patch][c] +
+            s->light[e] += rho[c] * s->value[e][c] +
                            s->solution->direct[e][c] + s->solution->daylight[e][c];
         power += mesh->elements[e].area * s->light[e];
         area += mesh->elements[e].area;
@@ -53,13 +82,12 @@ static void find_shown_light(Steps *s, Arena *arena) {
 static void take_step(Steps *s, int a, int b) {
     const Mesh *mesh = s->mesh;
     const Element *p = &mesh->elements[a], *q = &mesh->elements[b];
-    if (p->patch == q->patch || p->face != q->face) return;
+    if (p->face != q->face) return;
     double rho[3], step = 0;
     rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
     for (int c = 0; c < 3; c++)
-        step += rho[c] * fabs(s->solution->reflected[p->patch][c] - s->solution->reflected[q->patch][c]);
-    bool covered = !(rgb_sum(s->solution->reflected[p->patch]) > 0 && rgb_sum(s->solution->reflected[q->patch]) > 0);
-    if (covered) return;
+        step += rho[c] * fabs(s->value[a][c] - s->value[b][c]);
+    if (!(rgb_sum(s->value[a]) > 0 && rgb_sum(s->value[b]) > 0)) return;
     step /= fmin(s->light[a], s->light[b]);
     const Face *face = &mesh->faces[p->face];
     Vec3 way = vec3_sub(element_centroid(mesh, b), element_centroid(mesh, a));
@@ -90,7 +118,7 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
         const Element *element = &mesh->elements[e];
         double rho[3], bend = 0, close = scale * (double)s->solution->close[element->patch];
         rgb_doubles(mesh_material(mesh, element->face)->reflectance, rho);
-        for (int c = 0; c < 3; c++) bend += scale * rho[c] * fabs(s->rest[element->patch][c]) / s->light[e];
+        for (int c = 0; c < 3; c++) bend += scale * rho[c] * fabs(s->rest[e][c]) / s->light[e];
         const float *step = s->worst[e];
         out[e] = (MeshDepth){depth_for(mesh, element, 0, step[0] * 2 < step[1] ? 0 : bend, close),
                              depth_for(mesh, element, 1, step[1] * 2 < step[0] ? 0 : bend, close)};
@@ -104,10 +132,12 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
     Steps s = {.mesh = mesh, .solution = solution};
     MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
     s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
+    s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
+    find_values(mesh, solution, s.value);
     find_shown_light(&s, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
-    s.rest = arena_alloc(&scratch, (size_t)mesh->patch_count + 1, sizeof *s.rest);
-    reconstruct_values(mesh, nodes, true, solution->reflected, NULL, node, s.rest);
+    s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
+    reconstruct_values(mesh, nodes, false, s.value, NULL, node, s.rest);
     for (int n = 0; n < nodes->count; n++)
         for (int i = nodes->first[n]; i < nodes->first[n + 1]; i++)
             for (int k = i + 1; k < nodes->first[n + 1]; k++)
@@ -165,21 +195,29 @@ static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int 
 bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Mesh *shown, const Nodes *nodes,
                      int threads, const Progress *progress, double (*out)[3]) {
     const Mesh *mesh = scene->mesh;
+    Arena scratch = {0};
+    double(*coarse)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *coarse);
+    find_values(mesh, scene->solution, coarse);
     if (shown == mesh) {
-        reconstruct_values(mesh, nodes, true, scene->solution->reflected, NULL, out, NULL);
+        reconstruct_values(mesh, nodes, false, coarse, NULL, out, NULL);
+        arena_free(&scratch);
         return true;
     }
-    Arena scratch = {0};
     Nodes own = nodes_of(mesh, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *node);
     double(*value)[3] = arena_alloc(&scratch, (size_t)shown->element_count + 1, sizeof *value);
+    double(*sent)[3] = arena_alloc(&scratch, (size_t)own.count + 1, sizeof *sent);
     int *in = ARENA_ARRAY(&scratch, int, shown->element_count + 1);
     int *part = ARENA_ARRAY(&scratch, int, shown->element_count + 1), count = 0;
     bool *anew = ARENA_ARRAY(&scratch, bool, nodes->count + 1);  // nodes of parts
     VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
-    reconstruct_values(mesh, &own, true, scene->solution->reflected, NULL, node, NULL);
+    reconstruct_values(mesh, &own, false, coarse, NULL, node, NULL);
     for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
     light.triangle = reconstruct_triangles(mesh, &scratch);
+    VertexLight by_strong = light;
+    by_strong.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *by_strong.corner);
+    reconstruct_values(mesh, &own, true, scene->solution->sent, NULL, sent, NULL);
+    for (int i = 0; i < mesh->corner_count; i++) memcpy(by_strong.corner[i], sent[own.of_corner[i]], sizeof *sent);
     for (int e = 0; e < shown->element_count; e++) {
         in[e] = shown_around(mesh, shown, e);
         if (halved && halved[in[e]].x + halved[in[e]].y > 0)
@@ -187,7 +225,23 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
         else
             reconstruct_in(mesh, &light, in[e], element_centroid(shown, e), value[e]);
     }
-    bool go_on = gather_parts(scene, shown, part, count, in, threads, progress, value);
+    // Parts gather the light of weak patches, and have that of strong ones as it is around them.
+    RadSolution weak = *scene->solution;
+    GatherScene weak_scene = *scene;
+    weak_scene.solution = &weak;
+    weak.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *weak.radiosity);
+    for (int e = 0; e < mesh->element_count; e++) {
+        if (!weak.strong[mesh->elements[e].patch])
+            memcpy(weak.radiosity[e], scene->solution->radiosity[e], sizeof *weak.radiosity);
+        else
+            rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, weak.radiosity[e]);
+    }
+    bool go_on = gather_parts(&weak_scene, shown, part, count, in, threads, progress, value);
+    for (int i = 0; i < count; i++) {
+        double more[3];
+        reconstruct_in(mesh, &by_strong, in[part[i]], element_centroid(shown, part[i]), more);
+        for (int c = 0; c < 3; c++) value[part[i]][c] += more[c];
+    }
     for (int i = 0; i < count; i++) {
         const Element *e = &shown->elements[part[i]];
         for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) anew[nodes->of_corner[c]] = true;

@@ -101,11 +101,11 @@ Test(shoot, fits_what_is_left_open) {
             cr_expect(asked & 1 ? o.residual == 0.5
                                 : o.residual >= residual && o.residual > 0 && o.residual <= 1e-3);
             cr_expect(asked & 2 ? o.form_factor.resolution == 17
-                                : o.form_factor.resolution <= resolution && o.form_factor.resolution >= 40);
+                                : o.form_factor.resolution <= resolution && o.form_factor.resolution >= 48);
             if (asked == 0) residual = o.residual, resolution = o.form_factor.resolution;
         }
     }
-    cr_expect(residual == 1e-3 && resolution == 40);
+    cr_expect(residual == 1e-3 && resolution == 48);
 }
 
 // Proves that the report counts what was done: shots by their solution, a row for each shot where none is kept, fewer where they

@@ -571,9 +571,9 @@ static AdaptField find_light(Adapt *a, const Mesh *mesh) {
         Vec3 off = vec3_sub(here, element_centroid(&a->rough, rough));
         const Face *grid = &a->rough.faces[face];
         const double *slope = a->indirect_field.slope[rough];
-        light[e] =
-            LAMPS * a->lamps[e] + fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
-                                      slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
+        light[e] = LAMPS * a->lamps[e] +
+                   fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
+                               slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
         light[e] = seen_light(a, light[e]);
     }
     return adapt_field(mesh, light, &a->scratch);
@@ -620,7 +620,9 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
         double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
         bool lamp = mesh_emits(mesh, mesh->elements[e].face);
-        patch[e] = limit(last && !lamp ? square - above[!is_surface(mesh, e)] : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
+        patch[e] =
+            limit(last && !lamp ? square - above[!is_surface(mesh, e)]
+                                : (int)fmax(patch_depth(a, mesh, e, light), square - MOST_BELOW_PATCH));
     }
     return mesh_splits(mesh, patch, element, arena);
 }

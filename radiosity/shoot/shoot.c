@@ -388,7 +388,6 @@ static void send_strong(Shooter *s, const Mesh *mesh) {
     }
 }
 
-
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
     const Patch *p = &mesh->patches[patch];
     double rho[3], emitted[3];

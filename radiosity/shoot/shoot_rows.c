@@ -306,7 +306,8 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
     Arena scratch = {0};
     int cells = mesh->graph->cell_count, count = mesh->patch_count;
     Strength *strength = ARENA_ARRAY(&scratch, Strength, count + 1);
-    double *light = ARENA_ARRAY(&scratch, double, cells + 1), *area = ARENA_ARRAY(&scratch, double, cells + 1);
+    double *light = ARENA_ARRAY(&scratch, double, cells + 1),
+           *area = ARENA_ARRAY(&scratch, double, cells + 1);
     double all = 0, all_area = 0;
     for (int p = 0; p < count; p++) {
         const Patch *patch = &mesh->patches[p];
@@ -321,10 +322,12 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
     for (int p = 0; p < count; p++) {
         int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
         double mean = fmax(light[cell] / area[cell], DIM * all / all_area);
-        strength[p].times = mean > 0 && !mesh_emits(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
+        strength[p].times =
+            mean > 0 && !mesh_emits(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
     }
     qsort(strength, (size_t)count, sizeof *strength, strongest_first);
-    for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++) rows->strong[strength[i].patch] = true;
+    for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++)
+        rows->strong[strength[i].patch] = true;
     arena_free(&scratch);
 }
 

@@ -16,7 +16,8 @@ typedef struct BendLight {
     bool (*edge)(void *context, const Vec3 *corner, int count);
     void *context;
     double reflectance[3];
-    double rest;  // radiosity by all other light on the element, the sum of the channels, which counts as even
+    double
+        rest;  // radiosity by all other light on the element, the sum of the channels, which counts as even
 } BendLight;
 
 // A point, and the irradiance there.
@@ -33,8 +34,8 @@ BendFinder *bend_finder_new(Arena *arena);
 // and at the middles of the sides, or the part is 2.5 cm long. `corner` [corner_count of the element] is the irradiance at its corners.
 // Parts that a shadow's edge may pass are looked into also where none of these points is off, and halved until they are 1 cm long. NULL:
 // light does not bend in the element. The result lives in the arena.
-Bend *bend_find(BendFinder *finder, const Mesh *mesh, int element, double (*corner)[3], const BendLight *light,
-                Arena *arena);
+Bend *bend_find(BendFinder *finder, const Mesh *mesh, int element, double (*corner)[3],
+                const BendLight *light, Arena *arena);
 
 // The points at which the last search looked, those at the middles and corners of all parts among them; valid until the next one.
 const BendPoint *bend_points(const BendFinder *finder, int *count);
@@ -42,6 +43,7 @@ const BendPoint *bend_points(const BendFinder *finder, int *count);
 // Splits of a finer mesh: as deep as the elements of the mesh, as their bends [element_count] ask for, and halved so often as `halved`
 // [element_count] says (NULL: not at all). Where bends would take more than `most` further elements, those that are least off are left
 // out. NULL: nothing bends or is halved.
-MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most, Arena *arena);
+MeshSplits *bend_splits(const Mesh *mesh, Bend *const *bends, const MeshDepth *halved, double most,
+                        Arena *arena);
 
 #endif

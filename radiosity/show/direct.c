@@ -99,8 +99,8 @@ typedef struct Worker {
     double (*light)[3];  // irradiance at the corners of an element
     int light_capacity;
     BendFinder *finder;
-    NodeLight *of_node;  // [nodes->count]
-    bool sampled;        // not all faces of a lamp were asked
+    NodeLight *of_node;   // [nodes->count]
+    bool sampled;         // not all faces of a lamp were asked
     int closer[CLOSERS];  // faces that hid all of a lamp lately, the last one first
     int closer_count;
     SunPatch *sun;  // NULL: there is no sun
@@ -632,7 +632,8 @@ static void find_bend(const Direct *d, Worker *w, const Frame *frame, int e, int
     d->bends[e] = bend_find(w->finder, d->mesh, e, w->light, &light, &w->bends);
     if (w->sampled) return;
     Within *within = &d->within[e];
-    const BendPoint *points = bend_points(w->finder, &within->count), *at = find_point(points, within->count, middle);
+    const BendPoint *points = bend_points(w->finder, &within->count),
+                    *at = find_point(points, within->count, middle);
     within->middle_known = at != NULL;
     if (at) memcpy(within->middle, at->irradiance, sizeof within->middle);
     if (!d->bends[e]) {
@@ -944,8 +945,8 @@ static const double MOST_ADDED_BY_SUN = 30000;
 static const double LIFT = 2.0 / 3, MOST_LIFT = 0.08;
 
 // All light but that straight from the lamps, if `lamps`, that straight from the sun, and, if `gathered`, reflected light.
-static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bool lamps,
-                               double (*sun)[3], bool gathered, Arena *arena) {
+static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bool lamps, double (*sun)[3],
+                               bool gathered, Arena *arena) {
     RadSolution rest = *solution;
     rest.node = NULL;
     rest.gathered = gathered;
@@ -954,8 +955,9 @@ static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bo
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
         for (int c = 0; c < 3; c++) {
-            double direct = solution->direct[e][c],
-                   all = gathered ? emitted[c] + direct + solution->daylight[e][c] : solution->radiosity[e][c];
+            double direct = solution->direct[e][c], all = gathered
+                                                              ? emitted[c] + direct + solution->daylight[e][c]
+                                                              : solution->radiosity[e][c];
             rest.radiosity[e][c] = fmax(all - (lamps ? direct : 0) - (sun ? sun[e][c] : 0), 0);
         }
     }
@@ -997,7 +999,8 @@ static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3]) {
                 d->known[c] = true;
                 break;
             }
-            const BendPoint *point = d->known[c] ? NULL : find_point(coarser->within[in].points, coarser->within[in].count, at);
+            const BendPoint *point =
+                d->known[c] ? NULL : find_point(coarser->within[in].points, coarser->within[in].count, at);
             if (point) {
                 memcpy(d->at_corner[c], point->irradiance, sizeof point->irradiance);
                 d->known[c] = true;
@@ -1008,7 +1011,8 @@ static void take_known(Direct *d, const Direct *coarser, double (*at_node)[3]) {
 }
 
 // The mean over an element of the light at its corners, linear in triangles about the first.
-static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[3], int element, double out[3]) {
+static void linear_mean(const Mesh *mesh, const Nodes *nodes, double (*at_node)[3], int element,
+                        double out[3]) {
     const Element *e = &mesh->elements[element];
     Vec3 n = mesh->faces[e->face].plane.n, base = mesh->vertices[mesh->corners[e->first_corner]];
     const int *node = nodes->of_corner + e->first_corner;
@@ -1075,13 +1079,9 @@ typedef struct Showing {
     const Progress *progress;
 } Showing;
 
-#include "engine/core/clock.h"
-#include <stdio.h>
-static double T0;
-#define TICK(name) do { double t = clock_seconds(); if (getenv("TICK")) fprintf(stderr, "%-20s %.2f\n", name, t - T0); T0 = t; } while (0)
 // Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh.
-static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
-                        RadReport *report) {
+static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3], Arena *arena,
+                        RadSolution *out, RadReport *report) {
     Arena scratch = {0};
     Direct finer;
     const Mesh *mesh = d->mesh, *shown = s->shown;
@@ -1093,17 +1093,13 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
         start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &scratch);
         finer.lamps = d->lamps;
-        TICK("start finer");
         take_known(&finer, d, at_node);
-        TICK("take known");
         good = light_all(&finer, s->threads, s->progress, irradiance, report);
         end_workers(&finer);
         at_node = irradiance;
         nodes = &finer_nodes;
     }
-    TICK("light finer");
-    if (good && !getenv("NOLIFT")) lift_nodes(d, shown, nodes, at_node);
-    TICK("lift");
+    if (good) lift_nodes(d, shown, nodes, at_node);
     double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
     if (good && s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
@@ -1112,7 +1108,6 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
-        TICK("reflected");
         // By night all other light is emitted, and even.
         bool dark = s->rest->gathered && !daylight_shines(&s->rest->day) && d->lamps;
         if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->node);
@@ -1120,8 +1115,8 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            if (dark) rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->node[n]);
-            for (int c = 0; c < 3; c++) { if (getenv("ONLYDIRECT")) out->node[n][c] = 0, reflected[n][c] = 0; if (getenv("ONLYREST")) at_node[n][c] = 0; }
+            if (dark)
+                rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->node[n]);
             for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * (at_node[n][c] + reflected[n][c]);
         }
     }
@@ -1135,13 +1130,10 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
     Direct d;
     Error error;
     RadReport work = {0};
-    T0 = clock_seconds();
     Nodes nodes = nodes_of(mesh, &scratch);
-    TICK("nodes");
     bool good = true;
     if (!report) report = &work;
     start_direct(&d, mesh, forest, &nodes, &solution->day, &scratch);
-    TICK("start");
     d.lamps = d.lamp_count > 0 && count_pairs(&d) <= DIRECT_MOST_PAIRS;
     if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
@@ -1163,21 +1155,16 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         d.bends = ARENA_ARRAY(&scratch, Bend *, mesh->element_count + 1);
         d.within = ARENA_ARRAY(&scratch, Within, mesh->element_count + 1);
         good = light_all(&d, threads, progress, at_node, report);
-        TICK("light_all");
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
             if (solution->gathered) show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
-            TICK("depths");
             splits = bend_splits(mesh, d.bends, show.halved, most, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);
-        TICK("splits");
         bool is_finer = good && splits && shown_build(mesh, splits, door_open, &scratch, &finer, &error);
-        TICK("build");
         out.shown = is_finer ? splits : NULL;
         show.shown = is_finer ? &finer : mesh;
         good = good && light_nodes(&d, &show, at_node, arena, &out, report);
-        TICK("rest");
         if (good) *solution = out;
         end_workers(&d);
     }

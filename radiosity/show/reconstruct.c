@@ -467,7 +467,8 @@ void reconstruct_values(const Mesh *mesh, const Nodes *nodes, bool of_patches, d
         }
     }
     for (int n = 0; n < nodes->count; n++)
-        for (int c = 0; c < 3 && (!wanted || wanted[n]); c++) out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
+        for (int c = 0; c < 3 && (!wanted || wanted[n]); c++)
+            out[n][c] = fmax(out[n][c] + (count[n] ? more[n][c] / count[n] : 0), 0);
     arena_free(&scratch);
     arena_free(&fit.scratch);
 }

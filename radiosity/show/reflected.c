@@ -58,9 +58,9 @@ static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]
 typedef struct Steps {
     const Mesh *mesh;
     const RadSolution *solution;
-    double *light;      // [element_count] W/m^2, the sum of the channels
+    double *light;                   // [element_count] W/m^2, the sum of the channels
     double (*value)[3], (*rest)[3];  // [element_count] of reconstruct_values
-    float (*worst)[2];  // [element_count] along each axis
+    float (*worst)[2];               // [element_count] along each axis
 } Steps;
 
 static void find_shown_light(Steps *s, Arena *arena) {
@@ -71,8 +71,7 @@ static void find_shown_light(Steps *s, Arena *arena) {
         double rho[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
         for (int c = 0; c < 3; c++)
-            s->light[e] += rho[c] * s->value[e][c] +
-                           s->solution->direct[e][c] + s->solution->daylight[e][c];
+            s->light[e] += rho[c] * s->value[e][c] + s->solution->direct[e][c] + s->solution->daylight[e][c];
         power += mesh->elements[e].area * s->light[e];
         area += mesh->elements[e].area;
     }
@@ -85,8 +84,7 @@ static void take_step(Steps *s, int a, int b) {
     if (p->face != q->face) return;
     double rho[3], step = 0;
     rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
-    for (int c = 0; c < 3; c++)
-        step += rho[c] * fabs(s->value[a][c] - s->value[b][c]);
+    for (int c = 0; c < 3; c++) step += rho[c] * fabs(s->value[a][c] - s->value[b][c]);
     if (!(rgb_sum(s->value[a]) > 0 && rgb_sum(s->value[b]) > 0)) return;
     step /= fmin(s->light[a], s->light[b]);
     const Face *face = &mesh->faces[p->face];
@@ -153,10 +151,10 @@ MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolut
 typedef struct Parts {
     const GatherScene *scene;
     const Mesh *shown;
-    Gatherer **gatherer;  // [threads]
+    Gatherer **gatherer;   // [threads]
     const int *part, *in;  // elements of `shown`, and of the scene's mesh around them
-    double (*value)[3];   // [shown->element_count]
-    int first;            // of this look
+    double (*value)[3];    // [shown->element_count]
+    int first;             // of this look
 } Parts;
 
 static void gather_part(void *context, int index, int thread) {
@@ -172,8 +170,8 @@ static void gather_part(void *context, int index, int thread) {
     gather(p->gatherer[thread], &(ViewPoint){at, face->plane.n, cell}, p->value[part]);
 }
 
-static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count, const int *in,
-                         int threads, const Progress *progress, double (*value)[3]) {
+static bool gather_parts(const GatherScene *scene, const Mesh *shown, const int *part, int count,
+                         const int *in, int threads, const Progress *progress, double (*value)[3]) {
     Arena scratch = {0};
     threads = parallel_threads(threads);
     Parts p = {scene, shown, ARENA_ARRAY(&scratch, Gatherer *, threads), part, in, value, 0};
@@ -212,12 +210,14 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     bool *anew = ARENA_ARRAY(&scratch, bool, nodes->count + 1);  // nodes of parts
     VertexLight light = {.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *light.corner)};
     reconstruct_values(mesh, &own, false, coarse, NULL, node, NULL);
-    for (int i = 0; i < mesh->corner_count; i++) memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
+    for (int i = 0; i < mesh->corner_count; i++)
+        memcpy(light.corner[i], node[own.of_corner[i]], sizeof *node);
     light.triangle = reconstruct_triangles(mesh, &scratch);
     VertexLight by_strong = light;
     by_strong.corner = arena_alloc(&scratch, (size_t)mesh->corner_count, sizeof *by_strong.corner);
     reconstruct_values(mesh, &own, true, scene->solution->sent, NULL, sent, NULL);
-    for (int i = 0; i < mesh->corner_count; i++) memcpy(by_strong.corner[i], sent[own.of_corner[i]], sizeof *sent);
+    for (int i = 0; i < mesh->corner_count; i++)
+        memcpy(by_strong.corner[i], sent[own.of_corner[i]], sizeof *sent);
     for (int e = 0; e < shown->element_count; e++) {
         in[e] = shown_around(mesh, shown, e);
         if (halved && halved[in[e]].x + halved[in[e]].y > 0)
@@ -244,12 +244,14 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     }
     for (int i = 0; i < count; i++) {
         const Element *e = &shown->elements[part[i]];
-        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++) anew[nodes->of_corner[c]] = true;
+        for (int c = e->first_corner; c < e->first_corner + e->corner_count; c++)
+            anew[nodes->of_corner[c]] = true;
     }
     if (go_on) reconstruct_values(shown, nodes, false, value, anew, out, NULL);
     for (int n = 0; n < nodes->count; n++)
         if (!anew[n])
-            reconstruct_in(mesh, &light, in[nodes->element[nodes->first[n]]], shown->vertices[nodes->vertex[n]], out[n]);
+            reconstruct_in(mesh, &light, in[nodes->element[nodes->first[n]]],
+                           shown->vertices[nodes->vertex[n]], out[n]);
     arena_free(&scratch);
     return go_on;
 }

@@ -137,7 +137,8 @@ Test(shoot, gathered_light_is_the_same_however_it_is_found) {
         options.row_bytes = i == 0 ? options.row_bytes : 0;
         lit_shoot(lit, &options, &other);
         cr_assert(first.gathered && other.gathered);
-        cr_expect_arr_eq(first.reflected, other.reflected, (size_t)first.patch_count * sizeof *first.reflected);
+        cr_expect_arr_eq(first.reflected, other.reflected,
+                         (size_t)first.patch_count * sizeof *first.reflected);
     }
     lit_free(lit);
 }

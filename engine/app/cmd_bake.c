@@ -166,6 +166,7 @@ static void show_direct(Bake *bake, Arena *arena) {
 static void gather_nodes(Bake *bake, Arena *arena) {
     bake->solution.node = NULL;
     bake->solution.node_count = 0;
+    bake->solution.rest = NULL;
     bake->solution.shown = NULL;
     if (bake->report.stopped) return;
     if (!bake->a->final_gather) {
@@ -191,6 +192,7 @@ static bool light_fine(Bake *bake, Arena *arena, Error *error) {
         RadSolution found = bake->solution;
         found.node = NULL;
         found.node_count = 0;
+        found.rest = NULL;
         found.shown = NULL;
         bake->probed = fine_mesh_new(&bake->mesh, arena);
         bake->probed_light = fine_light(bake->probed, &found, arena);

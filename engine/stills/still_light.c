@@ -591,6 +591,20 @@ static void reflected_light(const Mesh *mesh, const RadSolution *solution, doubl
     }
 }
 
+// The same at nodes, where it is known apart.
+static double (*reflected_at_nodes(const Mesh *mesh, const RadSolution *solution, Arena *arena))[3] {
+    Arena scratch = {0};
+    Nodes nodes = nodes_of(mesh, &scratch);
+    double(*out)[3] = arena_alloc(arena, (size_t)solution->node_count + 1, sizeof *out);
+    for (int n = 0; n < nodes.count; n++) {
+        double emitted[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[nodes.element[nodes.first[n]]].face)->emission, emitted);
+        for (int c = 0; c < 3; c++) out[n][c] = fmax(solution->rest[n][c] - emitted[c], 0);
+    }
+    arena_free(&scratch);
+    return out;
+}
+
 static void find_mean(const Mesh *mesh, const RadSolution *solution, double out[3]) {
     double area = 0;
     out[0] = out[1] = out[2] = 0;
@@ -650,17 +664,14 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
     StillLight light = {.scene = scene, .lamps = lamps};
     Arena scratch = {0};
     RadSolution shown = *solution;
-    double(*reflected)[3] = arena_alloc(&scratch, (size_t)solution->node_count + 1, sizeof *reflected);
-    if (lamps && lamps->forest && rgb_sum(solution->day.beam) > 0 &&
-        direct_reflected(mesh, lamps->forest, solution, 0, reflected)) {
-        light.sun = solution->day;
-        view_axes(light.sun.sun, &light.sun_x, &light.sun_y);
-        shown.node = reflected;
+    if (lamps && solution->rest) {
+        shown.node = reflected_at_nodes(mesh, solution, &scratch);
+        if (rgb_sum(solution->day.beam) > 0) light.sun = solution->day;
+        if (rgb_sum(solution->day.beam) > 0) view_axes(light.sun.sun, &light.sun_x, &light.sun_y);
     } else if (lamps) {
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         reflected_light(mesh, solution, shown.radiosity);
         smooth_shapes(mesh, shown.radiosity);
-        // Light at nodes is split in two only where the sun shines: elsewhere its light is found in elements soon enough.
         shown.node = NULL;
         shown.node_count = 0;
     }

@@ -438,7 +438,7 @@ enum { MOST_PATCH_SPLITS = 2 };
 // Irradiance of this share of the mean counts as dark where the mesh is fitted to what an eye sees.
 static const double SEEN = 0.1;
 // Light straight from lamps counts by so much: it is shown on a finer mesh (direct.h), and here only must be sent on from the right place.
-static const double LAMPS = 0.1;
+static const double LAMPS = 0.5;
 // Patches with less light than this share of the mean are no larger for it.
 static const double DARK = 0.1;
 // Reflectance below which surfaces count as if they had so much.

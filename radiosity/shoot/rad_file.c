@@ -1,7 +1,7 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
 // Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities of
-// nodes if they were found, splits of the mesh with these nodes if it is another. Meshes are not stored: they are made again from the
+// nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another. Meshes are not stored: they are made again from the
 // building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
 #include <string.h>
 
@@ -20,7 +20,7 @@ typedef struct Header {
     int32_t node_count;
     int32_t proxy;               // tolerance of stand-ins, PROXY_STEP; 0: there are none
     int32_t split_bits, even;    // -1 each: no splits; no bits: all roots are split so often
-    int32_t shown_bits, unused;  // 0: light is shown on the mesh that it was found on
+    int32_t shown_bits, rest_count;  // the latter node_count or 0; 0: light is shown on the mesh that it was found on
     double element, close;
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
@@ -52,7 +52,7 @@ static int32_t proxy_of(const MeshOptions *options) {
 }
 
 typedef struct Sizes {
-    size_t doors, splits, radiosity, direct, unshot, daylight, nodes, shown, total;
+    size_t doors, splits, radiosity, direct, unshot, daylight, nodes, rest, shown, total;
 } Sizes;
 
 // Doubles stay aligned.
@@ -69,8 +69,9 @@ static Sizes sizes_of(const Header *h) {
                .unshot = (size_t)h->patch_count * 3 * sizeof(double),
                .daylight = (size_t)h->element_count * 3 * sizeof(double),
                .nodes = (size_t)h->node_count * 3 * sizeof(double),
+               .rest = (size_t)h->rest_count * 3 * sizeof(double),
                .shown = round_up(bit_bytes(h->shown_bits))};
-    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.shown;
+    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.rest + s.shown;
     return s;
 }
 
@@ -110,7 +111,8 @@ static void write_body(unsigned char *body, const Header *h, const Mesh *mesh, c
     memcpy(body, solution->daylight, s.daylight);
     body += s.daylight;
     if (solution->node) memcpy(body, solution->node, s.nodes);
-    if (solution->shown) memcpy(body + s.nodes, solution->shown->bits, bit_bytes(h->shown_bits));
+    if (h->rest_count > 0) memcpy(body + s.nodes, solution->rest, s.rest);
+    if (solution->shown) memcpy(body + s.nodes + s.rest, solution->shown->bits, bit_bytes(h->shown_bits));
 }
 
 bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const RadSolution *solution,
@@ -124,6 +126,7 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
                      .per_patch = (int16_t)mesh->options.per_patch,
                      .fill_lamps = fill_lamps_of(building_of(mesh)),
                      .node_count = solution->node_count,
+                     .rest_count = solution->rest ? solution->node_count : 0,
                      .shown_bits = solution->shown ? solution->shown->bit_count : 0,
                      .proxy = proxy_of(&mesh->options),
                      .element = mesh->options.element,
@@ -148,7 +151,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
     bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
-        h->patch_count >= 0 && h->node_count >= 0 && h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
+        h->patch_count >= 0 && h->node_count >= 0 &&
+        (h->rest_count == 0 || h->rest_count == h->node_count) && h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
         (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
@@ -234,10 +238,11 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     out->daylight = take_bytes(arena, body, s.daylight);
     body += s.daylight;
     if (h->node_count > 0) out->node = take_bytes(arena, body, s.nodes);
+    if (h->rest_count > 0) out->rest = take_bytes(arena, body + s.nodes, s.rest);
     if (h->shown_bits > 0) {
         out->shown = ARENA_ARRAY(arena, MeshSplits, 1);
         *out->shown =
-            (MeshSplits){.bit_count = h->shown_bits, .bits = take_bytes(arena, body + s.nodes, s.shown)};
+            (MeshSplits){.bit_count = h->shown_bits, .bits = take_bytes(arena, body + s.nodes + s.rest, s.shown)};
     }
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
@@ -258,7 +263,7 @@ static bool is_light(double (*v)[3], int count) {
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
         is_light(s->unshot, s->patch_count) && is_light(s->daylight, s->element_count) &&
-        is_light(s->node, s->node_count) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
+        is_light(s->node, s->node_count) && (!s->rest || is_light(s->rest, s->node_count)) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
         is_light(&s->escaped, 1) && daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) &&
         s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;

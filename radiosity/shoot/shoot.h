@@ -73,6 +73,8 @@ struct RadSolution {
     // [node_count] radiosity found at the nodes (direct.h, final_gather.h) of the mesh that shows the light, in the order of nodes_of;
     // NULL and 0: not found.
     double (*node)[3];
+    // [node_count] the part of it that comes neither straight from lamps nor from the sun, emission included; NULL: not known apart
+    double (*rest)[3];
     int node_count;
     MeshSplits *shown;  // of the mesh that shows the light (shown.h); NULL: it is the mesh of the elements
 };

@@ -908,29 +908,6 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
     return good;
 }
 
-bool direct_reflected(const Mesh *mesh, const StabForest *forest, const RadSolution *solution, int threads,
-                      double (*out)[3]) {
-    Arena arena = {0};
-    Direct d;
-    RadReport work = {0};
-    Nodes nodes = nodes_of(mesh, &arena);
-    start_direct(&d, mesh, forest, &nodes, &solution->day, &arena);
-    bool good = solution->node && solution->node_count == nodes.count &&
-                (d.lamp_count == 0 || count_pairs(&d) <= DIRECT_MOST_PAIRS) &&
-                light_all(&d, threads, NULL, out, &work);
-    for (int n = 0; n < nodes.count && good; n++) {
-        double rho[3], emitted[3];
-        const Material *m = mesh_material(mesh, mesh->elements[nodes.element[nodes.first[n]]].face);
-        rgb_doubles(m->reflectance, rho);
-        rgb_doubles(m->emission, emitted);
-        for (int c = 0; c < 3; c++)
-            out[n][c] = fmax(solution->node[n][c] - emitted[c] - rho[c] * out[n][c], 0);
-    }
-    end_workers(&d);
-    arena_free(&arena);
-    return good;
-}
-
 // ---- light that is shown
 
 // The share of a building's mean light that counts as light in the dark, where errors are not seen.
@@ -1110,14 +1087,17 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
         // By night all other light is emitted, and even.
         bool dark = s->rest->gathered && !daylight_shines(&s->rest->day) && d->lamps;
-        if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->node);
+        out->rest = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->rest);
+        if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->rest);
         for (int n = 0; n < nodes->count; n++) {
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            if (dark)
-                rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->node[n]);
-            for (int c = 0; c < 3; c++) out->node[n][c] += rho[c] * (at_node[n][c] + reflected[n][c]);
+            if (dark) rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->rest[n]);
+            for (int c = 0; c < 3; c++) {
+                out->rest[n][c] += rho[c] * reflected[n][c];
+                out->node[n][c] = out->rest[n][c] + rho[c] * at_node[n][c];
+            }
         }
     }
     arena_free(&scratch);

@@ -22,11 +22,6 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_open, int threads,
                  const Progress *progress, Arena *arena, RadSolution *solution, RadReport *report);
 
-// The light at nodes without emitted light and light straight from lamps and sun, W/m^2 a channel, into `out` [solution->node_count].
-// `solution` is as direct_show made it, on the mesh that shows its light. False where lamps are too many, or nodes are not known.
-bool direct_reflected(const Mesh *mesh, const StabForest *forest, const RadSolution *solution, int threads,
-                      double (*out)[3]);
-
 // A building with more pairs of a patch and a face of a lamp that the patch may see keeps the light of lamps as it was shot.
 #define DIRECT_MOST_PAIRS 20e6
 

@@ -205,6 +205,13 @@ static void fill_nodes(const FineMesh *fine, const RadSolution *solution, RadSol
     arena_free(&scratch);
 }
 
+static double (*fine_rest(const FineMesh *fine, const RadSolution *solution, Arena *arena))[3] {
+    RadSolution rest = *solution;
+    rest.node = solution->rest;
+    rest.rest = NULL;
+    return fine_light(fine, &rest, arena).node;
+}
+
 RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena *arena) {
     if (fine->same) return *solution;
     const Mesh *mesh = &fine->mesh;
@@ -214,6 +221,7 @@ RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena 
     out.patch_count = mesh->patch_count;
     out.node = NULL;
     out.node_count = 0;
+    out.rest = solution->node && solution->rest ? fine_rest(fine, solution, arena) : NULL;
     out.radiosity = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.radiosity);
     out.direct = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out.direct);
     out.unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out.unshot);

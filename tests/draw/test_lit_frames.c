@@ -10,7 +10,9 @@
 #include "engine/draw/view.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/gl/gl_context.h"
+#include "radiosity/show/direct.h"
 #include "radiosity/show/fine_mesh.h"
+#include "radiosity/show/shown.h"
 #include "tests/support/baked_fixture.h"
 #include "tests/support/support.h"
 
@@ -100,9 +102,14 @@ static void check(const char *file, const char *building, const LitView *views) 
     cr_assert(context, "%s", error.text);
     WalkRenderer *renderer = walk_renderer_new(&b->scene.graph, &b->arena, &error);
     cr_assert(renderer, "%s", error.text);
-    // As the walk shows it: fine furniture lit from its stand-ins.
-    FineMesh *fine = fine_mesh_new(&b->mesh, &b->arena);
-    RadSolution shown = fine_light(fine, &b->solution, &b->arena);
+    // As the walk shows it: on the finer mesh, fine furniture lit from its stand-ins.
+    const Mesh *mesh;
+    const RadSolution *solution;
+    cr_assert(direct_show(&b->mesh, &b->scene.forest, b->doors, 0, NULL, &b->arena, &b->solution, NULL));
+    cr_assert(shown_light(&b->mesh, &b->solution, b->doors, &b->arena, &mesh, &solution, &error), "%s",
+              error.text);
+    FineMesh *fine = fine_mesh_new(mesh, &b->arena);
+    RadSolution shown = fine_light(fine, solution, &b->arena);
     WalkLight light = {.mesh = &fine->mesh, .solution = &shown, .door_open = b->doors, .fine = fine};
     cr_assert(walk_renderer_light(renderer, &light, &b->arena, &error), "%s", error.text);
     for (; views->name; views++) {

@@ -84,8 +84,8 @@ static double scatter(const Lit *lit, const RadSolution *s, const RadSolution *r
 }
 
 // Proves what gathering along rows is for: beside a lamp under a ceiling, whose light comes by way of a few square metres, the reflected
-// light of patches scatters less about that of 600 lines of directions than what was shot to them by the same rows. At most half as much:
-// an element has some ten samples of each shot, a row all its 2,000.
+// light of patches scatters less about that of 600 lines of directions than what was shot to them by the same rows. At most four fifths as
+// much: strong patches, whose rows have sixteen times as many samples, send the same light in both.
 Test(shoot, reflected_light_is_gathered_along_rows, .timeout = 120) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(6, 5, 2.6), true, LIT_WALL, 0);
@@ -99,7 +99,7 @@ Test(shoot, reflected_light_is_gathered_along_rows, .timeout = 120) {
     cr_assert(rough.gathered && truth.gathered);
     double gathered = scatter(lit, &rough, &truth, true), shot = scatter(lit, &rough, &truth, false);
     printf("gathered light scatters by %.3f %%, shot light by %.3f %%\n", 100 * gathered, 100 * shot);
-    cr_expect_lt(2 * gathered, shot);
+    cr_expect_lt(gathered, 0.8 * shot);
     lit_free(lit);
 }
 

@@ -417,7 +417,7 @@ static MeshDepth *adapt_depths(const AdaptField *field, const AdaptLimits *limit
 }
 
 // For the first solution.
-static const double FIRST_RESIDUAL = 0.02;
+static const double FIRST_RESIDUAL = 0.02, FIRST_RESIDUAL_BY_DAY = 0.1;
 static const int FIRST_RESOLUTION = 40;
 // Lamps by the thousand in one room, each with all the others before it: a solution that only tells how fine the mesh is to be ends when
 // its shooters, the strongest first, had so many faces before them. Of a file of 1 MB or less; of larger ones by the square of their size.
@@ -499,7 +499,8 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     options.lamps_only = lamps_only;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
-    options.residual = lamps_only ? 0 : fmax(options.residual, FIRST_RESIDUAL);
+    double first = daylight_shines(&a->options->day) ? FIRST_RESIDUAL_BY_DAY : FIRST_RESIDUAL;
+    options.residual = lamps_only ? 0 : fmax(options.residual, first);
     int usual = form_factor_default_options().resolution, most = lamps_only ? usual : FIRST_RESOLUTION;
     if (options.form_factor.resolution == 0 || options.form_factor.resolution > most)
         options.form_factor.resolution = most;

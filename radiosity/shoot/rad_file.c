@@ -18,9 +18,10 @@ typedef struct Header {
     int32_t element_count, patch_count, door_count;
     int16_t per_patch, fill_lamps;  // the latter as in Building
     int32_t node_count;
-    int32_t proxy;               // tolerance of stand-ins, PROXY_STEP; 0: there are none
-    int32_t split_bits, even;    // -1 each: no splits; no bits: all roots are split so often
-    int32_t shown_bits, rest_count;  // the latter node_count or 0; 0: light is shown on the mesh that it was found on
+    int32_t proxy;             // tolerance of stand-ins, PROXY_STEP; 0: there are none
+    int32_t split_bits, even;  // -1 each: no splits; no bits: all roots are split so often
+    int32_t shown_bits,
+        rest_count;  // the latter node_count or 0; 0: light is shown on the mesh that it was found on
     double element, close;
     double emitted[3], absorbed[3], escaped[3], outdoors[3];
     Daylight day;
@@ -71,7 +72,8 @@ static Sizes sizes_of(const Header *h) {
                .nodes = (size_t)h->node_count * 3 * sizeof(double),
                .rest = (size_t)h->rest_count * 3 * sizeof(double),
                .shown = round_up(bit_bytes(h->shown_bits))};
-    s.total = s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.rest + s.shown;
+    s.total =
+        s.doors + s.splits + s.radiosity + s.direct + s.unshot + s.daylight + s.nodes + s.rest + s.shown;
     return s;
 }
 
@@ -151,8 +153,8 @@ bool rad_save(const char *path, const Mesh *mesh, const float *door_open, const 
 static bool check_rest(const char *path, const Header *h, const Building *building, Error *error) {
     bool splits = h->split_bits >= 0 && h->even >= 0 && h->even <= MESH_IN_PATCH;
     if (h->rest == rest_hash(h) && h->door_count == building->opening_count && h->element_count >= 0 &&
-        h->patch_count >= 0 && h->node_count >= 0 &&
-        (h->rest_count == 0 || h->rest_count == h->node_count) && h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
+        h->patch_count >= 0 && h->node_count >= 0 && (h->rest_count == 0 || h->rest_count == h->node_count) &&
+        h->shown_bits >= 0 && (h->shown_bits == 0 || splits) &&
         (splits || (h->split_bits == -1 && h->even == -1)))
         return true;
     return error_set(error, "%s: is damaged: its header's checksum is wrong", path);
@@ -241,8 +243,8 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     if (h->rest_count > 0) out->rest = take_bytes(arena, body + s.nodes, s.rest);
     if (h->shown_bits > 0) {
         out->shown = ARENA_ARRAY(arena, MeshSplits, 1);
-        *out->shown =
-            (MeshSplits){.bit_count = h->shown_bits, .bits = take_bytes(arena, body + s.nodes + s.rest, s.shown)};
+        *out->shown = (MeshSplits){.bit_count = h->shown_bits,
+                                   .bits = take_bytes(arena, body + s.nodes + s.rest, s.shown)};
     }
     memcpy(out->emitted, h->emitted, sizeof h->emitted);
     memcpy(out->absorbed, h->absorbed, sizeof h->absorbed);
@@ -263,9 +265,10 @@ static bool is_light(double (*v)[3], int count) {
 static bool check_light(const char *path, RadSolution *s, Error *error) {
     if (is_light(s->radiosity, s->element_count) && is_light(s->direct, s->element_count) &&
         is_light(s->unshot, s->patch_count) && is_light(s->daylight, s->element_count) &&
-        is_light(s->node, s->node_count) && (!s->rest || is_light(s->rest, s->node_count)) && is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) &&
-        is_light(&s->escaped, 1) && daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) &&
-        s->shots >= 0 && s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
+        is_light(s->node, s->node_count) && (!s->rest || is_light(s->rest, s->node_count)) &&
+        is_light(&s->emitted, 1) && is_light(&s->absorbed, 1) && is_light(&s->escaped, 1) &&
+        daylight_is_sound(&s->day) && is_light(&s->outdoors, 1) && s->shots >= 0 &&
+        s->emitted[0] + s->emitted[1] + s->emitted[2] > 0)
         return true;
     return error_set(error, "%s: is damaged: not all its radiosities are finite and positive", path);
 }

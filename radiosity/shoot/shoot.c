@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -315,6 +316,8 @@ typedef struct Gathering {
     Vec3 *middle;           // [element_count]
     double (*sent)[3];      // [patch_count]
     double (*out)[3];       // [patch_count]
+    double samples;         // of a row
+    float *noise;           // [patch_count] the share by which samples may miscount the light, about
     float *close;           // [patch_count]
     int *patches;           // of this round
 } Gathering;
@@ -323,20 +326,28 @@ static void gather_patch(void *context, int index, int thread) {
     (void)thread;
     const Gathering *g = context;
     int patch = g->patches[index];
+    const Mesh *mesh = g->mesh;
     const ShootRow *row = shoot_rows_of(g->rows, patch);
     const float *density = row->density;
     const uint8_t *offset = row->offset;
-    Vec3 eye = g->mesh->patches[patch].centre;
+    Vec3 eye = mesh->patches[patch].centre;
     Four sum = {0};
-    double close = 0, width2 = g->mesh->patches[patch].area;
+    double squares = 0, close = 0, width2 = mesh->patches[patch].area;
     for (int r = 0; r < row->run_count; r++) {
-        int first = g->mesh->patches[row->runs[r].patch].first_element;
+        int first = mesh->patches[row->runs[r].patch].first_element;
         Vec3 to = vec3_sub(g->middle[first], eye);
         close += vec3_dot(to, to) < width2 ? (double)row->runs[r].share : 0;
-        for (int i = 0; i <= row->count[r]; i++)
-            sum += g->reflected[first + *offset++] * four_of((double)*density++);
+        for (int i = 0; i <= row->count[r]; i++) {
+            const Four power = g->reflected[first + *offset];
+            double area = mesh->elements[first + *offset++].area, all = power[0] + power[1] + power[2];
+            squares += all * all * (double)*density / area;
+            sum += power * four_of((double)*density++);
+        }
     }
-    channels_store(sum * four_of(row->scale), g->out[patch]);
+    sum *= four_of(row->scale);
+    channels_store(sum, g->out[patch]);
+    double light = sum[0] + sum[1] + sum[2] + rgb_sum(g->sent[patch]);
+    g->noise[patch] = light > 0 ? (float)(sqrt(squares * row->scale / g->samples) / light) : 0;
     for (int c = 0; c < 3; c++) g->out[patch][c] += g->sent[patch][c];
     g->close[patch] = (float)close;
 }
@@ -402,10 +413,45 @@ static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double 
     }
 }
 
-// Rows that are not there are made for this alone. False where progress asked to stop.
+// Gathers at `count` patches of g->patches, in rounds, whose rows are made where they are not there. False where progress asked to stop.
+static bool gather_patches(Shooter *s, Gathering *g, const int *patch, int count, const Progress *progress) {
+    int threads = parallel_threads(s->options->threads), done = 0, in_round = 0;
+    bool go_on = true;
+    for (int there = 1; there >= 0; there--) {
+        for (int i = 0; i < count && go_on; i++) {
+            bool last = i + 1 == count;
+            if ((shoot_rows_of(s->rows, patch[i]) != NULL) == there) g->patches[in_round++] = patch[i];
+            if (in_round == 0 || (!last && (there || in_round < shoot_rows_wanted(s->rows)))) continue;
+            if (!there) shoot_rows_make(s->rows, g->patches, in_round);
+            parallel_for(threads, in_round, gather_patch, g);
+            for (int k = 0; k < in_round && !there; k++) shoot_rows_shot(s->rows, g->patches[k]);
+            done += in_round;
+            in_round = 0;
+            go_on = progress_report(progress, "reflected light", (double)done / count);
+        }
+    }
+    return go_on;
+}
+
+// Patches whose samples may miscount their light by more than this share look again in more directions: the light comes from few of them,
+// as through a window. So many at most, as a share of all.
+static const double MOST_NOISE = 0.04, MOST_NOISY = 0.25;
+
+static int noisiest_first(const void *a, const void *b, void *context) {
+    const int *p = a, *q = b;
+    const float *noise = context;
+    return noise[*p] != noise[*q] ? (noise[*p] > noise[*q] ? -1 : 1) : *p - *q;
+}
+
+static int by_index(const void *a, const void *b) {
+    const int *p = a, *q = b;
+    return *p - *q;
+}
+
 static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progress) {
     Arena arena = {0};
-    int threads = parallel_threads(s->options->threads), done = 0;
+    int resolution = s->options->form_factor.resolution, count = 0, noisy = 0;
+    int *patch = ARENA_ARRAY(&arena, int, mesh->patch_count + 1);
     send_strong(s, mesh);
     Gathering g = {.mesh = mesh,
                    .rows = s->rows,
@@ -413,27 +459,23 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
                    .middle = ARENA_ARRAY(&arena, Vec3, mesh->element_count + 1),
                    .sent = s->solution->sent,
                    .out = s->solution->reflected,
+                   .samples = M_PI / 4 * resolution * resolution,
+                   .noise = ARENA_ARRAY(&arena, float, mesh->patch_count + 1),
                    .close = s->solution->close,
                    .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
     for (int e = 0; e < mesh->element_count; e++) g.middle[e] = element_centroid(mesh, e);
-    bool go_on = true;
-    for (int there = 1; there >= 0; there--) {
-        int count = 0;
-        for (int p = 0; p < mesh->patch_count && go_on; p++) {
-            bool last = p + 1 == mesh->patch_count;
-            if (mesh->patches[p].area < RAD_SMALL)
-                take_shot(mesh, s->solution, p, s->solution->reflected[p]);
-            else if ((shoot_rows_of(s->rows, p) != NULL) == there)
-                g.patches[count++] = p;
-            if (count == 0 || (!last && (there || count < shoot_rows_wanted(s->rows)))) continue;
-            if (!there) shoot_rows_make(s->rows, g.patches, count);
-            parallel_for(threads, count, gather_patch, &g);
-            for (int i = 0; i < count && !there; i++) shoot_rows_shot(s->rows, g.patches[i]);
-            done += count;
-            count = 0;
-            go_on = progress_report(progress, "reflected light", (double)done / mesh->patch_count);
-        }
+    for (int p = 0; p < mesh->patch_count; p++) {
+        if (mesh->patches[p].area < RAD_SMALL)
+            take_shot(mesh, s->solution, p, s->solution->reflected[p]);
+        else
+            patch[count++] = p;
     }
+    bool go_on = gather_patches(s, &g, patch, count, progress);
+    qsort_r(patch, (size_t)count, sizeof *patch, noisiest_first, g.noise);
+    while (noisy < MOST_NOISY * count && (double)g.noise[patch[noisy]] > MOST_NOISE) noisy++;
+    qsort(patch, (size_t)noisy, sizeof *patch, by_index);
+    for (int i = 0; i < noisy; i++) shoot_rows_refine(s->rows, patch[i]);
+    go_on = go_on && gather_patches(s, &g, patch, noisy, progress);
     arena_free(&arena);
     return go_on;
 }

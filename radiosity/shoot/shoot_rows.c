@@ -69,6 +69,7 @@ struct ShootRows {
     ShootRow **of;  // [patch_count] NULL: not there
     bool *there;    // [patch_count]
     bool *strong;   // [patch_count]
+    bool *fine;     // [patch_count] the row has as many directions as those of lamps
     bool full;
     long long made;
 };
@@ -133,6 +134,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->of = ARENA_ARRAY(arena, ShootRow *, mesh->patch_count);
     rows->there = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
+    rows->fine = ARENA_ARRAY(arena, bool, mesh->patch_count);
     rows->full = options->row_bytes == 0;
     // So that a byte tells which element of its patch one is.
     for (int p = 0; p < mesh->patch_count; p++)
@@ -327,7 +329,7 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
     }
     qsort(strength, (size_t)count, sizeof *strength, strongest_first);
     for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++)
-        rows->strong[strength[i].patch] = true;
+        rows->strong[strength[i].patch] = rows->fine[strength[i].patch] = true;
     arena_free(&scratch);
 }
 
@@ -343,7 +345,7 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
-    bool lamp = rows->strong[slot->patch] || mesh_emits(rows->mesh, patch->face);
+    bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
     const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
@@ -379,6 +381,13 @@ void shoot_rows_shot(ShootRows *rows, int patch) {
         let_go(rows, &rows->slots[i]);
         return;
     }
+}
+
+void shoot_rows_refine(ShootRows *rows, int patch) {
+    shoot_rows_shot(rows, patch);
+    rows->of[patch] = NULL;
+    rows->there[patch] = false;
+    rows->fine[patch] = true;
 }
 
 void shoot_rows_make(ShootRows *rows, int *patches, int count) {

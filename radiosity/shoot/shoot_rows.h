@@ -33,6 +33,9 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution);
 // [patch_count]
 const bool *shoot_rows_strong(const ShootRows *rows);
 
+// Drops the row of a patch, if it is there: the next one has as many directions as those of lamps.
+void shoot_rows_refine(ShootRows *rows, int patch);
+
 // How many rows to make at a time, so that all threads have enough to do and the rows of neighbours are made together; never more
 // than shoot_rows_most.
 int shoot_rows_wanted(const ShootRows *rows);

@@ -1093,7 +1093,8 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
             double rho[3];
             int element = nodes->element[nodes->first[n]];
             rgb_doubles(mesh_material(shown, shown->elements[element].face)->reflectance, rho);
-            if (dark) rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->rest[n]);
+            if (dark)
+                rgb_doubles(mesh_material(shown, shown->elements[element].face)->emission, out->rest[n]);
             for (int c = 0; c < 3; c++) {
                 out->rest[n][c] += rho[c] * reflected[n][c];
                 out->node[n][c] = out->rest[n][c] + rho[c] * at_node[n][c];
@@ -1137,7 +1138,8 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         good = light_all(&d, threads, progress, at_node, report);
         if (good) {
             double most = MOST_ADDED * mesh->element_count + (d.sun ? MOST_ADDED_BY_SUN : 0);
-            if (solution->gathered) show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
+            if (solution->gathered && mesh->options.splits)
+                show.halved = reflected_depths(mesh, &nodes, solution, &scratch);
             splits = bend_splits(mesh, d.bends, show.halved, most, arena);
         }
         if (solution->gathered) rest = other_light(mesh, solution, d.lamps, sun, true, &scratch);

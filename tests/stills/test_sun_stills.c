@@ -34,8 +34,9 @@ Test(sun_stills, penumbra_in_closed_form) {
     s.node_count = nodes.count;
     s.node = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *s.node);
     cr_assert(direct_irradiance(mesh, &lit->forest, &nodes, &s.day, 2, NULL, s.node, NULL));
+    s.rest = arena_alloc(&lit->arena, (size_t)nodes.count, sizeof *s.rest);
     for (int n = 0; n < nodes.count; n++)
-        for (int c = 0; c < 3; c++) s.node[n][c] = 7 + 0.5 * s.node[n][c];
+        for (int c = 0; c < 3; c++) s.node[n][c] = (s.rest[n][c] = 7) + 0.5 * s.node[n][c];
     StillScene *scene = still_scene_new(mesh, NULL, STILL_TREE_OWN, &lit->arena);
     StillLamps *lamps = still_lamps_new(scene, &lit->forest, 16, &lit->arena);
     StillLight light = still_light_new(scene, &s, lamps, &lit->arena);

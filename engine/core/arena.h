@@ -22,7 +22,8 @@ char *arena_string(Arena *arena, const char *text);  // a copy
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // arena_format with the arguments in a list.
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
-void arena_join(Arena *to, Arena *from);  // moves all that was allocated from `from` into `to`; `from` is then empty
+void arena_join(Arena *to,
+                Arena *from);    // moves all that was allocated from `from` into `to`; `from` is then empty
 void arena_free(Arena *arena);   // frees everything; the arena may be used again
 void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
 

@@ -1,8 +1,8 @@
 // rad_file.c - the .rad file: a solution, under the hash of its building, with the mesh's options and the doors' states.
 //
-// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities of
-// nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another. Meshes are not stored: they are made again from the
-// building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
+// Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities
+// of nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another. Meshes are not stored: they
+// are made again from the building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
 #include <string.h>
 
 #include "engine/core/file.h"

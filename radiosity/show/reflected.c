@@ -1,6 +1,6 @@
-// reflected.c - reflected light has one value for each patch, gathered along the patch's row (RadSolution.reflected). Where neighbours
-// differ much, or much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of
-// each part. The nodes between all these values are those of reconstruct.h.
+// reflected.c - reflected light has one value for each patch, gathered along the patch's row (RadSolution.reflected). Where these bend, or
+// much of a patch's view is close, the values are too few: elements are halved there, and light is gathered at the middle of each part. The
+// nodes between all these values are those of reconstruct.h.
 //
 // Source: G. J. Ward, F. M. Rubinstein & R. D. Clear, A Ray Tracing Solution for Diffuse Interreflection, 1988: values of indirect light
 // are the denser the closer other surfaces are. Departure: steps of the light itself count as well, as shares of all light there.

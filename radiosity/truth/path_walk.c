@@ -772,7 +772,7 @@ static bool follow_path(const PathWorld *world, Stop *stop,
     return true;
 }
 
-static void walk(const PathWorld *world, Stop *stop, PathNumbers *numbers, int bounce,
+static void follow_walk(const PathWorld *world, Stop *stop, PathNumbers *numbers, int bounce,
                  bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
                  void *context, const PathShares *own, PathTrail *trail, double light[3]) {
     bool on = true;
@@ -795,7 +795,7 @@ void path_walk(const PathWorld *world, PathPlace place, PathNumbers *numbers, in
                bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
                void *context, double weight[3], double light[3]) {
     Stop stop = {.place = place, .weight = weight, .sun_share = 1};
-    walk(world, &stop, numbers, bounce, known, context, NULL, NULL, light);
+    follow_walk(world, &stop, numbers, bounce, known, context, NULL, NULL, light);
 }
 
 void path_walk_guided(const PathWorld *world, PathPlace place, PathNumbers *numbers, const PathShares *own,
@@ -803,5 +803,5 @@ void path_walk_guided(const PathWorld *world, PathPlace place, PathNumbers *numb
     double weight[3] = {1, 1, 1};
     Stop stop = {.place = place, .weight = weight, .sun_share = 1};
     if (trail) trail->count = 0;
-    walk(world, &stop, numbers, 0, NULL, NULL, own, trail, light);
+    follow_walk(world, &stop, numbers, 0, NULL, NULL, own, trail, light);
 }

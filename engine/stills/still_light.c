@@ -598,7 +598,8 @@ static double (*reflected_at_nodes(const Mesh *mesh, const RadSolution *solution
     double(*out)[3] = arena_alloc(arena, (size_t)solution->node_count + 1, sizeof *out);
     for (int n = 0; n < nodes.count; n++) {
         double emitted[3];
-        rgb_doubles(mesh_material(mesh, mesh->elements[nodes.element[nodes.first[n]]].face)->emission, emitted);
+        rgb_doubles(mesh_material(mesh, mesh->elements[nodes.element[nodes.first[n]]].face)->emission,
+                    emitted);
         for (int c = 0; c < 3; c++) out[n][c] = fmax(solution->rest[n][c] - emitted[c], 0);
     }
     arena_free(&scratch);

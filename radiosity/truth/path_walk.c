@@ -773,8 +773,8 @@ static bool follow_path(const PathWorld *world, Stop *stop,
 }
 
 static void follow_walk(const PathWorld *world, Stop *stop, PathNumbers *numbers, int bounce,
-                 bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
-                 void *context, const PathShares *own, PathTrail *trail, double light[3]) {
+                        bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
+                        void *context, const PathShares *own, PathTrail *trail, double light[3]) {
     bool on = true;
     PathStep *before = NULL;
     for (; on; bounce++) {

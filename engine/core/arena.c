@@ -75,6 +75,15 @@ void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t siz
     return larger;
 }
 
+void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
+    if (needed <= *capacity) return array;
+    int room = *capacity * 2 > needed ? *capacity * 2 : needed + 64;
+    void *larger = arena_alloc(arena, (size_t)room, size);
+    if (used > 0) memcpy(larger, array, (size_t)used * size);
+    *capacity = room;
+    return larger;
+}
+
 char *arena_string(Arena *arena, const char *text) {
     size_t length = strlen(text) + 1;
     return memcpy(arena_alloc(arena, length, 1), text, length);

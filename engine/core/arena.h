@@ -22,8 +22,8 @@ char *arena_string(Arena *arena, const char *text);  // a copy
 char *arena_format(Arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // arena_format with the arguments in a list.
 char *arena_format_list(Arena *arena, const char *format, va_list args) __attribute__((format(printf, 2, 0)));
-void arena_join(Arena *to,
-                Arena *from);    // moves all that was allocated from `from` into `to`; `from` is then empty
+// Moves all that was allocated from `from` into `to`; `from` is then empty.
+void arena_join(Arena *to, Arena *from);
 void arena_free(Arena *arena);   // frees everything; the arena may be used again
 void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block for the next use
 
@@ -36,5 +36,7 @@ void arena_reset(Arena *arena);  // as arena_free, but keeps the largest block f
 // Called by ARENA_PUSH: returns the array, moved if it was full, with room for one element more than `count`; the new element is
 // zeroed.
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size);
+// The array, moved if it was too small, with room for `needed` elements of `size` bytes; the first `used` are kept.
+void *arena_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity);
 
 #endif

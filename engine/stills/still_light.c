@@ -9,7 +9,6 @@
 #include "engine/draw/false_colour.h"
 #include "engine/draw/walk_shade.h"
 #include "radiosity/factors/analytic.h"
-#include "radiosity/show/direct.h"
 #include "radiosity/show/gather.h"
 
 // A place on a surface, to which the light of lamps is asked for.
@@ -667,8 +666,8 @@ StillLight still_light_new(const StillScene *scene, const RadSolution *solution,
     RadSolution shown = *solution;
     if (lamps && solution->rest) {
         shown.node = reflected_at_nodes(mesh, solution, &scratch);
-        if (rgb_sum(solution->day.beam) > 0) light.sun = solution->day;
-        if (rgb_sum(solution->day.beam) > 0) view_axes(light.sun.sun, &light.sun_x, &light.sun_y);
+        light.sun = solution->day;
+        if (rgb_sum(light.sun.beam) > 0) view_axes(light.sun.sun, &light.sun_x, &light.sun_y);
     } else if (lamps) {
         shown.radiosity = arena_alloc(&scratch, (size_t)mesh->element_count, sizeof *shown.radiosity);
         reflected_light(mesh, solution, shown.radiosity);

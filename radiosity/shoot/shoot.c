@@ -474,6 +474,11 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     qsort_r(patch, (size_t)count, sizeof *patch, noisiest_first, g.noise);
     while (noisy < MOST_NOISY * count && (double)g.noise[patch[noisy]] > MOST_NOISE) noisy++;
     qsort(patch, (size_t)noisy, sizeof *patch, by_index);
+    // Rows of strong patches are as fine already.
+    int left = 0;
+    for (int i = 0; i < noisy; i++)
+        if (!s->solution->strong[patch[i]]) patch[left++] = patch[i];
+    noisy = left;
     for (int i = 0; i < noisy; i++) shoot_rows_refine(s->rows, patch[i]);
     go_on = go_on && gather_patches(s, &g, patch, noisy, progress);
     arena_free(&arena);

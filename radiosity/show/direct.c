@@ -160,20 +160,11 @@ static Vec3 to_frame(const Frame *f, Vec3 v) {
     return vec3(vec3_dot(f->x, p), vec3_dot(f->y, p), vec3_dot(f->z, p));
 }
 
-static void *with_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
-    if (needed <= *capacity) return array;
-    int room = *capacity * 2 > needed ? *capacity * 2 : needed + 64;
-    void *larger = arena_alloc(arena, (size_t)room, size);
-    if (used > 0) memcpy(larger, array, (size_t)used * size);
-    *capacity = room;
-    return larger;
-}
-
 // The corners of a face, at the end of Worker.corner.
 static Vec3 *take_corners(const Direct *d, Worker *w, const Frame *frame, int face, int *count) {
     const Face *f = &d->mesh->faces[face];
-    w->corner = with_room(&w->arena, w->corner, sizeof *w->corner, w->corner_count,
-                          w->corner_count + f->vertex_count, &w->corner_capacity);
+    w->corner = arena_room(&w->arena, w->corner, sizeof *w->corner, w->corner_count,
+                           w->corner_count + f->vertex_count, &w->corner_capacity);
     Vec3 *out = w->corner + w->corner_count;
     for (int i = 0; i < f->vertex_count; i++)
         out[i] = to_frame(frame, d->mesh->vertices[d->mesh->outline[f->first_vertex + i]]);
@@ -272,22 +263,22 @@ static void take_facing(const Direct *d, Worker *w, const Frame *frame, const Ve
         w->corner_count = corners;
         return;
     }
-    w->facing = with_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
-                          &w->facing_capacity);
+    w->facing = arena_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
+                           &w->facing_capacity);
     Facing *facing = &w->facing[w->facing_count++];
     *facing = (Facing){.face = face, .first = corners, .count = count, .plane = plane};
     rgb_doubles(mesh_material(d->mesh, face)->emission, facing->emitted);
 }
 
 static void put_before(Worker *w, Before before) {
-    w->before = with_room(&w->arena, w->before, sizeof *w->before, w->before_count, w->before_count + 1,
-                          &w->before_capacity);
+    w->before = arena_room(&w->arena, w->before, sizeof *w->before, w->before_count, w->before_count + 1,
+                           &w->before_capacity);
     w->before[w->before_count++] = before;
 }
 
 static void put_blocker(Worker *w, Blocker blocker) {
-    w->blocker = with_room(&w->arena, w->blocker, sizeof *w->blocker, w->blocker_count, w->blocker_count + 1,
-                           &w->blocker_capacity);
+    w->blocker = arena_room(&w->arena, w->blocker, sizeof *w->blocker, w->blocker_count, w->blocker_count + 1,
+                            &w->blocker_capacity);
     w->blocker[w->blocker_count++] = blocker;
 }
 
@@ -359,8 +350,8 @@ static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 r
     for (int i = before.first_facing; i < before.first_facing + before.facing_count; i++) {
         Facing f = w->facing[i];
         if (!face_each_other(rectangle, w->corner + f.first, f.count, f.plane)) continue;
-        w->facing = with_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
-                              &w->facing_capacity);
+        w->facing = arena_room(&w->arena, w->facing, sizeof *w->facing, w->facing_count, w->facing_count + 1,
+                               &w->facing_capacity);
         w->facing[w->facing_count++] = f;
     }
     if (w->facing_count == facing) return;
@@ -403,7 +394,7 @@ static void add_share(void *sum, const Vec3 *polygon, int count) {
 
 // Corners about a point, in Worker.moved.
 static Vec3 *move_corners(Worker *w, const Vec3 *corner, int count, Vec3 point) {
-    w->moved = with_room(&w->arena, w->moved, sizeof *w->moved, 0, count, &w->moved_capacity);
+    w->moved = arena_room(&w->arena, w->moved, sizeof *w->moved, 0, count, &w->moved_capacity);
     for (int i = 0; i < count; i++) w->moved[i] = vec3_sub(corner[i], point);
     return w->moved;
 }
@@ -445,7 +436,7 @@ static int hidden_part(const Blocker *b, const Vec3 *moved, const Vec3 *lamp, in
 
 // Corners about a point, in Worker.lamp.
 static Vec3 *move_lamp(Worker *w, const Vec3 *corner, int count, Vec3 point) {
-    w->lamp = with_room(&w->arena, w->lamp, sizeof *w->lamp, 0, count, &w->lamp_capacity);
+    w->lamp = arena_room(&w->arena, w->lamp, sizeof *w->lamp, 0, count, &w->lamp_capacity);
     for (int i = 0; i < count; i++) w->lamp[i] = vec3_sub(corner[i], point);
     return w->lamp;
 }
@@ -468,9 +459,9 @@ static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec
             return -1;
         }
         if (part == HIDES_NONE) continue;
-        w->edge = with_room(&w->arena, w->edge, sizeof *w->edge, edges, edges + b.count, &w->edge_capacity);
-        w->occluder = with_room(&w->arena, w->occluder, sizeof *w->occluder, occluders, occluders + 1,
-                                &w->occluder_capacity);
+        w->edge = arena_room(&w->arena, w->edge, sizeof *w->edge, edges, edges + b.count, &w->edge_capacity);
+        w->occluder = arena_room(&w->arena, w->occluder, sizeof *w->occluder, occluders, occluders + 1,
+                                 &w->occluder_capacity);
         AnalyticOccluder *o = &w->occluder[occluders];
         if (!analytic_occluder(w->moved, b.count, rank_of(b.face, b.plane, point), w->edge + edges, o))
             continue;
@@ -577,7 +568,8 @@ static bool edge_of_bent(void *context, const Vec3 *corner, int count) {
 
 static bool edge_in_element(const Direct *d, Worker *w, int e) {
     const Element *element = &d->mesh->elements[e];
-    w->moved = with_room(&w->arena, w->moved, sizeof *w->moved, 0, element->corner_count, &w->moved_capacity);
+    w->moved =
+        arena_room(&w->arena, w->moved, sizeof *w->moved, 0, element->corner_count, &w->moved_capacity);
     for (int i = 0; i < element->corner_count; i++)
         w->moved[i] = d->mesh->vertices[d->mesh->corners[element->first_corner + i]];
     return sun_patch_edge(w->sun, w->moved, element->corner_count);
@@ -597,7 +589,8 @@ static void light_corner(const Direct *d, Worker *w, const Frame *frame, int c, 
 static void collect_corners(const Direct *d, Worker *w, const Frame *frame, int e, int group, int first,
                             int sun) {
     const Element *element = &d->mesh->elements[e];
-    w->light = with_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
+    w->light =
+        arena_room(&w->arena, w->light, sizeof *w->light, 0, element->corner_count, &w->light_capacity);
     for (int i = 0; i < element->corner_count; i++) {
         Vec3 towards;
         int c = element->first_corner + i;
@@ -734,8 +727,8 @@ static void take_object(const Direct *d, Worker *w, Box box, int own, int object
     Shaft shaft = shaft_of_boxes(box, lamps->box);
     if (!lamp_flood_reaches(w->flood, &shaft, own, lamps->object)) return;
     box_tree_find(&d->tree, box_union(box, lamps->box), &w->arena, &w->hits);
-    w->between = with_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
-                           &w->between_capacity);
+    w->between = arena_room(&w->arena, w->between, sizeof *w->between, first, first + w->hits.count,
+                            &w->between_capacity);
     for (int i = 0; i < w->hits.count; i++) {
         const Face *face = &d->mesh->faces[w->hits.items[i]];
         if (!shaft_is_met(&shaft, d->place + face->first_vertex, face->vertex_count)) continue;
@@ -746,7 +739,7 @@ static void take_object(const Direct *d, Worker *w, Box box, int own, int object
         w->between[w->between_count++] = w->hits.items[i];
     }
     w->near =
-        with_room(&w->arena, w->near, sizeof *w->near, w->near_count, w->near_count + 1, &w->near_capacity);
+        arena_room(&w->arena, w->near, sizeof *w->near, w->near_count, w->near_count + 1, &w->near_capacity);
     w->near[w->near_count++] = (Near){object, first, w->between_count - first};
 }
 

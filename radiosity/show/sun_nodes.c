@@ -137,15 +137,6 @@ static int hidden_part(const SunNodes *s, const SunFace *face, double sine, Vec3
     return all ? HIDES_ALL : HIDES_SOME;
 }
 
-static void *with_room(Arena *arena, void *array, size_t size, int used, int needed, int *capacity) {
-    if (needed <= *capacity) return array;
-    int room = *capacity * 2 > needed ? *capacity * 2 : needed + 64;
-    void *larger = arena_alloc(arena, (size_t)room, size);
-    if (used > 0) memcpy(larger, array, (size_t)used * size);
-    *capacity = room;
-    return larger;
-}
-
 // The cones of the faces that hide some of the sun from the point: returns how many, or -1 where one of them hides all of it. That one is
 // then the first to be asked for the next point.
 static int find_occluders(SunPatch *at, Vec3 point) {
@@ -161,14 +152,14 @@ static int find_occluders(SunPatch *at, Vec3 point) {
             return -1;
         }
         if (part == HIDES_NONE) continue;
-        at->moved = with_room(at->arena, at->moved, sizeof *at->moved, 0, face->count, &at->moved_capacity);
-        at->occluder = with_room(at->arena, at->occluder, sizeof *at->occluder, occluders, occluders + 1,
-                                 &at->occluder_capacity);
+        at->moved = arena_room(at->arena, at->moved, sizeof *at->moved, 0, face->count, &at->moved_capacity);
+        at->occluder = arena_room(at->arena, at->occluder, sizeof *at->occluder, occluders, occluders + 1,
+                                  &at->occluder_capacity);
         // Planes of the occluders so far are pointed to: the array moves only between points.
         if (edges + face->count > at->edge_capacity) {
             Plane *old = at->edge;
-            at->edge = with_room(at->arena, at->edge, sizeof *at->edge, edges, edges + face->count,
-                                 &at->edge_capacity);
+            at->edge = arena_room(at->arena, at->edge, sizeof *at->edge, edges, edges + face->count,
+                                  &at->edge_capacity);
             for (int k = 0; k < occluders; k++)
                 at->occluder[k].edge = at->edge + (at->occluder[k].edge - old);
         }
@@ -314,7 +305,7 @@ static bool find_blockers(SunPatch *at, const Lit *lit) {
     box_tree_find(&s->tree, box, at->arena, &at->hits);
     at->blocker_count = 0;
     at->blocker =
-        with_room(at->arena, at->blocker, sizeof *at->blocker, 0, at->hits.count, &at->blocker_capacity);
+        arena_room(at->arena, at->blocker, sizeof *at->blocker, 0, at->hits.count, &at->blocker_capacity);
     for (int i = 0; i < at->hits.count; i++) {
         int f = at->hits.items[i];
         if (f == at->face || !may_hide(s, &s->face[f], lit)) continue;
@@ -358,7 +349,7 @@ bool sun_patch_edge(SunPatch *at, const Vec3 *corner, int count) {
     const SunNodes *s = at->sun;
     bool some = false;
     if (at->state != SUN_PARTLY) return false;
-    at->moved = with_room(at->arena, at->moved, sizeof *at->moved, 0, count, &at->moved_capacity);
+    at->moved = arena_room(at->arena, at->moved, sizeof *at->moved, 0, count, &at->moved_capacity);
     Lit lit = {at->moved, count, s->face[at->face].plane, INFINITY, 0, 0};
     for (int i = 0; i < count; i++) {
         at->moved[i] = to_sun(s, corner[i]);

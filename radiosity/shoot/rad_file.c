@@ -237,6 +237,7 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     out->sent = arena_alloc(arena, (size_t)h->patch_count + 1, sizeof *out->sent);
     out->strong = ARENA_ARRAY(arena, bool, h->patch_count + 1);
     out->close = ARENA_ARRAY(arena, float, h->patch_count + 1);
+    out->noise = ARENA_ARRAY(arena, float, h->patch_count + 1);
     out->daylight = take_bytes(arena, body, s.daylight);
     body += s.daylight;
     if (h->node_count > 0) out->node = take_bytes(arena, body, s.nodes);

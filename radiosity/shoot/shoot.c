@@ -90,6 +90,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->sent = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->sent);
     out->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     out->close = ARENA_ARRAY(arena, float, mesh->patch_count + 1);
+    out->noise = ARENA_ARRAY(arena, float, mesh->patch_count + 1);
     for (int f = 0; f < mesh->face_count; f++) {
         if (!check_material(mesh_material(mesh, f), mesh->faces[f].polygon, error)) return false;
     }
@@ -317,7 +318,7 @@ typedef struct Gathering {
     double (*sent)[3];      // [patch_count]
     double (*out)[3];       // [patch_count]
     double samples;         // of a row
-    float *noise;           // [patch_count] the share by which samples may miscount the light, about
+    float *noise;           // [patch_count]
     float *close;           // [patch_count]
     int *patches;           // of this round
 } Gathering;
@@ -460,7 +461,7 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
                    .sent = s->solution->sent,
                    .out = s->solution->reflected,
                    .samples = M_PI / 4 * resolution * resolution,
-                   .noise = ARENA_ARRAY(&arena, float, mesh->patch_count + 1),
+                   .noise = s->solution->noise,
                    .close = s->solution->close,
                    .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
     for (int e = 0; e < mesh->element_count; e++) g.middle[e] = element_centroid(mesh, e);

@@ -63,6 +63,9 @@ struct RadSolution {
     bool *strong;
     // [patch_count] if `gathered`: the share of the row that meets surfaces closer than the patch is wide
     float *close;
+    // [patch_count] if `gathered`: the share by which the samples of a row of the usual resolution may miscount
+    // the light, about
+    float *noise;
     bool gathered;
     double (*unshot)[3];  // [patch_count] the part of `radiosity` that was not shot yet, mean over the patch
     // Power, W a channel: emitted = absorbed + escaped + unshot but for rounding.

@@ -26,9 +26,9 @@ enum { RESOLUTION = 40 };
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
-// Within a patch light may change by this share of its value as its elements tell it; those smaller than this share of their mean have too
-// few samples to tell anything.
-static const double MOST_CHANGE = 0.5, SLIVER = 0.25;
+// Within a patch light may change by this share of its value as its elements tell it. Elements smaller than this share of their mean have
+// too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
+static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
 
 // Irradiances by reflected light of elements: that of their patch, and the step from it that shots tell.
 static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
@@ -38,6 +38,7 @@ static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]
         double rho[3], emitted[3];
         rgb_doubles(mesh_material(mesh, patch->face)->reflectance, rho);
         rgb_doubles(mesh_material(mesh, patch->face)->emission, emitted);
+        double trust = fmax(0, 1 - (double)s->noise[p] / NOISY);
         for (int c = 0; c < 3; c++) {
             double value = s->reflected[p][c], power = 0, area = 0;
             for (int e = first; e < end; e++) {
@@ -48,7 +49,7 @@ static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]
             }
             for (int e = first; e < end; e++) {
                 bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
-                double step = rho[c] > 0 && !sliver ? (out[e][c] - power / area) / rho[c] : 0;
+                double step = rho[c] > 0 && !sliver ? trust * (out[e][c] - power / area) / rho[c] : 0;
                 out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
             }
         }

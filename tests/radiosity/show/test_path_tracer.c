@@ -240,8 +240,7 @@ static void check_learned(const Lit *lit, const Daylight *day, double error, dou
 
 // Proves that a tracer that has learned finds the same light, within three standard errors, with fewer walks and on any number of
 // threads: under a lamp in a shade, below a room whose lamps are closer and not to be seen. And by day in a room with a small window,
-// without a sun and with
-// one that shines in.
+// without a sun and with one that shines in.
 Test(path_tracer, learned_light_is_the_same) {
     Lit *lit = lit_new();
     lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);

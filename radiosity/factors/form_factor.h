@@ -6,6 +6,7 @@
 #ifndef RADIOSITY_FORM_FACTOR_H
 #define RADIOSITY_FORM_FACTOR_H
 
+#include "radiosity/daylight/daylight.h"
 #include "radiosity/factors/view.h"
 
 enum { FORM_FACTOR_FINEST = 2000 };
@@ -20,6 +21,7 @@ typedef struct FormFactorOptions {
     const char *hidden;     // of hemicube: the hidden-surface method that fills its sides; NULL: its own
     // From lines_of_mesh, for callers with several methods on one mesh; NULL: the method finds them
     const FaceLines *lines;
+    const Daylight *day;  // whose sky Row.sky_light is of; NULL: an even one
 } FormFactorOptions;
 // A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);
@@ -33,6 +35,9 @@ typedef struct Row {
     // The part of `escaped` that goes upwards in building space, to the sky. Projective methods, `ray` and `analytic` compute it;
     // in the rows of other methods it is 0.
     double sky;
+    // The same part, each share times the radiance that the sky of the options' day has along it, over that overhead. Projective methods
+    // compute it; in the rows of other methods it is 0.
+    double sky_light;
 } Row;
 
 // The work done, for tables.

@@ -320,6 +320,7 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
                       .factor = self->factor,
                       .back = row->back * scale,
                       .escaped = row->escaped * scale,
-                      .sky = row->sky * scale};
+                      .sky = row->sky * scale,
+                      .sky_light = row->sky_light * scale};
     return &self->row;
 }

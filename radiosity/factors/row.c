@@ -27,6 +27,13 @@ void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
     sum->faces = ARENA_ARRAY(arena, RowFace, mesh->face_count);
 }
 
+void row_escape(RowSum *sum, double share, Vec3 direction) {
+    sum->escaped += share;
+    if (!(direction.z > 0)) return;
+    sum->sky += share;
+    sum->sky_light += sum->day ? share * daylight_relative(sum->day, direction) : share;
+}
+
 // Sorts `touched` in increasing order and removes repetitions, with a bit for each element.
 static void sort_touched(RowSum *sum) {
     int low = sum->word_count, high = -1, count = 0;
@@ -63,9 +70,11 @@ const Row *row_finish(RowSum *sum) {
     row->back = sum->back * scale;
     row->escaped = sum->escaped * scale;
     // near_faces_mend may have reduced `escaped`, but not `sky`.
-    row->sky = fmin(sum->sky * scale, row->escaped);
+    double upwards = sum->sky * scale;
+    row->sky = fmin(upwards, row->escaped);
+    row->sky_light = upwards > 0 ? sum->sky_light * scale * (row->sky / upwards) : 0;
     sum->touched_count = 0;
-    sum->back = sum->escaped = sum->sky = 0;
+    sum->back = sum->escaped = sum->sky = sum->sky_light = 0;
     return row;
 }
 
@@ -109,8 +118,9 @@ static int stray(const RowSum *sum, const View *view, int item, Vec3 w) {
     return mesh_element_at(sum->mesh, seen->face, vec3_add(view->eye, vec3_scale(along, r)));
 }
 
-static float height_of(const View *view, const FormFactorSamples *s, int i) {
-    return (float)view->x.z * s->x[i] + (float)view->y.z * s->y[i] + (float)view->z.z * s->z[i];
+static Vec3 direction_of(const View *view, const FormFactorSamples *s, int i) {
+    Vec3 side = vec3_scale(view->x, (double)s->x[i]), up = vec3_scale(view->y, (double)s->y[i]);
+    return vec3_add(vec3_scale(view->z, (double)s->z[i]), vec3_add(side, up));
 }
 
 void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *samples, const int32_t *item) {
@@ -122,8 +132,7 @@ void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *sample
     }
     for (int i = 0; i < samples->count; i++) {
         if (item[i] < 0) {
-            sum->escaped += (double)samples->weight[i];
-            if (height_of(view, samples, i) > 0) sum->sky += (double)samples->weight[i];
+            row_escape(sum, (double)samples->weight[i], direction_of(view, samples, i));
             continue;
         }
         RowFace *face = &sum->faces[item[i]];

@@ -9,7 +9,8 @@ struct RowSum {
     double *share;  // [element_count] 0 but for the elements in `touched`
     int *touched;   // [element_count + 1] indices of elements
     int touched_count;
-    double back, escaped, sky;  // sky: the part of `escaped` that goes upwards
+    double back, escaped, sky, sky_light;  // as in Row, before they are scaled
+    const Daylight *day;                   // NULL: an even sky
     Row row;
     uint64_t *marked;       // [word_count] scratch: a bit for each element
     struct RowFace *faces;  // [face_count] scratch: the faces of the view
@@ -24,6 +25,8 @@ static inline void row_add(RowSum *sum, int element, double share) {
     sum->touched_count += sum->share[element] == 0;
     sum->share[element] += share;
 }
+// A share that meets nothing along a unit direction of the building.
+void row_escape(RowSum *sum, double share, Vec3 direction);
 // Returns the row, with its elements in increasing order, and empties the sum. Shares are divided by their total, so that they
 // sum to 1.
 const Row *row_finish(RowSum *sum);

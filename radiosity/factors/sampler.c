@@ -616,12 +616,12 @@ static void add_nothing(const Sampler *s, const View *view, int block, uint64_t 
     const SampleBlock *b = &s->blocks[block];
     Vec3 side, up;
     sampler_axes(s, view, &side, &up);
-    sum->escaped += share_of(s, block, run);
     for (; run; run &= run - 1) {
         int at = __builtin_ctzll(run), row = at / LANES, lane = at % LANES;
-        double height = (double)b->x[row][lane] * side.z + (double)b->y[row][lane] * up.z +
-                        (double)b->z[row][lane] * view->z.z;
-        if (height > 0) sum->sky += share_of(s, block, run & -run);
+        Vec3 across =
+            vec3_add(vec3_scale(side, (double)b->x[row][lane]), vec3_scale(up, (double)b->y[row][lane]));
+        row_escape(sum, share_of(s, block, run & -run),
+                   vec3_add(across, vec3_scale(view->z, (double)b->z[row][lane])));
     }
 }
 

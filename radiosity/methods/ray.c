@@ -115,9 +115,8 @@ static void ray_items(void *data, const View *view, int32_t *item, FormFactorWor
 
 static void add_nothing(const RayMethod *self, const View *view, int i, RowSum *sum) {
     const FormFactorSamples *s = &self->samples;
-    double height = (double)s->x[i] * view->x.z + (double)s->y[i] * view->y.z + (double)s->z[i] * view->z.z;
-    sum->escaped += (double)s->weight[i];
-    if (height > 0) sum->sky += (double)s->weight[i];
+    Vec3 across = vec3_add(vec3_scale(view->x, (double)s->x[i]), vec3_scale(view->y, (double)s->y[i]));
+    row_escape(sum, (double)s->weight[i], vec3_add(across, vec3_scale(view->z, (double)s->z[i])));
 }
 
 // Uses only the eye and the axes of the view: the rays find the faces themselves.

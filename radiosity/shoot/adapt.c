@@ -12,6 +12,7 @@
 #include "engine/core/parallel.h"
 #include "radiosity/mesh/mesh.h"
 #include "radiosity/shoot/sky.h"
+#include "radiosity/shoot/sunlight.h"
 
 // Light on the elements of a mesh that has splits.
 typedef struct AdaptField {
@@ -435,9 +436,11 @@ enum { LAMP_DETAIL = 2 };
 static const double PATCH_EDGE = 1.5;
 // How often roots are split, twice as long as patches usually are, into patches.
 enum { MOST_PATCH_SPLITS = 2 };
-// Irradiance of this share of the mean counts as dark where the mesh is fitted to what an eye sees.
+// Irradiance of this share of the mean indoors counts as dark where the mesh is fitted to what an eye sees; outdoors, of the mean there if
+// that is more.
 static const double SEEN = 0.1;
-// Light straight from lamps counts by so much: it is shown on a finer mesh (direct.h), and here only must be sent on from the right place.
+// Light straight from lamps and the sun counts by so much: it is shown on a finer mesh (direct.h), and here only must be sent on from the
+// right place.
 static const double LAMPS = 0.5;
 // Patches with less light than this share of the mean are no larger for it.
 static const double DARK = 0.1;
@@ -460,11 +463,12 @@ typedef struct Adapt {
     double *indirect;  // [rough.element_count] of the first solution, without what lamps gave, W/m^2
     AdaptField indirect_field;
     double mean;        // reflected radiosity, W/m^2
-    double dark;        // irradiance, W/m^2
+    double dark[2];     // irradiance that counts as dark indoors, and outdoors, W/m^2
     double most;        // elements there may be
     double patch_edge;  // of that of a mesh without splits
     int above;          // in ABOVE
-    double *lamps;      // [element_count] of the light of lamps alone, on the mesh at hand, W/m^2
+    double *lamps;  // [element_count] of the light of lamps, sun and sky alone, on the mesh at hand, W/m^2
+    double *exact;  // [element_count] the part of `lamps` that comes from lamps and the sun
 } Adapt;
 
 static double emission_of(const Mesh *mesh, int element) {
@@ -487,8 +491,21 @@ static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
     return sum;
 }
 
-// Irradiances of elements, W/m^2: of the whole solution, or of the light of lamps alone.
-static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradiance, Error *error) {
+static void find_exact(const Adapt *a, const Mesh *mesh, RadSolution *solution, double *out) {
+    if (rgb_sum(solution->day.beam) > 0)
+        sunlight_elements(mesh, &solution->day, parallel_threads(a->rad->threads), solution->sun);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double b[3];
+        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, b);
+        for (int c = 0; c < 3; c++) b[c] += solution->direct[e][c] + solution->sun[e][c];
+        out[e] = irradiance_of(mesh, e, b);
+    }
+}
+
+// Irradiances of elements, W/m^2: of the whole solution, or of the light of lamps, sun and sky alone; then also, in `exact`, the part of it
+// that comes from lamps and the sun.
+static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradiance, double *exact,
+                  Error *error) {
     Arena arena = {0};
     RadSolution solution;
     RadOptions options = *a->rad;
@@ -515,6 +532,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
         if (report.stopped) good = error_set(error, "stopped");
         for (int e = 0; e < mesh->element_count; e++)
             irradiance[e] = irradiance_of(mesh, e, solution.radiosity[e]);
+        if (exact) find_exact(a, mesh, &solution, exact);
     }
     arena_free(&arena);
     return good;
@@ -526,6 +544,24 @@ static bool build_adapted(Adapt *a, const MeshOptions *options, Arena *arena, Me
     return mesh_build(a->scene->graph, a->scene->vertices, a->scene->door_open, options, arena, out, error);
 }
 
+static bool is_outdoors(const Mesh *mesh, int element) {
+    int cell = mesh->patches[mesh->elements[element].patch].cell;
+    return cell >= 0 && vis_region(mesh->graph, cell)->kind == REGION_OUTDOORS;
+}
+
+// By the light of the rough mesh.
+static void find_dark(Adapt *a) {
+    const Mesh *mesh = &a->rough;
+    double power[2] = {0, 0}, area[2] = {0, 0};
+    for (int e = 0; e < mesh->element_count; e++) {
+        bool outdoors = is_outdoors(mesh, e);
+        power[outdoors] += mesh->elements[e].area * a->indirect[e];
+        area[outdoors] += mesh->elements[e].area;
+    }
+    for (int o = 0; o < 2; o++) a->dark[o] = area[o] > 0 ? SEEN * power[o] / area[o] : 0;
+    a->dark[true] = fmax(a->dark[true], a->dark[false]);
+}
+
 // The light after two reflections, on patches of two by two elements.
 static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     static const MeshSplits ONCE = {.even = 1};
@@ -535,19 +571,20 @@ static bool first_solution(Adapt *a, const MeshOptions *options, Error *error) {
     rough.loose = true;
     if (!build_adapted(a, &rough, &a->scratch, &a->rough, error)) return false;
     int count = a->rough.element_count;
-    double power = 0, area = 0, incident = 0;
+    double power = 0, area = 0;
     a->lamps = ARENA_ARRAY(&a->scratch, double, count);
+    a->exact = ARENA_ARRAY(&a->scratch, double, count);
     a->indirect = ARENA_ARRAY(&a->scratch, double, count);
-    if (!solve(a, &a->rough, false, a->indirect, error) || !solve(a, &a->rough, true, a->lamps, error))
+    if (!solve(a, &a->rough, false, a->indirect, NULL, error) ||
+        !solve(a, &a->rough, true, a->lamps, a->exact, error))
         return false;
+    find_dark(a);
     for (int e = 0; e < count; e++) {
         power += a->rough.elements[e].area * a->indirect[e] * reflectance_of(&a->rough, e);
         area += a->rough.elements[e].area;
-        incident += a->rough.elements[e].area * a->indirect[e];
         a->indirect[e] = fmax(0, a->indirect[e] - a->lamps[e]);
     }
     a->mean = power / area;
-    a->dark = SEEN * incident / area;
     a->indirect_field = adapt_field(&a->rough, a->indirect, &a->scratch);
     return true;
 }
@@ -559,8 +596,12 @@ static double root_edge(const Mesh *mesh, int element) {
 }
 
 // Light as an eye sees it: of equal ratios the steps are equal, but in the dark, where errors are not seen.
-static double seen_light(const Adapt *a, double irradiance) {
-    return a->dark > 0 ? log1p(irradiance / a->dark) : irradiance;
+static double seen_light(double dark, double irradiance) {
+    return dark > 0 ? log1p(irradiance / dark) : irradiance;
+}
+
+static double dark_of(const Adapt *a, const Mesh *mesh, int element) {
+    return a->dark[is_outdoors(mesh, element)];
 }
 
 // All light on the elements of a mesh: of lamps as they shone on it, the rest from the rough mesh, as it slopes there.
@@ -572,10 +613,10 @@ static AdaptField find_light(Adapt *a, const Mesh *mesh) {
         Vec3 off = vec3_sub(here, element_centroid(&a->rough, rough));
         const Face *grid = &a->rough.faces[face];
         const double *slope = a->indirect_field.slope[rough];
-        light[e] = LAMPS * a->lamps[e] +
+        light[e] = a->lamps[e] - (1 - LAMPS) * a->exact[e] +
                    fmax(0, a->indirect[rough] + slope[0] * vec3_dot(vec3_normalize(grid->gx), off) +
                                slope[1] * vec3_dot(vec3_normalize(grid->gy), off));
-        light[e] = seen_light(a, light[e]);
+        light[e] = seen_light(dark_of(a, mesh, e), light[e]);
     }
     return adapt_field(mesh, light, &a->scratch);
 }
@@ -618,7 +659,8 @@ static MeshSplits *split(Adapt *a, const Mesh *mesh, bool last, Arena *arena) {
     unsigned char *patch = ARENA_ARRAY(&a->scratch, unsigned char, mesh->element_count);
     const int *above = ABOVE[a->above];
     for (int e = 0; e < mesh->element_count; e++) {
-        double light = a->dark * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
+        double light =
+            dark_of(a, mesh, e) * expm1(field.light[e]) * reflectance_of(mesh, e) + emission_of(mesh, e);
         int square = element[e].x < element[e].y ? element[e].x : element[e].y;
         bool lamp = mesh_emits(mesh, mesh->elements[e].face);
         patch[e] =
@@ -643,7 +685,8 @@ static bool make(Adapt *a, const MeshOptions *options, Arena *arena, Mesh *out, 
         if (!build_adapted(a, &finer, &a->scratch, next, error)) return false;
         mesh = next;
         a->lamps = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
-        if (!solve(a, mesh, true, a->lamps, error)) return false;
+        a->exact = ARENA_ARRAY(&a->scratch, double, mesh->element_count);
+        if (!solve(a, mesh, true, a->lamps, a->exact, error)) return false;
     }
     finer.close = options->close;
     finer.loose = false;

@@ -234,6 +234,7 @@ static void take_body(const Header *h, const unsigned char *body, Arena *arena, 
     out->unshot = take_bytes(arena, body, s.unshot);
     body += s.unshot;
     out->reflected = arena_alloc(arena, (size_t)h->patch_count + 1, sizeof *out->reflected);
+    out->sun = arena_alloc(arena, (size_t)h->element_count + 1, sizeof *out->sun);
     out->sent = arena_alloc(arena, (size_t)h->patch_count + 1, sizeof *out->sent);
     out->strong = ARENA_ARRAY(arena, bool, h->patch_count + 1);
     out->close = ARENA_ARRAY(arena, float, h->patch_count + 1);

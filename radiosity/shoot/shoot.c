@@ -17,6 +17,7 @@
 #include "engine/core/parallel.h"
 #include "radiosity/shoot/shoot_elements.h"
 #include "radiosity/shoot/shoot_queue.h"
+#include "radiosity/shoot/sunlight.h"
 
 // Shots between two reports of progress.
 enum { SHOTS_A_LOOK = 64 };
@@ -87,6 +88,7 @@ bool rad_start_dark(const Mesh *mesh, Arena *arena, RadSolution *out, Error *err
     out->unshot = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->unshot);
     out->daylight = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->daylight);
     out->reflected = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->reflected);
+    out->sun = arena_alloc(arena, (size_t)mesh->element_count, sizeof *out->sun);
     out->sent = arena_alloc(arena, (size_t)mesh->patch_count, sizeof *out->sent);
     out->strong = ARENA_ARRAY(arena, bool, mesh->patch_count);
     out->close = ARENA_ARRAY(arena, float, mesh->patch_count + 1);
@@ -207,7 +209,7 @@ static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest
                           const RadOptions *options, RadSolution *solution, Arena *arena) {
     *s = (Shooter){.options = options, .solution = solution};
     if (options->looks > 0) start_looks(&s->looks, mesh, forest, arena);
-    s->rows = shoot_rows_new(mesh, forest, door_open, options, arena);
+    s->rows = shoot_rows_new(mesh, forest, door_open, options, &solution->day, arena);
     s->next = ARENA_ARRAY(arena, int, shoot_rows_most(s->rows));
     s->elements = shoot_elements_new(mesh, solution, parallel_threads(options->threads), arena);
     s->receivers = ARENA_ARRAY(arena, Receiver, mesh->patch_count);
@@ -313,14 +315,15 @@ static void show_solution(Shooter *s) {
 typedef struct Gathering {
     const Mesh *mesh;
     const ShootRows *rows;
-    const Four *reflected;  // [element_count] radiosity times area, W, without what is emitted
-    Vec3 *middle;           // [element_count]
-    double (*sent)[3];      // [patch_count]
-    double (*out)[3];       // [patch_count]
-    double samples;         // of a row
-    float *noise;           // [patch_count]
-    float *close;           // [patch_count]
-    int *patches;           // of this round
+    const Four *reflected;       // [element_count] radiosity times area, W, without what is emitted
+    Vec3 *middle;                // [element_count]
+    double (*sent)[3];           // [patch_count]
+    double (*out)[3];            // [patch_count]
+    double zenith[3], below[3];  // irradiance by a whole view of the sky overhead, and of the ground
+    double samples;              // of a row
+    float *noise;                // [patch_count]
+    float *close;                // [patch_count]
+    int *patches;                // of this round
 } Gathering;
 
 static void gather_patch(void *context, int index, int thread) {
@@ -345,7 +348,10 @@ static void gather_patch(void *context, int index, int thread) {
             sum += power * four_of((double)*density++);
         }
     }
-    sum *= four_of(row->scale);
+    double sky[3];
+    for (int c = 0; c < 3; c++) sky[c] = row->sky_light * g->zenith[c] + row->ground * g->below[c];
+    squares += row->escaped > 0 ? rgb_sum(sky) * rgb_sum(sky) / row->escaped : 0;
+    sum = (sum + channels_of(sky)) * four_of(row->scale);
     channels_store(sum, g->out[patch]);
     double light = sum[0] + sum[1] + sum[2] + rgb_sum(g->sent[patch]);
     g->noise[patch] = light > 0 ? (float)(sqrt(squares * row->scale / g->samples) / light) : 0;
@@ -408,8 +414,8 @@ static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double 
     for (int c = 0; c < 3; c++) {
         double power = 0;
         for (int e = p->first_element; e < p->first_element + p->element_count; e++)
-            power += mesh->elements[e].area *
-                     (s->radiosity[e][c] - s->direct[e][c] - s->daylight[e][c] - emitted[c]);
+            power +=
+                mesh->elements[e].area * (s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c]);
         out[c] = rho[c] > 0 ? fmax(power, 0) / (rho[c] * p->area) : 0;
     }
 }
@@ -465,6 +471,14 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
                    .close = s->solution->close,
                    .patches = ARENA_ARRAY(&arena, int, mesh->patch_count + 1)};
     for (int e = 0; e < mesh->element_count; e++) g.middle[e] = element_centroid(mesh, e);
+    const Daylight *day = &s->solution->day;
+    daylight_below(day, g.below);
+    for (int c = 0; c < 3; c++) {
+        g.zenith[c] = M_PI * day->zenith[c];
+        g.below[c] *= M_PI;
+    }
+    if (rgb_sum(day->beam) > 0)
+        sunlight_elements(mesh, day, parallel_threads(s->options->threads), s->solution->sun);
     for (int p = 0; p < mesh->patch_count; p++) {
         if (mesh->patches[p].area < RAD_SMALL)
             take_shot(mesh, s->solution, p, s->solution->reflected[p]);

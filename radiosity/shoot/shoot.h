@@ -54,9 +54,12 @@ struct RadSolution {
     double (*direct)[3];
     // [element_count] the part of `radiosity` that came straight from sun and sky
     double (*daylight)[3];
-    // [patch_count] if `gathered`: the irradiance by reflected light, gathered along each patch's row once the light is shot. An element
-    // has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does not hold it.
+    // [patch_count] if `gathered`: the irradiance by reflected light and by sky and ground, gathered along each patch's row once the light
+    // is shot. An element has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does
+    // not hold it.
     double (*reflected)[3];
+    // [element_count] if `gathered`: the part of `daylight` that came straight from the sun
+    double (*sun)[3];
     // [patch_count] if `gathered`: the part of `reflected` that comes from strong patches, which send it along their own rows; and which
     // patches are strong (shoot_rows.h)
     double (*sent)[3];

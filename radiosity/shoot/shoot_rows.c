@@ -111,7 +111,7 @@ static void equip_maker(void *context, int index, int thread) {
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                          const RadOptions *options, Arena *arena) {
+                          const RadOptions *options, const Daylight *day, Arena *arena) {
     ShootRows *rows = ARENA_ARRAY(arena, ShootRows, 1);
     rows->mesh = mesh;
     rows->forest = forest;
@@ -122,6 +122,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
+    rows->usual.day = day;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->threads = parallel_threads(options->threads);
@@ -263,6 +264,8 @@ static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow
     CORE_ASSERT(sum > 0.5 && sum < 2);  // a method's row sums to 1
     to->back = from->back;
     to->escaped = from->escaped;
+    to->sky_light = from->sky_light;
+    to->ground = fmax(from->escaped - from->sky, 0);
     to->scale = 1 / sum;
 }
 

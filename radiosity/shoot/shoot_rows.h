@@ -19,11 +19,13 @@ typedef struct ShootRow {
     uint8_t *count;   // [run_count] the number of elements in the run, less one
     uint8_t *offset;  // [element_count] the element's index in its patch
     double back, escaped, scale;
+    double sky_light, ground;  // as in Row; the part of `escaped` that goes downwards
 } ShootRow;
 
 typedef struct ShootRows ShootRows;
+// `day`: whose sky the rows tell; it must outlive them.
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
-                          const RadOptions *options, Arena *arena);
+                          const RadOptions *options, const Daylight *day, Arena *arena);
 void shoot_rows_end(ShootRows *rows);
 
 // Chooses the patches whose rows have as many directions as those of lamps: those that reflect most light straight from lamps, sun and sky,

@@ -14,6 +14,7 @@
 #include "engine/core/parallel.h"
 #include "radiosity/factors/analytic.h"
 #include "radiosity/factors/view.h"
+#include "radiosity/shoot/sunlight.h"
 #include "radiosity/show/bends.h"
 #include "radiosity/show/lamp_ways.h"
 #include "radiosity/show/reconstruct.h"
@@ -906,7 +907,7 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 // The share of a building's mean light that counts as light in the dark, where errors are not seen.
 static const double DARK = 0.01;
 // Bends may add so many elements, as a share of those there are.
-static const double MOST_ADDED = 1;
+static const double MOST_ADDED = 2;
 // And so many more under a sun, whose shadows have edges that are sharp wherever they pass. Homes take 10,000 to 20,000.
 static const double MOST_ADDED_BY_SUN = 30000;
 // Nodes are lifted by this share of what linear light between them is below the light at the middle of elements: so the mean of the
@@ -914,7 +915,8 @@ static const double MOST_ADDED_BY_SUN = 30000;
 // are left as they are.
 static const double LIFT = 2.0 / 3, MOST_LIFT = 0.08;
 
-// All light but that straight from the lamps, if `lamps`, that straight from the sun, and, if `gathered`, reflected light.
+// All light but that straight from the lamps, if `lamps`, that straight from the sun, and, if `gathered`, reflected light and that of the
+// sky.
 static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bool lamps, double (*sun)[3],
                                bool gathered, Arena *arena) {
     RadSolution rest = *solution;
@@ -925,10 +927,9 @@ static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bo
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
         for (int c = 0; c < 3; c++) {
-            double direct = solution->direct[e][c], all = gathered
-                                                              ? emitted[c] + direct + solution->daylight[e][c]
-                                                              : solution->radiosity[e][c];
-            rest.radiosity[e][c] = fmax(all - (lamps ? direct : 0) - (sun ? sun[e][c] : 0), 0);
+            double direct = solution->direct[e][c], by_sun = sun ? sun[e][c] : 0,
+                   all = gathered ? emitted[c] + direct + by_sun : solution->radiosity[e][c];
+            rest.radiosity[e][c] = fmax(all - (lamps ? direct : 0) - by_sun, 0);
         }
     }
     return rest;
@@ -1078,8 +1079,8 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
     if (good) {
         out->node_count = nodes->count;
         out->node = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->node);
-        // By night all other light is emitted, and even.
-        bool dark = s->rest->gathered && !daylight_shines(&s->rest->day) && d->lamps;
+        // All other light is emitted, and even.
+        bool dark = s->rest->gathered && d->lamps;
         out->rest = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out->rest);
         if (!dark) shown_nodes(mesh, s->rest, shown, nodes, out->rest);
         for (int n = 0; n < nodes->count; n++) {
@@ -1112,8 +1113,8 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
     if (d.lamps || d.sun || solution->gathered) {
         double(*sun)[3] = NULL;
         if (d.sun) {
-            sun = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *sun);
-            sun_elements(mesh, &solution->day, parallel_threads(threads), sun);
+            sun = solution->sun;
+            if (!solution->gathered) sunlight_elements(mesh, &solution->day, parallel_threads(threads), sun);
         }
         RadSolution rest = other_light(mesh, solution, d.lamps, sun, false, &scratch), out = *solution;
         double(*at_node)[3] = arena_alloc(&scratch, (size_t)nodes.count + 1, sizeof *at_node);

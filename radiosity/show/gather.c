@@ -364,11 +364,12 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     FormFactorOptions rows = form_factor_default_options();
     Gatherer *self = ARENA_ARRAY(arena, Gatherer, 1);
     rows.resolution = options->resolution;
+    rows.day = &scene->solution->day;
     self->scene = *scene;
     self->options = *options;
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
-    self->even_sky = options->reflected || daylight_is_uniform(&scene->solution->day);
+    self->even_sky = daylight_is_uniform(&scene->solution->day) || options->method->projective;
     if (scene->light || !self->even_sky)
         self->samples = options->method->projective
                             ? self->rows
@@ -483,15 +484,19 @@ static void gather_row(Gatherer *self, const View *view, Near *near, double irra
         const double *mean = self->leaving[row->element[i]].mean;
         for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
-    if (!self->even_sky || self->options.reflected) return;
-    for (int c = 0; c < 3; c++) irradiance[c] += row->sky * M_PI * self->scene.solution->day.zenith[c];
+    if (!self->even_sky) return;
+    double below[3], overhead = self->options.method->projective ? row->sky_light : row->sky;
+    daylight_below(&self->scene.solution->day, below);
+    for (int c = 0; c < 3; c++)
+        irradiance[c] += M_PI * (overhead * self->scene.solution->day.zenith[c] +
+                                 fmax(row->escaped - row->sky, 0) * below[c]);
 }
 
 // Samples where they meet elements: slopes, and with `means` all of it. A sky that is not even is left to samples in any case.
 static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
-    bool sky = (means || !self->even_sky) && !self->options.reflected;
+    bool sky = means || !self->even_sky;
     for (int i = 0; i < samples->count; i++) {
         Vec3 w = vec3((double)samples->x[i], (double)samples->y[i], (double)samples->z[i]);
         if (item[i] < 0) {

@@ -12,7 +12,7 @@ typedef struct GatherOptions {
     int resolution;                  // of the method, 8 .. FORM_FACTOR_FINEST
     Culling culling;
     bool exact_lamps;  // emitted light by closed form, with any method
-    bool reflected;    // light that surfaces reflect alone: neither that of lamps nor that of sun and sky
+    bool reflected;    // all but the light straight from lamps and the sun
     // Random walks that replace the radiosities of elements close to the point.
     struct {
         // An element is near within its size times this; 0: no walks, close elements count like others

@@ -12,13 +12,13 @@
 #include "radiosity/show/shown.h"
 
 // Bends above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
-static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.5, CLOSE_TWO = 0.8;
+static const double BEND_ONE = 0.045, BEND_TWO = 0.18, CLOSE_ONE = 0.4, CLOSE_TWO = 0.7;
 // They count by an element's length over this, metres: what is short is seen less.
 static const double LONG = 0.3;
 // No part is shorter for it, metres.
 static const double SHORTEST = 0.05;
 // So many parts may come of it, as a share of the patches.
-static const double MOST_PARTS = 0.4;
+static const double MOST_PARTS = 0.6;
 // The share of the mean light that counts as light in the dark.
 static const double DARK = 0.01;
 // Directions each way of the rows of parts.
@@ -26,9 +26,12 @@ enum { RESOLUTION = 40 };
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
-// Within a patch light may change by this share of its value as its elements tell it. Elements smaller than this share of their mean have
-// too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
-static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
+// Within a patch light may fall and rise by these shares of its value as its elements tell it. Elements smaller than this share of their mean
+// have too few samples to tell anything.
+static const double MOST_FALL = 0.95, MOST_RISE = 1, SLIVER = 0.25;
+// Where samples miscount the light by NOISY of it, steps between elements are theirs, but for steps that are larger than MANY times what
+// chance makes of the light of one element: shadows below things.
+static const double NOISY = 0.05, MANY = 2;
 
 // Irradiances by reflected light of elements: that of their patch, and the step from it that shots tell.
 static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
@@ -43,14 +46,16 @@ static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]
             double value = s->reflected[p][c], power = 0, area = 0;
             for (int e = first; e < end; e++) {
                 const double size = mesh->elements[e].area;
-                out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->daylight[e][c] - emitted[c];
+                out[e][c] = s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c];
                 power += size * out[e][c];
                 area += size;
             }
             for (int e = first; e < end; e++) {
                 bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
-                double step = rho[c] > 0 && !sliver ? trust * (out[e][c] - power / area) / rho[c] : 0;
-                out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
+                double step = rho[c] > 0 && !sliver ? (out[e][c] - power / area) / rho[c] : 0;
+                double chance = MANY * (double)s->noise[p] * sqrt(area / mesh->elements[e].area) * value;
+                step *= fmax(trust, step * step > chance * chance ? 1 - chance * chance / (step * step) : 0);
+                out[e][c] = value + fmin(fmax(step, -MOST_FALL * value), MOST_RISE * value);
             }
         }
     }
@@ -72,7 +77,7 @@ static void find_shown_light(Steps *s, Arena *arena) {
         double rho[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
         for (int c = 0; c < 3; c++)
-            s->light[e] += rho[c] * s->value[e][c] + s->solution->direct[e][c] + s->solution->daylight[e][c];
+            s->light[e] += rho[c] * s->value[e][c] + s->solution->direct[e][c] + s->solution->sun[e][c];
         power += mesh->elements[e].area * s->light[e];
         area += mesh->elements[e].area;
     }

@@ -25,7 +25,4 @@ bool sun_patch_edge(SunPatch *at, const Vec3 *corner, int count);
 // Adds the irradiance by the sun at a point of the patch, W/m^2 a channel.
 void sun_patch_add(SunPatch *at, Vec3 point, double out[3]);
 
-// The radiosity that the sun causes on each element, as rad_shine adds it, W/m^2 a channel, into `out` [mesh->element_count].
-void sun_elements(const Mesh *mesh, const Daylight *day, int threads, double (*out)[3]);
-
 #endif

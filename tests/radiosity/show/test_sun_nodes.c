@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <stdio.h>
 
+#include "radiosity/shoot/sunlight.h"
 #include "radiosity/show/direct.h"
 #include "radiosity/show/reconstruct.h"
 #include "radiosity/show/shown.h"
@@ -151,7 +152,7 @@ static Shown show_sun(Lit *lit, const Daylight *day, int threads) {
     const Mesh *mesh = &lit->mesh;
     cr_assert(rad_start_dark(mesh, &lit->arena, &out.solution, &error), "%s", error.text);
     out.solution.day = *day;
-    sun_elements(mesh, day, threads, out.solution.radiosity);
+    sunlight_elements(mesh, day, threads, out.solution.radiosity);
     cr_assert(direct_show(mesh, &lit->forest, NULL, threads, NULL, &lit->arena, &out.solution, NULL));
     cr_assert(shown_light(mesh, &out.solution, NULL, &lit->arena, &out.mesh, &out.light, &error), "%s",
               error.text);

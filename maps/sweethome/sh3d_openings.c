@@ -36,7 +36,7 @@ static void add_cutout(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mirr
     }
     double area = count ? fabs(sh3d_shape_area(shape, count)) : 0;
     if (area < 1 - RECTANGLE)
-        sh3d_tally(&s->bad_shapes, sh3d_text(node, "name"), vec3(o->centre.x, o->centre.y, o->sill));
+        building_tally(&s->bad_shapes, sh3d_text(node, "name"), vec3(o->centre.x, o->centre.y, o->sill));
     if (area < 1 - RECTANGLE || area >= RECTANGLE) return;
     bool forward = sh3d_shape_area(shape, count) > 0;
     o->first_cutout = s->sketch->point_count;

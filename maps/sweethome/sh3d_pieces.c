@@ -1,6 +1,6 @@
 // sh3d_pieces.c - furniture, lamps, stairs and the models of doors: each a model scaled to its box and put in its
 // place, as Sweet Home 3D shows it. What the program can do beyond that and this reader does not: parts of a model
-// moved by hand (`transformation`), shininess, textures other than by their mean.
+// moved by hand (`transformation`), textures other than by their mean.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -138,28 +138,43 @@ static const ObjModel *find_model(Sh3d *s, const XmlNode *node) {
 
 static bool is_pane(const char *group) { return strcasestr(group, "window_pane") != NULL; }
 
+// The piece's own statement about a material: by its key where it has one, else by its name.
 static const XmlNode * override(const XmlNode *piece, const char *name) {
-    for (const XmlNode *child = piece->first; child; child = child->next)
-        if (xml_is(child, "material") &&
-            (strcmp(sh3d_text(child, "name"), name) == 0 || strcmp(sh3d_text(child, "key"), name) == 0))
+    for (const XmlNode *child = piece->first; child; child = child->next) {
+        const char *key = xml_is(child, "material") ? xml_get(child, "key") : NULL;
+        if (xml_is(child, "material") && strcmp(key ? key : sh3d_text(child, "name"), name) == 0)
             return child;
+    }
     return NULL;
 }
 
-// A colour of the piece goes over all but its panes; else a texture of the piece; else its materials' own colours.
+// A colour of the piece goes over all but its panes; else a texture of the piece; else what it states of single
+// materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
+// materials.
 static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pane, bool box) {
     Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
+    double shininess = box ? 0 : (double)m->shininess;
     if (box) out.reflectance = maps_colour(BOX_COLOUR);
     if (pane && out.alpha >= 1) out.alpha = PANE_ALPHA;
     Rgb mean;
     unsigned rgb;
     const XmlNode *own = override(p->node, m->name);
+    bool stated = false, painted = p->coloured, known = m->known || box;
     for (const XmlNode *child = own ? own->first : NULL; child; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
-    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb);
-    for (const XmlNode *child = p->node->first; child && !pane; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
-    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour);
+        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean, known = true;
+    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb), known = true;
+    for (const XmlNode *child = p->node->first; child; child = child->next) {
+        stated = stated || xml_is(child, "material");
+        if (!xml_is(child, "texture") || !sh3d_texture(s, child, &mean)) continue;
+        painted = true;
+        if (!pane) out.reflectance = mean, known = true;
+    }
+    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour), known = true;
+    const XmlNode *speaker = painted || !stated ? p->node : own;
+    if (speaker) shininess = sh3d_shininess(s, speaker, "shininess", shininess);
+    // Panes are glass by their alpha.
+    if (out.alpha >= 1) out.gloss = (float)shininess;
+    if (!known) building_tally(&s->unknown_materials, m->name, vec3(p->at.x, p->at.y, p->z));
     return out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
 }
 
@@ -322,7 +337,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
     Vec2 shape[SH3D_MAX_SHAPE] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
     int count = sh3d_shape(path, shape, SH3D_MAX_SHAPE);
     if (count < 3) {
-        sh3d_tally(&s->bad_shapes, p->name, vec3(p->at.x, p->at.y, p->z));
+        building_tally(&s->bad_shapes, p->name, vec3(p->at.x, p->at.y, p->z));
         memcpy(shape, (Vec2[]){{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 4 * sizeof(Vec2));
         count = 4;
     }
@@ -346,7 +361,7 @@ static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight)
     if (box) {
         stand_in = flight ? plain_stair(s, p) : obj_box(s->arena);
         m = &stand_in;
-        sh3d_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
+        building_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
     }
     building_add_object(s->arena, s->b, kind, p->name);
     add_faces(s, p, m, place(s, p, m), NULL, 0, box);
@@ -643,7 +658,7 @@ static void add_opening_model(Sh3d *s, const XmlNode *node) {
     if (s->failed) return;
     if (!m || !room_for(s, &p, m)) {
         // No box: it would fill the hole.
-        sh3d_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
+        building_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
         return;
     }
     const Vec3 *placed = place(s, &p, m);
@@ -680,7 +695,7 @@ static void add_lights(Sh3d *s, const Piece *p, int object) {
     int sources = 0;
     for (const XmlNode *child = p->node->first; child; child = child->next)
         sources += xml_is(child, "lightSource");
-    if (sources == 0) sh3d_tally(&s->dark_lights, p->name, vec3(p->at.x, p->at.y, p->z));
+    if (sources == 0) building_tally(&s->dark_lights, p->name, vec3(p->at.x, p->at.y, p->z));
     double c = cos(p->angle), sn = sin(p->angle);
     for (const XmlNode *child = p->node->first; child && !s->failed; child = child->next) {
         if (!xml_is(child, "lightSource")) continue;

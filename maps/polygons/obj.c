@@ -153,8 +153,8 @@ static Rgb screen_colour(const double c[3]) {
     return (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
 }
 
-// What a name says alone. An unknown one, and none, has the colour of `default`; it is matt, and opaque unless it is
-// called glass.
+// The material of a name without a library. An unknown name, and none, has the colour of `default`; it is matt, and
+// opaque unless it is called glass.
 static ObjMaterial name_material(const char *name) {
     const ObjNamed *named = obj_named(name), *shown = named ? named : obj_named("default");
     ObjMaterial m = {

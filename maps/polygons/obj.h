@@ -20,7 +20,7 @@ typedef struct ObjMaterial {
     bool known;  // by a material library, or by name (obj_materials.h); else it has the colour of `default`
 } ObjMaterial;
 
-// What a note says of materials that are not known; the count comes before it, names after it.
+// The text of the note about unknown materials; the count comes before it, their names after it.
 #define OBJ_UNKNOWN_NOTE                                                                                     \
     "materials have a name that neither a library nor Sweet Home 3D knows, and the colour of its default "   \
     "material"

@@ -46,7 +46,7 @@ typedef struct Sh3d {
     double wall_height;  // for walls that state no height, metres
     Sh3dLevel *levels;
     struct Sh3dWall *walls;        // private to sh3d_walls.c
-    struct Sh3dModel *models;      // private to sh3d_pieces.c
+    struct Sh3dModel *models;      // private to sh3d_models.c
     struct Sh3dTexture *textures;  // private to sh3d_attributes.c
     double pixels;                 // of images that may still be decoded
     int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
@@ -97,6 +97,11 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
 bool sh3d_read_walls(Sh3d *s);           // call after the levels are read; sets the storeys' heights
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
 void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
+
+// ---- sh3d_models.c
+
+// The model that a piece, door or window names, read once; NULL: none, or not usable.
+const ObjModel *sh3d_model(Sh3d *s, const XmlNode *node);
 
 // ---- sh3d_pieces.c: furniture, stairs, lights and the models of doors
 

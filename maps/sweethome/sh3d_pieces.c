@@ -19,7 +19,6 @@ static const double MAX_STEP = 0.2;                                // metres, of
 static const double STAIR_REACH = 0.3;  // metres by which a stair may end below the floor it leads to
 #define MAX_STEPS 200
 #define MAX_FAN 256  // corners from which a face is cut into a fan, since cutting it well takes cubic time
-static const size_t MAX_MODEL = (size_t)64 << 20;  // bytes
 
 static const char *const STAIR_WORDS[] = {"stair", "escalier", "trepp",   "scala", "escaler", "escada",
                                           "trap",  "schod",    "лестниц", "階段",  NULL};
@@ -40,13 +39,6 @@ typedef struct Piece {
     bool coloured;
     unsigned colour;
 } Piece;
-
-// A model of the file, read once.
-typedef struct Sh3dModel {
-    const char *name;  // of the entry
-    ObjModel obj;
-    bool usable;
-} Sh3dModel;
 
 static Piece read_piece(Sh3d *s, const XmlNode *node) {
     static const double UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -77,61 +69,6 @@ static Piece read_piece(Sh3d *s, const XmlNode *node) {
         text = stop;
     }
     return p;
-}
-
-// ---- models
-
-typedef struct Folder {
-    Sh3d *s;
-    const char *entry;  // of the file that refers to others
-} Folder;
-
-// Entries are spelled as they are, or as in an address, or beside the file that refers to them.
-static bool read_entry(void *context, const char *name, Arena *arena, Bytes *out) {
-    const Folder *folder = context;
-    Sh3d *s = folder->s;
-    const char *slash = strrchr(folder->entry, '/');
-    char *path =
-        arena_format(arena, "%.*s%s", slash ? (int)(slash - folder->entry + 1) : 0, folder->entry, name);
-    for (char *c = path; *c; c++)
-        if (*c == '\\') *c = '/';
-    Error ignored;
-    return archive_has(s->archive, path) && archive_read(s->archive, path, MAX_MODEL, arena, out, &ignored);
-}
-
-static char *decode_address(Sh3d *s, const char *name) {
-    char *out = arena_string(s->arena, name), *to = out;
-    for (const char *from = name; *from; from++) {
-        unsigned code;
-        int used = 0;
-        if (sscanf(from, "%%%2x%n", &code, &used) == 1 && used == 3 && code > 0) {
-            *to++ = (char)code;
-            from += 2;
-        } else {
-            *to++ = *from;
-        }
-    }
-    *to = '\0';
-    return out;
-}
-
-static const ObjModel *find_model(Sh3d *s, const XmlNode *node) {
-    const char *name = xml_get(node, "model");
-    if (!name || !s->archive) return NULL;
-    for (int i = 0; i < s->model_count; i++)
-        if (strcmp(s->models[i].name, name) == 0) return s->models[i].usable ? &s->models[i].obj : NULL;
-    Sh3dModel model = {.name = name};
-    const char *entry = archive_has(s->archive, name) ? name : decode_address(s, name);
-    Bytes content;
-    Error ignored;
-    Folder folder = {s, entry};
-    ObjFiles files = {read_entry, &folder, &s->pixels};
-    if (archive_has(s->archive, entry) &&
-        archive_read(s->archive, entry, MAX_MODEL, s->arena, &content, &ignored))
-        model.usable = obj_read(content, entry, &files, s->arena, &model.obj, &ignored);
-    Sh3dModel *kept = ARENA_PUSH(s->arena, s->models, s->model_count, s->model_capacity);
-    *kept = model;
-    return kept->usable ? &kept->obj : NULL;
 }
 
 // ---- materials
@@ -355,7 +292,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
 // ---- pieces
 
 static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
-    const ObjModel *m = find_model(s, p->node);
+    const ObjModel *m = sh3d_model(s, p->node);
     ObjModel stand_in;
     bool box = !m || !room_for(s, p, m);
     if (box) {
@@ -654,7 +591,7 @@ static void add_opening_model(Sh3d *s, const XmlNode *node) {
     int opening = s->sketch->opening_count - 1;
     const char *name = s->sketch->openings[opening].name;
     Piece p = read_piece(s, node);
-    const ObjModel *m = find_model(s, node);
+    const ObjModel *m = sh3d_model(s, node);
     if (s->failed) return;
     if (!m || !room_for(s, &p, m)) {
         // No box: it would fill the hole.

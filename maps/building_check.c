@@ -711,6 +711,8 @@ static void check_optics(Check *c) {
         if (!(m->mirror >= 0 && m->mirror + most <= 1.00001f))
             check_fault(c, "material %d (%s): mirror %g beside a reflectance of %g (together 0 to 1)", i,
                         text_of(m->name), (double)m->mirror, (double)most);
+        if (!(m->gloss >= 0 && m->gloss <= 1))
+            check_fault(c, "material %d (%s): gloss %g (0 to 1)", i, text_of(m->name), (double)m->gloss);
         if (m->index != 0 && !(m->index >= 1 && (double)m->index <= MOST_INDEX))
             check_fault(c, "material %d (%s): index of refraction %g (0, or 1 to %g)", i, text_of(m->name),
                         (double)m->index, MOST_INDEX);

@@ -113,12 +113,17 @@ static void see_through(Trace *t, const Path *path, const StillSurface *s, const
 
 // ---- opaque surfaces
 
-// A mirror reflects besides the light that it scatters. A material with an index is glazed: light that the glaze reflects does not reach
-// the layer below.
+// A mirror reflects besides the light that it scatters. A material with an index is glazed, one with gloss in part:
+// light that the glaze reflects does not reach the layer below.
+static double glaze_of(const Material *m, double cosine) {
+    if (m->index > 0) return glass_fresnel(cosine, (double)m->index);
+    return m->gloss > 0 ? (double)m->gloss * glass_fresnel(cosine, GLASS_USUAL) : 0;
+}
+
 static void see(Trace *t, const Path *path, const StillSurface *s, const SurfaceHit *hit, double out[3]) {
     const Material *m = s->material;
     double cosine = fmin(-vec3_dot(path->ray.direction, hit->at.normal), 1);
-    double glaze = hit->front && m->index > 0 ? glass_fresnel(cosine, (double)m->index) : 0;
+    double glaze = hit->front ? glaze_of(m, cosine) : 0;
     double mirrored = hit->front ? glaze + (1 - glaze) * (double)m->mirror : 0, lit[3];
     int rays = (int)ceil(t->w->lamp_rays * path->weight * (1 - glaze));
     StillNumbers numbers = numbers_of(t, rays);

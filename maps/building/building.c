@@ -2,6 +2,8 @@
 #include "maps/building/building.h"
 
 #include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "engine/core/memory.h"
 #include "engine/core/polygon.h"
@@ -9,7 +11,7 @@
 static bool same_material(const Material *a, const Material *b) {
     const Rgb *r = &a->reflectance, *s = &b->reflectance, *e = &a->emission, *f = &b->emission;
     return r->r == s->r && r->g == s->g && r->b == s->b && e->r == f->r && e->g == f->g && e->b == f->b &&
-           a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index &&
+           a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index && a->gloss == b->gloss &&
            strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
 }
 
@@ -157,6 +159,22 @@ void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *
     char *text = arena_format_list(arena, format, args);
     va_end(args);
     *ARENA_PUSH(arena, b->notes, b->note_count, b->note_capacity) = (Note){kind, text, place, 0, 0};
+}
+
+void building_tally(NoteTally *tally, const char *name, Vec3 place) {
+    static const int SHOWN = 5;  // names in the note
+    if (tally->count++ == 0) tally->place = place;
+    size_t used = strlen(tally->names);
+    if (tally->shown == SHOWN || strstr(tally->names, name)) return;
+    tally->shown++;
+    snprintf(tally->names + used, sizeof tally->names - used, "%s%.60s", used ? ", " : "", name);
+}
+
+void building_note_tally(Arena *arena, Building *b, const char *where, const NoteTally *tally,
+                         const char *what) {
+    if (tally->count == 0) return;
+    building_note(arena, b, NOTE_CHANGED, tally->place, "%s: %d %s%s%s", where, tally->count, what,
+                  *tally->names ? ": " : "", tally->names);
 }
 
 float maps_linear(int srgb) {

@@ -47,6 +47,7 @@ typedef struct Material {
     float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
     // The index of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: the material does not refract.
     float index;
+    float gloss;  // of an opaque material: it reflects this share, 0 .. 1, of what lacquer of index 1.5 does
 } Material;
 
 // A level of a building.
@@ -311,6 +312,20 @@ void building_set_proxy(Building *b, double angle);
 // Adds a note; the sentence is formatted as by printf.
 void building_note(Arena *arena, Building *b, int kind, Vec3 place, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
+
+// One kind of fault or omission, counted over a whole file and noted once, with the names of the first few.
+typedef struct NoteTally {
+    int count, shown;
+    char names[320];  // the first few, each once
+    Vec3 place;       // of the first
+} NoteTally;
+
+// Counts one; `name` is kept where it is among the first few.
+void building_tally(NoteTally *tally, const char *name, Vec3 place);
+// Adds the note `WHERE: COUNT WHAT: NAMES`, a NOTE_CHANGED, unless the count is 0.
+void building_note_tally(Arena *arena, Building *b, const char *where, const NoteTally *tally,
+                         const char *what);
+
 // sRGB channel 0..255 to linear reflectance, capped.
 float maps_linear(int srgb);
 Rgb maps_colour(unsigned rgb);  // 0xRRGGBB

@@ -1,7 +1,7 @@
 // obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, f, g, o, usemtl, mtllib; newmtl, Kd, Ke,
-// d, Tr, map_Kd. Departures: texture coordinates, normals, lines, points, curves and smoothing are not read; Kd
-// is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean; Ke is taken as
-// radiant exitance, for which MTL has no unit.
+// Ks, Ns, illum, d, Tr, map_Kd. Departures: texture coordinates, normals, lines, points, curves and smoothing are not
+// read; Kd is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean; Ke is
+// taken as radiant exitance, for which MTL has no unit; of Ks only whether it is black.
 #include "maps/polygons/obj.h"
 
 #include <stdarg.h>
@@ -11,24 +11,9 @@
 #include "maps/building/scan.h"
 #include "maps/building/texture.h"
 
-// Models refer to colours by name without a library; words in the name give the colour. Later rows win, so that
-// `dkgrey` is dark; our own choice of values, sRGB.
-static const struct {
-    const char *word;
-    unsigned colour;
-} NAMED[] = {
-    {"white", 0xF4F4F4},        {"black", 0x202020},  {"grey", 0x9A9A9A},     {"gray", 0x9A9A9A},
-    {"ltgrey", 0xC4C4C4},       {"dkgrey", 0x5A5A5A}, {"dkdkgrey", 0x383838}, {"silver", 0xB8BCC0},
-    {"red", 0xB83028},          {"green", 0x4C9A48},  {"blue", 0x3C5CA8},     {"yellow", 0xE0C850},
-    {"yellow_green", 0x9CB040}, {"brown", 0x7A5434},  {"ltbrown", 0xA07C54},  {"blonde", 0xD8BC8C},
-    {"amber", 0xB07838},        {"bone", 0xE0D8C0},   {"sand", 0xC8B48C},     {"charcoal", 0x404040},
-    {"chrome", 0xC0C4C8},       {"wood", 0x9C7048},   {"leather", 0x6C4830},  {"iris", 0x5C6478},
-    {"gold", 0xC8A048},         {"copper", 0xB87850}, {"orange", 0xD88030},   {"pink", 0xD8A0A8},
-    {"purple", 0x704C8C},       {"glass", 0xD8E4E8},  {"mirror", 0xD0D8DC},
-};
-static const unsigned UNNAMED_COLOUR = 0xD0D0D0;  // sRGB: neutral and light, as most furniture
-static const float GLASS_ALPHA = 0.3f;            // of a material called glass that no library describes
-static const double MAX_EMISSION = 1e9;           // W/m^2: the sun's surface is at 6e7
+static const float GLASS_ALPHA = 0.3f;       // of an unknown material that is called glass
+static const unsigned UNPAINTED = 0xFFFFFF;  // sRGB, of a library's material without Kd: Java 3D's
+static const double MAX_EMISSION = 1e9;      // W/m^2: the sun's surface is at 6e7
 
 // Open addressing by hash; slots hold an index + 1, 0 where they are free.
 enum { NAME_SLOTS = 2 * OBJ_MAX_NAMES };
@@ -162,12 +147,25 @@ static int find_group(Reader *r, const char *name) {
     return m->group_count - 1;
 }
 
+static Rgb screen_colour(const double c[3]) {
+    int code[3];
+    for (int i = 0; i < 3; i++) code[i] = (int)lrint(255 * fmin(fmax(c[i], 0), 1));
+    return (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
+}
+
+// The material of a name without a library. An unknown name, and none, has the colour of `default`; it is matt, and
+// opaque unless it is called glass.
 static ObjMaterial name_material(const char *name) {
-    unsigned colour = UNNAMED_COLOUR;
-    for (size_t i = 0; i < sizeof NAMED / sizeof *NAMED; i++)
-        if (strcasestr(name, NAMED[i].word)) colour = NAMED[i].colour;
-    return (ObjMaterial){
-        name, maps_colour(colour), {0, 0, 0}, strcasestr(name, "glass") ? GLASS_ALPHA : 1, false};
+    const ObjNamed *named = obj_named(name), *shown = named ? named : obj_named("default");
+    ObjMaterial m = {
+        .name = name, .colour = screen_colour(shown->diffuse), .alpha = 1, .known = named || !*name};
+    if (named) {
+        m.alpha = (float)named->alpha;
+        m.shininess = (float)(named->exponent / OBJ_MAX_SHININESS);
+    } else if (strcasestr(name, "glass")) {
+        m.alpha = GLASS_ALPHA;
+    }
+    return m;
 }
 
 static int find_material(Reader *r, const char *name) {
@@ -259,9 +257,7 @@ static void read_emission(Reader *r, ObjMaterial *material) {
 static void read_colour(Reader *r, ObjMaterial *material) {
     double c[3];
     if (!read_channels(r, c)) return;
-    int code[3];
-    for (int i = 0; i < 3; i++) code[i] = (int)lrint(255 * fmin(fmax(c[i], 0), 1));
-    material->colour = (Rgb){maps_linear(code[0]), maps_linear(code[1]), maps_linear(code[2])};
+    material->colour = screen_colour(c);
 }
 
 // NULL where there are more than there are materials.
@@ -290,32 +286,48 @@ static void read_texture(Reader *r, ObjMaterial *material) {
         skip_file(r, name);
 }
 
+// A library's material is all that the library says of it: nothing of its name's own colour remains.
+static ObjMaterial *define_material(Reader *r) {
+    ObjMaterial *m = &r->model->materials[find_material(r, read_name(r))];
+    *m = (ObjMaterial){.name = m->name, .colour = maps_colour(UNPAINTED), .alpha = 1, .known = true};
+    return m;
+}
+
 static void read_library(Reader *outer, Bytes content) {
     Reader r = *outer;
     r.at = (const char *)content.data;
     r.end = r.at + content.size;
-    int material = -1;
+    ObjMaterial *m = NULL;
+    bool matt = false;
+    double exponent = 0;
     for (; r.at < r.end; next_line(&r)) {
-        double number;
+        double number, specular[3];
         skip_blanks(&r);
         if (word_is(&r, "newmtl")) {
-            material = find_material(&r, read_name(&r));
-            r.model->materials[material].alpha = 1;
-            r.model->materials[material].defined = true;
+            m = define_material(&r);
+            matt = false;
+            exponent = 0;
             continue;
         }
-        if (material < 0) continue;
-        ObjMaterial *m = &r.model->materials[material];
+        if (!m) continue;
         if (word_is(&r, "Kd"))
             read_colour(&r, m);
         else if (word_is(&r, "Ke"))
             read_emission(&r, m);
+        else if (word_is(&r, "Ks") && read_channels(&r, specular))
+            matt = matt || fmax(specular[0], fmax(specular[1], specular[2])) <= 0;
+        else if (word_is(&r, "illum") && read_number(&r, &number))
+            matt = matt || number < 2;
+        else if (word_is(&r, "Ns") && read_number(&r, &number))
+            exponent = number;
         else if (word_is(&r, "d") && read_number(&r, &number))
             m->alpha = (float)fmin(fmax(number, 0), 1);
         else if (word_is(&r, "Tr") && read_number(&r, &number))
             m->alpha = 1 - (float)fmin(fmax(number, 0), 1);
         else if (word_is(&r, "map_Kd"))
             read_texture(&r, m);
+        // Illumination models 0 and 1 have no highlights, in whatever order the lines come.
+        m->shininess = matt ? 0 : (float)(fmin(fmax(exponent, 0), OBJ_MAX_SHININESS) / OBJ_MAX_SHININESS);
     }
 }
 

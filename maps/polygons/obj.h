@@ -4,6 +4,7 @@
 
 #include "engine/core/file.h"
 #include "maps/building/building.h"
+#include "maps/polygons/obj_materials.h"
 
 // Limits of one model: well above the largest furniture seen (some 100,000 faces), well below a size at which reading would hang.
 #define OBJ_MAX_VERTICES (4 << 20)
@@ -12,11 +13,17 @@
 
 typedef struct ObjMaterial {
     const char *name;
-    Rgb colour;    // linear reflectance
-    Rgb emission;  // radiant exitance, W/m^2
-    float alpha;   // 1 opaque
-    bool defined;  // by a material library; else the colour follows from the name
+    Rgb colour;       // linear reflectance
+    Rgb emission;     // radiant exitance, W/m^2
+    float alpha;      // 1 opaque
+    float shininess;  // 0 matt .. 1: a share of the largest exponent
+    bool known;  // by a material library, or by name (obj_materials.h); else it has the colour of `default`
 } ObjMaterial;
+
+// The text of the note about unknown materials; the count comes before it, their names after it.
+#define OBJ_UNKNOWN_NOTE                                                                                     \
+    "materials have a name that neither a library nor Sweet Home 3D knows, and the colour of its default "   \
+    "material"
 
 typedef struct ObjFace {
     int first_corner, corner_count;

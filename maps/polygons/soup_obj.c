@@ -51,6 +51,7 @@ typedef struct SoupObj {
     Arena *arena;
     Building *b;
     Error *error;
+    NoteTally unknown;
 } SoupObj;
 
 // ---- comments
@@ -165,6 +166,8 @@ static int material_of(SoupObj *o, int index) {
         const ObjMaterial *m = &o->model.materials[index];
         Material material = {
             .name = m->name, .reflectance = m->colour, .emission = m->emission, .alpha = m->alpha};
+        if (m->alpha >= 1) material.gloss = m->shininess;
+        if (!m->known) building_tally(&o->unknown, m->name, vec3(0, 0, 0));
         o->materials[index] = building_add_material(o->arena, o->b, material);
     }
     return o->materials[index];
@@ -214,6 +217,7 @@ static void note_losses(SoupObj *o, int lost) {
         building_note(o->arena, o->b, NOTE_DROPPED, place,
                       "%s: %d names of groups or materials beyond %d are not kept", o->path, m->nameless,
                       OBJ_MAX_NAMES);
+    building_note_tally(o->arena, o->b, o->path, &o->unknown, OBJ_UNKNOWN_NOTE);
     if (lost > 0)
         building_note(o->arena, o->b, NOTE_DROPPED, place, "%s: %d faces have no area and were left out",
                       o->path, lost);

@@ -94,8 +94,8 @@ static void read_room(Sh3d *s, const XmlNode *node) {
     Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
     room.place = sh3d_place(s, node, "room");
     // floorVisible and ceilingVisible only tell the program what to draw: a walk needs a floor.
-    room.floor_material = sh3d_material(s, node, "floorColor", "floorTexture", s->floor_material);
-    room.ceiling_material = sh3d_material(s, node, "ceilingColor", "ceilingTexture", s->ceiling_material);
+    room.floor_material = sh3d_material(s, node, "floor", s->floor_material);
+    room.ceiling_material = sh3d_material(s, node, "ceiling", s->ceiling_material);
     if (room.point_count < 3) {
         building_note(s->arena, s->b, NOTE_DROPPED, vec3(first.x, first.y, 0),
                       "%s: %s has %d points (at least 3 are needed): left out", s->where, room.place,
@@ -203,19 +203,17 @@ static void set_defaults(Sh3d *s) {
     s->sketch->ground_material = sh3d_add_colour(s, "ground", maps_colour(GROUND_COLOUR));
     for (const XmlNode *node = s->home->first; node; node = node->next)
         if (xml_is(node, "environment"))
-            s->sketch->ground_material =
-                sh3d_material(s, node, "groundColor", "groundTexture", s->sketch->ground_material);
+            s->sketch->ground_material = sh3d_material(s, node, "ground", s->sketch->ground_material);
 }
 
-static void note(Sh3d *s, const Sh3dTally *tally, const char *what) {
-    if (tally->count == 0) return;
-    building_note(s->arena, s->b, NOTE_CHANGED, tally->place, "%s: %d %s%s%s", s->where, tally->count, what,
-                  *tally->names ? ": " : "", tally->names);
+static void note(Sh3d *s, const NoteTally *tally, const char *what) {
+    building_note_tally(s->arena, s->b, s->where, tally, what);
 }
 
 static void add_notes(Sh3d *s) {
     note(s, &s->missing_models, "models are not in the file, their pieces are boxes or plain stairs");
     note(s, &s->missing_frames, "models of doors and windows are not in the file, they have no frames");
+    note(s, &s->unknown_materials, OBJ_UNKNOWN_NOTE);
     note(s, &s->missing_textures,
          "textures are missing or could not be decoded, another colour stands for them");
     note(s, &s->dark_lights, "lamps have no light source and give no light");

@@ -34,13 +34,6 @@ typedef struct Sh3dLevel {
     int storey;
 } Sh3dLevel;
 
-// One kind of fault or omission, counted over the whole home and noted once, with the names of the first few.
-typedef struct Sh3dTally {
-    int count, shown;
-    char names[320];  // the first few, each once
-    Vec3 place;
-} Sh3dTally;
-
 typedef struct Sh3d {
     const char *where;  // for messages: the XML file
     Archive *archive;   // NULL: a bare Home.xml
@@ -53,13 +46,14 @@ typedef struct Sh3d {
     double wall_height;  // for walls that state no height, metres
     Sh3dLevel *levels;
     struct Sh3dWall *walls;        // private to sh3d_walls.c
-    struct Sh3dModel *models;      // private to sh3d_pieces.c
+    struct Sh3dModel *models;      // private to sh3d_models.c
     struct Sh3dTexture *textures;  // private to sh3d_attributes.c
     double pixels;                 // of images that may still be decoded
     int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
         texture_capacity;
     int wall_material, floor_material, ceiling_material;  // for surfaces that name no colour
-    Sh3dTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes;
+    NoteTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes,
+        unknown_materials;
     bool has_observer;
     Viewpoint observer;
 } Sh3d;
@@ -76,13 +70,15 @@ bool sh3d_flag(const XmlNode *node, const char *name, bool missing);
 const char *sh3d_text(const XmlNode *node, const char *name);  // "" when absent
 const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what);
 bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) __attribute__((format(printf, 3, 4)));
-void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place);
 
 const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node);  // never NULL
 int sh3d_add_point(Sh3d *s, Vec2 point, int material);
 
-// Returns the material of the child texture whose attribute is `texture`, else of the attribute `colour`, else `missing`.
-int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing);
+// 0 matt .. 1, as the program writes it; numbers beyond are cut.
+double sh3d_shininess(Sh3d *s, const XmlNode *node, const char *name, double missing);
+// Returns the material of `surface`, a prefix as `leftSide`: that of its child texture (`leftSideTexture`), else of
+// its colour (`leftSideColor`), else `missing`; shiny as `leftSideShininess` says, else matt.
+int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing);
 int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour);                       // an opaque material
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb);  // false: absent
 bool sh3d_texture(Sh3d *s, const XmlNode *texture, Rgb *mean);
@@ -101,6 +97,11 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
 bool sh3d_read_walls(Sh3d *s);           // call after the levels are read; sets the storeys' heights
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
 void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
+
+// ---- sh3d_models.c
+
+// The model that a piece, door or window names, read once; NULL: none, or not usable.
+const ObjModel *sh3d_model(Sh3d *s, const XmlNode *node);
 
 // ---- sh3d_pieces.c: furniture, stairs, lights and the models of doors
 

@@ -77,15 +77,6 @@ const char *sh3d_place(Sh3d *s, const XmlNode *node, const char *what) {
     return arena_format(s->arena, "%s %s%s(line %d)", what, label, *label ? " " : "", node->line);
 }
 
-void sh3d_tally(Sh3dTally *tally, const char *name, Vec3 place) {
-    static const int SHOWN = 5;  // names in the note
-    if (tally->count++ == 0) tally->place = place;
-    size_t used = strlen(tally->names);
-    if (tally->shown == SHOWN || strstr(tally->names, name)) return;
-    tally->shown++;
-    snprintf(tally->names + used, sizeof tally->names - used, "%s%.60s", used ? ", " : "", name);
-}
-
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb) {
     const char *text = xml_get(node, name);
     if (!text) return false;
@@ -113,7 +104,7 @@ bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
     if (name && s->archive && archive_has(s->archive, name) &&
         archive_read(s->archive, name, ARCHIVE_MAX_ENTRY, s->arena, &image, &ignored))
         texture.usable = texture_mean(image, &s->pixels, &texture.mean);
-    if (!texture.usable) sh3d_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
+    if (!texture.usable) building_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
     if (name) *ARENA_PUSH(s->arena, s->textures, s->texture_count, s->texture_capacity) = texture;
     *mean = texture.mean;
     return texture.usable;
@@ -123,14 +114,28 @@ int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour) {
     return building_add_material(s->arena, s->b, (Material){.name = name, .reflectance = colour, .alpha = 1});
 }
 
-int sh3d_material(Sh3d *s, const XmlNode *node, const char *colour, const char *texture, int missing) {
+double sh3d_shininess(Sh3d *s, const XmlNode *node, const char *name, double missing) {
+    return fmin(fmax(sh3d_number(s, node, name, missing, -1e6, 1e6), 0), 1);
+}
+
+int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing) {
+    Material out = s->b->materials[missing];
+    const char *texture = arena_format(s->arena, "%sTexture", surface);
+    const XmlNode *child = node->first;
     Rgb mean;
-    for (const XmlNode *child = node->first; child; child = child->next)
-        if (xml_is(child, "texture") && strcmp(sh3d_text(child, "attribute"), texture) == 0 &&
-            sh3d_texture(s, child, &mean))
-            return sh3d_add_colour(s, sh3d_text(child, "name"), mean);
     unsigned rgb;
-    return sh3d_colour(s, node, colour, &rgb) ? sh3d_add_colour(s, "paint", maps_colour(rgb)) : missing;
+    while (child && !(xml_is(child, "texture") && strcmp(sh3d_text(child, "attribute"), texture) == 0 &&
+                      sh3d_texture(s, child, &mean)))
+        child = child->next;
+    if (child) {
+        out.name = sh3d_text(child, "name");
+        out.reflectance = mean;
+    } else if (sh3d_colour(s, node, arena_format(s->arena, "%sColor", surface), &rgb)) {
+        out.name = "paint";
+        out.reflectance = maps_colour(rgb);
+    }
+    out.gloss = (float)sh3d_shininess(s, node, arena_format(s->arena, "%sShininess", surface), 0);
+    return building_add_material(s->arena, s->b, out);
 }
 
 const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node) {

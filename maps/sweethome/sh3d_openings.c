@@ -19,6 +19,14 @@ static const char *const GLASS_WORDS[] = {
     "window", "glass",   "glazed", "slider",  "sliding",  "patio",  "fenetre", "fenêtre", "vitr",
     "baie",   "fenster", "glas",   "schiebe", "finestra", "vetr",   "ventana", "vidr",    "cristal",
     "janela", "raam",    "okno",   "окно",    "fönster",  "vindue", "窓",      "ガラス",  NULL};
+static const char *const WINDOW_WORDS[] = {"window",  "fenetre", "fenêtre", "fenster", "finestra",
+                                           "ventana", "janela",  "raam",    "okno",    "окно",
+                                           "fönster", "vindue",  "窓",      NULL};
+// Windows and doors of glass with these words are walked through.
+static const char *const WALKED_WORDS[] = {"door",  "french", "patio",  "slid",    "porte",  "coulis",
+                                           "baie",  "balcon", "tür",    "schiebe", "balkon", "porta",
+                                           "scorr", "puerta", "corred", "deur",    "schuif", "drzwi",
+                                           "двер",  "dörr",   "dør",    "ドア",    NULL};
 static const char *const PASSAGE_WORDS[] = {"frame",     "opening",   "passage",   "archway", "encadrement",
                                             "embrasure", "ouverture", "rahmen",    "öffnung", "durchgang",
                                             "telaio",    "apertura",  "passaggio", "vano",    "marco",
@@ -36,7 +44,7 @@ static void add_cutout(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mirr
     }
     double area = count ? fabs(sh3d_shape_area(shape, count)) : 0;
     if (area < 1 - RECTANGLE)
-        sh3d_tally(&s->bad_shapes, sh3d_text(node, "name"), vec3(o->centre.x, o->centre.y, o->sill));
+        building_tally(&s->bad_shapes, sh3d_text(node, "name"), vec3(o->centre.x, o->centre.y, o->sill));
     if (area < 1 - RECTANGLE || area >= RECTANGLE) return;
     bool forward = sh3d_shape_area(shape, count) > 0;
     o->first_cutout = s->sketch->point_count;
@@ -66,10 +74,23 @@ static bool read_sashes(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mir
     return count > 0;
 }
 
+// Is it a window that does not open, as a fixed pane down to the floor? It has no sash. Models name panes, and parts
+// that move on hinges or rails; where the model tells nothing, or is missing, the name says that it is a window.
+static bool is_fixed(Sh3d *s, const XmlNode *node) {
+    const ObjModel *m = sh3d_model(s, node);
+    bool pane = false, moves = false;
+    for (int i = 0; m && i < m->group_count; i++) {
+        pane = pane || strcasestr(m->groups[i], "window_pane");
+        moves = moves || strcasestr(m->groups[i], "on_hinge_") || strcasestr(m->groups[i], "on_rail_");
+    }
+    return !moves && (pane || sh3d_has_word(node, WINDOW_WORDS)) && !sh3d_has_word(node, WALKED_WORDS);
+}
+
 static void classify(Sh3d *s, const XmlNode *node, SketchOpening *o, bool mirrored) {
     double floor = sh3d_level(s, node)->floor;
     bool sash = read_sashes(s, node, o, mirrored);
-    if (o->sill - floor > MAX_SILL || o->head - floor < MIN_HEAD || o->width < MIN_WIDTH) {
+    if (o->sill - floor > MAX_SILL || o->head - floor < MIN_HEAD || o->width < MIN_WIDTH ||
+        (!sash && is_fixed(s, node))) {
         o->kind = OPENING_WINDOW;
         o->glazed = true;
         return;

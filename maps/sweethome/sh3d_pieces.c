@@ -1,6 +1,6 @@
 // sh3d_pieces.c - furniture, lamps, stairs and the models of doors: each a model scaled to its box and put in its
 // place, as Sweet Home 3D shows it. What the program can do beyond that and this reader does not: parts of a model
-// moved by hand (`transformation`), shininess, textures other than by their mean.
+// moved by hand (`transformation`), textures other than by their mean.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,6 @@ static const double MAX_STEP = 0.2;                                // metres, of
 static const double STAIR_REACH = 0.3;  // metres by which a stair may end below the floor it leads to
 #define MAX_STEPS 200
 #define MAX_FAN 256  // corners from which a face is cut into a fan, since cutting it well takes cubic time
-static const size_t MAX_MODEL = (size_t)64 << 20;  // bytes
 
 static const char *const STAIR_WORDS[] = {"stair", "escalier", "trepp",   "scala", "escaler", "escada",
                                           "trap",  "schod",    "лестниц", "階段",  NULL};
@@ -40,13 +39,6 @@ typedef struct Piece {
     bool coloured;
     unsigned colour;
 } Piece;
-
-// A model of the file, read once.
-typedef struct Sh3dModel {
-    const char *name;  // of the entry
-    ObjModel obj;
-    bool usable;
-} Sh3dModel;
 
 static Piece read_piece(Sh3d *s, const XmlNode *node) {
     static const double UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -79,87 +71,47 @@ static Piece read_piece(Sh3d *s, const XmlNode *node) {
     return p;
 }
 
-// ---- models
-
-typedef struct Folder {
-    Sh3d *s;
-    const char *entry;  // of the file that refers to others
-} Folder;
-
-// Entries are spelled as they are, or as in an address, or beside the file that refers to them.
-static bool read_entry(void *context, const char *name, Arena *arena, Bytes *out) {
-    const Folder *folder = context;
-    Sh3d *s = folder->s;
-    const char *slash = strrchr(folder->entry, '/');
-    char *path =
-        arena_format(arena, "%.*s%s", slash ? (int)(slash - folder->entry + 1) : 0, folder->entry, name);
-    for (char *c = path; *c; c++)
-        if (*c == '\\') *c = '/';
-    Error ignored;
-    return archive_has(s->archive, path) && archive_read(s->archive, path, MAX_MODEL, arena, out, &ignored);
-}
-
-static char *decode_address(Sh3d *s, const char *name) {
-    char *out = arena_string(s->arena, name), *to = out;
-    for (const char *from = name; *from; from++) {
-        unsigned code;
-        int used = 0;
-        if (sscanf(from, "%%%2x%n", &code, &used) == 1 && used == 3 && code > 0) {
-            *to++ = (char)code;
-            from += 2;
-        } else {
-            *to++ = *from;
-        }
-    }
-    *to = '\0';
-    return out;
-}
-
-static const ObjModel *find_model(Sh3d *s, const XmlNode *node) {
-    const char *name = xml_get(node, "model");
-    if (!name || !s->archive) return NULL;
-    for (int i = 0; i < s->model_count; i++)
-        if (strcmp(s->models[i].name, name) == 0) return s->models[i].usable ? &s->models[i].obj : NULL;
-    Sh3dModel model = {.name = name};
-    const char *entry = archive_has(s->archive, name) ? name : decode_address(s, name);
-    Bytes content;
-    Error ignored;
-    Folder folder = {s, entry};
-    ObjFiles files = {read_entry, &folder, &s->pixels};
-    if (archive_has(s->archive, entry) &&
-        archive_read(s->archive, entry, MAX_MODEL, s->arena, &content, &ignored))
-        model.usable = obj_read(content, entry, &files, s->arena, &model.obj, &ignored);
-    Sh3dModel *kept = ARENA_PUSH(s->arena, s->models, s->model_count, s->model_capacity);
-    *kept = model;
-    return kept->usable ? &kept->obj : NULL;
-}
-
 // ---- materials
 
 static bool is_pane(const char *group) { return strcasestr(group, "window_pane") != NULL; }
 
+// The piece's own statement about a material: by its key where it has one, else by its name.
 static const XmlNode * override(const XmlNode *piece, const char *name) {
-    for (const XmlNode *child = piece->first; child; child = child->next)
-        if (xml_is(child, "material") &&
-            (strcmp(sh3d_text(child, "name"), name) == 0 || strcmp(sh3d_text(child, "key"), name) == 0))
+    for (const XmlNode *child = piece->first; child; child = child->next) {
+        const char *key = xml_is(child, "material") ? xml_get(child, "key") : NULL;
+        if (xml_is(child, "material") && strcmp(key ? key : sh3d_text(child, "name"), name) == 0)
             return child;
+    }
     return NULL;
 }
 
-// A colour of the piece goes over all but its panes; else a texture of the piece; else its materials' own colours.
+// A colour of the piece goes over all but its panes; else a texture of the piece; else what it states of single
+// materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
+// materials.
 static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pane, bool box) {
     Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
+    double shininess = box ? 0 : (double)m->shininess;
     if (box) out.reflectance = maps_colour(BOX_COLOUR);
     if (pane && out.alpha >= 1) out.alpha = PANE_ALPHA;
     Rgb mean;
     unsigned rgb;
     const XmlNode *own = override(p->node, m->name);
+    bool stated = false, painted = p->coloured, known = m->known || box;
     for (const XmlNode *child = own ? own->first : NULL; child; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
-    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb);
-    for (const XmlNode *child = p->node->first; child && !pane; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean;
-    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour);
+        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean, known = true;
+    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb), known = true;
+    for (const XmlNode *child = p->node->first; child; child = child->next) {
+        stated = stated || xml_is(child, "material");
+        if (!xml_is(child, "texture") || !sh3d_texture(s, child, &mean)) continue;
+        painted = true;
+        if (!pane) out.reflectance = mean, known = true;
+    }
+    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour), known = true;
+    const XmlNode *speaker = painted || !stated ? p->node : own;
+    if (speaker) shininess = sh3d_shininess(s, speaker, "shininess", shininess);
+    // Panes are glass by their alpha.
+    if (out.alpha >= 1) out.gloss = (float)shininess;
+    if (!known) building_tally(&s->unknown_materials, m->name, vec3(p->at.x, p->at.y, p->z));
     return out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
 }
 
@@ -322,7 +274,7 @@ static void add_cutout(Sh3d *s, const Piece *p) {
     Vec2 shape[SH3D_MAX_SHAPE] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
     int count = sh3d_shape(path, shape, SH3D_MAX_SHAPE);
     if (count < 3) {
-        sh3d_tally(&s->bad_shapes, p->name, vec3(p->at.x, p->at.y, p->z));
+        building_tally(&s->bad_shapes, p->name, vec3(p->at.x, p->at.y, p->z));
         memcpy(shape, (Vec2[]){{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 4 * sizeof(Vec2));
         count = 4;
     }
@@ -340,13 +292,13 @@ static void add_cutout(Sh3d *s, const Piece *p) {
 // ---- pieces
 
 static void add_furniture(Sh3d *s, const Piece *p, ObjectKind kind, bool flight) {
-    const ObjModel *m = find_model(s, p->node);
+    const ObjModel *m = sh3d_model(s, p->node);
     ObjModel stand_in;
     bool box = !m || !room_for(s, p, m);
     if (box) {
         stand_in = flight ? plain_stair(s, p) : obj_box(s->arena);
         m = &stand_in;
-        sh3d_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
+        building_tally(&s->missing_models, p->name, vec3(p->at.x, p->at.y, p->z));
     }
     building_add_object(s->arena, s->b, kind, p->name);
     add_faces(s, p, m, place(s, p, m), NULL, 0, box);
@@ -639,11 +591,11 @@ static void add_opening_model(Sh3d *s, const XmlNode *node) {
     int opening = s->sketch->opening_count - 1;
     const char *name = s->sketch->openings[opening].name;
     Piece p = read_piece(s, node);
-    const ObjModel *m = find_model(s, node);
+    const ObjModel *m = sh3d_model(s, node);
     if (s->failed) return;
     if (!m || !room_for(s, &p, m)) {
         // No box: it would fill the hole.
-        sh3d_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
+        building_tally(&s->missing_frames, name, vec3(p.at.x, p.at.y, p.z));
         return;
     }
     const Vec3 *placed = place(s, &p, m);
@@ -680,7 +632,7 @@ static void add_lights(Sh3d *s, const Piece *p, int object) {
     int sources = 0;
     for (const XmlNode *child = p->node->first; child; child = child->next)
         sources += xml_is(child, "lightSource");
-    if (sources == 0) sh3d_tally(&s->dark_lights, p->name, vec3(p->at.x, p->at.y, p->z));
+    if (sources == 0) building_tally(&s->dark_lights, p->name, vec3(p->at.x, p->at.y, p->z));
     double c = cos(p->angle), sn = sin(p->angle);
     for (const XmlNode *child = p->node->first; child && !s->failed; child = child->next) {
         if (!xml_is(child, "lightSource")) continue;

@@ -55,9 +55,9 @@ static Sh3dWall read_wall(Sh3d *s, const XmlNode *node) {
     double height = sh3d_length(s, node, "height", s->wall_height * CM_PER_M);
     w.top[0] = w.floor + height;
     w.top[1] = w.floor + sh3d_length(s, node, "heightAtEnd", height * CM_PER_M);
-    w.left_material = sh3d_material(s, node, "leftSideColor", "leftSideTexture", s->wall_material);
-    w.right_material = sh3d_material(s, node, "rightSideColor", "rightSideTexture", s->wall_material);
-    w.top_material = sh3d_material(s, node, "topColor", "topTexture", s->wall_material);
+    w.left_material = sh3d_material(s, node, "leftSide", s->wall_material);
+    w.right_material = sh3d_material(s, node, "rightSide", s->wall_material);
+    w.top_material = sh3d_material(s, node, "top", s->wall_material);
     w.place = sh3d_place(s, node, "wall");
     return w;
 }
@@ -111,7 +111,7 @@ static void join_walls(Sh3d *s) {
             if (found >= 0 && sorted[found] != w)
                 w->joined[end] = (int)(sorted[found] - s->walls);
             else
-                sh3d_tally(&s->unknown_joins, id, vec3(w->start.x, w->start.y, w->floor));
+                building_tally(&s->unknown_joins, id, vec3(w->start.x, w->start.y, w->floor));
         }
     }
 }

@@ -136,6 +136,9 @@ static void add_statement(Text *t) {
         "<doorOrWindow name='d' x='100' y='2' width='90' depth='10' height='200' cutOutShape='M0,0 h1 v1 "
         "z'/>",
         "<pieceOfFurniture name='t' x='60' y='60' width='50' depth='40' height='70' model='0'/>",
+        "<pieceOfFurniture name='t' x='60' y='60' width='50' depth='40' height='70' model='0' "
+        "shininess='0.5'>"
+        "<material name='red' key='red' color='FF204060' shininess='1'/></pieceOfFurniture>",
         "<furnitureGroup name='g' x='60' y='60' width='50' depth='40' height='70'><pieceOfFurniture name='t' "
         "x='60' y='60' width='9' depth='9' height='9'/></furnitureGroup>",
         "<room floorVisible='false'><point x='0' y='0'/><point x='90' y='0'/><point x='90' y='90'/></room>",
@@ -150,6 +153,8 @@ static void add_statement(Text *t) {
                                        "quad q 0.5 1 0 0 1 1 0 1 1 1 1 0 1 1\n",
                                        "3 0 1 (0 0 0 ) (0 0 9 ) (0 9 9 )\n",
                                        "newmtl glass\nKd 1 1 1\nd 0.2\n",
+                                       "Ks 0 0 1\nNs 60\nillum 2\n",
+                                       "usemtl flbrown\n",
                                        "Ke 1 2 3\n",
                                        "map_Kd a.png\n"};
     enum {

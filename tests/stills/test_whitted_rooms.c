@@ -127,6 +127,39 @@ static Camera camera_at(Vec3 eye, Vec3 at, int width, int height) {
     return camera_look(eye, atan2(d.y, d.x), asin(d.z / vec3_length(d)), 1.4, width, height);
 }
 
+// A black plate before walls that are even: its glaze shows `gloss` of what Fresnel says for an index of 1.5, at each
+// angle, and a gloss of 0 shows nothing. The room is no mirror: the share that is not reflected shows the plate,
+// which is dark. Tolerance: rounding.
+Test(whitted, gloss_reflects_its_share) {
+    static const float GLOSSES[] = {0, 0.25f, 1};
+    for (int i = 0; i < 3; i++) {
+        Room *room = room_new();
+        Lit *lit = room->lit;
+        int black = building_add_material(&lit->arena, lit->building,
+                                          (Material){.name = "black", .alpha = 1, .gloss = GLOSSES[i]});
+        lit_box(lit, vec3(0, 0, 0), vec3(4, 4, 3), true, GLOW, 0);
+        lit_quad(lit, vec3(1, 1, 0.5), vec3(3, 1, 0.5), vec3(3, 3, 0.5), vec3(1, 3, 0.5), black);
+        room_finish(room);
+        for (int e = 0; e < lit->mesh.element_count; e++)
+            if (lit->mesh.faces[lit->mesh.elements[e].face].plane.d == 0.5)
+                memset(room->solution.radiosity[e], 0, sizeof room->solution.radiosity[e]);
+        Vec3 eye = vec3(1.2, 2, 2);
+        Seen v = view_of(room, camera_at(eye, vec3(2, 2, 0.5), 8, 8), STILL_BAKED);
+        v.whitted.light = &v.light;
+        for (int k = 0; k < 8; k++) {
+            Vec3 way = vec3_normalize(vec3_sub(vec3(1.15 + 0.22 * k, 2, 0.5), eye));
+            Ray ray = {eye, way, 0, INFINITY};
+            double light[3];
+            WhittedWork work = {0};
+            whitted_trace(&v.whitted, &ray, &v.media, 7, 0, &work, light);
+            double share = (double)GLOSSES[i] * glass_fresnel(-way.z, GLASS_USUAL);
+            cr_expect_float_eq(light[1], 2 * share, 1e-6, "gloss %g, %d: %g", (double)GLOSSES[i], k,
+                               light[1]);
+        }
+        room_free(room);
+    }
+}
+
 // An even furnace: all is as bright as all else, so a ball of glass, one of water in one of glass, a mirror and a sheet of glass are not
 // there. The bar is 0.1 %; the light of a pixel is the sum of its tree, so it comes out to rounding. Then the glass alone with light
 // that comes straight from the walls: their closed form sums to 1 in a closed room, but for quadrilaterals by Gauss's rule.

@@ -53,7 +53,7 @@ static bool read_library(void *context, const char *name, Arena *arena, Bytes *o
     return true;
 }
 
-// Libraries give colour and transparency; without one the name's words do.
+// Libraries give colour and transparency; without one the name does (test_obj_materials.c).
 Test(obj, reads_materials) {
     Arena arena = {0};
     ObjModel m;
@@ -63,10 +63,10 @@ Test(obj, reads_materials) {
     ObjFiles files = {read_library, library, NULL};
     const char *text =
         "mtllib my colours.mtl\nmtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
-        "usemtl pane\nf 1 2 3\nusemtl tr\nf 1 2 3\nusemtl dkgrey\nf 1 2 3\nusemtl glass\nf 1 2 3\n";
+        "usemtl pane\nf 1 2 3\nusemtl tr\nf 1 2 3\nusemtl dkgrey\nf 1 2 3\nusemtl my glass\nf 1 2 3\n";
     cr_assert(read_text(&arena, text, &files, &m, &error), "%s", error.text);
     const ObjMaterial *pane = &m.materials[m.faces[0].material], *tr = &m.materials[m.faces[1].material];
-    cr_assert(pane->defined && tr->defined && !m.materials[m.faces[2].material].defined);
+    cr_assert(pane->known && tr->known && m.materials[m.faces[2].material].known);
     cr_assert_float_eq((double)pane->colour.r, (double)maps_linear(128), 1e-6);
     cr_assert_float_eq((double)pane->colour.g, (double)MAPS_MAX_COLOUR, 1e-6);
     cr_assert_float_eq((double)pane->alpha, 0.25, 1e-6);

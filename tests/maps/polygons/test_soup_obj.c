@@ -278,6 +278,26 @@ Test(soup_merge, leaves_the_rest) {
     cr_expect_eq(merged_count(blunt, 3, both, 2, NULL), 2);
 }
 
+// Names that nobody knows are told once, with their count and the names; a name of Sweet Home 3D's table is known.
+Test(soup_obj, notes_unknown_materials) {
+    Arena arena = {0};
+    Building b;
+    Error error = {""};
+    const char *folder = support_folder(&arena);
+    write_file(&arena, folder, "house.obj",
+               "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 2 2 2\nusemtl oak\nf 1 2 3\nusemtl amber\nf 1 3 4\n"
+               "usemtl steel\nf 1 2 5\nusemtl oak\nf 2 3 5\n");
+    cr_assert(maps_read(arena_format(&arena, "%s/house.obj", folder), &arena, &b, &error), "%s", error.text);
+    cr_expect_eq(
+        soups_notes(&b, "house.obj: 2 materials have a name that neither a library nor Sweet Home 3D knows, "
+                        "and the colour of its default material: oak, steel"),
+        1);
+    cr_expect_eq(b.materials[b.polygons[0].material].gloss, 0,
+                 "oak is matt, since nobody says how shiny it is");
+    cr_expect_eq(b.materials[b.polygons[1].material].gloss, 60 / 128.0f);
+    arena_free(&arena);
+}
+
 Test(soup_obj, survives_damage, .timeout = 120) {
     Arena arena = {0};
     const char *text = room(&arena, "# up y\n# unit 1\nmtllib none.mtl\nusemtl glass\n", true);

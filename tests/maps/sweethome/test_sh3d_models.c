@@ -119,6 +119,70 @@ Test(sh3d, colours_of_pieces) {
     home_free(&h);
 }
 
+static const Material *material_of(const Home *h, int polygon) {
+    return &h->b.materials[h->b.polygons[polygon].material];
+}
+
+// A model of two named materials and an unknown one. The unknown one is matt, the others are as shiny as the table
+// says; where the piece says how shiny it is, that counts, unless it states single materials, which then count alone;
+// a colour of the piece brings the piece's shininess back. Unknown names that keep the default colour are told in one
+// note, names that the piece paints are not.
+Test(sh3d, shininess_and_unknown_names) {
+    static const char MODEL[] = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 4\nusemtl dkgrey\nf 1 3 2\nf 1 2 4\n"
+                                "usemtl flgrey\nf 1 4 3\nusemtl strange\nf 2 3 4\n";
+    static const struct {
+        const char *attributes;
+        double dkgrey, flgrey, strange;
+        bool noted;
+    } CASES[] = {
+        {"/>", 60.0 / 128, 0, 0, 1},
+        {"shininess='0.25'/>", 0.25, 0.25, 0.25, 1},
+        {"shininess='7'/>", 1, 1, 1, 1},
+        {"shininess='0.25'><material name='flgrey' shininess='0.5'/></pieceOfFurniture>", 60.0 / 128, 0.5, 0,
+         1},
+        {"shininess='0.25' color='FF0000FF'><material name='flgrey' shininess='0.5'/></pieceOfFurniture>",
+         0.25, 0.25, 0.25, 0},
+        {"><material name='x' key='strange' color='FF00FF00'/></pieceOfFurniture>", 60.0 / 128, 0, 0, 0},
+        {"><material name='strange' key='x' color='FF00FF00'/></pieceOfFurniture>", 60.0 / 128, 0, 0, 1}};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        char xml[2048];
+        snprintf(xml, sizeof xml,
+                 "<home wallHeight='250'>" HOME_ROOM "<pieceOfFurniture name='w' model='1' x='100' y='200' "
+                 "width='10' depth='40' height='20' %s</home>",
+                 CASES[i].attributes);
+        HomeEntry entries[] = {{"Home.xml", xml, strlen(xml)}, {"1", MODEL, sizeof MODEL - 1}};
+        Home h = home_of_zip(entries, 2);
+        cr_assert(h.good, "%s", h.error.text);
+        cr_assert_eq(h.b.polygon_count, 4);
+        // Tolerance: single precision.
+        cr_expect_float_eq((double)material_of(&h, 0)->gloss, CASES[i].dkgrey, 1e-6, "case %zu", i);
+        cr_expect_float_eq((double)material_of(&h, 2)->gloss, CASES[i].flgrey, 1e-6, "case %zu", i);
+        cr_expect_float_eq((double)material_of(&h, 3)->gloss, CASES[i].strange, 1e-6, "case %zu", i);
+        const char *words = "1 materials have a name that neither a library nor Sweet Home 3D knows, and the "
+                            "colour of its default material: strange";
+        cr_expect_eq(home_note(&h, words) >= 0, CASES[i].noted, "case %zu", i);
+        cr_expect_eq(home_note(&h, "Sweet Home 3D knows") >= 0, CASES[i].noted, "case %zu", i);
+        home_free(&h);
+    }
+}
+
+// Floors, ceilings and sides of walls are as shiny as the file says.
+Test(sh3d, shininess_of_surfaces) {
+    Home h = home_of("<room floorShininess='0.5' floorColor='FF804020' "
+                     "ceilingShininess='0.25'><point x='0' "
+                     "y='0'/><point x='400' y='0'/><point x='400' y='300'/><point x='0' y='300'/></room>");
+    cr_assert(h.good, "%s", h.error.text);
+    double floor = 0, ceiling = 0;
+    for (int i = 0; i < h.b.material_count; i++) {
+        const Material *m = &h.b.materials[i];
+        if (strcmp(m->name, "paint") == 0) floor = (double)m->gloss;
+        if (strcmp(m->name, "ceiling") == 0) ceiling = fmax(ceiling, (double)m->gloss);
+    }
+    cr_expect_eq(floor, 0.5);
+    cr_expect_eq(ceiling, 0.25);
+    home_free(&h);
+}
+
 // A door's moving parts are a leaf that turns on its hinge; its panes are glass; a model drawn open is closed, and the
 // door is open. The leaf names the opening that it belongs to.
 Test(sh3d, leaves_of_doors) {

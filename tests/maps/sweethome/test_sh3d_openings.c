@@ -1,5 +1,7 @@
 // test_sh3d_openings.c - doors and windows of homes.
 #include <criterion/criterion.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "maps/sweethome/sh3d.h"
 #include "tests/maps/sweethome/sh3d_fixture.h"
@@ -30,6 +32,12 @@ Test(sh3d, kinds_and_swings_of_openings) {
         {"name='Door frame' height='208'", HOME_SASH_LEFT, OPENING_DOOR, false, 0, -M_PI / 2},
         {"name='Window' height='120' elevation='90'", HOME_SASH_LEFT, OPENING_WINDOW, true, 0, -M_PI / 2},
         {"name='Cat flap' height='40'", "", OPENING_WINDOW, true, 0, 0},
+        // Down to the floor: without a sash it does not open, unless its name says that one walks through.
+        {"name='x' catalogId='eTeks#fixedWindow85x123' height='210'", "", OPENING_WINDOW, true, 0, 0},
+        {"name='Festes Fenster' height='210'", "", OPENING_WINDOW, true, 0, 0},
+        {"name='Window' height='210'", HOME_SASH_LEFT, OPENING_DOOR, true, 0, -M_PI / 2},
+        {"name='Porte-fenêtre' height='210'", "", OPENING_DOOR, true, 0, -M_PI / 2},
+        {"name='Window' catalogId='a#sliding' height='210'", "", OPENING_DOOR, true, 0, -M_PI / 2},
     };
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         Home h = home_of(HOME_ROOM "<doorOrWindow x='100' y='0' width='90' depth='10' %s>%s</doorOrWindow>",
@@ -42,6 +50,35 @@ Test(sh3d, kinds_and_swings_of_openings) {
         cr_assert_eq(o->hinge, CASES[i].hinge, "case %zu: hinge %d", i, o->hinge);
         cr_assert_float_eq(o->swing, CASES[i].swing, 1e-6, "case %zu: swing %g", i, o->swing);
         cr_assert_eq(h.b.object_count, 0, "a missing model fills no hole");
+        home_free(&h);
+    }
+}
+
+// The model decides where its parts are named: panes alone do not open, whatever the name; parts on rails do.
+Test(sh3d, models_tell_fixed_windows) {
+    static const struct {
+        const char *name, *parts;
+        OpeningKind kind;
+    } CASES[] = {{"front", "sweethome3d_window_pane", OPENING_WINDOW},
+                 {"window", "sweethome3d_window_pane", OPENING_WINDOW},
+                 {"window", "frame", OPENING_WINDOW},
+                 {"front", "frame", OPENING_DOOR},
+                 {"window", "sweethome3d_window_pane_on_rail_1", OPENING_DOOR},
+                 {"window", "sweethome3d_opening_on_hinge_1", OPENING_DOOR},
+                 {"patio", "sweethome3d_window_pane", OPENING_DOOR}};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        char xml[1024], model[200];
+        snprintf(model, sizeof model, "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0.1\ng %s\nf 1 2 3 4\nf 1 2 4\n",
+                 CASES[i].parts);
+        snprintf(xml, sizeof xml,
+                 "<home wallHeight='250'>" HOME_ROOM
+                 "<doorOrWindow name='%s' model='1' x='100' y='0' width='90' "
+                 "depth='10' height='210'/></home>",
+                 CASES[i].name);
+        HomeEntry entries[] = {{"Home.xml", xml, strlen(xml)}, {"1", model, strlen(model)}};
+        Home h = home_of_zip(entries, 2);
+        cr_assert(h.good, "%s", h.error.text);
+        cr_expect_eq(h.sketch.openings[0].kind, CASES[i].kind, "case %zu", i);
         home_free(&h);
     }
 }

@@ -89,8 +89,7 @@ void pane_corners(const Pane *pane, Vec3 out[4]) {
     out[3] = vec3_add(pane->origin, y);
 }
 
-void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, double around,
-                Panes *out) {
+void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, Panes *out) {
     out->cells = from->cells;
     out->count = 0;
     for (int i = 0; i < from->count; i++) {
@@ -101,9 +100,23 @@ void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane pla
         if (!seen) continue;
         Vec3 corner[4];
         pane_corners(pane, corner);
-        for (int k = 0; k < 4; k++) before = before || plane_distance(plane, corner[k]) > -around;
+        for (int k = 0; k < 4; k++) before = before || plane_distance(plane, corner[k]) > 0;
         if (before) out->panes[out->count++] = *pane;
     }
+}
+
+double panes_highest(const Panes *panes, Vec3 from) {
+    double highest = -1;
+    for (int i = 0; i < panes->count; i++) {
+        const Pane *pane = &panes->panes[i];
+        Vec3 off = vec3_sub(from, pane->origin);
+        // The nearest point of the upper edge, seen from above.
+        double length2 = vec3_dot(pane->x, pane->x), at = fmin(fmax(vec3_dot(pane->x, off), 0), 1);
+        double x = off.x - at * pane->x.x / length2, y = off.y - at * pane->x.y / length2;
+        double up = 1 / pane->y.z - off.z, far = sqrt(x * x + y * y + up * up);
+        highest = fmax(highest, up > 0 && far > 0 ? up / far : 0);
+    }
+    return highest;
 }
 
 // ---- light

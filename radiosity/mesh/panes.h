@@ -24,12 +24,14 @@ typedef struct Panes {
 Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena);
 
 // The panes that light to points before a surface in a cell may pass: those that the cell may see (-1: any) and that reach before the
-// surface's plane, or within `around` metres behind. Into `out`, with room for all of `from`, which outlives it.
-void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, double around,
-                Panes *out);
+// surface's plane. Into `out`, with room for all of `from`, which outlives it.
+void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, Panes *out);
 
 // The corners of a pane, counter-clockwise from the front of its plane.
 void pane_corners(const Pane *pane, Vec3 out[4]);
+
+// The z of the steepest unit vector from a point to a pane, a bound from above; -1: there are no panes.
+double panes_highest(const Panes *panes, Vec3 from);
 
 // The share of unpolarised light that passes one pane of clear float glass, 3 mm thick, at the angle to its normal with this cosine, 0 .. 1:
 // 0.91 straight on, 0.84 at 60 degrees, 0 along the pane. All reflections between the two faces are summed, for each polarisation; the light

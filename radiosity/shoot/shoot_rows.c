@@ -372,7 +372,7 @@ static void make_row(void *context, int index, int thread) {
         arena_reset(&slot->arena);
         slot->row = arena_alloc(&slot->arena, bytes, 1);
     }
-    panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane, 0,
+    panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
     copy_row(rows, row, runs, patch->centre, &maker->panes, slot->row);
 }

@@ -199,6 +199,9 @@ static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
 
+// Samples are this much higher than panes where they pass above, as the z of unit vectors: more than the rounding of floats.
+static const double ABOVE_PANES = 1e-5;
+
 // The radiance of the sky over that overhead along each sample of views with one normal; 0 from below the horizon. It serves one patch
 // or piece after the other as long as the normal is the same.
 typedef struct SkyTable {
@@ -341,11 +344,12 @@ static Seen look_up(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell)
     const FormFactorSamples *samples = sampler_samples(w->around);
     const double *relative = relative_of(s, &w->above, view, samples);
     Seen seen = {0};
-    panes_seen(&s->mesh->panes, s->forest, cell, (Plane){normal, vec3_dot(normal, eye)}, 0, &w->panes[0]);
+    panes_seen(&s->mesh->panes, s->forest, cell, (Plane){normal, vec3_dot(normal, eye)}, &w->panes[0]);
+    double highest = panes_highest(&w->panes[0], eye) + ABOVE_PANES;
     for (int i = 0; i < samples->count; i++) {
         if (w->item[i] >= 0) continue;
         double weight = (double)samples->weight[i];
-        if (w->panes[0].count > 0)
+        if (height_of(view, samples, i) <= highest)
             weight *= panes_transmit_from_afar(&w->panes[0], eye, along_sample(view, samples, i));
         if (height_of(view, samples, i) > 0) {
             seen.open += weight;
@@ -431,8 +435,8 @@ static void pass_panes(const Shine *s, Watcher *w, const View *view, const SkyOp
     const FormFactorSamples *in = sampler_samples(w->inside);
     Plane inwards = {o->plane.n, vec3_dot(o->plane.n, view->eye)};
     Plane outwards = {vec3_scale(inwards.n, -1), -inwards.d};
-    panes_seen(&s->mesh->panes, s->forest, o->inside, inwards, 0, &w->panes[0]);
-    panes_seen(&s->mesh->panes, s->forest, o->outside, outwards, 0, &w->panes[1]);
+    panes_seen(&s->mesh->panes, s->forest, o->inside, inwards, &w->panes[0]);
+    panes_seen(&s->mesh->panes, s->forest, o->outside, outwards, &w->panes[1]);
     for (int i = 0; i < in->count; i++) {
         if (w->item[i] < 0) continue;
         const ViewFace *f = &view->faces[w->item[i]];

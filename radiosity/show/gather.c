@@ -537,7 +537,7 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     Near near = {0};
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
-    panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, 0, &self->panes);
+    panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
     if (!self->options.reflected) add_sun(view, &self->panes, &self->scene.solution->day, irradiance);

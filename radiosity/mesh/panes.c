@@ -3,8 +3,8 @@
 
 #include "engine/core/fresnel.h"
 
-// Of clear float glass, in the middle of the spectrum that is seen; and the share of light that 3 mm of it let through, without the
-// reflections of its faces. So a pane passes 0.91, as data sheets have it.
+// The index of refraction of clear float glass, in the middle of the spectrum that is seen; and the share of light that 3 mm of it let
+// through, without the reflections of its faces. So a pane passes 0.91, as data sheets have it.
 static const double INDEX = 1.52, THROUGH = 0.991;
 // Panes reach so far into the wall around them, metres: more than rounding, less than any wall, so that no line slips by.
 static const double INTO_WALL = 0.001;

@@ -33,10 +33,10 @@ void pane_corners(const Pane *pane, Vec3 out[4]);
 // The z of the steepest unit vector from a point to a pane, a bound from above; -1: there are no panes.
 double panes_highest(const Panes *panes, Vec3 from);
 
-// The share of unpolarised light that passes one pane of clear float glass, 3 mm thick, at the angle to its normal with this cosine, 0 .. 1:
-// 0.91 straight on, 0.84 at 60 degrees, 0 along the pane. All reflections between the two faces are summed, for each polarisation; the light
-// that is reflected at a face, or absorbed, is lost (J. A. Duffie & W. A. Beckman, Solar Engineering of Thermal Processes, 4th edition 2013,
-// equations 5.1.1 to 5.3.1).
+// The share of unpolarised light that passes one pane of clear float glass, 3 mm thick, at the angle to its normal with this cosine,
+// 0 .. 1: 0.91 straight on, 0.83 at 60 degrees, 0 along the pane. All reflections between the two faces are summed, for each
+// polarisation; light that the pane reflects or absorbs is lost (J. A. Duffie & W. A. Beckman, Solar Engineering of Thermal Processes,
+// 4th edition 2013, equations 5.1.1 to 5.3.1).
 double glass_transmits(double cosine);
 
 // The share of light from one point to another that passes the panes between them: the product over all that the line crosses. A point in

@@ -314,7 +314,8 @@ static SunPolygon before_plane(const SunScene *s, SunPolygon p, Plane plane, Are
     return above_plane(p, heights_above(s, p, plane, arena), arena);
 }
 
-// The area of a part, its places behind panes of glass weighted by the share of light that passes these. Panes from `first` on are looked at.
+// The area of a part, its places behind panes of glass weighted by the share of light that passes these. Panes from `first` on are
+// looked at.
 static double area_through(const SunScene *s, SunPolygon part, int first, Plane receiver, Arena *arena) {
     double whole = twice_area(part.corners, part.count) / 2;
     for (int i = first; i < s->mesh->panes.count; i++) {

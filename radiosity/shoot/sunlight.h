@@ -4,9 +4,10 @@
 
 #include "radiosity/mesh/mesh.h"
 
-// Stores in `share` [mesh->element_count] the part of each element's area that sees the sun's middle, 0 .. 1, along the unit vector `sun`,
-// times the share of its light that passes the panes before it (panes.h): 0 for elements that face away. `cells_alone`: surfaces of cells that no beam of the sun reaches through portals are passed over, which
-// changes no result. The number of threads changes none either.
+// Stores in `share` [mesh->element_count] the part of each element's area that sees the sun's middle, 0 .. 1, along the unit vector
+// `sun`, times the share of its light that passes the panes before it (panes.h): 0 for elements that face away. `cells_alone`: surfaces
+// of cells that no beam of the sun reaches through portals are passed over, which changes no result. The number of threads changes none
+// either.
 void sunlight_shares(const Mesh *mesh, Vec3 sun, bool cells_alone, int threads, double *share);
 
 // The cells of the mesh's graph [cell_count] into which a sun of this radius, radians, may shine: those outdoors, and those that its

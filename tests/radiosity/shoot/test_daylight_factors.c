@@ -82,8 +82,8 @@ Test(sky, daylight_factors, .timeout = 120) {
 }
 
 // The part of the light on level ground that comes through the window alone: the radiance of the overcast sky, 1 + 4 exp(-0.7 / cos z)
-// at an angle z from the zenith (ISO 15469, type 1), summed over squares of the window's outer outline that the inner one leaves in sight, less what the pane
-// keeps at the angle of each line.
+// at an angle z from the zenith (ISO 15469, type 1), summed over squares of the window's outer outline that the inner one leaves in sight,
+// less what the pane keeps at the angle of each line.
 static double through_window(Vec3 from) {
     enum { ACROSS = 400 };
     double light = 0, level = 0;

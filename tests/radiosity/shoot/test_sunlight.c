@@ -81,7 +81,8 @@ Test(sunlight, closed_rooms_are_dark) {
     lit_free(lit);
 }
 
-// The share of an element from whose points a ray to the sun meets nothing, times what glass on the ray lets through. Points are drawn in triangles of its fan.
+// The share of an element from whose points a ray to the sun meets nothing, times what glass on the ray lets through. Points
+// are drawn in triangles of its fan.
 static double share_by_rays(const PathScene *scene, const Mesh *mesh, int element, Vec3 sun, int count,
                             Random *random) {
     const Element *e = &mesh->elements[element];

@@ -289,8 +289,8 @@ Test(sun_nodes, same_on_any_number_of_threads) {
 // ---- nodes against rays
 
 // Proves the light at nodes of a furnished room with a window, whose cells, portals and things are left out by quick tests, against rays to
-// the disc through the pane. Rays begin 0.1 mm before their face. Tolerance: 768 rays on rings are off by no more than 1 % of the disc for an
-// edge, some edges meet at a node, and an edge moves by the 1 mm that nodes are moved off it: 2 % of a penumbra 5 cm wide.
+// the disc through the pane. Rays begin 0.1 mm before their face. Tolerance: 768 rays on rings are off by no more than 1 % of the disc
+// for an edge, some edges meet at a node, and an edge moves by the 1 mm that nodes are moved off it: 2 % of a penumbra 5 cm wide.
 Test(sun_nodes, nodes_against_rays, .timeout = 60) {
     Lit *lit = sky_room_with_window(1.2, 1.3, 0.2);
     const Mesh *mesh = &lit->mesh;

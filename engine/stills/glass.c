@@ -1,13 +1,12 @@
 // glass.c - Fresnel's formulae and Snell's law, and glass within glass as a stack.
 #include "engine/stills/glass.h"
 
+#include "engine/core/fresnel.h"
+
 double glass_fresnel(double cosine, double ratio) {
-    double sine2 = (1 - cosine * cosine) / (ratio * ratio);
-    if (sine2 >= 1) return 1;
-    double beyond = sqrt(1 - sine2);
-    double across = (cosine - ratio * beyond) / (cosine + ratio * beyond);
-    double within = (ratio * cosine - beyond) / (ratio * cosine + beyond);
-    return 0.5 * (across * across + within * within);
+    double share[2];
+    fresnel_shares(cosine, ratio, share);
+    return 0.5 * (share[0] + share[1]);
 }
 
 // The sum over all reflections inside the sheet: F + F (1 - F)^2 (1 + F^2 + F^4 ...).

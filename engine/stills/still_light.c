@@ -218,14 +218,16 @@ static bool choose_point(const StillLamps *lamps, const Lamp *lamp, const LampFr
     return true;
 }
 
-static bool lamp_sees(const StillLamps *lamps, const Lamp *lamp, const LampFrame *f, const double u[2],
-                      double pick) {
+// Looks to a point of a lamp: the share of light that comes from there, 0 where something opaque stands before it.
+static double lamp_sees(const StillLamps *lamps, const Lamp *lamp, const LampFrame *f, const double u[2],
+                        double pick) {
     Vec3 point;
-    if (!choose_point(lamps, lamp, f, u, pick, &point)) return false;
+    if (!choose_point(lamps, lamp, f, u, pick, &point)) return 0;
     Vec3 to = vec3_sub(point, f->point);
     double d = vec3_length(to);
     Ray ray = {f->point, vec3_scale(to, 1 / d), STILL_NEAR, d - lamp->before};
-    return !still_rays_blocked(lamps->scene->opaque, &ray);
+    if (still_rays_blocked(lamps->scene->opaque, &ray)) return 0;
+    return panes_transmit(&lamps->scene->mesh->panes, f->point, point);
 }
 
 // ---- lamps that a side of an element sees, found when first asked for; lamps that its cells cannot see or that turn away are left out
@@ -255,7 +257,7 @@ static const Lamp *facing_of(const StillLamps *lamps, int group, Vec3 point, dou
 
 // The share of looks from an element to the lamps of a group that meet nothing before the lamps.
 static float seen_share(const StillLamps *lamps, const Element *element, Vec3 normal, int group) {
-    int seen = 0;
+    double seen = 0;
     StillNumbers numbers = {.shift = {0.5, 0.5, 0.5}};
     for (int k = 0; k < lamps->looks; k++) {
         double u[3], w[3];
@@ -263,7 +265,7 @@ static float seen_share(const StillLamps *lamps, const Element *element, Vec3 no
         lamp_numbers_next(&numbers, w);
         LampFrame f = {.n = normal, .point = point_of_element(lamps->scene->mesh, element, u[0], u[1])};
         const Lamp *lamp = facing_of(lamps, group, f.point, u[2]);
-        seen += lamp && lamp_sees(lamps, lamp, &f, w, w[2]);
+        if (lamp) seen += lamp_sees(lamps, lamp, &f, w, w[2]);
     }
     return (float)seen / (float)lamps->looks;
 }
@@ -760,7 +762,8 @@ static void add_sun(const StillLight *light, const StillSurface *s, Vec3 at, Vec
         Vec3 way = vec3_normalize(vec3_add(light->sun.sun, aside));
         double cosine = vec3_dot(normal, way);
         Ray ray = still_ray(at, way);
-        if (cosine > 0 && !still_rays_blocked(light->scene->opaque, &ray)) seen += cosine / rays;
+        if (cosine > 0 && !still_rays_blocked(light->scene->opaque, &ray))
+            seen += cosine * panes_transmit_from_afar(&light->scene->mesh->panes, at, way) / rays;
     }
     out[0] += (double)s->material->reflectance.r * seen * light->sun.beam[0];
     out[1] += (double)s->material->reflectance.g * seen * light->sun.beam[1];

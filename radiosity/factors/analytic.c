@@ -179,6 +179,17 @@ long long analytic_visible(const Vec3 *polygon, int count, int rank, const Analy
     return s.cuts;
 }
 
+void analytic_sight_add(void *context, const Vec3 *polygon, int count) {
+    AnalyticSight *sight = context;
+    sight->share += analytic_point(polygon, count);
+    for (int i = 1; i + 1 < count; i++) {
+        Vec3 a = polygon[0], b = polygon[i], c = polygon[i + 1];
+        double area = vec3_length(vec3_cross(vec3_sub(b, a), vec3_sub(c, a))) / 2;
+        sight->area += area;
+        sight->moment = vec3_add(sight->moment, vec3_scale(vec3_add(a, vec3_add(b, c)), area / 3));
+    }
+}
+
 static void add_visible_piece(void *context, const Vec3 *polygon, int count) {
     *(double *)context += analytic_point(polygon, count);
 }

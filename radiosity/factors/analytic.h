@@ -29,6 +29,14 @@ bool analytic_occluder(const Vec3 *polygon, int count, int rank, Plane *edge, An
 long long analytic_visible(const Vec3 *polygon, int count, int rank, const AnalyticOccluder *occluder,
                            int occluder_count, void (*piece)(void *context, const Vec3 *polygon, int count),
                            void *context);
+// The part of a polygon in sight of the origin, piece after piece: the share of light from the origin, about z, that meets it; its area,
+// m^2; and its middle times its area.
+typedef struct AnalyticSight {
+    double share, area;
+    Vec3 moment;
+} AnalyticSight;
+// Adds a piece to an AnalyticSight, for analytic_visible. The sum does not depend on how the part is cut into pieces, but for rounding.
+void analytic_sight_add(void *sight, const Vec3 *polygon, int count);
 // The sum of analytic_point over the parts that analytic_visible finds.
 double analytic_point_visible(const Vec3 *polygon, int count, const AnalyticOccluder *occluder,
                               int occluder_count);

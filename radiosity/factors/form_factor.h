@@ -22,6 +22,7 @@ typedef struct FormFactorOptions {
     // From lines_of_mesh, for callers with several methods on one mesh; NULL: the method finds them
     const FaceLines *lines;
     const Daylight *day;  // whose sky Row.sky_light is of; NULL: an even one
+    const Panes *panes;   // of glass, which weaken Row.sky_light and Row.ground_light; NULL: none
 } FormFactorOptions;
 // A resolution of 100, edges cut at one degree.
 FormFactorOptions form_factor_default_options(void);
@@ -35,9 +36,10 @@ typedef struct Row {
     // The part of `escaped` that goes upwards in building space, to the sky. Projective methods, `ray` and `analytic` compute it;
     // in the rows of other methods it is 0.
     double sky;
-    // The same part, each share times the radiance that the sky of the options' day has along it, over that overhead. Projective methods
-    // compute it; in the rows of other methods it is 0.
-    double sky_light;
+    // The same part, each share times the radiance that the sky of the options' day has along it, over that overhead; and the other part
+    // of `escaped`, which goes to the ground. Both as the options' panes let them through. Projective methods compute them; in the rows of
+    // other methods they are 0.
+    double sky_light, ground_light;
 } Row;
 
 // The work done, for tables.

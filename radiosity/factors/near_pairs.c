@@ -321,6 +321,7 @@ const Row *near_pairs_row(NearPairs *self, int index, const Row *row) {
                       .back = row->back * scale,
                       .escaped = row->escaped * scale,
                       .sky = row->sky * scale,
-                      .sky_light = row->sky_light * scale};
+                      .sky_light = row->sky_light * scale,
+                      .ground_light = row->ground_light * scale};
     return &self->row;
 }

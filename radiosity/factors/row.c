@@ -27,11 +27,17 @@ void row_start(RowSum *sum, const Mesh *mesh, Arena *arena) {
     sum->faces = ARENA_ARRAY(arena, RowFace, mesh->face_count);
 }
 
-void row_escape(RowSum *sum, double share, Vec3 direction) {
+void row_escape(RowSum *sum, const View *view, double share, Vec3 direction) {
+    double through = share;
+    if (sum->panes && sum->panes->count > 0)
+        through *= panes_transmit_from_afar(sum->panes, view->eye, direction);
     sum->escaped += share;
-    if (!(direction.z > 0)) return;
+    if (!(direction.z > 0)) {
+        sum->ground_light += through;
+        return;
+    }
     sum->sky += share;
-    sum->sky_light += sum->day ? share * daylight_relative(sum->day, direction) : share;
+    sum->sky_light += sum->day ? through * daylight_relative(sum->day, direction) : through;
 }
 
 // Sorts `touched` in increasing order and removes repetitions, with a bit for each element.
@@ -70,11 +76,11 @@ const Row *row_finish(RowSum *sum) {
     row->back = sum->back * scale;
     row->escaped = sum->escaped * scale;
     // near_faces_mend may have reduced `escaped`, but not `sky`.
-    double upwards = sum->sky * scale;
-    row->sky = fmin(upwards, row->escaped);
-    row->sky_light = upwards > 0 ? sum->sky_light * scale * (row->sky / upwards) : 0;
+    row->sky = fmin(sum->sky * scale, row->escaped);
+    row->sky_light = sum->sky_light * scale;
+    row->ground_light = sum->ground_light * scale;
     sum->touched_count = 0;
-    sum->back = sum->escaped = sum->sky = sum->sky_light = 0;
+    sum->back = sum->escaped = sum->sky = sum->sky_light = sum->ground_light = 0;
     return row;
 }
 
@@ -132,7 +138,7 @@ void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *sample
     }
     for (int i = 0; i < samples->count; i++) {
         if (item[i] < 0) {
-            row_escape(sum, (double)samples->weight[i], direction_of(view, samples, i));
+            row_escape(sum, view, (double)samples->weight[i], direction_of(view, samples, i));
             continue;
         }
         RowFace *face = &sum->faces[item[i]];

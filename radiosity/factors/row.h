@@ -9,8 +9,9 @@ struct RowSum {
     double *share;  // [element_count] 0 but for the elements in `touched`
     int *touched;   // [element_count + 1] indices of elements
     int touched_count;
-    double back, escaped, sky, sky_light;  // as in Row, before they are scaled
-    const Daylight *day;                   // NULL: an even sky
+    double back, escaped, sky, sky_light, ground_light;  // as in Row, before they are scaled
+    const Daylight *day;                                 // NULL: an even sky
+    const Panes *panes;                                  // NULL: none
     Row row;
     uint64_t *marked;       // [word_count] scratch: a bit for each element
     struct RowFace *faces;  // [face_count] scratch: the faces of the view
@@ -25,8 +26,8 @@ static inline void row_add(RowSum *sum, int element, double share) {
     sum->touched_count += sum->share[element] == 0;
     sum->share[element] += share;
 }
-// A share that meets nothing along a unit direction of the building.
-void row_escape(RowSum *sum, double share, Vec3 direction);
+// A share that meets nothing along a unit direction from the view's eye.
+void row_escape(RowSum *sum, const View *view, double share, Vec3 direction);
 // Returns the row, with its elements in increasing order, and empties the sum. Shares are divided by their total, so that they
 // sum to 1.
 const Row *row_finish(RowSum *sum);

@@ -620,7 +620,7 @@ static void add_nothing(const Sampler *s, const View *view, int block, uint64_t 
         int at = __builtin_ctzll(run), row = at / LANES, lane = at % LANES;
         Vec3 across =
             vec3_add(vec3_scale(side, (double)b->x[row][lane]), vec3_scale(up, (double)b->y[row][lane]));
-        row_escape(sum, share_of(s, block, run & -run),
+        row_escape(sum, view, share_of(s, block, run & -run),
                    vec3_add(across, vec3_scale(view->z, (double)b->z[row][lane])));
     }
 }

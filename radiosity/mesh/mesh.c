@@ -191,6 +191,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
         find_cells(out);
+        out->panes = panes_of(graph, door_open, arena);
     }
     arena_free(&builder.scratch);
     arena_free(&builder.cut_arena);

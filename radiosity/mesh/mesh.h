@@ -1,10 +1,12 @@
 // mesh.h - the polygons of a building cut into elements, which receive light, and into patches of elements, which shoot it
 // (Cohen, Greenberg, Immel & Brock 1986).
 //
-// Light is reflected and emitted at the front of a polygon; its back hides and absorbs. Glass is left out.
+// Light is reflected and emitted at the front of a polygon; its back hides and absorbs. Glass is left out, but for the
+// panes of windows and glazed doors, which weaken light by its angle (panes.h).
 #ifndef RADIOSITY_MESH_H
 #define RADIOSITY_MESH_H
 
+#include "radiosity/mesh/panes.h"
 #include "radiosity/mesh/proxy.h"
 
 // Where a mesh is finer than elsewhere: one tree for each root of each face, in order, depth first. Above patches each square has
@@ -95,6 +97,7 @@ typedef struct Mesh {
     int *outline;    // of faces, indices of vertices
     int *corners;    // of elements, indices of vertices
     int *squares, *shared;
+    Panes panes;  // no faces: light passes them
     // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
     int *face_of;
     int face_count, element_count, patch_count, vertex_count, outline_count, corner_count, square_count,

@@ -54,6 +54,7 @@ FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
     self->self = method->start(mesh, options, arena);
     row_start(&self->sum, mesh, arena);
     self->sum.day = options->day;
+    self->sum.panes = options->panes;
     if (method->projective) self->item = ARENA_ARRAY(arena, int32_t, method->samples(self->self)->count);
     return self;
 }

@@ -349,7 +349,7 @@ static void gather_patch(void *context, int index, int thread) {
         }
     }
     double sky[3];
-    for (int c = 0; c < 3; c++) sky[c] = row->sky_light * g->zenith[c] + row->ground * g->below[c];
+    for (int c = 0; c < 3; c++) sky[c] = row->sky_light * g->zenith[c] + row->ground_light * g->below[c];
     squares += row->escaped > 0 ? rgb_sum(sky) * rgb_sum(sky) / row->escaped : 0;
     sum = (sum + channels_of(sky)) * four_of(row->scale);
     channels_store(sum, g->out[patch]);

@@ -32,6 +32,7 @@ typedef struct Maker {
     size_t block_left;  // bytes
     size_t kept_bytes;  // of all its blocks
     long long kept_count, made_bytes, faces;
+    Panes panes;  // before the patch whose row is made
     double seconds_visibility;
 } Maker;
 
@@ -60,6 +61,7 @@ struct ShootRows {
     FaceLines lines;
     const NearShapes *shapes;  // NULL: patches are points
     Taker *takers;             // [element_count]
+    Vec3 *middles;             // [element_count] NULL: there are no panes of glass
     const RadOptions *options;
     FormFactorOptions usual, of_lamps;
     int threads, slot_count, waiting_count;
@@ -104,10 +106,13 @@ static void equip_maker(void *context, int index, int thread) {
     Maker *maker = &rows->makers[index];
     if (rows->shapes)
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
-    maker->form_factor = form_factor_new(method, rows->mesh, &rows->usual, &maker->arena);
+    maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->panes.count + 1);
+    FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps;
+    usual.panes = of_lamps.panes = &maker->panes;
+    maker->form_factor = form_factor_new(method, rows->mesh, &usual, &maker->arena);
     maker->of_lamps = maker->form_factor;
-    if (rows->of_lamps.resolution != rows->usual.resolution)
-        maker->of_lamps = form_factor_new(method, rows->mesh, &rows->of_lamps, &maker->arena);
+    if (of_lamps.resolution != usual.resolution)
+        maker->of_lamps = form_factor_new(method, rows->mesh, &of_lamps, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -120,6 +125,9 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->takers = ARENA_ARRAY(arena, Taker, mesh->element_count);
     for (int e = 0; e < mesh->element_count; e++)
         rows->takers[e] = (Taker){mesh->elements[e].patch, (float)(1 / mesh->elements[e].area)};
+    if (mesh->panes.count > 0) rows->middles = ARENA_ARRAY(arena, Vec3, mesh->element_count);
+    for (int e = 0; e < mesh->element_count && rows->middles; e++)
+        rows->middles[e] = element_centroid(mesh, e);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
     rows->usual.day = day;
@@ -239,10 +247,13 @@ static void lay_out(Runs *runs) {
     }
 }
 
-static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow *to) {
+// `panes` are those before the patch: they let through a share of each element's light, by the line between both middles. The rest counts
+// as met by backs: it is absorbed.
+static void copy_row(const ShootRows *rows, const Row *from, Runs runs, Vec3 eye, const Panes *panes,
+                     ShootRow *to) {
     place_row(to, runs.count, from->count);
     lay_out(&runs);
-    double sum = from->back + from->escaped;
+    double sum = from->back + from->escaped, kept = 0;
     to->run_count = runs.count;
     to->element_count = from->count;
     for (int first = 0, end; first < from->count; first = end) {
@@ -252,8 +263,13 @@ static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow
         double share = 0;
         for (int i = first; i < end; i++) {
             int at = runs.element[kind]++;
-            share += (double)from->factor[i];
-            to->density[at] = from->factor[i] * rows->takers[from->element[i]].per_area;
+            float factor = from->factor[i];
+            if (panes->count > 0) {
+                factor *= (float)panes_transmit(panes, eye, rows->middles[from->element[i]]);
+                kept += (double)from->factor[i] - (double)factor;
+            }
+            share += (double)factor;
+            to->density[at] = factor * rows->takers[from->element[i]].per_area;
             to->offset[at] = (uint8_t)(from->element[i] - first_element);
         }
         int run = runs.run[kind]++;
@@ -261,11 +277,12 @@ static void copy_row(const ShootRows *rows, const Row *from, Runs runs, ShootRow
         to->runs[run] = (ShootRun){patch, (float)share};
         sum += (double)(float)share;
     }
+    sum += kept;
     CORE_ASSERT(sum > 0.5 && sum < 2);  // a method's row sums to 1
-    to->back = from->back;
+    to->back = from->back + kept;
     to->escaped = from->escaped;
     to->sky_light = from->sky_light;
-    to->ground = fmax(from->escaped - from->sky, 0);
+    to->ground_light = from->ground_light;
     to->scale = 1 / sum;
 }
 
@@ -349,6 +366,8 @@ static void make_row(void *context, int index, int thread) {
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
     bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
+    panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
+               &maker->panes);
     const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
@@ -360,7 +379,7 @@ static void make_row(void *context, int index, int thread) {
         arena_reset(&slot->arena);
         slot->row = arena_alloc(&slot->arena, bytes, 1);
     }
-    copy_row(rows, row, runs, slot->row);
+    copy_row(rows, row, runs, patch->centre, &maker->panes, slot->row);
 }
 
 static int by_index(const void *p, const void *q) {

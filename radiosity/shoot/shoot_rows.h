@@ -19,7 +19,7 @@ typedef struct ShootRow {
     uint8_t *count;   // [run_count] the number of elements in the run, less one
     uint8_t *offset;  // [element_count] the element's index in its patch
     double back, escaped, scale;
-    double sky_light, ground;  // as in Row; the part of `escaped` that goes downwards
+    double sky_light, ground_light;  // as in Row
 } ShootRow;
 
 typedef struct ShootRows ShootRows;

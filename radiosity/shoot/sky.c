@@ -2,7 +2,7 @@
 // comes through the openings is shot from there (as from a window's panes: Nishita & Nakamae 1986, Continuous Tone Representation
 // of Three-Dimensional Objects Illuminated by Sky Light, have it the other way round). A piece of an opening sees, along each
 // direction of the hemisphere inside, a face; and behind itself, along the same line, the sky, the ground or something else. The line
-// carries the radiance of the sky there. The sun lights elements by sunlight.c.
+// carries the radiance of the sky there, less what panes of glass on it keep (panes.h). The sun lights elements by sunlight.c.
 //
 // So each line from the sky to an element indoors is counted where it comes in for the last time: one that leaves again through
 // another opening ends there. Elements outdoors, or in no cell, look for themselves.
@@ -199,6 +199,9 @@ static const double STANDS_FREE = 0.1;
 // How far in front of its face an element is looked for among the cells, metres, as a patch is (mesh.c).
 static const double IN_FRONT = 1e-6;
 
+// Samples are this much higher than panes where they pass above, as the z of unit vectors: more than the rounding of floats.
+static const double ABOVE_PANES = 1e-5;
+
 // The radiance of the sky over that overhead along each sample of views with one normal; 0 from below the horizon. It serves one patch
 // or piece after the other as long as the normal is the same.
 typedef struct SkyTable {
@@ -219,7 +222,8 @@ typedef struct Watcher {
     SkyTable behind, above;     // of `outside` and `around`
     unsigned char *origin;      // [samples] of `inside`: the origin of the light behind
     int32_t *lit;               // [samples] of `inside`: items of one origin
-    float *weight;              // [samples] of `inside`, times the sky's radiance there
+    float *weight;   // [samples] of `inside`, times the sky's radiance there, and what panes let through
+    Panes panes[2];  // those before the look at hand, and those behind an opening's piece
     RowSum sum;
     FormFactorWork work;
 } Watcher;
@@ -298,6 +302,13 @@ static void make_watcher(const Shine *s, const float *door_open, Watcher *w) {
     w->behind.relative = ARENA_ARRAY(&w->arena, double, most);
     w->above.relative = ARENA_ARRAY(&w->arena, double, most);
     row_start(&w->sum, s->mesh, &w->arena);
+    for (int i = 0; i < 2; i++) w->panes[i].panes = ARENA_ARRAY(&w->arena, Pane, s->mesh->panes.count + 1);
+}
+
+// A sample's direction in building space.
+static Vec3 along_sample(const View *view, const FormFactorSamples *samples, int i) {
+    double x = (double)samples->x[i], y = (double)samples->y[i], z = (double)samples->z[i];
+    return vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
 }
 
 static const View *look_at_sky(const Shine *s, Watcher *w, Sampler *sampler, Vec3 eye, Vec3 normal,
@@ -319,9 +330,7 @@ static const double *relative_of(const Shine *s, SkyTable *table, const View *vi
     if (vec3_equal(table->normal, view->z)) return table->relative;
     table->normal = view->z;
     for (int i = 0; i < samples->count; i++) {
-        double x = (double)samples->x[i], y = (double)samples->y[i], z = (double)samples->z[i];
-        Vec3 along =
-            vec3_add(vec3_scale(view->x, x), vec3_add(vec3_scale(view->y, y), vec3_scale(view->z, z)));
+        Vec3 along = along_sample(view, samples, i);
         along.z = height_of(view, samples, i);
         table->relative[i] = along.z > 0 ? daylight_relative(s->day, along) : 0;
     }
@@ -335,9 +344,13 @@ static Seen look_up(const Shine *s, Watcher *w, Vec3 eye, Vec3 normal, int cell)
     const FormFactorSamples *samples = sampler_samples(w->around);
     const double *relative = relative_of(s, &w->above, view, samples);
     Seen seen = {0};
+    panes_seen(&s->mesh->panes, s->forest, cell, (Plane){normal, vec3_dot(normal, eye)}, &w->panes[0]);
+    double highest = panes_highest(&w->panes[0], eye) + ABOVE_PANES;
     for (int i = 0; i < samples->count; i++) {
         if (w->item[i] >= 0) continue;
         double weight = (double)samples->weight[i];
+        if (height_of(view, samples, i) <= highest)
+            weight *= panes_transmit_from_afar(&w->panes[0], eye, along_sample(view, samples, i));
         if (height_of(view, samples, i) > 0) {
             seen.open += weight;
             seen.sky += weight * relative[i];
@@ -417,7 +430,25 @@ static void keep_part(const Shine *s, const Row *row, Arena *arena, BeamPart *pa
     part->back = row->back;
 }
 
-// A row sums to 1; the sum of the weights before that is the mean radiance over that overhead, exactly 1 for an even sky.
+// Panes of glass weaken the light that comes in by a piece, on its way from afar and on its way to the faces that it meets.
+static void pass_panes(const Shine *s, Watcher *w, const View *view, const SkyOpening *o) {
+    const FormFactorSamples *in = sampler_samples(w->inside);
+    Plane inwards = {o->plane.n, vec3_dot(o->plane.n, view->eye)};
+    Plane outwards = {vec3_scale(inwards.n, -1), -inwards.d};
+    panes_seen(&s->mesh->panes, s->forest, o->inside, inwards, &w->panes[0]);
+    panes_seen(&s->mesh->panes, s->forest, o->outside, outwards, &w->panes[1]);
+    for (int i = 0; i < in->count; i++) {
+        if (w->item[i] < 0) continue;
+        const ViewFace *f = &view->faces[w->item[i]];
+        Vec3 sample = {(double)in->x[i], (double)in->y[i], (double)in->z[i]},
+             along = along_sample(view, in, i);
+        Vec3 met = vec3_add(view->eye, vec3_scale(along, f->d / vec3_dot(f->n, sample)));
+        w->weight[i] *= (float)(panes_transmit(&w->panes[0], view->eye, met) *
+                                panes_transmit_from_afar(&w->panes[1], view->eye, vec3_scale(along, -1)));
+    }
+}
+
+// A row sums to 1; the sum of the weights before that is the mean radiance over that overhead, exactly 1 for an even sky and no glass.
 static double mean_weight(const FormFactorSamples *in, const float *weight) {
     double plain = 0, weighted = 0;
     for (int i = 0; i < in->count; i++) {
@@ -431,7 +462,7 @@ static void send_in(const Shine *s, Watcher *w, const View *view, int origin, Be
     FormFactorSamples in = *sampler_samples(w->inside);
     BeamPart *part = &beam->parts[origin];
     part->mean = 1;
-    if (origin == FROM_SKY) {
+    if (origin == FROM_SKY || s->mesh->panes.count > 0) {
         part->mean = mean_weight(&in, w->weight);
         in.weight = w->weight;
     }
@@ -454,6 +485,7 @@ static void look_in(void *context, int index, int thread) {
     for (int i = 0; i < in->count; i++)
         if (w->origin[i] == FROM_NOWHERE) w->item[i] = -1;
     sky_end_at_exits(&s->openings, s->forest, piece->opening, view, in, w->item);
+    if (s->mesh->panes.count > 0) pass_panes(s, w, view, o);
     send_in(s, w, view, FROM_SKY, beam);
     if (s->ground) send_in(s, w, view, FROM_GROUND, beam);
 }

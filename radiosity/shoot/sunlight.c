@@ -37,12 +37,20 @@ typedef struct SunFace {
     bool front;        // the sun sees the front
 } SunFace;
 
+// A pane of glass.
+typedef struct SunPane {
+    Vec3 corner[4];  // counter-clockwise as the sun sees them
+    double share;    // of the sun's light that passes; 1 where the pane is edge on
+    Box box;
+} SunPane;
+
 typedef struct SunScene {
     const Mesh *mesh;
     Vec3 sun, x, y;
     SunFace *faces;  // [mesh->face_count]
     Vec3 *corners;   // counter-clockwise as the sun sees them
     BoxTree tree;    // of faces
+    SunPane *panes;  // [mesh->panes.count]
     bool *reached;   // [cell_count]
     bool cells_alone;
     double *share;
@@ -118,6 +126,20 @@ static void project_faces(SunScene *s, Arena *arena) {
         boxes[f] = out->area > 0 ? box_of(corner, out->count) : box_empty();
     }
     s->tree = box_tree_build(boxes, mesh->face_count, arena);
+}
+
+static void project_panes(SunScene *s, Arena *arena) {
+    const Panes *panes = &s->mesh->panes;
+    s->panes = ARENA_ARRAY(arena, SunPane, panes->count + 1);
+    for (int i = 0; i < panes->count; i++) {
+        SunPane *out = &s->panes[i];
+        double slope = vec3_dot(panes->panes[i].plane.n, s->sun);
+        pane_corners(&panes->panes[i], out->corner);
+        for (int k = 0; k < 4; k++) out->corner[k] = to_sun(s, out->corner[k]);
+        if (slope < 0) reverse(out->corner, 4);
+        out->share = fabs(slope) > EDGE_ON ? glass_transmits(fabs(slope)) : 1;
+        out->box = box_of(out->corner, 4);
+    }
 }
 
 // ---- cells that beams reach
@@ -256,18 +278,28 @@ static void cut_away(Parts *parts, const SunPolygon *shadow, double least, Arena
     *parts = left;
 }
 
+// The heights of a polygon's corners above a plane of building space, whose height at a place of the sun's axes is linear: [p.count].
+static double *heights_above(const SunScene *s, SunPolygon p, Plane plane, Arena *arena) {
+    double *above = ARENA_ARRAY(arena, double, p.count);
+    Vec3 n = {vec3_dot(plane.n, s->x), vec3_dot(plane.n, s->y), vec3_dot(plane.n, s->sun)};
+    for (int i = 0; i < p.count; i++) above[i] = vec3_dot(n, p.corners[i]) - plane.d;
+    return above;
+}
+
+static SunPolygon above_plane(SunPolygon p, const double *above, Arena *arena) {
+    SunPolygon out = {ARENA_ARRAY(arena, Vec3, p.count + 2), 0};
+    out.count = polygon_clip_band(p.corners, above, p.count, ON_PLANE, out.corners);
+    return out;
+}
+
 // The part of a face before the plane of another face that the sun sees; of two faces in one place the one that faces the sun hides the
 // other, then the lower index.
 static SunPolygon part_before(const SunScene *s, int f, int receiver, Arena *arena) {
     const SunFace *face = &s->faces[f];
     const Face *on = &s->mesh->faces[receiver];
     SunPolygon whole = {s->corners + face->first, face->count};
-    // The plane's height at a place of the sun's axes.
-    double slope = vec3_dot(on->plane.n, s->sun), *above = ARENA_ARRAY(arena, double, whole.count),
-           highest = 0, lowest = 0;
-    Vec3 n = {vec3_dot(on->plane.n, s->x), vec3_dot(on->plane.n, s->y), slope};
+    double *above = heights_above(s, whole, on->plane, arena), highest = 0, lowest = 0;
     for (int i = 0; i < whole.count; i++) {
-        above[i] = vec3_dot(n, whole.corners[i]) - on->plane.d;
         highest = fmax(highest, above[i]);
         lowest = fmin(lowest, above[i]);
     }
@@ -275,10 +307,32 @@ static SunPolygon part_before(const SunScene *s, int f, int receiver, Arena *are
         bool hides = lowest >= -ON_PLANE && face->front && f < receiver;
         return hides ? whole : (SunPolygon){0};
     }
-    if (lowest >= -ON_PLANE) return whole;
-    SunPolygon out = {ARENA_ARRAY(arena, Vec3, whole.count + 2), 0};
-    out.count = polygon_clip_band(whole.corners, above, whole.count, ON_PLANE, out.corners);
-    return out;
+    return lowest >= -ON_PLANE ? whole : above_plane(whole, above, arena);
+}
+
+static SunPolygon before_plane(const SunScene *s, SunPolygon p, Plane plane, Arena *arena) {
+    return above_plane(p, heights_above(s, p, plane, arena), arena);
+}
+
+// The area of a part, its places behind panes of glass weighted by the share of light that passes these. Panes from `first` on are
+// looked at.
+static double area_through(const SunScene *s, SunPolygon part, int first, Plane receiver, Arena *arena) {
+    double whole = twice_area(part.corners, part.count) / 2;
+    for (int i = first; i < s->mesh->panes.count; i++) {
+        const SunPane *pane = &s->panes[i];
+        Box box = box_of(part.corners, part.count);
+        if (pane->share == 1 || pane->box.max.z <= box.min.z || pane->box.min.x >= box.max.x ||
+            pane->box.max.x <= box.min.x || pane->box.min.y >= box.max.y || pane->box.max.y <= box.min.y)
+            continue;
+        SunPolygon glass = before_plane(s, (SunPolygon){s->panes[i].corner, 4}, receiver, arena);
+        if (glass.count < 3) continue;
+        SunPolygon behind = common_part(part, glass.corners, glass.count, 0, 0, arena);
+        if (behind.count < 3) continue;
+        // The part beside the pane is what the other panes leave of the whole, less what they leave of the part behind.
+        double other = area_through(s, behind, i + 1, receiver, arena);
+        return area_through(s, part, i + 1, receiver, arena) - (1 - pane->share) * other;
+    }
+    return whole;
 }
 
 static bool boxes_meet(Box a, Box b) {
@@ -308,7 +362,8 @@ static double share_in_sun(const SunScene *s, SunTools *tools, int element, int 
         SunPolygon shadow = part_before(s, f, e->face, &tools->scratch);
         if (shadow.count >= 3) cut_away(&parts, &shadow, SLIVER * area, &tools->scratch);
     }
-    for (int k = 0; k < parts.count; k++) lit += twice_area(parts.parts[k].corners, parts.parts[k].count) / 2;
+    for (int k = 0; k < parts.count; k++)
+        lit += area_through(s, parts.parts[k], 0, s->mesh->faces[e->face].plane, &tools->scratch);
     return fmin(lit / area, 1);
 }
 
@@ -372,6 +427,7 @@ void sunlight_shares(const Mesh *mesh, Vec3 sun, bool cells_alone, int threads, 
     s.tools = ARENA_ARRAY(&arena, SunTools, threads);
     memset(share, 0, (size_t)mesh->element_count * sizeof *share);
     project_faces(&s, &arena);
+    project_panes(&s, &arena);
     if (cells_alone) reach_cells(&s, 0, &arena);
     parallel_for(threads, mesh->patch_count, light_patch, &s);
     for (int t = 0; t < threads; t++) {

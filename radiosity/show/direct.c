@@ -58,6 +58,7 @@ typedef struct Before {
     Vec3 box[8];                       // corners of its box
     int first_facing, facing_count;    // in Worker.facing
     int first_blocker, blocker_count;  // in Worker.blocker
+    int first_pane, pane_count;        // in Worker.panes: those that may stand between
 } Before;
 
 // An object of lamps before a batch, and the faces that may stand between the two.
@@ -96,6 +97,9 @@ typedef struct Worker {
     Plane *edge;
     Vec3 *moved, *lamp;  // corners of a face and of a lamp about a point
     int occluder_capacity, edge_capacity, moved_capacity, lamp_capacity;
+    Pane *panes;
+    int pane_count, pane_capacity;
+    const struct Frame *frame;  // of the group
     LampFlood *flood;
     double (*light)[3];  // irradiance at the corners of an element
     int light_capacity;
@@ -283,6 +287,20 @@ static void put_blocker(Worker *w, Blocker blocker) {
     w->blocker[w->blocker_count++] = blocker;
 }
 
+// Lists the panes of glass in a shaft, at the end of Worker.panes.
+static void take_panes(const Direct *d, Worker *w, const Shaft *shaft, Before *before) {
+    before->first_pane = w->pane_count;
+    for (int i = 0; i < d->mesh->panes.count; i++) {
+        Vec3 corner[4];
+        pane_corners(&d->mesh->panes.panes[i], corner);
+        if (!shaft_is_met(shaft, corner, 4)) continue;
+        w->panes = arena_room(&w->arena, w->panes, sizeof *w->panes, w->pane_count, w->pane_count + 1,
+                              &w->pane_capacity);
+        w->panes[w->pane_count++] = d->mesh->panes.panes[i];
+    }
+    before->pane_count = w->pane_count - before->first_pane;
+}
+
 // Puts a lamp object before the group, with the faces in the shaft between them, unless one of these hides all of it.
 static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec3 rectangle[4], int own,
                        const Near *near) {
@@ -318,6 +336,7 @@ static void take_lamps(const Direct *d, Worker *w, const Frame *frame, const Vec
     before.facing_count = w->facing_count - facing;
     before.blocker_count = w->blocker_count - blockers;
     before.object = near->object;
+    take_panes(d, w, &shaft, &before);
     put_before(w, before);
 }
 
@@ -388,10 +407,6 @@ static void narrow(const Direct *d, Worker *w, const Vec3 there[4], const Vec3 r
 }
 
 // ---- points
-
-static void add_share(void *sum, const Vec3 *polygon, int count) {
-    *(double *)sum += analytic_point(polygon, count);
-}
 
 // Corners about a point, in Worker.moved.
 static Vec3 *move_corners(Worker *w, const Vec3 *corner, int count, Vec3 point) {
@@ -473,17 +488,21 @@ static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec
 }
 
 // The share of the light from the point, about z, that meets the lamp's face; below 0: a face hides all of it.
-static double share_in_sight(Worker *w, const Facing *facing, Vec3 point) {
-    double share = 0;
+static double share_in_sight(Worker *w, const Before *before, const Facing *facing, Vec3 point) {
+    AnalyticSight sight = {0};
+    Panes panes = {w->panes + before->first_pane, NULL, before->pane_count};
     const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
     int occluders = find_occluders(w, facing, lamp, point);
     w->report.direct_pairs++;
     if (occluders < 0) return -1;
-    if (occluders == 0) return analytic_point(lamp, facing->count);
-    w->report.direct_cut++;
+    if (occluders == 0 && panes.count == 0) return analytic_point(lamp, facing->count);
+    w->report.direct_cut += occluders > 0;
     analytic_visible(lamp, facing->count, rank_of(facing->face, facing->plane, point), w->occluder, occluders,
-                     add_share, &share);
-    return share;
+                     analytic_sight_add, &sight);
+    if (panes.count == 0 || !(sight.area > 0)) return sight.share;
+    // Panes of glass weaken all that is in sight as they do on the line to its middle.
+    Vec3 middle = vec3_add(point, vec3_scale(sight.moment, 1 / sight.area));
+    return sight.share * panes_transmit(&panes, from_frame(w->frame, point), from_frame(w->frame, middle));
 }
 
 // Is a face known that hides all of a lamp object from the point? The last face that hid a whole face of it is asked.
@@ -536,7 +555,7 @@ static void light_point(Worker *w, int first, int end, Vec3 point, int most, dou
         for (int i = before.first_facing; i < last; i += step) {
             const Facing *facing = &w->facing[i];
             if (plane_distance(facing->plane, point) <= 0) continue;
-            double share = weight * fmax(share_in_sight(w, facing, point), 0);
+            double share = weight * fmax(share_in_sight(w, &before, facing, point), 0);
             for (int c = 0; c < 3; c++) out[c] += share * facing->emitted[c];
         }
     }
@@ -689,7 +708,8 @@ static void light_group(const Direct *d, Worker *w, const Group *g) {
     // The centre may lie off the plane by rounding.
     frame.origin = vec3_sub(frame.origin, vec3_scale(frame.z, plane_distance(face->plane, frame.origin)));
     view_axes(frame.z, &frame.x, &frame.y);
-    w->corner_count = w->blocker_count = w->before_count = w->facing_count = 0;
+    w->corner_count = w->blocker_count = w->before_count = w->facing_count = w->pane_count = 0;
+    w->frame = &frame;
     bound_patches(d, &frame, g->first_patch, g->patch_count, rectangle);
     for (int i = 0; i < w->near_count; i++) take_lamps(d, w, &frame, rectangle, g->face, &w->near[i]);
     int lamps = w->before_count, end = g->first_patch + g->patch_count, next;

@@ -298,8 +298,9 @@ struct Gatherer {
     Leaving *leaving;  // [element_count]
     AnalyticOccluder *occluder;  // [face_count]
     Plane *edge;                 // [outline_count]
-    bool any_lamp, even_sky;
+    bool any_lamp, sky_in_rows;
     NearGatherer *near;  // NULL: none
+    Panes panes;         // before the point
 };
 
 // As much of the slope as keeps the element's light at 0 or above: beside bright things elements are too coarse to be straight.
@@ -365,12 +366,17 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     Gatherer *self = ARENA_ARRAY(arena, Gatherer, 1);
     rows.resolution = options->resolution;
     rows.day = &scene->solution->day;
+    rows.panes = &self->panes;
+    self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->panes.count + 1);
     self->scene = *scene;
     self->options = *options;
     self->viewer = viewer_new(mesh, scene->forest, scene->door_open, arena);
     self->rows = form_factor_new(options->method, mesh, &rows, arena);
-    self->even_sky = daylight_is_uniform(&scene->solution->day) || options->method->projective;
-    if (scene->light || !self->even_sky)
+    // Behind glass no sky is even.
+    self->sky_in_rows =
+        options->method->projective || (daylight_is_uniform(&scene->solution->day) &&
+                                        (mesh->panes.count == 0 || !daylight_shines(&scene->solution->day)));
+    if (scene->light || !self->sky_in_rows)
         self->samples = options->method->projective
                             ? self->rows
                             : form_factor_new(form_factor_method("hemisphere"), mesh, &rows, arena);
@@ -403,8 +409,9 @@ static int find_occluders(Gatherer *self, const View *view) {
     return count;
 }
 
-static void add_share(void *sum, const Vec3 *polygon, int count) {
-    *(double *)sum += analytic_point(polygon, count);
+// A direction of the view's axes.
+static Vec3 in_building(const View *view, Vec3 w) {
+    return vec3_add(vec3_scale(view->x, w.x), vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z)));
 }
 
 static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
@@ -413,11 +420,18 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
         const ViewFace *f = &view->faces[i];
         if (!mesh_emits(self->scene.mesh, f->face) || f->d > 0) continue;
         if (occluders < 0) occluders = find_occluders(self, view);
-        double share = 0, emitted[3];
+        AnalyticSight sight = {0};
+        double emitted[3];
         rgb_doubles(mesh_material(self->scene.mesh, f->face)->emission, emitted);
         analytic_visible(view->vertices + f->first_vertex, f->vertex_count, form_factor_rank(f),
-                         self->occluder, occluders, add_share, &share);
-        for (int c = 0; c < 3; c++) irradiance[c] += share * emitted[c];
+                         self->occluder, occluders, analytic_sight_add, &sight);
+        // Panes of glass weaken all that is in sight as they do on the line to its middle.
+        if (self->panes.count > 0 && sight.area > 0)
+            sight.share *= panes_transmit(
+                &self->panes, view->eye,
+                vec3_add(view->eye, in_building(view, vec3_scale(sight.moment, 1 / sight.area))));
+
+        for (int c = 0; c < 3; c++) irradiance[c] += sight.share * emitted[c];
     }
 }
 
@@ -450,11 +464,6 @@ static void add_near(Gatherer *self, const Near *near, double irradiance[3]) {
     for (int c = 0; c < 3; c++) irradiance[c] += found ? near->share * reflected[c] : near->even[c];
 }
 
-// A direction of the view's axes.
-static Vec3 in_building(const View *view, Vec3 w) {
-    return vec3_add(vec3_scale(view->x, w.x), vec3_add(vec3_scale(view->y, w.y), vec3_scale(view->z, w.z)));
-}
-
 // Does a ray from the eye along w, in the view's axes, meet a face of the view?
 static bool meets_face(const View *view, const ViewFace *f, Vec3 w) {
     const Vec3 *v = view->vertices + f->first_vertex;
@@ -468,41 +477,48 @@ static bool meets_face(const View *view, const ViewFace *f, Vec3 w) {
     return left == f->vertex_count || right == f->vertex_count;
 }
 
-static void add_sun(const View *view, const Daylight *day, double irradiance[3]) {
+static void add_sun(const View *view, const Panes *panes, const Daylight *day, double irradiance[3]) {
     Vec3 w = {vec3_dot(view->x, day->sun), vec3_dot(view->y, day->sun), vec3_dot(view->z, day->sun)};
     if (rgb_sum(day->beam) == 0 || !(w.z > 0)) return;
     for (int i = 0; i < view->face_count; i++)
         if (meets_face(view, &view->faces[i], w)) return;
-    for (int c = 0; c < 3; c++) irradiance[c] += day->beam[c] * w.z;
+    double share = w.z * panes_transmit_from_afar(panes, view->eye, day->sun);
+    for (int c = 0; c < 3; c++) irradiance[c] += day->beam[c] * share;
 }
 
 static void gather_row(Gatherer *self, const View *view, Near *near, double irradiance[3]) {
     const Row *row = form_factor_row(self->rows, view);
     for (int i = 0; i < row->count; i++) {
         double share = (double)row->factor[i];
+        if (self->panes.count > 0)
+            share *=
+                panes_transmit(&self->panes, view->eye, element_centroid(self->scene.mesh, row->element[i]));
         if (put_near(self, row->element[i], share, true, near, irradiance)) continue;
         const double *mean = self->leaving[row->element[i]].mean;
         for (int c = 0; c < 3; c++) irradiance[c] += share * mean[c];
     }
-    if (!self->even_sky) return;
-    double below[3], overhead = self->options.method->projective ? row->sky_light : row->sky;
+    if (!self->sky_in_rows) return;
+    bool projective = self->options.method->projective;
+    double below[3], sky = projective ? row->sky_light : row->sky;
     daylight_below(&self->scene.solution->day, below);
     for (int c = 0; c < 3; c++)
-        irradiance[c] += M_PI * (overhead * self->scene.solution->day.zenith[c] +
-                                 fmax(row->escaped - row->sky, 0) * below[c]);
+        irradiance[c] += M_PI * (sky * self->scene.solution->day.zenith[c] + row->ground_light * below[c]);
 }
 
 // Samples where they meet elements: slopes, and with `means` all of it. A sky that is not even is left to samples in any case.
 static void add_samples(Gatherer *self, const View *view, bool means, Near *near, double irradiance[3]) {
     const FormFactorSamples *samples = form_factor_samples(self->samples);
     const int32_t *item = form_factor_items(self->samples, view);
-    bool sky = means || !self->even_sky;
+    bool sky = means || !self->sky_in_rows;
     for (int i = 0; i < samples->count; i++) {
         Vec3 w = vec3((double)samples->x[i], (double)samples->y[i], (double)samples->z[i]);
+        double weight = (double)samples->weight[i];
         if (item[i] < 0) {
             double radiance[3] = {0};
+            if (sky && self->panes.count > 0)
+                weight *= panes_transmit_from_afar(&self->panes, view->eye, in_building(view, w));
             if (sky) daylight_radiance(&self->scene.solution->day, in_building(view, w), radiance);
-            for (int c = 0; c < 3; c++) irradiance[c] += (double)samples->weight[i] * M_PI * radiance[c];
+            for (int c = 0; c < 3; c++) irradiance[c] += weight * M_PI * radiance[c];
             continue;
         }
         const ViewFace *face = &view->faces[item[i]];
@@ -511,11 +527,12 @@ static void add_samples(Gatherer *self, const View *view, bool means, Near *near
         w = vec3_scale(w, face->d / along);
         Vec3 p = vec3_add(view->eye, in_building(view, w));
         int element = mesh_element_at(self->scene.mesh, face->face, p);
-        if (put_near(self, element, (double)samples->weight[i], means, near, irradiance)) continue;
+        if (self->panes.count > 0) weight *= panes_transmit(&self->panes, view->eye, p);
+        if (put_near(self, element, weight, means, near, irradiance)) continue;
         const Leaving *from = &self->leaving[element];
         for (int c = 0; c < 3; c++) {
             double b = vec3_dot(from->slope[c], p) - from->offset[c] + (means ? from->mean[c] : 0);
-            irradiance[c] += (double)samples->weight[i] * b;
+            irradiance[c] += weight * b;
         }
     }
 }
@@ -525,9 +542,11 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     bool one = self->samples == self->rows;
     Near near = {0};
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
+    panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
     if (self->near) near_gatherer_look(self->near, from->eye, from->normal);
     if (self->any_lamp) add_lamps(self, view, irradiance);
-    if (!self->options.reflected) add_sun(view, &self->scene.solution->day, irradiance);
+    if (!self->options.reflected) add_sun(view, &self->panes, &self->scene.solution->day, irradiance);
     if (!one) gather_row(self, view, &near, irradiance);
     if (self->samples) add_samples(self, view, one, &near, irradiance);
     add_near(self, &near, irradiance);

@@ -65,6 +65,10 @@ static Vec3 to_sun(const SunNodes *s, Vec3 v) {
     return vec3(vec3_dot(s->x, v), vec3_dot(s->y, v), vec3_dot(s->sun, v));
 }
 
+static Vec3 from_sun(const SunNodes *s, Vec3 v) {
+    return vec3_add(vec3_scale(s->x, v.x), vec3_add(vec3_scale(s->y, v.y), vec3_scale(s->sun, v.z)));
+}
+
 // ---- made once
 
 static void project_faces(SunNodes *s, Arena *arena) {
@@ -172,9 +176,9 @@ static int find_occluders(SunPatch *at, Vec3 point) {
     return occluders;
 }
 
-// A part of the sun's polygon that is in sight.
+// The part of the sun's polygon that is in sight, and its moment.
 typedef struct Sight {
-    Vec3 normal;
+    Vec3 normal, moment;
     double sum;
 } Sight;
 
@@ -186,6 +190,7 @@ static void add_part(void *context, const Vec3 *polygon, int count) {
         double area = fabs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
         Vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3);
         sight->sum += area * vec3_dot(sight->normal, middle);
+        sight->moment = vec3_add(sight->moment, vec3_scale(middle, area));
     }
 }
 
@@ -195,11 +200,16 @@ void sun_patch_add(SunPatch *at, Vec3 point, double out[3]) {
     if (at->state == SUN_DARK) return;
     int occluders = at->state == SUN_PARTLY ? find_occluders(at, to_sun(s, point)) : 0;
     if (occluders < 0) return;
+    Vec3 middle = {0, 0, 1};
     if (occluders > 0 || at->disc_count != CORNERS) {
-        Sight sight = {at->normal, 0};
+        Sight sight = {.normal = at->normal};
         analytic_visible(at->disc, at->disc_count, -1, at->occluder, occluders, add_part, &sight);
         share = sight.sum / (s->area * FAR);
+        if (share > 0) middle = vec3_normalize(sight.moment);
     }
+    // Panes of glass let through as much as in the middle of the part in sight: the sun is half a degree wide.
+    if (s->mesh->panes.count > 0 && share > 0)
+        share *= panes_transmit_from_afar(&s->mesh->panes, point, from_sun(s, middle));
     for (int c = 0; c < 3; c++) out[c] += share * s->beam[c];
 }
 

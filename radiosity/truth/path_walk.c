@@ -262,6 +262,15 @@ PathHit path_scene_trace(const PathScene *scene, Vec3 from, Vec3 along) {
     return hit;
 }
 
+// The share of light that the panes of glass let through on a ray to what it hits, or from infinitely far away.
+static double glass_along(const PathScene *scene, Vec3 from, Vec3 along, const PathHit *hit) {
+    const Panes *panes = &scene->mesh->panes;
+    if (panes->count == 0) return 1;
+    Vec3 at = vec3_add(from, scene->origin);
+    return hit->face < 0 ? panes_transmit_from_afar(panes, at, along)
+                         : panes_transmit(panes, at, vec3_add(hit->point, scene->origin));
+}
+
 Vec3 path_scene_off(const PathScene *scene, Vec3 point, Vec3 normal) {
     return vec3_add(point, vec3_scale(normal, scene->off));
 }
@@ -666,7 +675,7 @@ static void ask_lamp(const PathWorld *world, const Stop *stop, double light[3], 
     PathHit hit = path_scene_trace(world->scene, place->point, along);
     if (hit.face != lamp.face) return;
     Rgb emission = mesh_material(world->mesh, lamp.face)->emission;
-    double share = cosine / (asked + cosine);
+    double share = cosine / (asked + cosine) * glass_along(world->scene, place->point, along, &hit);
     add_light(light, stop->weight, emission, share);
     if (!step) return;
     int index = lights->of_face[lamp.face];
@@ -686,7 +695,10 @@ static bool sun_at(const PathWorld *world, const PathPlace *place, const double 
     Vec3 off = vec3_add(vec3_scale(axes[0], r * cos(angle)), vec3_scale(axes[1], r * sin(angle)));
     Vec3 sun = vec3_normalize(vec3_add(day->sun, off));
     double cosine = vec3_dot(place->normal, sun);
-    if (!(cosine > 0) || path_scene_trace(world->scene, place->point, sun).face >= 0) return false;
+    if (!(cosine > 0)) return false;
+    PathHit hit = path_scene_trace(world->scene, place->point, sun);
+    if (hit.face >= 0) return false;
+    cosine *= glass_along(world->scene, place->point, sun, &hit);
     for (int c = 0; c < 3; c++) irradiance[c] = day->beam[c] * cosine;
     return true;
 }
@@ -708,6 +720,7 @@ static void ask_day(const PathWorld *world, const Stop *stop, double light[3], P
     double density = path_shares_warp(stop->shares, &u, &v);
     Vec3 along = path_direction(stop->place.normal, u, v);
     PathHit hit = path_scene_trace(world->scene, stop->place.point, along);
+    double through = glass_along(world->scene, stop->place.point, along, &hit);
     if (hit.face < 0) {
         daylight_radiance(&world->day, along, found);
         for (int c = 0; c < 3; c++) found[c] *= M_PI;
@@ -720,7 +733,10 @@ static void ask_day(const PathWorld *world, const Stop *stop, double light[3], P
         found[1] *= (double)rho.g;
         found[2] *= (double)rho.b;
     }
-    for (int c = 0; c < 3; c++) light[c] += stop->weight[c] * found[c] / (1 + density);
+    for (int c = 0; c < 3; c++) {
+        found[c] *= through;
+        light[c] += stop->weight[c] * found[c] / (1 + density);
+    }
     if (!step) return;
     step->bin[1] = path_guide_bin(u, v);
     step->day[1] = (found[0] + found[1] + found[2]) / M_PI / (1 + density);
@@ -736,7 +752,7 @@ bool path_reflect(const Material *m, double u, double weight[3]) {
     return true;
 }
 
-// Follows a direction; false: the walk ends there.
+// Follows a direction, through panes of glass; false: the walk ends there.
 static bool follow_path(const PathWorld *world, Stop *stop,
                         bool (*known)(void *context, Vec3 from, const PathHit *hit, double reflected[3]),
                         void *context, double light[3], PathStep *step) {
@@ -746,11 +762,13 @@ static bool follow_path(const PathWorld *world, Stop *stop,
     double unasked = day_share(stop, u, v);
     if (step) step->bin[0] = path_guide_bin(u, v);
     PathHit hit = path_scene_trace(world->scene, place->point, along);
+    double through = glass_along(world->scene, place->point, along, &hit);
+    for (int c = 0; c < 3; c++) weight[c] *= through;
     if (hit.face < 0) {
         double radiance[3];
         daylight_radiance(&world->day, along, radiance);
         for (int c = 0; c < 3; c++) light[c] += unasked * weight[c] * M_PI * radiance[c];
-        if (step) step->day[0] = unasked * (radiance[0] + radiance[1] + radiance[2]);
+        if (step) step->day[0] = through * unasked * (radiance[0] + radiance[1] + radiance[2]);
     }
     if (hit.face < 0 || !hit.front) return false;
     const Material *m = mesh_material(world->mesh, hit.face);

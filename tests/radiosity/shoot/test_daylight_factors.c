@@ -82,7 +82,8 @@ Test(sky, daylight_factors, .timeout = 120) {
 }
 
 // The part of the light on level ground that comes through the window alone: the radiance of the overcast sky, 1 + 4 exp(-0.7 / cos z)
-// at an angle z from the zenith (ISO 15469, type 1), summed over squares of the window's outer outline that the inner one leaves in sight.
+// at an angle z from the zenith (ISO 15469, type 1), summed over squares of the window's outer outline that the inner one leaves in sight,
+// less what the pane keeps at the angle of each line.
 static double through_window(Vec3 from) {
     enum { ACROSS = 400 };
     double light = 0, level = 0;
@@ -95,9 +96,9 @@ static double through_window(Vec3 from) {
             if (way.z <= 0 || inner.z < SILL || inner.z > SILL + WINDOW[1] ||
                 fabs(inner.y - WIDTH / 2) > WINDOW[0] / 2)
                 continue;
-            double far = vec3_length(way), up = way.z / far;
-            light += (1 + 4 * exp(-0.7 / up)) * up * (-way.x / far) / (far * far) * WINDOW[0] * WINDOW[1] /
-                     (ACROSS * ACROSS);
+            double far = vec3_length(way), up = way.z / far, across = -way.x / far;
+            light += (1 + 4 * exp(-0.7 / up)) * up * across * glass_transmits(across) / (far * far) *
+                     WINDOW[0] * WINDOW[1] / (ACROSS * ACROSS);
         }
     for (int i = 0; i < 100000; i++) {
         double up = (i + 0.5) / 100000;
@@ -106,7 +107,8 @@ static double through_window(Vec3 from) {
     return light / level;
 }
 
-// Proves the part that comes straight from the sky in a black room against a sum over the window, which shares no code with the rest.
+// Proves the part that comes straight from the sky in a black room against a sum over the window, which shares no code with the rest but
+// the transmittance of glass.
 // Tolerance: the bar of 3 %.
 Test(sky, daylight_factors_of_a_black_room, .timeout = 120) {
     Lit *lit = side_lit_room(0, 0, 0, 0.5);

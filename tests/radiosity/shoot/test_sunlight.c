@@ -81,7 +81,8 @@ Test(sunlight, closed_rooms_are_dark) {
     lit_free(lit);
 }
 
-// The share of an element from whose points a ray to the sun meets nothing. Points are drawn in triangles of its fan.
+// The share of an element from whose points a ray to the sun meets nothing, times what glass on the ray lets through. Points
+// are drawn in triangles of its fan.
 static double share_by_rays(const PathScene *scene, const Mesh *mesh, int element, Vec3 sun, int count,
                             Random *random) {
     const Element *e = &mesh->elements[element];
@@ -91,13 +92,16 @@ static double share_by_rays(const PathScene *scene, const Mesh *mesh, int elemen
     for (int i = 1; i + 1 < e->corner_count; i++) {
         Vec3 b = vec3_sub(mesh->vertices[corner[i]], a), c = vec3_sub(mesh->vertices[corner[i + 1]], a);
         double area = vec3_length(vec3_cross(b, c)) / 2 / e->area;
-        int rays = (int)ceil(area * count), free_rays = 0;
+        int rays = (int)ceil(area * count);
+        double free_rays = 0;
         for (int k = 0; k < rays; k++) {
             double u = sqrt(random_unit(random)), v = random_unit(random);
             Vec3 p = vec3_add(a, vec3_add(vec3_scale(b, u * (1 - v)), vec3_scale(c, u * v)));
             p = vec3_sub(vec3_add(p, vec3_scale(mesh->faces[e->face].plane.n, 1e-4)),
                          path_scene_origin(scene));
-            free_rays += path_scene_trace(scene, p, sun).face < 0;
+            if (path_scene_trace(scene, p, sun).face < 0)
+                free_rays +=
+                    panes_transmit_from_afar(&mesh->panes, vec3_add(p, path_scene_origin(scene)), sun);
         }
         if (rays > 0) seen += area * free_rays / rays;
         all += area;

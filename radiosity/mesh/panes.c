@@ -1,0 +1,151 @@
+// panes.c - which openings hold glass; and the transmittance of a pane, by Fresnel's formulae and the law of Bouguer.
+#include "radiosity/mesh/panes.h"
+
+#include "engine/core/fresnel.h"
+
+// The index of refraction of clear float glass, in the middle of the spectrum that is seen; and the share of light that 3 mm of it let
+// through, without the reflections of its faces. So a pane passes 0.91, as data sheets have it.
+static const double INDEX = 1.52, THROUGH = 0.991;
+// Panes reach so far into the wall around them, metres: more than rounding, less than any wall, so that no line slips by.
+static const double INTO_WALL = 0.001;
+
+double glass_transmits(double cosine) {
+    double reflected[2], sum = 0;
+    if (!(cosine > 0)) return 0;
+    double beyond = fresnel_shares(fmin(cosine, 1), INDEX, reflected);
+    double through = pow(THROUGH, 1 / beyond);
+    for (int i = 0; i < 2; i++) {
+        double r = reflected[i];
+        sum += through * (1 - r) * (1 - r) / (1 - r * through * r * through);
+    }
+    return sum / 2;
+}
+
+// ---- made once
+
+static bool holds_glass(const Opening *o, const float *door_open, int index) {
+    if (!o->glazed || o->fills) return false;
+    return o->kind == OPENING_WINDOW || (o->kind == OPENING_DOOR && door_open && !(door_open[index] > 0));
+}
+
+static Pane pane_in(const Opening *o) {
+    Vec2 along = vec2_sub(o->line[1], o->line[0]);
+    double width = vec2_length(along), height = o->head - o->sill, wide = width + 2 * INTO_WALL,
+           high = height + 2 * INTO_WALL;
+    Vec2 unit = vec2_scale(along, 1 / width), corner = vec2_sub(o->line[0], vec2_scale(unit, INTO_WALL));
+    Vec3 n = {unit.y, -unit.x, 0}, origin = {corner.x, corner.y, o->sill - INTO_WALL};
+    return (Pane){.plane = {n, vec3_dot(n, origin)},
+                  .origin = origin,
+                  .x = vec3(unit.x / wide, unit.y / wide, 0),
+                  .y = vec3(0, 0, 1 / high)};
+}
+
+// Lists the cells of an opening, and counts them: its own, or those on both sides of the portals that its door closes.
+static int list_cells(const CellGraph *graph, int opening, int *out) {
+    int count = 0;
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Region *region = vis_region(graph, c);
+        bool own = region->kind == REGION_OPENING && region->opening == opening;
+        for (int w = graph->cells[c].first_way; w < graph->cells[c].first_way + graph->cells[c].way_count;
+             w++)
+            own = own || graph->portals[graph->ways[w].portal].door == opening;
+        if (!own) continue;
+        if (out) out[count] = c;
+        count++;
+    }
+    return count;
+}
+
+Panes panes_of(const CellGraph *graph, const float *door_open, Arena *arena) {
+    const Building *b = graph->building;
+    Panes out = {.panes = NULL};
+    int glazed = 0, cells = 0;
+    for (int i = 0; i < b->opening_count; i++) glazed += holds_glass(&b->openings[i], door_open, i);
+    if (glazed == 0) return out;
+    out.panes = ARENA_ARRAY(arena, Pane, glazed);
+    for (int pass = 0; pass < 2; pass++) {
+        if (pass > 0) out.cells = ARENA_ARRAY(arena, int, cells + 1);
+        cells = out.count = 0;
+        for (int i = 0; i < b->opening_count; i++) {
+            const Opening *o = &b->openings[i];
+            if (!holds_glass(o, door_open, i) || vec2_equal(o->line[0], o->line[1]) || !(o->head > o->sill))
+                continue;
+            Pane pane = pane_in(o);
+            pane.first_cell = cells;
+            pane.cell_count = list_cells(graph, i, pass > 0 ? out.cells + cells : NULL);
+            cells += pane.cell_count;
+            out.panes[out.count++] = pane;
+        }
+    }
+    return out;
+}
+
+void pane_corners(const Pane *pane, Vec3 out[4]) {
+    Vec3 x = vec3_scale(pane->x, 1 / vec3_dot(pane->x, pane->x)),
+         y = vec3_scale(pane->y, 1 / vec3_dot(pane->y, pane->y));
+    out[0] = pane->origin;
+    out[1] = vec3_add(pane->origin, x);
+    out[2] = vec3_add(out[1], y);
+    out[3] = vec3_add(pane->origin, y);
+}
+
+void panes_seen(const Panes *from, const StabForest *forest, int cell, Plane plane, Panes *out) {
+    out->cells = from->cells;
+    out->count = 0;
+    for (int i = 0; i < from->count; i++) {
+        const Pane *pane = &from->panes[i];
+        bool seen = cell < 0 || pane->cell_count == 0, before = false;
+        for (int k = pane->first_cell; k < pane->first_cell + pane->cell_count && !seen; k++)
+            seen = vis_sees(forest, cell, from->cells[k]);
+        if (!seen) continue;
+        Vec3 corner[4];
+        pane_corners(pane, corner);
+        for (int k = 0; k < 4; k++) before = before || plane_distance(plane, corner[k]) > 0;
+        if (before) out->panes[out->count++] = *pane;
+    }
+}
+
+double panes_highest(const Panes *panes, Vec3 from) {
+    double highest = -1;
+    for (int i = 0; i < panes->count; i++) {
+        const Pane *pane = &panes->panes[i];
+        Vec3 off = vec3_sub(from, pane->origin);
+        // The nearest point of the upper edge, seen from above.
+        double length2 = vec3_dot(pane->x, pane->x), at = fmin(fmax(vec3_dot(pane->x, off), 0), 1);
+        double x = off.x - at * pane->x.x / length2, y = off.y - at * pane->x.y / length2;
+        double up = 1 / pane->y.z - off.z, far = sqrt(x * x + y * y + up * up);
+        highest = fmax(highest, up > 0 && far > 0 ? up / far : 0);
+    }
+    return highest;
+}
+
+// ---- light
+
+static bool is_on(const Pane *pane, Vec3 p) {
+    Vec3 off = vec3_sub(p, pane->origin);
+    double x = vec3_dot(pane->x, off), y = vec3_dot(pane->y, off);
+    return x >= 0 && x <= 1 && y >= 0 && y <= 1;
+}
+
+double panes_transmit(const Panes *panes, Vec3 from, Vec3 to) {
+    double share = 1;
+    for (int i = 0; i < panes->count; i++) {
+        const Pane *pane = &panes->panes[i];
+        double a = plane_distance(pane->plane, from), b = plane_distance(pane->plane, to);
+        if ((a > 0) == (b > 0) || !is_on(pane, vec3_lerp(from, to, a / (a - b)))) continue;
+        share *= glass_transmits(fabs(a - b) / vec3_length(vec3_sub(to, from)));
+    }
+    return share;
+}
+
+double panes_transmit_from_afar(const Panes *panes, Vec3 to, Vec3 source) {
+    double share = 1;
+    for (int i = 0; i < panes->count; i++) {
+        const Pane *pane = &panes->panes[i];
+        double height = plane_distance(pane->plane, to), slope = vec3_dot(pane->plane.n, source);
+        bool crosses = height > 0 ? slope < 0 : slope > 0;
+        if (!crosses || !is_on(pane, vec3_add(to, vec3_scale(source, -height / slope)))) continue;
+        share *= glass_transmits(fabs(slope));
+    }
+    return share;
+}

@@ -26,7 +26,7 @@ static const size_t BLOCK_BYTES = (size_t)1 << 20;
 typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
-    FormFactor *form_factor, *of_lamps;
+    FormFactor *form_factor, *of_lamps, *of_small;
     NearPairs *near;    // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
@@ -61,7 +61,7 @@ struct ShootRows {
     const NearShapes *shapes;  // NULL: patches are points
     Taker *takers;             // [element_count]
     const RadOptions *options;
-    FormFactorOptions usual, of_lamps;
+    FormFactorOptions usual, of_lamps, of_small;
     int threads, slot_count, waiting_count;
     Maker *makers;  // [threads]
     Slot *slots;    // [slot_count]
@@ -81,6 +81,13 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
+}
+
+// Patches smaller than RAD_SMALL, of which a furnished home has as many as others, have half as many directions each way: each has little
+// light to shoot, and gathers none.
+static int small_resolution(const RadOptions *options) {
+    int least = 8, half = options->form_factor.resolution / 2;
+    return half < least ? least : half;
 }
 
 // Data that all makers share, and data that each has for itself.
@@ -108,6 +115,7 @@ static void equip_maker(void *context, int index, int thread) {
     maker->of_lamps = maker->form_factor;
     if (rows->of_lamps.resolution != rows->usual.resolution)
         maker->of_lamps = form_factor_new(method, rows->mesh, &rows->of_lamps, &maker->arena);
+    maker->of_small = form_factor_new(method, rows->mesh, &rows->of_small, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -124,6 +132,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->usual.lines = &rows->lines;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
+    rows->of_small = rows->usual;
+    rows->of_small.resolution = small_resolution(options);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
@@ -146,6 +156,7 @@ void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
         Maker *maker = &rows->makers[t];
         if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
+        form_factor_end(maker->of_small);
         form_factor_end(maker->form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
@@ -346,7 +357,10 @@ static void make_row(void *context, int index, int thread) {
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
     bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
-    const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
+    FormFactor *form_factor = lamp                      ? maker->of_lamps
+                              : patch->area < RAD_SMALL ? maker->of_small
+                                                        : maker->form_factor;
+    const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);
@@ -421,7 +435,8 @@ void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
         const Maker *maker = &rows->makers[t];
-        elements += form_factor_work(maker->form_factor).elements_drawn;
+        elements += form_factor_work(maker->form_factor).elements_drawn +
+                    form_factor_work(maker->of_small).elements_drawn;
         if (maker->of_lamps != maker->form_factor)
             elements += form_factor_work(maker->of_lamps).elements_drawn;
         report->seconds_visibility += rows->makers[t].seconds_visibility;

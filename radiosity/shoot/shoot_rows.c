@@ -83,8 +83,10 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     return detail > 1 ? resolution * detail : resolution;
 }
 
-// Patches smaller than RAD_SMALL, of which a furnished home has as many as others, have half as many directions each way: each has little
-// light to shoot, and gathers none.
+// Patches smaller than this, m^2, of which a furnished home has many, have half as many directions each way: each has little light to
+// shoot, and gathers none. With four times this, light in narrow places is farther off (test_narrow.c).
+static const double SMALL = RAD_SMALL / 4;
+
 static int small_resolution(const RadOptions *options) {
     int least = 8, half = options->form_factor.resolution / 2;
     return half < least ? least : half;
@@ -357,9 +359,9 @@ static void make_row(void *context, int index, int thread) {
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
     bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
-    FormFactor *form_factor = lamp                      ? maker->of_lamps
-                              : patch->area < RAD_SMALL ? maker->of_small
-                                                        : maker->form_factor;
+    FormFactor *form_factor = lamp                  ? maker->of_lamps
+                              : patch->area < SMALL ? maker->of_small
+                                                    : maker->form_factor;
     const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);

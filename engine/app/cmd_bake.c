@@ -356,16 +356,16 @@ static void print_bake(Bake *bake) {
     print_warnings(bake);
 }
 
-// Meshes and their solutions are made and freed one after the other. The process keeps their memory for the next one, since it
-// takes longer to get memory from the system than to fill it.
-static void keep_memory(void) {
-    mallopt(M_MMAP_THRESHOLD, 64 << 20);
-    mallopt(M_TRIM_THRESHOLD, 128 << 20);
+// Meshes and their solutions are made and freed one after the other: large pieces go back to the system when they are freed, so that
+// they never add up. Left to itself, the library would keep them once some were freed.
+static void give_memory_back(void) {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+    mallopt(M_TRIM_THRESHOLD, 16 << 20);
 }
 
 // the exit code
 static int bake(BakeArguments *arguments) {
-    keep_memory();
+    give_memory_back();
     Bake b = {.a = arguments};
     Arena arena = {0};
     Error error;
@@ -553,7 +553,7 @@ static const Option ROWS[] = {
      .at = AT(bake.rad.form_factor.resolution),
      .low = 8,
      .high = 2000,
-     .help = "pixels, lines or rays across, @ (default 80; with fewer patches, as above, 141, 200)"},
+     .help = "pixels, lines or rays across, @ (default 48; with fewer patches, as above, 80, 200)"},
     {.name = "hidden",
      .value = "NAME",
      .type = OPTION_OTHER,

@@ -1,4 +1,5 @@
-// arena.c - a list of blocks, each at least twice as large as the one before up to a limit.
+// arena.c - a list of blocks, each at least twice as large as the one before up to a limit. Blocks come zeroed, large ones from the
+// system, which gives them pages only where they are touched: so arrays that are hardly used take hardly any memory.
 #include "engine/core/arena.h"
 
 #include <stdint.h>
@@ -31,7 +32,8 @@ static const size_t LARGEST_GROWTH = 64 * 1024 * 1024;
 
 struct ArenaBlock {
     ArenaBlock *next;
-    size_t size, used;  // bytes behind this header
+    void *whole;               // as it was requested
+    size_t size, used, dirty;  // bytes behind this header; from `dirty` on they are zeroed
 };
 
 static const size_t HEADER = (sizeof(ArenaBlock) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
@@ -43,8 +45,9 @@ static ArenaBlock *add_arena_block(Arena *arena, size_t least) {
     while (size / 2 > least && !memory_fits(size)) size /= 2;
     if (size < least) size = least;
     size = (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    ArenaBlock *block = memory_new_aligned(HEADER + size);
-    *block = (ArenaBlock){arena->head, size, 0};
+    char *whole = memory_new_zeroed(ALIGNMENT + HEADER + size);
+    ArenaBlock *block = (ArenaBlock *)(whole + (ALIGNMENT - (uintptr_t)whole % ALIGNMENT));
+    *block = (ArenaBlock){.next = arena->head, .whole = whole, .size = size};
     forbid((char *)block + HEADER, size);
     arena->head = block;
     return block;
@@ -56,11 +59,15 @@ void *arena_alloc(Arena *arena, size_t count, size_t size) {
     if (bytes == 0) bytes = ALIGNMENT;
     ArenaBlock *block = arena->head;
     if (!block || block->size - block->used < bytes) block = add_arena_block(arena, bytes);
-    void *memory = (char *)block + HEADER + block->used;
+    char *memory = (char *)block + HEADER + block->used;
+    size_t dirty = block->dirty > block->used ? block->dirty - block->used : 0;
     block->used += bytes;
     arena->used += bytes;
+    if (block->dirty < block->used) block->dirty = block->used;
+    if (dirty > bytes) dirty = bytes;
     allow(memory, asked);
-    return memset(memory, 0, GAP ? asked : bytes);
+    if (dirty > 0) memset(memory, 0, GAP && dirty > asked ? asked : dirty);
+    return memory;
 }
 
 void *arena_grow(Arena *arena, void *array, int count, int *capacity, size_t size) {
@@ -118,7 +125,7 @@ void arena_join(Arena *to, Arena *from) {
 void arena_free(Arena *arena) {
     while (arena->head) {
         ArenaBlock *next = arena->head->next;
-        memory_free(arena->head);
+        memory_free(arena->head->whole);
         arena->head = next;
     }
     arena->used = 0;
@@ -130,10 +137,10 @@ void arena_reset(Arena *arena) {
         ArenaBlock *block = arena->head;
         arena->head = block->next;
         if (!largest || block->size > largest->size) {
-            memory_free(largest);
+            if (largest) memory_free(largest->whole);
             largest = block;
         } else {
-            memory_free(block);
+            memory_free(block->whole);
         }
     }
     if (largest) {

@@ -12,7 +12,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-enum { ALIGNMENT = 64 };
 static const size_t MEGABYTE = (size_t)1 << 20;
 
 // A process has one memory, so the state of this file is global.
@@ -253,9 +252,9 @@ void *memory_new(size_t bytes) {
     return count(memory);
 }
 
-void *memory_new_aligned(size_t bytes) {
+void *memory_new_zeroed(size_t bytes) {
     if (!affordable(bytes)) end_over();
-    void *memory = granted() ? aligned_alloc(ALIGNMENT, bytes) : NULL;
+    void *memory = granted() ? calloc(1, bytes ? bytes : 1) : NULL;
     if (!memory) memory_end(bytes);
     return count(memory);
 }

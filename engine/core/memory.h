@@ -12,13 +12,12 @@
 
 #include "engine/core/error.h"
 
-void *memory_new(size_t bytes);          // never NULL; not zeroed
-void *memory_new_aligned(size_t bytes);  // the same, aligned to 64 bytes; `bytes` is a multiple of 64
-void *memory_grow(void *old,
-                  size_t bytes);  // as realloc, but never NULL; `old` is not from memory_new_aligned
-void *memory_try(size_t bytes);   // zeroed; NULL where there is none, for callers that can go on without it
-bool memory_fits(size_t bytes);   // is a request for `bytes` within the budget?
-void memory_free(void *memory);   // NULL is allowed
+void *memory_new(size_t bytes);              // never NULL; not zeroed
+void *memory_new_zeroed(size_t bytes);       // never NULL; large pieces come from the system, untouched
+void *memory_grow(void *old, size_t bytes);  // as realloc, but never NULL
+void *memory_try(size_t bytes);  // zeroed; NULL where there is none, for callers that can go on without it
+bool memory_fits(size_t bytes);  // is a request for `bytes` within the budget?
+void memory_free(void *memory);  // NULL is allowed
 _Noreturn void memory_end(size_t bytes);  // ends the program: no memory for `bytes` bytes
 
 // Ends the program: the library of this name reports that it found no memory.

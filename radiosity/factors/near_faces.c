@@ -97,11 +97,17 @@ static double share_of(const RowSum *sum, const Face *face) {
     return share;
 }
 
+// May a face have LEAST_SHARE of the light? Of all cones, that about the normal has most: the square of its sine.
+static bool may_be_large(const ViewFace *face) {
+    const float *c = face->centre, least = (float)(0.99 * LEAST_SHARE);
+    return !(face->radius * face->radius < least * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]));
+}
+
 static int find_near(const RowSum *sum, const View *view, NearFace *out) {
     int count = 0;
     for (int i = 0; i < view->face_count && count < MOST_NEAR; i++) {
         const ViewFace *face = &view->faces[i];
-        if (!is_near(view, face)) continue;
+        if (!may_be_large(face) || !is_near(view, face)) continue;
         double exact = analytic_point(view->vertices + face->first_vertex, face->vertex_count);
         if (exact < LEAST_SHARE) continue;
         double sampled = share_of(sum, &sum->mesh->faces[face->face]);

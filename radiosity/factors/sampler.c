@@ -68,6 +68,13 @@ typedef struct SeenGrid {
     int one;  // the square for the whole face, NOTHING or BACK; MANY: meet_face finds the squares
 } SeenGrid;
 
+// Samples in even columns and rows, as on the disc: column i lies at first[0] + i / per_unit, row j at first[1] + j / per_unit.
+typedef struct EvenGrid {
+    double first[2], per_unit;  // per_unit 0: the samples lie otherwise
+    int size[2];                // columns and rows
+    int across;                 // groups in a row of them
+} EvenGrid;
+
 struct Sampler {
     const Mesh *mesh;
     FaceLines outlines;
@@ -83,7 +90,8 @@ struct Sampler {
     int *first_block;
     unsigned short *used;  // [group_count] bit i: box i has samples
     FormFactorSamples samples;
-    bool flat;   // all blocks are flat
+    bool flat;  // all blocks are flat
+    EvenGrid even;
     bool equal;  // all weights are the same: shares are counts of samples
     // The current view.
     ViewFrame frame;
@@ -126,10 +134,11 @@ static const double AT_EDGE = 4e-5;
 static const double ONE_PLANE = 1e-8;
 // The error of a face's 1 / distance, as a share of the sum of its coefficients: three products and sums of floats, and the rounding
 // of their factors; doubled, because two faces are compared.
-static const float ROUNDING = 8 * 0x1p-24f;
+#define ROUNDING (8 * 0x1p-24f)
 // The coefficients of faces nearer than this, metres, count as at this distance: otherwise all directions of these faces would be ties.
-static const float NEAREST = 1e-3f;
+#define NEAREST 1e-3f
 
+static const float MOST_TIE = ROUNDING * (1 / NEAREST);
 // By how much, 1/m, rounding may change the difference of the 1 / distances of a face and another one.
 static float sampler_tie_within(const Form *near) {
     return ROUNDING * fminf(near->abs_x + near->abs_y + near->abs_z, 1 / NEAREST);
@@ -371,10 +380,10 @@ static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneI
     return wins;
 }
 
-// Decides the ties that draw_inside left open. The depths change by no more than a tie.
+// Decides the ties that draw_inside and draw_row left open. The depths change by no more than a tie.
 static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *items, const Drawing *d,
-                                             const LaneInt outside[SAMPLER_BLOCK]) {
-    for (int row = 0; row < SAMPLER_BLOCK; row++) {
+                                             const LaneInt outside[SAMPLER_BLOCK], int first, int end) {
+    for (int row = first; row < end; row++) {
         Lane value = lane_least(form_at(&d->near, b, row, false), lane_of(d->nearest));
         LaneInt before = items->face[row];
         LaneInt tied = ~outside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
@@ -402,7 +411,7 @@ static inline float draw_inside(const SampleBlock *b, ItemBlock *items, const Dr
         items->face[row] = lane_choose_int(in, face, items->face[row]);
         far = lane_least(far, now);
     }
-    if (__builtin_expect(lane_mask(open) != 0, 0)) settle(b, items, d, outside);
+    if (__builtin_expect(lane_mask(open) != 0, 0)) settle(b, items, d, outside, 0, SAMPLER_BLOCK);
     return lane_least_of(far);
 }
 
@@ -440,19 +449,179 @@ static inline int draw_group(Sampler *s, int group, Drawing *d) {
     return count;
 }
 
+static inline float *far_of_group(Sampler *s, int group) {
+    return (float *)&s->group_boxes[group / LANES].far + group % LANES;
+}
+
+// The least 1 / distance seen in a group, from those of its blocks.
+static inline void lift_far(Sampler *s, int group) {
+    const SampleBoxes *boxes = &s->block_boxes[group * 2];
+    *far_of_group(s, group) = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+}
+
+static inline void draw_in_group(Sampler *s, int group, Drawing *d, FormFactorWork *work) {
+    int blocks = draw_group(s, group, d);
+    work->tests += blocks * SAMPLER_BLOCK * LANES;
+    if (blocks > 0 && d->by_depth) lift_far(s, group);
+}
+
 static void draw_face(Sampler *s, Drawing *d, FormFactorWork *work) {
     for (int first = 0; first < s->group_count; first += 2 * LANES) {
-        SampleBoxes *groups = &s->group_boxes[first / LANES];
-        for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1) {
-            int i = __builtin_ctz(reached), group = first + i;
-            int blocks = draw_group(s, group, d);
-            if (blocks == 0) continue;
-            work->tests += blocks * SAMPLER_BLOCK * LANES;
-            if (!d->by_depth) continue;
-            const SampleBoxes *boxes = &s->block_boxes[group * 2];
-            groups[i / LANES].far[i % LANES] = lane_least_of(lane_least(boxes[0].far, boxes[1].far));
+        const SampleBoxes *groups = &s->group_boxes[first / LANES];
+        for (unsigned reached = boxes_reached(groups, d); reached; reached &= reached - 1)
+            draw_in_group(s, first + __builtin_ctz(reached), d, work);
+    }
+}
+
+// ---- small faces, which most are: a rectangle of columns and rows of samples tells which of them a face can meet. Many meet none.
+
+// The directions from the eye to a face lie in a rectangle of columns and rows of an even grid, both ends included.
+typedef struct Span {
+    int first[2], last[2];
+} Span;
+
+// Faces whose corners' directions differ by more than this, as unit vectors, have no span.
+static const double WIDEST_SPAN = 0.5;
+// Directions between those of corners lie no farther from the corners' convex hull than this times the square of its width, if that is
+// at most WIDEST_SPAN.
+static const double ARC = 0.26;
+// Added for the rounding of edges, which may put a direction on the wrong side.
+static const double SPAN_ROUNDING = 1e-5;
+
+// False: the face is too wide.
+static inline bool find_span(const Sampler *s, const View *view, const ViewFace *face, Span *out) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Four x0 = four_of(INFINITY), y0 = x0, z0 = x0, x1 = -x0, y1 = x1, z1 = x1, closest = {0};
+    for (int first = 0, end = face->vertex_count - 1; first <= end; first += FOUR) {
+        Four at[FOUR];
+        for (int i = 0; i < FOUR; i++) memcpy(&at[i], v + (first + i < end ? first + i : end), sizeof at[i]);
+        four_transpose(at);
+        Four scale = 1 / four_root(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+        Four x = (at[0] * s->cosine + at[1] * s->sine) * scale,
+             y = (at[1] * s->cosine - at[0] * s->sine) * scale, z = at[2] * scale;
+        x0 = four_least(x0, x), y0 = four_least(y0, y), z0 = four_least(z0, z);
+        x1 = four_most(x1, x), y1 = four_most(y1, y), z1 = four_most(z1, z);
+        closest = four_most(closest, scale);
+    }
+    Four ends[FOUR] = {x0, y0, -x1, -y1}, other[FOUR] = {z0, -z1, -closest, -closest};
+    four_transpose(ends);
+    four_transpose(other);
+    Four low = four_least_row(ends), rest = four_least_row(other);
+    double width[3] = {low[0] + low[2], low[1] + low[3], rest[0] + rest[1]};
+    double width2 = width[0] * width[0] + width[1] * width[1] + width[2] * width[2];
+    // The vertices of lines may lie off the corners.
+    double margin = ARC * width2 + SPAN_ROUNDING - 2 * RAD_STRAIGHT * rest[2];
+    if (!(width2 < WIDEST_SPAN * WIDEST_SPAN && margin < WIDEST_SPAN)) return false;
+    const EvenGrid *even = &s->even;
+    Four from = (low - margin - (Four){even->first[0], even->first[1], -even->first[0], -even->first[1]}) *
+                even->per_unit;
+    for (int k = 0; k < 2; k++) {
+        int first = (int)ceil(from[k]), last = -(int)ceil(from[k + 2]);
+        out->first[k] = first > 0 ? first : 0;
+        out->last[k] = last < even->size[k] - 1 ? last : even->size[k] - 1;
+    }
+    return true;
+}
+
+// Which of the faces from `first` on, eight at most, can meet samples, by the spheres about them: a bit for each.
+static inline unsigned faces_with_samples(const Sampler *s, const View *view, int first) {
+    static const float SMALL_SINE = 0.25f,
+                       CHORD = 1.01f;  // of a ball that looks so large or smaller, its chord over its sine
+    Lane ball_x, ball_y, ball_z, radius;
+    for (int i = 0; i < LANES; i++) {
+        const ViewFace *face = &view->faces[first + i < view->face_count ? first + i : view->face_count - 1];
+        ball_x[i] = face->centre[0], ball_y[i] = face->centre[1], ball_z[i] = face->centre[2],
+        radius[i] = face->radius;
+    }
+    float cosine = (float)s->cosine, sine = (float)s->sine, per_unit = (float)s->even.per_unit;
+    Lane scale = 1 / lane_root(ball_x * ball_x + ball_y * ball_y + ball_z * ball_z), size = radius * scale;
+    Lane margin = size * CHORD + (scale * (float)(4 * RAD_STRAIGHT) + (float)SPAN_ROUNDING);
+    Lane x = (ball_x * cosine + ball_y * sine) * scale - (float)s->even.first[0],
+         y = (ball_y * cosine - ball_x * sine) * scale - (float)s->even.first[1];
+    // No whole number lies between two others if the second one, rounded down, is below the first. Both are moved above 0, where
+    // conversion rounds down.
+    LaneInt last_x = __builtin_convertvector((x + margin + 2) * per_unit, LaneInt),
+            last_y = __builtin_convertvector((y + margin + 2) * per_unit, LaneInt);
+    LaneInt none = (__builtin_convertvector(last_x, Lane) < (x - margin + 2) * per_unit) |
+                   (__builtin_convertvector(last_y, Lane) < (y - margin + 2) * per_unit);
+    return 0xff & ~lane_mask(none & (size < SMALL_SINE));
+}
+
+// Draws a face in a row of a block. True: a depth has changed.
+static inline bool draw_row(const SampleBlock *b, ItemBlock *items, const Drawing *d, int row) {
+    LaneInt outside = {0};
+    for (int e = 0; e < d->edge_count; e++) outside |= lane_bits(form_at(&d->edges[e], b, row, true));
+    if (lane_mask(outside) == 0xff) return false;
+    Lane value = lane_least(form_at(&d->near, b, row, true), lane_of(d->nearest)), old = items->near[row];
+    Lane nearer = value - old;
+    LaneInt in = ~outside & (nearer > d->tie), open = ~outside & (lane_abs(nearer) <= d->tie);
+    items->near[row] = lane_choose(in, value, old);
+    items->face[row] = lane_choose_int(in, lane_int_of(d->face), items->face[row]);
+    if (__builtin_expect(lane_mask(open) != 0, 0)) {
+        LaneInt all[SAMPLER_BLOCK];
+        all[row] = outside;
+        settle(b, items, d, all, row, row + 1);
+    }
+    return lane_mask(in) != 0;
+}
+
+static inline float least_near(const ItemBlock *items) {
+    Lane far = items->near[0];
+    LANE_UNROLL
+    for (int row = 1; row < SAMPLER_BLOCK; row++) far = lane_least(far, items->near[row]);
+    return lane_least_of(far);
+}
+
+// Draws a face in the rows `first` .. `last` of a block; `far`: the least 1 / distance seen in it.
+static inline void draw_rows(Sampler *s, int group, int block, float *far, const Drawing *d, int first,
+                             int last) {
+    bool changed = false;
+    for (int row = first; row <= last; row++)
+        changed |= draw_row(&s->blocks[block], &s->items[block], d, row);
+    if (!changed || !d->by_depth) return;
+    float now = least_near(&s->items[block]);
+    if (now == *far) return;
+    *far = now;
+    lift_far(s, group);
+}
+
+// Draws a small face in the blocks that its span reaches. Its edges are made where one of them does not hide it.
+static void draw_small(Sampler *s, const Span *span, Drawing *d, FormFactorWork *work) {
+    enum { SHIFT = 3, IN_GROUP = GROUP_SIDE - 1 };
+    for (int j = span->first[1] >> SHIFT; j <= span->last[1] >> SHIFT; j++) {
+        for (int i = span->first[0] >> SHIFT; i <= span->last[0] >> SHIFT; i++) {
+            int group = j / GROUP_SIDE * s->even.across + i / GROUP_SIDE,
+                k = j % GROUP_SIDE * GROUP_SIDE + i % GROUP_SIDE;
+            unsigned used = s->used[group], bit = 1u << k;
+            float *far = (float *)&s->block_boxes[group * 2 + k / LANES].far + k % LANES;
+            if (!(used & bit) || d->nearest + d->tie < *far) continue;
+            if (d->edge_count == 0)
+                d->edge_count = make_edges(s, &s->frame, d->of->view, view_face(d->of, d->face));
+            int first = span->first[1] - (j << SHIFT), last = span->last[1] - (j << SHIFT);
+            draw_rows(s, group, s->first_block[group] + __builtin_popcount(used & (bit - 1)), far, d,
+                      first > 0 ? first : 0, last < SAMPLER_BLOCK - 1 ? last : SAMPLER_BLOCK - 1);
+            work->tests += SAMPLER_BLOCK * LANES;
         }
     }
+}
+
+// Most blocks along either axis that a small face reaches into.
+enum { SMALL = 2 };
+
+static inline bool is_small(const Span *span) {
+    for (int k = 0; k < 2; k++)
+        if (span->last[k] / SAMPLER_BLOCK - span->first[k] / SAMPLER_BLOCK >= SMALL) return false;
+    return true;
+}
+
+// Draws a face in the groups that its span reaches.
+static void draw_medium(Sampler *s, const Span *span, Drawing *d, FormFactorWork *work) {
+    enum { SIDE = SAMPLER_BLOCK * GROUP_SIDE };
+    for (int j = span->first[1] / SIDE; j <= span->last[1] / SIDE; j++)
+        for (int i = span->first[0] / SIDE; i <= span->last[0] / SIDE; i++) {
+            int group = j * s->even.across + i;
+            if (!(d->nearest + d->tie < *far_of_group(s, group))) draw_in_group(s, group, d, work);
+        }
 }
 
 static void clear(Sampler *s) {
@@ -470,23 +639,40 @@ void sampler_draw(Sampler *s, const View *view, FormFactorWork *work) {
     s->frame = frame_of(s, view);
     SamplerView of = {s, view};
     float tie = 0;
+    bool even = s->even.per_unit > 0;
+    unsigned any = 0xff;
     for (int i = 0; i < view->face_count; i++) {
         const ViewFace *face = &view->faces[i];
         s->view_index[face->face] = i;
         fetch_ahead(s, view, i);
+        bool can = true;
+        if (even && i % LANES == 0) any = faces_with_samples(s, view, i);
+        can = any >> i % LANES & 1;
+        if (!can && tie >= MOST_TIE) continue;
         Form near = near_form(&s->frame, face);
         tie = fmaxf(tie, sampler_tie_within(&near));
+        if (!can) continue;
+        Span span;
+        bool spanned = even && find_span(s, view, face, &span);
+        if (spanned && (span.first[0] > span.last[0] || span.first[1] > span.last[1])) continue;
         Drawing d = {.near = near,
                      .nearest = nearest_of(view, face),
                      .tie = tie,
                      .by_depth = view->by_depth,
                      .of = &of,
                      .edges = s->edges,
-                     .edge_count = make_edges(s, &s->frame, view, face),
                      .crossed = s->crossed,
                      .crossing = s->crossing,
                      .face = face->face};
-        draw_face(s, &d, work);
+        if (spanned && is_small(&span)) {
+            draw_small(s, &span, &d, work);
+            continue;
+        }
+        d.edge_count = make_edges(s, &s->frame, view, face);
+        if (spanned)
+            draw_medium(s, &span, &d, work);
+        else
+            draw_face(s, &d, work);
     }
     work->samples += s->samples.count;
 }
@@ -817,6 +1003,30 @@ static int lone_square(const Mesh *mesh, const Face *face) {
     return at;
 }
 
+// Finds whether the samples lie in even columns and rows.
+static EvenGrid even_grid(const Sampler *s, const SampleGrid *grids, int grid_count) {
+    const SampleGrid *grid = &grids[0];
+    EvenGrid none = {0}, even = {.size = {grid->width, grid->height},
+                                 .per_unit = 0.5 * grid->width,
+                                 .across = groups_along(grid->width)};
+    if (!s->flat || grid_count != 1 || grid->width != grid->height) return none;
+    for (int pass = 0, known = 0; pass < 2; pass++) {
+        for (int j = 0; j < grid->height; j++) {
+            for (int i = 0; i < grid->width; i++) {
+                double w[3], weight;
+                if (!grid->at(grid, i, j, w, &weight)) continue;
+                double first[2] = {w[0] - i / even.per_unit, w[1] - j / even.per_unit};
+                for (int k = 0; k < 2; k++) {
+                    if (!known) even.first[k] = first[k];
+                    if (fabs(first[k] - even.first[k]) > 1e-9) return none;
+                }
+                known = 1;
+            }
+        }
+    }
+    return even;
+}
+
 static void take_view_memory(Sampler *s, Arena *arena) {
     s->grid_stamp = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
     s->view_index = ARENA_ARRAY(arena, int, s->mesh->face_count + 1);
@@ -859,6 +1069,7 @@ Sampler *sampler_new(const Mesh *mesh, const FaceLines *lines, const SampleGrid 
             for (int i = 0; i < grids[g].width; i += side) add_group(s, &grids[g], i, j, group++);
     scale_weights(s);
     s->flat = is_flat(s);
+    s->even = even_grid(s, grids, grid_count);
     take_view_memory(s, arena);
     return s;
 }

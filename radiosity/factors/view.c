@@ -245,11 +245,15 @@ static void list_view(const Look *look) {
     for (int i = 0; i < viewer->key_count; i++) {
         const FaceKey *key = &viewer->keys[i];
         const FaceShape *shape = &viewer->shapes[key->face];
+        Vec3 off = vec3_sub(shape->centre, look->eye);
+        Four centre = look->turn[0] * off.x + look->turn[1] * off.y + look->turn[2] * off.z;
         view->faces[i] = (ViewFace){.face = key->face,
                                     .first_vertex = key->first,
                                     .vertex_count = shape->count,
+                                    .radius = shape->radius,
+                                    .centre = {(float)centre[0], (float)centre[1], (float)centre[2]},
                                     .n = to_view(look, shape->n),
-                                    .d = vec3_dot(shape->n, vec3_sub(shape->centre, look->eye))};
+                                    .d = vec3_dot(shape->n, off)};
     }
 }
 

@@ -8,8 +8,10 @@
 typedef struct ViewFace {
     int face;  // in Mesh.faces; form_factor_rank decides which of several in one place is seen
     int first_vertex, vertex_count;  // in View.vertices; counter-clockwise seen from the face's front
-    Vec3 n;                          // unit, to the face's front
-    double d;                        // dot(n, p) = d on its plane; below 0: the eye is in front of it
+    // A sphere that contains the face, right to a few roundings of floats; all 0: not known.
+    float radius, centre[3];
+    Vec3 n;    // unit, to the face's front
+    double d;  // dot(n, p) = d on its plane; below 0: the eye is in front of it
 } ViewFace;
 
 // The faces before a point. The arrays belong to the viewer and are valid until its next look.

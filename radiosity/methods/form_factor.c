@@ -30,6 +30,7 @@ struct FormFactor {
     void *self;
     RowSum sum;
     int32_t *item;  // [sample_count] of projective methods
+    int *elements;  // [face_count] how many a face has
     FormFactorWork work;
 };
 
@@ -55,6 +56,8 @@ FormFactor *form_factor_new(const FormFactorMethod *method, const Mesh *mesh,
     row_start(&self->sum, mesh, arena);
     self->sum.day = options->day;
     self->sum.panes = options->panes;
+    self->elements = ARENA_ARRAY(arena, int, mesh->face_count);
+    for (int f = 0; f < mesh->face_count; f++) self->elements[f] = mesh->faces[f].element_count;
     if (method->projective) self->item = ARENA_ARRAY(arena, int32_t, method->samples(self->self)->count);
     return self;
 }
@@ -66,7 +69,7 @@ void form_factor_end(FormFactor *self) {
 static void count_drawn(FormFactor *self, const View *view) {
     self->work.faces_drawn += view->face_count;
     for (int i = 0; i < view->face_count; i++)
-        self->work.elements_drawn += self->mesh->faces[view->faces[i].face].element_count;
+        self->work.elements_drawn += self->elements[view->faces[i].face];
 }
 
 const FormFactorSamples *form_factor_samples(FormFactor *self) {

@@ -480,10 +480,9 @@ static bool gather_reflected(Shooter *s, const Mesh *mesh, const Progress *progr
     if (rgb_sum(day->beam) > 0)
         sunlight_elements(mesh, day, parallel_threads(s->options->threads), s->solution->sun);
     for (int p = 0; p < mesh->patch_count; p++) {
-        if (mesh->patches[p].area < RAD_SMALL)
-            take_shot(mesh, s->solution, p, s->solution->reflected[p]);
-        else
-            patch[count++] = p;
+        // Those to which no light was shot are covered, or in rooms without light.
+        take_shot(mesh, s->solution, p, s->solution->reflected[p]);
+        if (mesh->patches[p].area >= RAD_SMALL && rgb_sum(s->solution->reflected[p]) > 0) patch[count++] = p;
     }
     bool go_on = gather_patches(s, &g, patch, count, progress);
     qsort_r(patch, (size_t)count, sizeof *patch, noisiest_first, g.noise);

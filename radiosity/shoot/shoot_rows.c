@@ -26,7 +26,7 @@ static const size_t BLOCK_BYTES = (size_t)1 << 20;
 typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
-    FormFactor *form_factor, *of_lamps;
+    FormFactor *form_factor, *of_lamps, *of_small;
     NearPairs *near;    // NULL: patches are points
     char *block;        // where its next kept row goes
     size_t block_left;  // bytes
@@ -63,7 +63,7 @@ struct ShootRows {
     Taker *takers;             // [element_count]
     Vec3 *middles;             // [element_count] NULL: there are no panes of glass
     const RadOptions *options;
-    FormFactorOptions usual, of_lamps;
+    FormFactorOptions usual, of_lamps, of_small;
     int threads, slot_count, waiting_count;
     Maker *makers;  // [threads]
     Slot *slots;    // [slot_count]
@@ -83,6 +83,15 @@ static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
+}
+
+// Patches smaller than this, m^2, of which a furnished home has many, have half as many directions each way: each has little light to
+// shoot, and gathers none. With four times this, light in narrow places is farther off (test_narrow.c).
+static const double SMALL = RAD_SMALL / 4;
+
+static int small_resolution(const RadOptions *options) {
+    int least = 8, half = options->form_factor.resolution / 2;
+    return half < least ? least : half;
 }
 
 // Data that all makers share, and data that each has for itself.
@@ -107,12 +116,13 @@ static void equip_maker(void *context, int index, int thread) {
     if (rows->shapes)
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
     maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->panes.count + 1);
-    FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps;
-    usual.panes = of_lamps.panes = &maker->panes;
+    FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps, of_small = rows->of_small;
+    usual.panes = of_lamps.panes = of_small.panes = &maker->panes;
     maker->form_factor = form_factor_new(method, rows->mesh, &usual, &maker->arena);
     maker->of_lamps = maker->form_factor;
     if (of_lamps.resolution != usual.resolution)
         maker->of_lamps = form_factor_new(method, rows->mesh, &of_lamps, &maker->arena);
+    maker->of_small = form_factor_new(method, rows->mesh, &of_small, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -133,6 +143,8 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->usual.day = day;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
+    rows->of_small = rows->usual;
+    rows->of_small.resolution = small_resolution(options);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
@@ -155,6 +167,7 @@ void shoot_rows_end(ShootRows *rows) {
     for (int t = 0; t < rows->threads; t++) {
         Maker *maker = &rows->makers[t];
         if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
+        form_factor_end(maker->of_small);
         form_factor_end(maker->form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
@@ -368,7 +381,10 @@ static void make_row(void *context, int index, int thread) {
     bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
     panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
-    const Row *row = form_factor_row(lamp ? maker->of_lamps : maker->form_factor, view);
+    FormFactor *form_factor = lamp                  ? maker->of_lamps
+                              : patch->area < SMALL ? maker->of_small
+                                                    : maker->form_factor;
+    const Row *row = form_factor_row(form_factor, view);
     if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);
@@ -443,7 +459,8 @@ void shoot_rows_report(const ShootRows *rows, RadReport *report) {
     for (int t = 0; t < rows->threads; t++) {
         faces += rows->makers[t].faces;
         const Maker *maker = &rows->makers[t];
-        elements += form_factor_work(maker->form_factor).elements_drawn;
+        elements += form_factor_work(maker->form_factor).elements_drawn +
+                    form_factor_work(maker->of_small).elements_drawn;
         if (maker->of_lamps != maker->form_factor)
             elements += form_factor_work(maker->of_lamps).elements_drawn;
         report->seconds_visibility += rows->makers[t].seconds_visibility;

@@ -1070,9 +1070,9 @@ typedef struct Showing {
     const Progress *progress;
 } Showing;
 
-// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh.
-static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3], Arena *arena,
-                        RadSolution *out, RadReport *report) {
+// Stores the light at the nodes of the mesh that shows it. Direct light is known at the nodes of d->mesh; d's workers end.
+static bool light_nodes(Direct *d, const Showing *s, double (*at_node)[3], Arena *arena, RadSolution *out,
+                        RadReport *report) {
     Arena scratch = {0};
     Direct finer;
     const Mesh *mesh = d->mesh, *shown = s->shown;
@@ -1080,17 +1080,20 @@ static bool light_nodes(const Direct *d, const Showing *s, double (*at_node)[3],
     const Nodes *nodes = d->nodes;
     bool good = true;
     if (shown != mesh) {
+        Arena own = {0};
         finer_nodes = nodes_of(shown, &scratch);
         double(*irradiance)[3] = arena_alloc(&scratch, (size_t)finer_nodes.count + 1, sizeof *irradiance);
-        start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &scratch);
+        start_direct(&finer, shown, s->forest, &finer_nodes, &s->rest->day, &own);
         finer.lamps = d->lamps;
         take_known(&finer, d, at_node);
         good = light_all(&finer, s->threads, s->progress, irradiance, report);
         end_workers(&finer);
+        arena_free(&own);
         at_node = irradiance;
         nodes = &finer_nodes;
     }
     if (good) lift_nodes(d, shown, nodes, at_node);
+    end_workers(d);
     double(*reflected)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *reflected);
     if (good && s->rest->gathered) {
         GatherScene scene = {mesh, s->forest, s->door_open, s->solution, NULL};
@@ -1162,7 +1165,7 @@ bool direct_show(const Mesh *mesh, const StabForest *forest, const float *door_o
         show.shown = is_finer ? &finer : mesh;
         good = good && light_nodes(&d, &show, at_node, arena, &out, report);
         if (good) *solution = out;
-        end_workers(&d);
+        end_workers(&d);  // if they have not ended
     }
     arena_free(&scratch);
     return good;

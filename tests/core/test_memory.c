@@ -221,5 +221,5 @@ Test(memory, ends_where_the_machine_has_none) {
 #ifdef __SANITIZE_ADDRESS__
     cr_skip_test("the sanitizer ends the program at such a request, with a report of its own");
 #endif
-    run(fail_by_size, "said beforeenfilade: no memory for 70368744177728 bytes\n");
+    run(fail_by_size, "said beforeenfilade: no memory for 70368744177792 bytes\n");
 }

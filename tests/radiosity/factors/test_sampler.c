@@ -90,6 +90,54 @@ Test(sampler, sees_what_rays_see, .timeout = 600) {
     cr_assert(sure > 0.999 * all, "%d of %d samples were sure", sure, all);
 }
 
+// A sphere that contains a face, as viewer_look finds it.
+static void put_sphere(View *view, ViewFace *face) {
+    const Vec3 *v = view->vertices + face->first_vertex;
+    Vec3 centre = {0, 0, 0};
+    double radius = 0;
+    for (int i = 0; i < face->vertex_count; i++)
+        centre = vec3_add(centre, vec3_scale(v[i], 1.0 / face->vertex_count));
+    for (int i = 0; i < face->vertex_count; i++) radius = fmax(radius, vec3_length(vec3_sub(v[i], centre)));
+    face->radius = (float)radius * (1 + 1e-6f);
+    face->centre[0] = (float)centre.x;
+    face->centre[1] = (float)centre.y;
+    face->centre[2] = (float)centre.z;
+}
+
+// Triangles from a hundredth of the distance between samples to some of them, overlapping, of any slant, some of them across the horizon.
+// Proves that no sample is missed where spheres and spans tell which samples a face can meet.
+Test(sampler, small_faces, .timeout = 300) {
+    int rounds = support_count(8, 400), sure = 0, seen = 0;
+    for (int round = 0; round < rounds; round++) {
+        Arena arena = {0};
+        uint64_t seed = 9000 + (uint64_t)round;
+        Random random = {seed};
+        ViewFixture *f = view_fixture_new(&arena);
+        int resolution = 20 + round % 60;
+        for (int i = 0; i < 2000; i++) {
+            ViewPose pose = view_fixture_pose(&random, vec3(0, 0, 0));
+            double away = random_between(&random, 0.5, 4), angle = random_between(&random, 0, 2 * M_PI),
+                   size = away * pow(10, random_between(&random, -2, 0.7)) / resolution,
+                   disc = sqrt(random_unit(&random)), up = sqrt(1 - disc * disc);
+            pose.shift = vec3_scale(vec3(disc * cos(angle), disc * sin(angle), up), away);
+            Vec3 v[3];
+            for (int k = 0; k < 3; k++)
+                v[k] = view_fixture_place(&pose, vec3(size * cos(2.1 * k), size * sin(2.1 * k), 0));
+            view_fixture_face(&arena, f, v, 3);
+        }
+        for (int which = 0; which < 2; which++) {
+            Method m = sampler_of_method_of(&arena, which, f, resolution);
+            View *view = view_fixture_look(&arena, f, vec3(0, 0, 0), vec3(0, 0, 1));
+            for (int i = 0; i < view->face_count && round % 4; i++) put_sphere(view, &view->faces[i]);
+            sampler_of_see(&m, view);
+            check_against_rays(&m, view, seed, &sure);
+            for (int i = 0; i < m.samples->count; i++) seen += m.item[i] >= 0;
+        }
+        arena_free(&arena);
+    }
+    cr_assert(seen > 0.15 * sure, "%d of %d samples saw a face", seen, sure);
+}
+
 static void check_closed(Arena *arena, const ViewFixture *f, Random *random, uint64_t seed, int shots) {
     for (int which = 0; which < 2; which++) {
         Method m = sampler_of_method_of(arena, which, f, 64);

@@ -10,7 +10,7 @@
 
 // A part is halved if its light is off by more than this share of the light there, and this share times the part's area is more than
 // TOLERANCE of a square whose side is EVEN of an element's: a large part is seen to be off sooner than a small one.
-static const double TOLERANCE = 0.06, EVEN = 0.5;
+static const double TOLERANCE = 0.06, EVEN = 0.7;
 // Corners whose light differs by less than this share are alike.
 static const double EVEN_CORNERS = 0.2;
 // No half is shorter than this, metres: the width of the penumbra of a small lamp, and less than a walker sees from two metres.

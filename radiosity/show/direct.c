@@ -927,7 +927,7 @@ bool direct_irradiance(const Mesh *mesh, const StabForest *forest, const Nodes *
 // The share of a building's mean light that counts as light in the dark, where errors are not seen.
 static const double DARK = 0.01;
 // Bends may add so many elements, as a share of those there are.
-static const double MOST_ADDED = 2;
+static const double MOST_ADDED = 1;
 // And so many more under a sun, whose shadows have edges that are sharp wherever they pass. Homes take 10,000 to 20,000.
 static const double MOST_ADDED_BY_SUN = 30000;
 // Nodes are lifted by this share of what linear light between them is below the light at the middle of elements: so the mean of the

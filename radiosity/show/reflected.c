@@ -12,7 +12,7 @@
 #include "radiosity/show/shown.h"
 
 // Bends above these shares of the light ask for one and for two halvings; and the shares of a view that is close.
-static const double BEND_ONE = 0.045, BEND_TWO = 0.18, CLOSE_ONE = 0.4, CLOSE_TWO = 0.7;
+static const double BEND_ONE = 0.06, BEND_TWO = 0.25, CLOSE_ONE = 0.4, CLOSE_TWO = 0.7;
 // They count by an element's length over this, metres: what is short is seen less.
 static const double LONG = 0.3;
 // No part is shorter for it, metres.
@@ -26,8 +26,8 @@ enum { RESOLUTION = 40 };
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
-// Within a patch light may fall and rise by these shares of its value as its elements tell it. Elements smaller than this share of their mean
-// have too few samples to tell anything.
+// Within a patch light may fall and rise by these shares of its value as its elements tell it. Elements smaller than this share of their
+// mean have too few samples to tell anything.
 static const double MOST_FALL = 0.95, MOST_RISE = 1, SLIVER = 0.25;
 // Where samples miscount the light by NOISY of it, steps between elements are theirs, but for steps that are larger than MANY times what
 // chance makes of the light of one element: shadows below things.

@@ -12,9 +12,9 @@ static Daylight clear_noon(void) {
     return daylight_of(&sun, 0, DAYLIGHT_CLEAR);
 }
 
-// Proves that a row's share of the sky times its radiance is, of a square that lies under a clear sky, the mean radiance that daylight.h has
-// by a sum over other directions; of one that looks down, nothing. By each method that has samples. Tolerance: the largest of samples that
-// are a hundredth of the disc apart, about the sun's place, where the sky is brightest.
+// Proves that a row's share of the sky times its radiance is, of a square that lies under a clear sky, the mean radiance that daylight.h
+// has by a sum over other directions; of one that looks down, nothing. By each method that has samples. Tolerance: the largest of samples
+// that are a hundredth of the disc apart, about the sun's place, where the sky is brightest.
 Test(sky, rows_tell_the_radiance_of_the_sky) {
     Lit *lit = lit_new();
     lit_quad(lit, vec3(0, 0, 0), vec3(1, 0, 0), vec3(1, 1, 0), vec3(0, 1, 0), LIT_WALL);

@@ -1,0 +1,69 @@
+// test_reflected.c - steps of reflected light within a patch are shown as far as its samples can tell them.
+#include <criterion/criterion.h>
+#include <stdio.h>
+
+#include "radiosity/show/direct.h"
+#include "tests/support/lit_fixture.h"
+
+// The mean reflected light at the corners of an element, as it is shown where samples of all patches may miscount light by the share
+// `noise`, and where shots told the element the share `step` more than its patch.
+static double shown_at(Lit *lit, const RadSolution *s, int element, double noise, double step) {
+    Arena *arena = &lit->arena;
+    const Mesh *mesh = &lit->mesh;
+    RadSolution changed = *s;
+    size_t bytes = (size_t)mesh->element_count * sizeof *changed.radiosity;
+    double rho = (double)mesh_material(mesh, mesh->elements[element].face)->reflectance.g, sum = 0;
+    changed.radiosity = memcpy(arena_alloc(arena, bytes, 1), s->radiosity, bytes);
+    changed.noise = ARENA_ARRAY(arena, float, s->patch_count);
+    for (int p = 0; p < s->patch_count; p++) changed.noise[p] = (float)noise;
+    // Else all elements of a patch tell the same.
+    for (int e = 0; e < mesh->element_count; e++)
+        for (int c = 0; c < 3; c++)
+            changed.radiosity[e][c] = s->direct[e][c] + rho * s->reflected[mesh->elements[e].patch][c];
+    for (int c = 0; c < 3; c++)
+        changed.radiosity[element][c] += step * rho * s->reflected[mesh->elements[element].patch][c];
+    cr_assert(direct_show(mesh, &lit->forest, NULL, 1, NULL, arena, &changed, NULL));
+    Nodes nodes = nodes_of(mesh, arena);
+    cr_assert_eq(changed.node_count, nodes.count);
+    const Element *e = &mesh->elements[element];
+    for (int i = e->first_corner; i < e->first_corner + e->corner_count; i++)
+        sum += changed.rest[nodes.of_corner[i]][1] / e->corner_count;
+    return sum;
+}
+
+// Proves which steps within a patch are seen: those of few samples are not, which would be blotches, but for a shadow that is darker than
+// chance makes it; those of many samples are. Of four elements of a patch each may be off by chance by twice the noise of the patch. A
+// step of an element is seen in the mean of its corners by a fourth of it at least, since each is shared by four elements.
+Test(reflected, steps_within_patches_as_far_as_samples_tell) {
+    Lit *lit = lit_new();
+    lit_box(lit, vec3(0, 0, 0), vec3(4, 3, 2.5), true, LIT_WALL, 0);
+    lit_lamp(lit, vec3(2, 1.5, 2.4));
+    lit_finish(lit, 0.5, 2);
+    RadOptions options = rad_default_options();
+    RadSolution s;
+    options.form_factor.resolution = 48;
+    options.residual = 0.01;
+    lit_shoot(lit, &options, &s);
+    cr_assert(s.gathered);
+    int element = -1;
+    for (int p = 0; p < s.patch_count && element < 0; p++) {
+        const Patch *patch = &lit->mesh.patches[p];
+        if (patch->element_count == 4 && lit->mesh.faces[patch->face].plane.n.z > 0.99)
+            element = patch->first_element;
+    }
+    cr_assert_geq(element, 0);
+    static const struct {
+        double noise, step;
+        bool seen;
+    } CASES[] = {{0, -0.2, true}, {0, 0.2, true}, {0.1, -0.2, false}, {0.1, 0.2, false}, {0.1, -0.9, true}};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        double even = shown_at(lit, &s, element, CASES[i].noise, 0),
+               with = shown_at(lit, &s, element, CASES[i].noise, CASES[i].step), change = with / even - 1;
+        printf("noise %.2f, step %+.1f: shown %+.3f\n", CASES[i].noise, CASES[i].step, change);
+        if (CASES[i].seen)
+            cr_expect_gt(change / CASES[i].step, 0.12);
+        else
+            cr_expect_float_eq(change, 0, 1e-6);
+    }
+    lit_free(lit);
+}

@@ -514,6 +514,7 @@ static bool solve(Adapt *a, const Mesh *mesh, bool lamps_only, double *irradianc
     double size = fmax(1, a->scene->graph->building->file_size / SMALL_FILE);
     options.looks = (lamps_only ? LAMP_LOOKS : FIRST_LOOKS) * size * size;
     options.lamps_only = lamps_only;
+    options.gather = false;
     if (!lamps_only) options.reach = 0;
     if (options.lamp_detail > LAMP_DETAIL) options.lamp_detail = LAMP_DETAIL;
     double first = daylight_shines(&a->options->day) ? FIRST_RESIDUAL_BY_DAY : FIRST_RESIDUAL;

@@ -35,6 +35,7 @@ RadOptions rad_default_options(void) {
     return (RadOptions){.method = form_factor_method("hemisphere"),
                         .form_factor = form_factor_default_options(),
                         .culling = CULL_STAB,
+                        .gather = true,
                         .lamp_detail = 4,
                         .reach = 2,
                         .residual = 0.001,
@@ -521,7 +522,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
     }
     finish(&s);
     report.residual = residual_of(&s);
-    if (!options->lamps_only && report.residual <= options->residual) {
+    if (options->gather && !options->lamps_only && report.residual <= options->residual) {
         solution->gathered = gather_reflected(&s, mesh, progress);
         report.stopped = !solution->gathered;
     }

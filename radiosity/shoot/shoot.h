@@ -17,6 +17,7 @@ typedef struct RadOptions {
     FormFactorOptions form_factor;
     Culling culling;
     bool lamps_only;  // only emitted light is shot, no reflected light
+    bool gather;  // once reflected light is shot, patches gather it along their rows (RadSolution.reflected)
     // Patches that emit shoot at the resolution times this factor, which is reduced where there are very many (shoot_rows.c).
     int lamp_detail;
     // Elements within this many radii of a patch are lit from the whole patch instead of its centre (near_pairs.h); 0: none.

@@ -117,7 +117,7 @@ static void equip_maker(void *context, int index, int thread) {
         maker->near = near_pairs_new(rows->mesh, rows->shapes, rows->options->reach, &maker->arena);
     maker->panes.panes = ARENA_ARRAY(&maker->arena, Pane, rows->mesh->panes.count + 1);
     FormFactorOptions usual = rows->usual, of_lamps = rows->of_lamps, of_small = rows->of_small;
-    usual.panes = of_lamps.panes = of_small.panes = &maker->panes;
+    if (usual.day) usual.panes = of_lamps.panes = of_small.panes = &maker->panes;
     maker->form_factor = form_factor_new(method, rows->mesh, &usual, &maker->arena);
     maker->of_lamps = maker->form_factor;
     if (of_lamps.resolution != usual.resolution)
@@ -140,7 +140,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
         rows->middles[e] = element_centroid(mesh, e);
     rows->usual = options->form_factor;
     rows->usual.lines = &rows->lines;
-    rows->usual.day = day;
+    if (daylight_shines(day)) rows->usual.day = day;
     rows->of_lamps = rows->usual;
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->of_small = rows->usual;

@@ -365,8 +365,10 @@ Gatherer *gatherer_new(const GatherScene *scene, const GatherOptions *options, A
     FormFactorOptions rows = form_factor_default_options();
     Gatherer *self = ARENA_ARRAY(arena, Gatherer, 1);
     rows.resolution = options->resolution;
-    rows.day = &scene->solution->day;
-    rows.panes = &self->panes;
+    if (daylight_shines(&scene->solution->day)) {
+        rows.day = &scene->solution->day;
+        rows.panes = &self->panes;
+    }
     self->panes.panes = ARENA_ARRAY(arena, Pane, mesh->panes.count + 1);
     self->scene = *scene;
     self->options = *options;

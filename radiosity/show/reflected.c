@@ -26,12 +26,9 @@ enum { RESOLUTION = 40 };
 // Parts between two looks at progress.
 enum { PARTS_A_LOOK = 1024 };
 
-// Within a patch light may fall and rise by these shares of its value as its elements tell it. Elements smaller than this share of their
-// mean have too few samples to tell anything.
-static const double MOST_FALL = 0.95, MOST_RISE = 1, SLIVER = 0.25;
-// Where samples miscount the light by NOISY of it, steps between elements are theirs, but for steps that are larger than MANY times what
-// chance makes of the light of one element: shadows below things.
-static const double NOISY = 0.05, MANY = 2;
+// Within a patch light may change by this share of its value as its elements tell it. Elements smaller than this share of their mean have
+// too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
+static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
 
 // Irradiances by reflected light of elements: that of their patch, and the step from it that shots tell.
 static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
@@ -52,10 +49,8 @@ static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]
             }
             for (int e = first; e < end; e++) {
                 bool sliver = mesh->elements[e].area * patch->element_count < SLIVER * area;
-                double step = rho[c] > 0 && !sliver ? (out[e][c] - power / area) / rho[c] : 0;
-                double chance = MANY * (double)s->noise[p] * sqrt(area / mesh->elements[e].area) * value;
-                step *= fmax(trust, step * step > chance * chance ? 1 - chance * chance / (step * step) : 0);
-                out[e][c] = value + fmin(fmax(step, -MOST_FALL * value), MOST_RISE * value);
+                double step = rho[c] > 0 && !sliver ? trust * (out[e][c] - power / area) / rho[c] : 0;
+                out[e][c] = value + fmin(fmax(step, -MOST_CHANGE * value), MOST_CHANGE * value);
             }
         }
     }

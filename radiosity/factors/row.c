@@ -124,7 +124,7 @@ static int stray(const RowSum *sum, const View *view, int item, Vec3 w) {
     return mesh_element_at(sum->mesh, seen->face, vec3_add(view->eye, vec3_scale(along, r)));
 }
 
-static Vec3 direction_of(const View *view, const FormFactorSamples *s, int i) {
+Vec3 row_direction(const View *view, const FormFactorSamples *s, int i) {
     Vec3 side = vec3_scale(view->x, (double)s->x[i]), up = vec3_scale(view->y, (double)s->y[i]);
     return vec3_add(vec3_scale(view->z, (double)s->z[i]), vec3_add(side, up));
 }
@@ -138,7 +138,7 @@ void row_of_items(RowSum *sum, const View *view, const FormFactorSamples *sample
     }
     for (int i = 0; i < samples->count; i++) {
         if (item[i] < 0) {
-            row_escape(sum, view, (double)samples->weight[i], direction_of(view, samples, i));
+            row_escape(sum, view, (double)samples->weight[i], row_direction(view, samples, i));
             continue;
         }
         RowFace *face = &sum->faces[item[i]];

@@ -26,6 +26,8 @@ static inline void row_add(RowSum *sum, int element, double share) {
     sum->touched_count += sum->share[element] == 0;
     sum->share[element] += share;
 }
+// The direction of a sample, a unit vector of the building.
+Vec3 row_direction(const View *view, const FormFactorSamples *samples, int i);
 // A share that meets nothing along a unit direction from the view's eye.
 void row_escape(RowSum *sum, const View *view, double share, Vec3 direction);
 // Returns the row, with its elements in increasing order, and empties the sum. Shares are divided by their total, so that they

@@ -115,8 +115,7 @@ static void ray_items(void *data, const View *view, int32_t *item, FormFactorWor
 
 static void add_nothing(const RayMethod *self, const View *view, int i, RowSum *sum) {
     const FormFactorSamples *s = &self->samples;
-    Vec3 across = vec3_add(vec3_scale(view->x, (double)s->x[i]), vec3_scale(view->y, (double)s->y[i]));
-    row_escape(sum, view, (double)s->weight[i], vec3_add(across, vec3_scale(view->z, (double)s->z[i])));
+    row_escape(sum, view, (double)s->weight[i], row_direction(view, s, i));
 }
 
 // Uses only the eye and the axes of the view: the rays find the faces themselves.

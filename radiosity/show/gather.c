@@ -432,7 +432,6 @@ static void add_lamps(Gatherer *self, const View *view, double irradiance[3]) {
             sight.share *= panes_transmit(
                 &self->panes, view->eye,
                 vec3_add(view->eye, in_building(view, vec3_scale(sight.moment, 1 / sight.area))));
-
         for (int c = 0; c < 3; c++) irradiance[c] += sight.share * emitted[c];
     }
 }

@@ -487,6 +487,24 @@ static void check_materials_and_storeys(Check *c) {
             check_fault(c, "material %d (%s): alpha %g (allowed 0 to 1)", i, text_of(m->name),
                         (double)m->alpha);
         }
+        // Entry 0 is "none", also where there are no entries.
+        if (!index_good(m->texture, b->texture_count + (b->texture_count == 0)) ||
+            !index_good(m->texture_map, b->texture_map_count + (b->texture_map_count == 0))) {
+            check_fault(c, "material %d (%s): texture %d of %d, map %d of %d", i, text_of(m->name),
+                        m->texture, b->texture_count, m->texture_map, b->texture_map_count);
+        }
+    }
+    for (int i = 1; i < b->texture_count; i++) {
+        const Texture *t = &b->textures[i];
+        check_rgb(c, "mean of texture", i, t->mean, MAPS_MAX_COLOUR);
+        if (t->width < 1 || t->height < 1 || !t->texels)
+            check_fault(c, "texture %d (%s): %d x %d texels", i, text_of(t->name), t->width, t->height);
+    }
+    for (int i = 1; i < b->texture_map_count; i++) {
+        const TextureMap *t = &b->texture_maps[i];
+        if (!good3(t->u) || !good3(t->v) || !isfinite(t->u0) || !isfinite(t->v0))
+            check_fault(c, "texture map %d: (%g, %g, %g) and (%g, %g, %g), %g, %g (finite, within %g)", i,
+                        t->u.x, t->u.y, t->u.z, t->v.x, t->v.y, t->v.z, t->u0, t->v0, MAPS_LIMIT);
     }
     for (int i = 0; i < b->storey_count; i++) {
         const Storey *s = &b->storeys[i];
@@ -512,6 +530,8 @@ static void check_polygon(Check *c, int i) {
     if (!index_good(p->material, b->material_count)) {
         check_fault(c, "polygon %d: material %d (allowed 0 to %d)", i, p->material, b->material_count - 1);
     }
+    if (!index_good(p->texture_map, b->texture_map_count + (b->texture_map_count == 0)))
+        check_fault(c, "polygon %d: texture map %d of %d", i, p->texture_map, b->texture_map_count);
     for (int k = 0; k < p->vertex_count; k++) {
         if (good3(v[k])) continue;
         check_fault(c, "polygon %d: vertex %d at (%g, %g, %g) (finite, within %g m)", i, k, v[k].x, v[k].y,

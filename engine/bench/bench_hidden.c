@@ -47,7 +47,7 @@ typedef struct Soup {
 static Soup soup_new(Arena *arena, int polygons, int corners) {
     Soup soup = {ARENA_ARRAY(arena, Polygon, polygons), ARENA_ARRAY(arena, Vec3, polygons * corners),
                  polygons};
-    for (int i = 0; i < polygons; i++) soup.polygons[i] = (Polygon){i * corners, corners, 0};
+    for (int i = 0; i < polygons; i++) soup.polygons[i] = (Polygon){i * corners, corners, 0, 0};
     return soup;
 }
 

@@ -12,6 +12,7 @@ static bool same_material(const Material *a, const Material *b) {
     const Rgb *r = &a->reflectance, *s = &b->reflectance, *e = &a->emission, *f = &b->emission;
     return r->r == s->r && r->g == s->g && r->b == s->b && e->r == f->r && e->g == f->g && e->b == f->b &&
            a->alpha == b->alpha && a->mirror == b->mirror && a->index == b->index && a->gloss == b->gloss &&
+           a->texture == b->texture && a->texture_map == b->texture_map &&
            strcmp(a->name ? a->name : "", b->name ? b->name : "") == 0;
 }
 
@@ -35,10 +36,24 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
     return b->object_count - 1;
 }
 
-static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
+static bool same_map(const TextureMap *a, const TextureMap *b) {
+    return vec3_equal(a->u, b->u) && vec3_equal(a->v, b->v) && a->u0 == b->u0 && a->v0 == b->v0;
+}
+
+int building_add_texture_map(Arena *arena, Building *b, TextureMap map) {
+    if (b->texture_map_count == 0)
+        *ARENA_PUSH(arena, b->texture_maps, b->texture_map_count, b->texture_map_capacity) = (TextureMap){0};
+    int last = b->texture_map_count - 1;
+    if (last > 0 && same_map(&b->texture_maps[last], &map)) return last;
+    *ARENA_PUSH(arena, b->texture_maps, b->texture_map_count, b->texture_map_capacity) = map;
+    return last + 1;
+}
+
+static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material,
+                         int texture_map) {
     CORE_ASSERT(b->object_count > 0);
     Polygon *p = ARENA_PUSH(arena, b->polygons, b->polygon_count, b->polygon_capacity);
-    *p = (Polygon){b->vertex_count, count, material};
+    *p = (Polygon){b->vertex_count, count, material, texture_map};
     for (int i = 0; i < count; i++) {
         *ARENA_PUSH(arena, b->vertices, b->vertex_count, b->vertex_capacity) = vertices[i];
     }
@@ -70,9 +85,63 @@ static bool has_plane(const Vec3 triangle[3]) {
     return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
 }
 
+// The map that fits best, by least squares in the polygon's plane; false where it is off by more than `most[0]` in u or `most[1]` in v
+// at a corner.
+static bool fit_map(const Vec3 *v, const Vec2 *places, int count, Vec3 n, const double most[2],
+                    TextureMap *out) {
+    Vec3 middle = vec3(0, 0, 0), x = vec3_normalize(vec3_sub(v[1], v[0])), y = vec3_cross(n, x);
+    Vec2 mean = vec2(0, 0);
+    for (int i = 0; i < count; i++) {
+        middle = vec3_add(middle, vec3_scale(v[i], 1.0 / count));
+        mean = vec2_add(mean, vec2_scale(places[i], 1.0 / count));
+    }
+    double xx = 0, xy = 0, yy = 0;
+    Vec2 along[2] = {{0, 0}, {0, 0}};  // sums of places times x, times y
+    for (int i = 0; i < count; i++) {
+        Vec3 d = vec3_sub(v[i], middle);
+        double dx = vec3_dot(d, x), dy = vec3_dot(d, y);
+        Vec2 off = vec2_sub(places[i], mean);
+        xx += dx * dx, xy += dx * dy, yy += dy * dy;
+        along[0] = vec2_add(along[0], vec2_scale(off, dx));
+        along[1] = vec2_add(along[1], vec2_scale(off, dy));
+    }
+    double det = xx * yy - xy * xy;
+    if (!(det > 0)) return false;
+    Vec2 by_x = vec2_scale(vec2_sub(vec2_scale(along[0], yy), vec2_scale(along[1], xy)), 1 / det),
+         by_y = vec2_scale(vec2_sub(vec2_scale(along[1], xx), vec2_scale(along[0], xy)), 1 / det);
+    out->u = vec3_add(vec3_scale(x, by_x.x), vec3_scale(y, by_y.x));
+    out->v = vec3_add(vec3_scale(x, by_x.y), vec3_scale(y, by_y.y));
+    out->u0 = mean.x - vec3_dot(out->u, middle);
+    out->v0 = mean.y - vec3_dot(out->v, middle);
+    for (int i = 0; i < count; i++) {
+        if (!(fabs(vec3_dot(out->u, v[i]) + out->u0 - places[i].x) <= most[0])) return false;
+        if (!(fabs(vec3_dot(out->v, v[i]) + out->v0 - places[i].y) <= most[1])) return false;
+    }
+    return true;
+}
+
+// The map of a polygon of this material; 0 where it has no picture or `places` is NULL, or one of its numbers makes no sense;
+// -1: no single map fits.
+static int map_of(Arena *arena, Building *b, const Vec3 *v, const Vec2 *places, int count, Vec3 n,
+                  int material) {
+    int texture =
+        b->materials && material >= 0 && material < b->material_count ? b->materials[material].texture : 0;
+    if (!places || texture == 0) return 0;
+    for (int i = 0; i < count; i++)
+        if (!(fabs(places[i].x) <= TEXTURE_FARTHEST) || !(fabs(places[i].y) <= TEXTURE_FARTHEST)) return 0;
+    TextureMap map;
+    const Texture *p = &b->textures[texture];
+    // A triangle has always a map, up to rounding.
+    const double half[2] = {count == 3 ? INFINITY : 0.5 / p->width, count == 3 ? INFINITY : 0.5 / p->height};
+    return fit_map(v, places, count, n, half, &map) ? building_add_texture_map(arena, b, map)
+           : count == 3                             ? 0
+                                                    : -1;
+}
+
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner is
 // cut off. A corner that is not an ear cannot become one while its neighbours and the vertex in its triangle are left.
-static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, int count, Vec3 n, int material) {
+static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, const Vec2 *places, int count, Vec3 n,
+                            int material) {
     int *ring = memory_new(sizeof(int) * 2 * (size_t)count), *why = ring + count, added = 0;
     for (int i = 0; i < count; i++) {
         ring[i] = i;
@@ -88,9 +157,16 @@ static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, int count,
         why[(ear + left - 1) % left] = why[(ear + 1) % left] = UNKNOWN;
         for (int i = 0; i < left; i++)
             if (why[i] == ring[ear]) why[i] = UNKNOWN;
-        Vec3 t[3] = {v[ring[(ear + left - 1) % left]], v[ring[ear]], v[ring[(ear + 1) % left]]};
+        const int corner[3] = {ring[(ear + left - 1) % left], ring[ear], ring[(ear + 1) % left]};
+        Vec3 t[3];
+        Vec2 place[3] = {{0, 0}, {0, 0}, {0, 0}};
+        for (int i = 0; i < 3; i++) {
+            t[i] = v[corner[i]];
+            if (places) place[i] = places[corner[i]];
+        }
         if (polygon_area(t, 3) > MAPS_SMALLEST_AREA && has_plane(t)) {
-            push_polygon(arena, b, t, 3, material);
+            int map = map_of(arena, b, t, places ? place : NULL, 3, plane_of_polygon(t, 3).n, material);
+            push_polygon(arena, b, t, 3, material, map);
             added++;
         }
         for (int i = ear; i + 1 < left; i++) {
@@ -102,28 +178,40 @@ static int add_as_triangles(Arena *arena, Building *b, const Vec3 *v, int count,
     return added;
 }
 
-int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
+int building_add_textured(Arena *arena, Building *b, const Vec3 *vertices, const Vec2 *places, int count,
+                          int material) {
     if (count < 3) return 0;
-    Vec3 few[64], *v = count <= 64 ? few : memory_new(sizeof(Vec3) * (size_t)count);
+    enum { FEW = 64 };
+    Vec3 few[FEW], *v = count <= FEW ? few : memory_new(sizeof(Vec3) * (size_t)count);
+    Vec2 few_places[FEW], *at = count <= FEW ? few_places : memory_new(sizeof(Vec2) * (size_t)count);
     int kept = 0, added = 0;
     for (int i = 0; i < count; i++) {
         Vec3 p = vertices[i];
         if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) kept = -count - 1;
-        if (kept >= 0 && (kept == 0 || !vec3_equal(v[kept - 1], p))) v[kept++] = p;
+        if (kept < 0 || (kept > 0 && vec3_equal(v[kept - 1], p))) continue;
+        if (places) at[kept] = places[i];
+        v[kept++] = p;
     }
     while (kept > 1 && vec3_equal(v[kept - 1], v[0])) kept--;
     if (kept >= 3 && polygon_area(v, kept) > MAPS_SMALLEST_AREA) {
         Plane plane = plane_of_polygon(v, kept);
         // Half the limit, so that later rounding cannot push the polygon over it.
-        if (polygon_bend(v, kept, plane) < MAPS_PLANARITY / 2 && polygon_is_convex(v, kept, plane.n)) {
-            push_polygon(arena, b, v, kept, material);
+        bool whole = polygon_bend(v, kept, plane) < MAPS_PLANARITY / 2 && polygon_is_convex(v, kept, plane.n);
+        int map = whole ? map_of(arena, b, v, places ? at : NULL, kept, plane.n, material) : -1;
+        if (map >= 0) {
+            push_polygon(arena, b, v, kept, material, map);
             added = 1;
         } else {
-            added = add_as_triangles(arena, b, v, kept, plane.n, material);
+            added = add_as_triangles(arena, b, v, places ? at : NULL, kept, plane.n, material);
         }
     }
     if (v != few) memory_free(v);
+    if (at != few_places) memory_free(at);
     return added;
+}
+
+int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material) {
+    return building_add_textured(arena, b, vertices, NULL, count, material);
 }
 
 int building_polygons_allowed(double file_size) {
@@ -177,11 +265,17 @@ void building_note_tally(Arena *arena, Building *b, const char *where, const Not
                   *tally->names ? ": " : "", tally->names);
 }
 
-float maps_linear(int srgb) {
-    double c = (srgb < 0 ? 0 : srgb > 255 ? 255 : srgb) / 255.0;
-    double linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-    return fminf((float)linear, MAPS_MAX_COLOUR);
+// Filled before main, since pictures are read by the million.
+static float linear_of[256];
+
+static void __attribute__((constructor)) fill_linear(void) {
+    for (int i = 0; i < 256; i++) {
+        double c = i / 255.0, linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+        linear_of[i] = fminf((float)linear, MAPS_MAX_COLOUR);
+    }
 }
+
+float maps_linear(int srgb) { return linear_of[srgb < 0 ? 0 : srgb > 255 ? 255 : srgb]; }
 
 Rgb maps_colour(unsigned rgb) {
     return (Rgb){maps_linear((int)(rgb >> 16 & 255)), maps_linear((int)(rgb >> 8 & 255)),

@@ -41,14 +41,33 @@ static inline double rgb_sum(const double v[3]) { return v[0] + v[1] + v[2]; }
 // The colour and optics of polygons.
 typedef struct Material {
     const char *name;
-    Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE)
+    Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE); of a texture its mean
     Rgb emission;     // radiant exitance, W/m^2
     float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
     float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
     // The index of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: the material does not refract.
     float index;
     float gloss;  // of an opaque material: it reflects this share, 0 .. 1, of what lacquer of index 1.5 does
+    // Its texture and, for polygons that have no map of their own, how the picture lies. 0: none.
+    int texture, texture_map;
 } Material;
+
+// A texture: a picture. Smaller levels follow its texels, each of half the sides (rounded down, at least 1) of the
+// one before, down to one texel; texture_level in texture.h finds them.
+typedef struct Texture {
+    const char *name;  // for messages
+    int width, height;
+    uint8_t *texels;  // [.. * 4] rows from the top: red, green, blue as sRGB, and opacity
+    Rgb mean;         // reflectance, weighted by opacity
+    float opacity;    // 0 .. 1, the mean
+} Texture;
+
+// How a picture lies in a building: it shows its place (u, v) = (dot(u, p) + u0, dot(v, p) + v0) at point p, for leaves
+// of doors at p when the leaf is closed. (0, 0) is the picture's top left corner, (1, 1) its bottom right one, and the picture repeats.
+typedef struct TextureMap {
+    Vec3 u, v;  // 1 / metres
+    double u0, v0;
+} TextureMap;
 
 // A level of a building.
 typedef struct Storey {
@@ -130,6 +149,7 @@ typedef struct Leaf {
 typedef struct Polygon {
     int first_vertex, vertex_count;
     int material;
+    int texture_map;  // 0: that of the material
 } Polygon;
 
 typedef enum ObjectKind {
@@ -231,6 +251,8 @@ typedef struct Building {
     double file_size;     // bytes; 0: not read from a file. The polygons allowed to a building grow with it
     const char **beside;  // [beside_count] paths of the files to which the one read refers, where they exist
     Material *materials;
+    Texture *textures;         // entry 0 is no texture
+    TextureMap *texture_maps;  // entry 0 is no map
     Storey *storeys;
     Region *regions;
     Ring *rings;
@@ -244,6 +266,8 @@ typedef struct Building {
     Inlay *inlays;
     Light *lights;
     Site site;
+    // The picture of the sky, once around (u, counter-clockwise from north) and from the zenith (v = 0) to the horizon; 0: none.
+    int sky_texture;
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;
@@ -253,16 +277,17 @@ typedef struct Building {
     CurvedTrim *trims;
     CurvedBall *balls;
     int given_cell_count, given_portal_count;
-    int material_count, storey_count, region_count, ring_count, point_count, opening_count, leaf_count,
-        polygon_count, vertex_count, object_count, inlay_count, light_count, viewpoint_count,
-        tour_point_count, tour_count, note_count, shape_count, control_count, trim_count, ball_count,
-        beside_count;
+    int material_count, texture_count, texture_map_count, storey_count, region_count, ring_count, point_count,
+        opening_count, leaf_count, polygon_count, vertex_count, object_count, inlay_count, light_count,
+        viewpoint_count, tour_point_count, tour_count, note_count, shape_count, control_count, trim_count,
+        ball_count, beside_count;
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
-    int material_capacity, storey_capacity, region_capacity, ring_capacity, point_capacity, edge_capacity,
-        opening_capacity, leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity,
-        light_capacity, viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
-        control_capacity, trim_capacity, ball_capacity, beside_capacity;
+    int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
+        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity, polygon_capacity,
+        vertex_capacity, object_capacity, inlay_capacity, light_capacity, viewpoint_capacity,
+        tour_point_capacity, tour_capacity, note_capacity, shape_capacity, control_capacity, trim_capacity,
+        ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;
@@ -282,6 +307,8 @@ enum { LEAF_CORNERS = 32 };
 #define MAPS_DENT 1e-9
 // How far a polygon's vertices may lie off its plane, metres.
 #define MAPS_PLANARITY 0.001
+// Places in pictures beyond this are refused: a picture would repeat more often than there are texels on a screen.
+#define TEXTURE_FARTHEST 1e6
 // Polygons of less area are dropped and are faults, m^2: a square of a tenth of a millimetre is visible nowhere.
 #define MAPS_SMALLEST_AREA 1e-8
 // Coordinates beyond this are refused, metres: up to here the grid is exact in doubles, and georeferenced plans fit.
@@ -301,6 +328,11 @@ int building_add_object(Arena *arena, Building *b, ObjectKind kind, const char *
 // Appends a polygon to the last object. Concave or bent polygons are cut into triangles; degenerate ones dropped.
 // Returns how many polygons it became.
 int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int count, int material);
+// The same of a polygon with a place (u, v) in the material's picture for each corner. A polygon that no single map fits, to half a
+// texel, is cut into triangles. `places` may be NULL.
+int building_add_textured(Arena *arena, Building *b, const Vec3 *vertices, const Vec2 *places, int count,
+                          int material);
+int building_add_texture_map(Arena *arena, Building *b, TextureMap map);  // or returns the last one, if equal
 
 // The number of polygons that a file of `file_size` bytes may make by placing models, tessellating curved shapes and instancing
 // meshes, since a short line can ask for thousands. A small file may make 300,000, a file of 16 MB BUILDING_MOST_POLYGONS; where

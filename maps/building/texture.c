@@ -1,9 +1,11 @@
-// texture.c - mean colours of images, decoded by stb_image. sRGB is decoded before averaging: a chequered floor
-// reflects the mean of its tiles' reflectances, not the reflectance of its mean code.
+// texture.c - pictures, decoded by stb_image, with smaller levels (Williams 1983, Pyramidal parametrics). sRGB is decoded before
+// averaging: a chequered floor reflects the mean of its tiles' reflectances, not the reflectance of its mean code. Colours count by
+// their opacity, so that the colour of what is transparent never shows.
 #include "maps/building/texture.h"
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "engine/core/memory.h"
 
@@ -58,27 +60,216 @@ static double work_of(Bytes image) {
     return texture_pixels(image) * (jpeg ? ceil((scans + 1.0) / USUAL_SCANS) : 1);
 }
 
-bool texture_mean(Bytes image, double *left, Rgb *mean) {
-    int width, height, channels;
-    if (texture_pixels(image) == 0) return false;
-    if (left) {
-        *left += (double)image.size * TEXTURE_PIXELS_A_BYTE;
-        double work = work_of(image);
-        if (work > *left) return false;
-        *left -= work;
+// ---- levels
+
+// sRGB codes of linear values: a share of `CODES` to the nearest code. 4,096 steps tell all 256 codes apart but the darkest few.
+enum { CODES = 4096 };
+typedef struct Codes {
+    float linear[256];
+    uint8_t srgb[CODES + 1];
+} Codes;
+
+static void fill_codes(Codes *c) {
+    for (int i = 0; i < 256; i++) {
+        double s = i / 255.0;
+        c->linear[i] = (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
     }
-    unsigned char *pixels = stbi_load_from_memory(image.data, (int)image.size, &width, &height, &channels, 4);
-    if (!pixels) return false;
-    double linear[256], sum[3] = {0}, weight = 0;
+    for (int i = 0, code = 0; i <= CODES; i++) {
+        while (code < 255 && (float)i / CODES > 0.5f * (c->linear[code] + c->linear[code + 1])) code++;
+        c->srgb[i] = (uint8_t)code;
+    }
+}
+
+static int half(int side) { return side > 1 ? side / 2 : 1; }
+
+// Texels of a picture and all its smaller levels.
+static size_t texels_of(int width, int height) {
+    size_t sum = (size_t)width * (size_t)height;
+    while (width > 1 || height > 1) {
+        width = half(width), height = half(height);
+        sum += (size_t)width * (size_t)height;
+    }
+    return sum;
+}
+
+// How much of source texel `i` lies in texel `at` of `to`, which divide the same length as `from` texels.
+static double texels_shared(int i, int at, int from, int to) {
+    double low = fmax((double)i * to, (double)at * from), high = fmin((i + 1.0) * to, (at + 1.0) * from);
+    return fmax(high - low, 0);
+}
+
+// Writes the picture of half the sides: means over areas.
+static void write_half(const Codes *codes, const uint8_t *from, int fw, int fh, uint8_t *out) {
+    int w = half(fw), h = half(fh);
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            double sum[3] = {0, 0, 0}, opaque = 0, all = 0;
+            for (int j = y * fh / h; j < fh && j * h < (y + 1) * fh; j++) {
+                for (int i = x * fw / w; i < fw && i * w < (x + 1) * fw; i++) {
+                    const uint8_t *texel = from + 4 * ((size_t)j * (size_t)fw + (size_t)i);
+                    double area = texels_shared(i, x, fw, w) * texels_shared(j, y, fh, h),
+                           weight = area * texel[3];
+                    for (int c = 0; c < 3; c++) sum[c] += weight * (double)codes->linear[texel[c]];
+                    opaque += weight;
+                    all += area;
+                }
+            }
+            uint8_t *texel = out + 4 * ((size_t)y * (size_t)w + (size_t)x);
+            for (int c = 0; c < 3; c++)
+                texel[c] = opaque > 0 ? codes->srgb[(int)(sum[c] / opaque * CODES + 0.5)] : 0;
+            texel[3] = (uint8_t)(opaque / all + 0.5);
+        }
+    }
+}
+
+const uint8_t *texture_level(const Texture *texture, int level, int *width, int *height) {
+    const uint8_t *texels = texture->texels;
+    *width = texture->width, *height = texture->height;
+    for (; level > 0 && (*width > 1 || *height > 1); level--) {
+        texels += 4 * (size_t)*width * (size_t)*height;
+        *width = half(*width), *height = half(*height);
+    }
+    return texels;
+}
+
+static double texels_kept(const Building *b) {
+    double sum = 0;
+    for (int i = 1; i < b->texture_count; i++) sum += (double)b->textures[i].width * b->textures[i].height;
+    return sum;
+}
+
+// The mean, capped texel by texel as maps_linear does; false where nothing is opaque.
+static bool find_mean(const uint8_t *pixels, size_t count, Texture *out) {
+    double linear[256], sum[3] = {0, 0, 0}, weight = 0;
     for (int i = 0; i < 256; i++) linear[i] = (double)maps_linear(i);
-    size_t count = (size_t)width * (size_t)height;
     for (size_t i = 0; i < count; i++) {
-        const unsigned char *pixel = pixels + 4 * i;
+        const uint8_t *pixel = pixels + 4 * i;
         for (int c = 0; c < 3; c++) sum[c] += linear[pixel[c]] * pixel[3];
         weight += pixel[3];
     }
-    stbi_image_free(pixels);
     if (weight <= 0) return false;
-    *mean = (Rgb){(float)(sum[0] / weight), (float)(sum[1] / weight), (float)(sum[2] / weight)};
+    out->mean = (Rgb){(float)(sum[0] / weight), (float)(sum[1] / weight), (float)(sum[2] / weight)};
+    out->opacity = (float)(weight / 255 / (double)count);
     return true;
+}
+
+int texture_add_pixels(Arena *arena, Building *b, const char *name, int width, int height,
+                       const uint8_t *pixels) {
+    CORE_ASSERT(width > 0 && height > 0);
+    Texture texture = {.name = arena_string(arena, name ? name : "")};
+    if (!find_mean(pixels, (size_t)width * (size_t)height, &texture)) return 0;
+    Codes *codes = memory_new(sizeof *codes);
+    fill_codes(codes);
+    double most = fmax((TEXTURE_MOST_TEXELS - texels_kept(b)) / 4, 1);
+    uint8_t *smaller = NULL;
+    while (width > TEXTURE_SIDE || height > TEXTURE_SIDE || (double)width * height > most) {
+        int w = half(width), h = half(height);
+        uint8_t *next = memory_new(4 * (size_t)w * (size_t)h);
+        write_half(codes, smaller ? smaller : pixels, width, height, next);
+        memory_free(smaller);
+        smaller = next, width = w, height = h;
+        if (width == 1 && height == 1) break;
+    }
+    texture.width = width, texture.height = height;
+    texture.texels = arena_alloc(arena, texels_of(width, height), 4);
+    memcpy(texture.texels, smaller ? smaller : pixels, 4 * (size_t)width * (size_t)height);
+    memory_free(smaller);
+    uint8_t *level = texture.texels;
+    for (int w = width, h = height; w > 1 || h > 1; w = half(w), h = half(h)) {
+        uint8_t *next = level + 4 * (size_t)w * (size_t)h;
+        write_half(codes, level, w, h, next);
+        level = next;
+    }
+    memory_free(codes);
+    if (b->texture_count == 0)
+        *ARENA_PUSH(arena, b->textures, b->texture_count, b->texture_capacity) = (Texture){.name = ""};
+    *ARENA_PUSH(arena, b->textures, b->texture_count, b->texture_capacity) = texture;
+    return b->texture_count - 1;
+}
+
+// The pixels of an image, to be freed by stbi_image_free; NULL: it may not or cannot be decoded.
+static unsigned char *decode(Bytes image, double *left, int *width, int *height) {
+    int channels;
+    if (texture_pixels(image) == 0) return NULL;
+    if (left) {
+        *left += (double)image.size * TEXTURE_PIXELS_A_BYTE;
+        double work = work_of(image);
+        if (work > *left) return NULL;
+        *left -= work;
+    }
+    return stbi_load_from_memory(image.data, (int)image.size, width, height, &channels, 4);
+}
+
+int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+    int width, height;
+    unsigned char *pixels = decode(image, left, &width, &height);
+    if (!pixels) return 0;
+    int texture = texture_add_pixels(arena, b, name, width, height, pixels);
+    stbi_image_free(pixels);
+    return texture;
+}
+
+bool texture_mean(Bytes image, double *left, Rgb *mean) {
+    int width, height;
+    unsigned char *pixels = decode(image, left, &width, &height);
+    if (!pixels) return false;
+    Texture texture;
+    bool good = find_mean(pixels, (size_t)width * (size_t)height, &texture);
+    if (good) *mean = texture.mean;
+    stbi_image_free(pixels);
+    return good;
+}
+
+// ---- reading
+
+static int wrapped(int i, int side) {
+    i %= side;
+    return i < 0 ? i + side : i;
+}
+
+// Adds share `share` of a level's colour, weighted by opacity, to sum[0 .. 2], and of its opacity to sum[3].
+static void add_level(const Texture *texture, int level, double u, double v, double share, double sum[4]) {
+    int width, height;
+    const uint8_t *texels = texture_level(texture, level, &width, &height);
+    double x = (u - floor(u)) * width - 0.5, y = (v - floor(v)) * height - 0.5;
+    int i = (int)floor(x), j = (int)floor(y);
+    for (int k = 0; k < 4; k++) {
+        int right = k & 1, down = k >> 1;
+        double weight = share * (right ? x - i : 1 - (x - i)) * (down ? y - j : 1 - (y - j));
+        const uint8_t *texel = texels + 4 * ((size_t)wrapped(j + down, height) * (size_t)width +
+                                             (size_t)wrapped(i + right, width));
+        double opaque = weight * texel[3] / 255;
+        for (int c = 0; c < 3; c++) sum[c] += opaque * (double)maps_linear(texel[c]);
+        sum[3] += opaque;
+    }
+}
+
+Texel texture_read(const Texture *texture, double u, double v, double texels) {
+    double sum[4] = {0, 0, 0, 0}, level = texels > 1 ? fmin(log2(texels), 30) : 0;
+    int finer = (int)level;
+    add_level(texture, finer, u, v, 1 - (level - finer), sum);
+    if (level > finer) add_level(texture, finer + 1, u, v, level - finer, sum);
+    if (!(sum[3] > 0)) return (Texel){texture->mean, 0};
+    return (Texel){{(float)(sum[0] / sum[3]), (float)(sum[1] / sum[3]), (float)(sum[2] / sum[3])},
+                   (float)fmin(sum[3], 1)};
+}
+
+// A channel of a material whose picture has `mean`, where the picture has `texel`. Nothing above MAPS_MAX_REFLECTANCE is reflected.
+static float in_proportion(float reflectance, float texel, float mean) {
+    return mean > 0 ? fminf(reflectance * texel / mean, MAPS_MAX_REFLECTANCE) : reflectance;
+}
+
+Texel texture_at(const Building *b, int material, int texture_map, Vec3 p, double width) {
+    const Material *m = &b->materials[material];
+    int map = texture_map ? texture_map : m->texture_map;
+    if (m->texture == 0 || map == 0) return (Texel){m->reflectance, 1};
+    const Texture *texture = &b->textures[m->texture];
+    const TextureMap *t = &b->texture_maps[map];
+    double u = vec3_dot(t->u, p) + t->u0, v = vec3_dot(t->v, p) + t->v0;
+    double texels = width * fmax(vec3_length(t->u) * texture->width, vec3_length(t->v) * texture->height);
+    Texel at = texture_read(texture, u, v, texels);
+    Rgb r = m->reflectance, mean = texture->mean;
+    return (Texel){{in_proportion(r.r, at.colour.r, mean.r), in_proportion(r.g, at.colour.g, mean.g),
+                    in_proportion(r.b, at.colour.b, mean.b)},
+                   at.opacity};
 }

@@ -576,7 +576,7 @@ static Model model_of(const Finder *f, const Object *object, Arena *arena) {
 static void add_proxy_polygon(Finder *f, const Model *m, const ProxyPolygon *p) {
     Proxies *out = f->out;
     *ARENA_PUSH(f->arena, out->polygons, out->polygon_count, f->polygon_capacity) =
-        (Polygon){out->vertex_count, p->count, p->tag};
+        (Polygon){out->vertex_count, p->count, p->tag, 0};
     for (int k = 0; k < p->count; k++)
         *ARENA_PUSH(f->arena, out->vertices, out->vertex_count, f->vertex_capacity) =
             m->places.points[p->corner[k]];

@@ -256,7 +256,7 @@ Test(leaves, sweep_all_their_way) {
         Vec3 v[12], posed[12] = {{0, 0, 0}};
         Leaf leaf = random_leaf(&random, v);
         for (int i = 8; i < 12; i++) v[i] = fixture_direction(&random);
-        Polygon polygons[] = {{8, 4, 0}, {0, 8, 0}};
+        Polygon polygons[] = {{8, 4, 0, 0}, {0, 8, 0, 0}};
         Object objects[] = {{.leaf = -1, .polygon_count = 1},
                             {.leaf = 0, .first_polygon = 1, .polygon_count = 1}};
         Building b = {.leaves = &leaf, .leaf_count = 1, .object_count = 2, .objects = objects};

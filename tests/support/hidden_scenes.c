@@ -9,7 +9,7 @@ const char *const HIDDEN_KIND_NAMES[SCENE_KINDS] = {"plain",   "rings",   "cross
 
 void hidden_soup_add(Arena *arena, HiddenSoup *soup, const Vec3 *vertices, int count) {
     *ARENA_PUSH(arena, soup->polygons, soup->polygon_count, soup->polygon_capacity) =
-        (Polygon){soup->vertex_count, count, 0};
+        (Polygon){soup->vertex_count, count, 0, 0};
     for (int i = 0; i < count; i++)
         *ARENA_PUSH(arena, soup->vertices, soup->vertex_count, soup->vertex_capacity) = vertices[i];
 }

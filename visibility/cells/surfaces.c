@@ -28,7 +28,7 @@ static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int co
     CellGraph *graph = builder->graph;
     Polygon *polygon =
         ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
-    *polygon = (Polygon){graph->vertex_count, count, material};
+    *polygon = (Polygon){graph->vertex_count, count, material, 0};
     for (int i = 0; i < count; i++) {
         *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
             vertices[i];

@@ -52,7 +52,7 @@ static Box drawn_shape_box(const Building *b, const CurvedShape *shape) {
 static void add_mesh(Maker *m, const CurvedMesh *mesh, int shape, int material) {
     for (int i = 0; i < mesh->polygon_count; i++) {
         int first = mesh->first[i], count = mesh->first[i + 1] - first, shapes = m->polygon_count;
-        Polygon polygon = {m->vertex_count, count, material};
+        Polygon polygon = {m->vertex_count, count, material, 0};
         *ARENA_PUSH(m->arena, m->shapes, shapes, m->shape_capacity) = shape;
         *ARENA_PUSH(m->arena, m->list, m->list_count, m->list_capacity) = m->polygon_count;
         *ARENA_PUSH(m->arena, m->polygons, m->polygon_count, m->polygon_capacity) = polygon;

@@ -135,6 +135,6 @@ bool facets_new(const Scene *scene, Arena *arena, Facets *out, Error *error) {
 Scene facets_scene(const Facets *facets, Arena *arena) {
     Polygon *polygons = ARENA_ARRAY(arena, Polygon, facets->count + 1);
     for (int i = 0; i < facets->count; i++)
-        polygons[i] = (Polygon){facets->facets[i].first, facets->facets[i].count, 0};
+        polygons[i] = (Polygon){facets->facets[i].first, facets->facets[i].count, 0, 0};
     return (Scene){polygons, facets->corners, NULL, facets->count};
 }

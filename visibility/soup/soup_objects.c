@@ -15,7 +15,7 @@ static void add_plug(CellBuilder *builder, const Portal *portal) {
                        .leaf = -1,
                        .plug = true};
     *ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity) =
-        (Polygon){graph->vertex_count, portal->vertex_count, opening->material};
+        (Polygon){graph->vertex_count, portal->vertex_count, opening->material, 0};
     for (int i = 0; i < portal->vertex_count; i++)
         *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
             graph->portal_vertices[portal->first_vertex + i];

@@ -228,7 +228,7 @@ Test(ray_tree, meets_what_embree_meets) {
 Test(ray_tree, takes_what_is_hardly_there) {
     Arena arena = {0};
     Vec3 v[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    Polygon polygons[] = {{0, 3, 0}, {0, 2, 0}, {4, 2, 0}};
+    Polygon polygons[] = {{0, 3, 0, 0}, {0, 2, 0, 0}, {4, 2, 0, 0}};
     Ray down = {vec3(0.7, 0.3, 1), vec3(0, 0, -1), 0, INFINITY},
         up = {vec3(0.7, 0.3, 1), vec3(0, 0, 1), 0, INFINITY};
     for (int count = 0; count < 4; count++) {

@@ -307,6 +307,14 @@ Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
                 leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, z);
 }
 
+Vec3 leaf_point_closed(const Leaf *leaf, double open, Vec3 point) {
+    double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
+    Vec2 from =
+        vec2(point.x - leaf->pivot.x - open * leaf->slide.x, point.y - leaf->pivot.y - open * leaf->slide.y);
+    return vec3(leaf->pivot.x + c * from.x + s * from.y, leaf->pivot.y - s * from.x + c * from.y,
+                point.z - open * leaf->rise);
+}
+
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {
     Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
     Vec2 half = vec2_scale(vec2(-along.y, along.x), leaf->thickness / 2 / vec2_length(along));

@@ -370,6 +370,8 @@ bool region_is_convex(const Building *b, const Region *region);
 
 // The position of a point of a leaf at share `open` of the leaf's way; `closed` is its position when the leaf is closed.
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
+// The other way: where a point of a leaf at share `open` is when the leaf is closed.
+Vec3 leaf_point_closed(const Leaf *leaf, double open, Vec3 point);
 // The leaf's plan box at share `open`, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
 // The leaf's plan polygon at share `open`, counter-clockwise: its own corners, or those of its box. Returns their number.

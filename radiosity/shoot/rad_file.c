@@ -44,6 +44,8 @@ static uint64_t mesh_hash(const Mesh *mesh) {
     hash = file_hash(mesh->corners, (size_t)mesh->corner_count * sizeof *mesh->corners, hash);
     for (int e = 0; e < mesh->element_count; e++)
         hash = file_hash(&mesh->elements[e].patch, sizeof mesh->elements[e].patch, hash);
+    if (mesh->reflectance)
+        hash = file_hash(mesh->reflectance, (size_t)mesh->element_count * sizeof *mesh->reflectance, hash);
     for (int p = 0; p < mesh->panes.count; p++)
         hash = file_hash(&mesh->panes.panes[p].plane, sizeof mesh->panes.panes[p].plane, hash);
     return hash;

@@ -43,8 +43,10 @@ typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE); of a texture its mean
     Rgb emission;     // radiant exitance, W/m^2
-    float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
-    float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
+    // 1 opaque, whatever its texture; below 1 seen through, never an occluder; of a texture with holes the mean. At a point it is in
+    // proportion to the opacity of the texture there and its mean.
+    float alpha;
+    float mirror;  // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
     // The index of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: the material does not refract.
     float index;
     float gloss;  // of an opaque material: it reflects this share, 0 .. 1, of what lacquer of index 1.5 does
@@ -266,8 +268,10 @@ typedef struct Building {
     Inlay *inlays;
     Light *lights;
     Site site;
-    // The picture of the sky, once around (u, counter-clockwise from north) and from the zenith (v = 0) to the horizon; 0: none.
+    // The picture of the sky, once around and from the zenith (v = 0) to the horizon (v = 1); 0: none. As seen by who turns to the
+    // right, u grows from 0 at `sky_start`, radians counter-clockwise from +x in the plan.
     int sky_texture;
+    double sky_start;
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;

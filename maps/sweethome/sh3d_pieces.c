@@ -85,6 +85,12 @@ static const XmlNode * override(const XmlNode *piece, const char *name) {
     return NULL;
 }
 
+static bool sh3d_mean(Sh3d *s, const XmlNode *t, Rgb *mean) {
+    int picture = sh3d_picture(s, t);
+    if (picture) *mean = s->b->textures[picture].mean;
+    return picture > 0;
+}
+
 // A colour of the piece goes over all but its panes; else a texture of the piece; else what it states of single
 // materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
 // materials.
@@ -98,11 +104,11 @@ static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pa
     const XmlNode *own = override(p->node, m->name);
     bool stated = false, painted = p->coloured, known = m->known || box;
     for (const XmlNode *child = own ? own->first : NULL; child; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean, known = true;
+        if (xml_is(child, "texture") && sh3d_mean(s, child, &mean)) out.reflectance = mean, known = true;
     if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb), known = true;
     for (const XmlNode *child = p->node->first; child; child = child->next) {
         stated = stated || xml_is(child, "material");
-        if (!xml_is(child, "texture") || !sh3d_texture(s, child, &mean)) continue;
+        if (!xml_is(child, "texture") || !sh3d_mean(s, child, &mean)) continue;
         painted = true;
         if (!pane) out.reflectance = mean, known = true;
     }

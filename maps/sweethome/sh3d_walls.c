@@ -33,7 +33,9 @@ typedef struct Sh3dWall {
     double floor, top[2];  // absolute heights: foot, top at start and end
     int storey;
     int joined[2];  // the walls it joins at start and end, -1: none
-    int left_material, right_material, top_material;
+    int *left_material,
+        *right_material;  // [side_count] of the chord from each point on; the last: of the wall's ends
+    int top_material;
     Vec2 *left, *right;  // [side_count] from start to end; mitred at last
     int side_count;
     bool bounding;  // reaches the ceiling, or stands under a sloped one
@@ -55,9 +57,7 @@ static Sh3dWall read_wall(Sh3d *s, const XmlNode *node) {
     double height = sh3d_length(s, node, "height", s->wall_height * CM_PER_M);
     w.top[0] = w.floor + height;
     w.top[1] = w.floor + sh3d_length(s, node, "heightAtEnd", height * CM_PER_M);
-    w.left_material = sh3d_material(s, node, "leftSide", s->wall_material);
-    w.right_material = sh3d_material(s, node, "rightSide", s->wall_material);
-    w.top_material = sh3d_material(s, node, "top", s->wall_material);
+    w.top_material = sh3d_material(s, node, "top", s->wall_material, NULL);
     w.place = sh3d_place(s, node, "wall");
     return w;
 }
@@ -288,6 +288,65 @@ static void mitre_walls(Sh3d *s) {
     }
 }
 
+// ---- pictures on walls
+
+// A side's pictures count from where the side starts, along it, and in absolute heights. From the side into the wall they count on, so
+// that jambs have pictures too.
+static Sh3dFrame side_frame(const Sh3dWall *w, bool left) {
+    const Vec2 *side = left ? w->left : w->right;
+    Vec2 axis = vec2_sub(w->end, w->start), along = vec2_scale(axis, 1 / vec2_length(axis)),
+         inward = left ? vec2(along.y, -along.x) : vec2(-along.y, along.x), right = vec2_add(along, inward);
+    return (Sh3dFrame){.right = {right.x, right.y, 0},
+                       .up = {0, 0, 1},
+                       .right0 = -vec2_dot(right, side[0]),
+                       .left_side = left};
+}
+
+// The angle by which the side's point i lies on from its start, as the arc turns.
+static double turned(const Sh3dWall *w, const Vec2 *side, int i) {
+    Vec2 centre = arc_centre(w), a = vec2_sub(side[0], centre), b = vec2_sub(side[i], centre);
+    double angle = atan2(vec2_cross(a, b), vec2_dot(a, b));
+    if (i > 0 && angle * w->arc < 0) angle += w->arc > 0 ? 2 * M_PI : -2 * M_PI;
+    return angle;
+}
+
+// On arcs lengths are those of the axis, counted against the arc where it turns left: each chord has a map of its own.
+static Sh3dFrame chord_frame(const Sh3dWall *w, bool left, int i) {
+    const Vec2 *side = left ? w->left : w->right;
+    Vec2 chord = vec2_sub(side[i + 1], side[i]);
+    double radius = vec2_length(vec2_sub(w->start, arc_centre(w))), length = vec2_length(chord),
+           from = -turned(w, side, i) * radius, to = -turned(w, side, i + 1) * radius;
+    Vec2 right = vec2_scale(chord, length > 0 ? (to - from) / (length * length) : 0);
+    return (Sh3dFrame){.right = {right.x, right.y, 0},
+                       .up = {0, 0, 1},
+                       .right0 = from - vec2_dot(right, side[i]),
+                       .left_side = left};
+}
+
+static void paint_wall(Sh3d *s, Sh3dWall *w) {
+    for (int left = 0; left < 2; left++) {
+        Sh3dFrame frame = side_frame(w, left);
+        int material = sh3d_material(s, w->node, left ? "leftSide" : "rightSide", s->wall_material, &frame);
+        int *chords = ARENA_ARRAY(s->arena, int, w->side_count);
+        const XmlNode *texture = sh3d_texture_of(s, w->node, left ? "leftSide" : "rightSide");
+        for (int i = 0; i < w->side_count; i++) {
+            Material m = s->b->materials[material];
+            chords[i] = material;
+            if (is_straight(w) || i + 1 == w->side_count || m.texture_map == 0) continue;
+            TextureMap map;
+            frame = chord_frame(w, left, i);
+            if (sh3d_map(s, texture, &frame, &map)) {
+                m.texture_map = building_add_texture_map(s->arena, s->b, map);
+                chords[i] = sh3d_push_material(s, m);
+            }
+        }
+        if (left)
+            w->left_material = chords;
+        else
+            w->right_material = chords;
+    }
+}
+
 // ---- which walls bound rooms
 
 static bool is_sloped(const Sh3dWall *w) { return fabs(w->top[0] - w->top[1]) > SH3D_SAME_HEIGHT; }
@@ -323,6 +382,7 @@ bool sh3d_read_walls(Sh3d *s) {
     double share = arc_share(s);
     for (int i = 0; i < s->wall_count; i++) make_sides(s, &s->walls[i], share);
     mitre_walls(s);
+    for (int i = 0; i < s->wall_count; i++) paint_wall(s, &s->walls[i]);
     for (int i = 0; i < s->wall_count; i++)
         s->walls[i].bounding = reaches_ceiling(s, &s->walls[i]) || under_slope(s, i);
     return !s->failed;
@@ -340,8 +400,8 @@ static void add_bounding(Sh3d *s, const Sh3dWall *w) {
     SketchWall wall = {w->storey, k->point_count, 2 * n, w->floor, top, atan2(along.y, along.x), w->place};
     // The ends take the left side's material; they show only where nothing is joined.
     for (int i = 0; i < n; i++)
-        sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material : w->left_material);
-    for (int i = n - 1; i >= 0; i--) sh3d_add_point(s, w->left[i], w->left_material);
+        sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material[i] : w->left_material[n - 1]);
+    for (int i = n - 1; i >= 0; i--) sh3d_add_point(s, w->left[i], w->left_material[i > 0 ? i - 1 : n - 1]);
     *ARENA_PUSH(s->arena, k->walls, k->wall_count, k->wall_capacity) = wall;
 }
 
@@ -371,15 +431,15 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
     int n = w->side_count;
     building_add_object(s->arena, s->b, OBJECT_LOW_WALL, w->place);
     for (int i = 0; i + 1 < n; i++) {
-        add_side(s, w, w->right[i], i, w->right[i + 1], i + 1, w->right_material);
-        add_side(s, w, w->left[i + 1], i + 1, w->left[i], i, w->left_material);
+        add_side(s, w, w->right[i], i, w->right[i + 1], i + 1, w->right_material[i]);
+        add_side(s, w, w->left[i + 1], i + 1, w->left[i], i, w->left_material[i]);
         add_quad(s, at_height(w->right[i], top_at(w, i, w->right[i])),
                  at_height(w->right[i + 1], top_at(w, i + 1, w->right[i + 1])),
                  at_height(w->left[i + 1], top_at(w, i + 1, w->left[i + 1])),
                  at_height(w->left[i], top_at(w, i, w->left[i])), w->top_material);
     }
-    add_side(s, w, w->right[n - 1], n - 1, w->left[n - 1], n - 1, w->left_material);
-    add_side(s, w, w->left[0], 0, w->right[0], 0, w->left_material);
+    add_side(s, w, w->right[n - 1], n - 1, w->left[n - 1], n - 1, w->left_material[n - 1]);
+    add_side(s, w, w->left[0], 0, w->right[0], 0, w->left_material[n - 1]);
     Vec2 along = vec2_sub(w->end, w->start);
     building_set_proxy(s->b, atan2(along.y, along.x));
 }

@@ -299,6 +299,45 @@ bool region_is_convex(const Building *b, const Region *region) {
     return turned < 3 * M_PI;
 }
 
+// The middle of the longest stretch of the region on the line through the middle of its box.
+static Vec2 place_inside(const Building *b, const Region *r) {
+    double low = INFINITY, high = -INFINITY, longest = -1;
+    const Ring *rings = b->rings + r->first_ring;
+    for (int i = 0; i < rings->point_count; i++) {
+        low = fmin(low, b->points[rings->first_point + i].y);
+        high = fmax(high, b->points[rings->first_point + i].y);
+    }
+    double y = low + (high - low) / 2;
+    Vec2 best = b->points[rings->first_point];
+    // From each crossing to the next one on its right: free space lies to the right of edges that go down.
+    for (int k = 0; k < r->ring_count; k++) {
+        for (int i = 0; i < rings[k].point_count; i++) {
+            const Vec2 *p = b->points + rings[k].first_point, a = p[i], c = p[(i + 1) % rings[k].point_count];
+            if (!(a.y > y && c.y <= y)) continue;
+            double x = a.x + (c.x - a.x) * (y - a.y) / (c.y - a.y), next = INFINITY;
+            for (int m = 0; m < r->ring_count; m++) {
+                const Vec2 *q = b->points + rings[m].first_point;
+                for (int n = 0; n < rings[m].point_count; n++) {
+                    Vec2 s = q[n], t = q[(n + 1) % rings[m].point_count];
+                    double at = s.x + (t.x - s.x) * (y - s.y) / (t.y - s.y);
+                    if (s.y <= y && t.y > y && at > x) next = fmin(next, at);
+                }
+            }
+            if (!isfinite(next) || next - x <= longest) continue;
+            longest = next - x;
+            best = vec2((x + next) / 2, y);
+        }
+    }
+    return best;
+}
+
+const char *region_title(const Building *b, const Region *region, Arena *arena) {
+    if (region->kind == REGION_OUTDOORS) return "outdoors";
+    if (*region->name) return region->name;
+    Vec2 at = place_inside(b, region);
+    return arena_format(arena, "a room at (%.1f, %.1f)", at.x, at.y);
+}
+
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
     double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
     Vec2 from = vec2(closed.x - leaf->pivot.x, closed.y - leaf->pivot.y);

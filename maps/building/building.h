@@ -378,6 +378,10 @@ int building_check(const Building *b, Arena *arena, const char **faults, int max
 // Whether the region has only one ring, convex to within MAPS_DENT: it then becomes a cell without being cut.
 bool region_is_convex(const Building *b, const Region *region);
 
+// How sentences call a region: by its name, as `outdoors`, or as `a room at (3.2, 1.5)`, a place inside it, metres. The text lies in the
+// arena or in the building.
+const char *region_title(const Building *b, const Region *region, Arena *arena);
+
 // The position of a point of a leaf at share `open` of the leaf's way; `closed` is its position when the leaf is closed.
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
 // The other way: where a point of a leaf at share `open` is when the leaf is closed.

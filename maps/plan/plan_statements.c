@@ -378,7 +378,8 @@ static void add_stretch(Plan *plan, const PlanList *axis, int i, bool closed, Wa
                        .point_count = 4,
                        .z0 = form.z0,
                        .z1 = form.z1,
-                       .angle = atan2(u.y, u.x)};
+                       .angle = atan2(u.y, u.x),
+                       .top_material = s->outer_material};
     wall.place = arena_format(plan->arena, "%s:%d: wall at (%.2f, %.2f)", plan->line.path, plan->line.number,
                               a.x, a.y);
     for (int k = 0; k < 4; k++) push_point(plan, corner[k], form.material);

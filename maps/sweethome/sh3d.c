@@ -109,7 +109,9 @@ static void read_room(Sh3d *s, const XmlNode *node) {
     }
     Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
     room.place = sh3d_place(s, node, "room");
-    // floorVisible and ceilingVisible only tell the program what to draw: a walk needs a floor.
+    // floorVisible only tells the program what to draw: a walk needs a floor. Many a room has no visible ceiling, to look into it from
+    // above; only where low walls fence it does that mean that there is none.
+    room.open_above = !sh3d_flag(node, "ceilingVisible", true);
     Sh3dFrame floor = room_frame(s, &room, false), ceiling = room_frame(s, &room, true);
     room.floor_material = sh3d_material(s, node, "floor", s->floor_material, &floor);
     room.ceiling_material = sh3d_material(s, node, "ceiling", s->ceiling_material, &ceiling);
@@ -272,6 +274,7 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
         if (xml_is(node, "room")) read_room(&s, node);
     if (!s.failed && s.wall_count == 0 && sketch->room_count == 0)
         return error_set(error, "%s: the home is empty (at least a wall or a room is needed)", where);
+    if (!s.failed) sh3d_find_ceilings(&s);
     if (!s.failed) sh3d_add_walls(&s);
     if (!s.failed) sh3d_add_sloped_ceilings(&s);
     if (!s.failed) sh3d_read_pieces(&s);

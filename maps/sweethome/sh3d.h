@@ -117,7 +117,9 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
 
 // ---- sh3d_walls.c
 
-bool sh3d_read_walls(Sh3d *s);           // call after the levels are read; sets the storeys' heights
+bool sh3d_read_walls(Sh3d *s);  // call after the levels are read; sets the storeys' heights
+void sh3d_find_ceilings(
+    Sh3d *s);  // of rooms under walls lower than their storey; call after rooms and walls are read
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
 void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
 

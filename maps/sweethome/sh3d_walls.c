@@ -16,11 +16,13 @@ static const double MITRE_LIMIT = 2;   // thicknesses a corner may move
 static const double HIGH_WALL = 1.8;   // metres: walls from here on show how high a storey is
 static const double CM_PER_M = 100;    // the file counts in cm; arcs get sqrt(length in cm) chords
 #define ARC_MAX_STEPS 256
-#define ARC_MOST_CHORDS 16000            // of all arcs together: beyond, each has its share, and 2 at least
-#define ROOF_MAX 96                      // corners of a room under sloped walls, for its ceiling
-static const double ROOF_REACH = 0.05;   // metres from a wall's side at which a room's corner belongs to it
-static const double ROOF_SLANT = 0.02;   // sine between a wall and the room's edge that it runs along
-static const double ROOF_OVERLAP = 0.1;  // metres that they share at least
+#define ARC_MOST_CHORDS 16000              // of all arcs together: beyond, each has its share, and 2 at least
+#define ROOF_MAX 96                        // corners of a room under sloped walls, for its ceiling
+static const double ROOF_REACH = 0.05;     // metres from a wall's side at which a room's corner belongs to it
+static const double ROOF_SLANT = 0.02;     // sine between a wall and the room's edge that it runs along
+static const double ROOF_OVERLAP = 0.1;    // metres that they share at least
+static const double OWN_REACH = 0.25;      // metres from a room's corner to the wall that carries its ceiling
+static const double OWN_MOST_LOOKS = 5e7;  // edges of walls that may be looked at for these walls
 
 // ---- reading
 
@@ -370,6 +372,11 @@ static bool under_slope(const Sh3d *s, int i) {
     return false;
 }
 
+// Whether maps_enclose is to judge the wall (see SketchWall).
+static bool may_bound(const Sh3dWall *w) {
+    return !is_sloped(w) && w->top[0] - w->floor >= SKETCH_LEAST_ROOM;
+}
+
 bool sh3d_read_walls(Sh3d *s) {
     for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next) {
         if (!xml_is(node, "wall")) continue;
@@ -390,14 +397,16 @@ bool sh3d_read_walls(Sh3d *s) {
 
 // ---- into the sketch and the building
 
-static void add_bounding(Sh3d *s, const Sh3dWall *w) {
+// A wall that bounds rooms, or may bound them.
+static void add_to_sketch(Sh3d *s, const Sh3dWall *w) {
     Sketch *k = s->sketch;
     int n = w->side_count;
     Vec2 along = vec2_sub(w->end, w->start);
     // The room is a prism as high as its highest point, so the walls that bound it are as high, a knee wall too.
     const Storey *storey = &s->b->storeys[w->storey];
-    double top = fmax(storey->floor + storey->height, fmax(w->top[0], w->top[1]));
-    SketchWall wall = {w->storey, k->point_count, 2 * n, w->floor, top, atan2(along.y, along.x), w->place};
+    double top = fmax(w->bounding ? storey->floor + storey->height : w->floor, fmax(w->top[0], w->top[1]));
+    SketchWall wall = {w->storey, k->point_count,          2 * n,    w->floor,
+                       top,       atan2(along.y, along.x), w->place, w->top_material};
     // The ends take the left side's material; they show only where nothing is joined.
     for (int i = 0; i < n; i++)
         sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material[i] : w->left_material[n - 1]);
@@ -447,10 +456,70 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
 void sh3d_add_walls(Sh3d *s) {
     for (int i = 0; i < s->wall_count; i++) {
         const Sh3dWall *w = &s->walls[i];
-        if (w->bounding)
-            add_bounding(s, w);
+        if (w->bounding || may_bound(w))
+            add_to_sketch(s, w);
         else
             add_low(s, w);
+    }
+}
+
+// ---- ceilings of their own
+
+// Horizontal distance from p to the outline of a wall, metres.
+static double distance_to_wall(const Sh3dWall *w, Vec2 p) {
+    double best = INFINITY;
+    for (int i = 0; i + 1 < 2 * w->side_count; i++) {
+        int n = w->side_count;
+        Vec2 a = i < n ? w->right[i] : w->left[2 * n - 1 - i],
+             b = i + 1 < n ? w->right[i + 1] : w->left[2 * n - 2 - i];
+        Vec2 d = vec2_sub(b, a), to = vec2_sub(p, a);
+        double t = fmin(1, fmax(0, vec2_dot(to, d) / fmax(vec2_dot(d, d), MAPS_GRID * MAPS_GRID)));
+        best = fmin(best, vec2_length(vec2_sub(to, vec2_scale(d, t))));
+    }
+    return best;
+}
+
+// The top of the wall that is nearest to a corner of a room, absolute; the higher one of two that are equally near. NAN: none is near,
+// or it has no level top.
+static double nearest_top(const Sh3d *s, int storey, Vec2 corner) {
+    double nearest = OWN_REACH, top = NAN;
+    for (int i = 0; i < s->wall_count; i++) {
+        const Sh3dWall *w = &s->walls[i];
+        if (w->storey != storey) continue;
+        double away = distance_to_wall(w, corner);
+        if (away > nearest + MAPS_GRID) continue;
+        double here = is_sloped(w) ? NAN : w->top[0];
+        bool tie = away >= nearest - MAPS_GRID && !isnan(top);
+        top = tie ? fmax(top, here) : here;
+        nearest = fmin(nearest, away);
+    }
+    return top;
+}
+
+// Rooms of the highest storey have the ceiling that their walls have: the program draws it through the tops of the walls nearest to
+// their corners. Where these differ its ceiling slants between walls, and the room here is as high as its storey.
+void sh3d_find_ceilings(Sh3d *s) {
+    bool any = false;
+    double looks = 0;
+    for (int i = 0; i < s->wall_count; i++) {
+        any = any || (may_bound(&s->walls[i]) && !reaches_ceiling(s, &s->walls[i]));
+        looks += s->walls[i].side_count;
+    }
+    for (int i = 0; any && i < s->sketch->room_count; i++) {
+        SketchRoom *room = &s->sketch->rooms[i];
+        if (room->storey != s->b->storey_count - 1) continue;
+        const Storey *storey = &s->b->storeys[room->storey];
+        const Vec2 *p = s->sketch->points + room->first_point;
+        double low = INFINITY, high = -INFINITY;
+        if (looks * room->point_count * s->sketch->room_count > OWN_MOST_LOOKS) continue;
+        for (int k = 0; k < room->point_count && !isnan(high); k++) {
+            double top = nearest_top(s, room->storey, p[k]);
+            low = fmin(low, top);
+            high = isnan(top) ? NAN : fmax(high, top);
+        }
+        if (high - low <= SH3D_SAME_HEIGHT && low >= storey->floor + SKETCH_LEAST_ROOM &&
+            high < storey->floor + storey->height - SH3D_SAME_HEIGHT)
+            room->z1 = maps_snap(high);
     }
 }
 

@@ -48,9 +48,10 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
                    .culling = options->culling,
                    .false_colour = options->false_colour,
                    .plan = true,
-                   .statistics = true,
                    .full_screen = options->full_screen,
                    .now = -1,
+                   .began = -1,
+                   .leave_asked = -INFINITY,
                    .trace = -1,
                    .watch = file_watch_begin(options->file)};
     s->sketched = usual_look();
@@ -117,6 +118,12 @@ static void watch_file(Session *s) {
 
 static double held(const Session *s, int more, int less) { return (s->held[more] > 0) - (s->held[less] > 0); }
 
+// A person in a fall or a turn, or one that still glides, moves; less than a hundredth of a millimetre a second is none.
+static bool person_moved(const Session *s, const Person *before) {
+    const double least = 1e-5 / SESSION_TICKS;
+    return vec3_length(vec3_sub(s->person.eye, before->eye)) > least || s->person.yaw != before->yaw;
+}
+
 static void tick(Session *s) {
     const double seconds = 1.0 / SESSION_TICKS;
     Shown *shown = s->shown;
@@ -126,9 +133,11 @@ static void tick(Session *s) {
                        .right = held(s, HELD_RIGHT, HELD_LEFT),
                        .up = held(s, HELD_UP, HELD_DOWN),
                        .hurry = s->held[HELD_HURRY] > 0};
+    const Person before = s->person;
     person_look(&s->person, TURN * seconds * held(s, HELD_TURN_LEFT, HELD_TURN_RIGHT), 0);
     person_tick(&s->person, &shown->world, &wish, seconds);
     doors_advance(&shown->doors, seconds, s->person.flying ? NULL : &s->person.body);
+    s->moved = person_moved(s, &before);
     session_record_tick(s);
 }
 

@@ -26,6 +26,9 @@ typedef struct SessionOptions {
     WalkLook look;  // WALK_LOOKS: the best that OpenGL draws in time, and baked once there is light
     FalseColour false_colour;
     bool full_screen;  // at the start
+    // Called from other threads where the walk that sleeps has something to do; NULL: nobody sleeps.
+    void (*wake)(void *context);
+    void *wake_context;
 } SessionOptions;
 SessionOptions session_default_options(void);
 
@@ -41,6 +44,11 @@ void session_event(Session *session, const DisplayEvent *event);
 // Lets the walk go on until `now`, in ticks of about a hundredth of a second; a long stall counts as a short one. `now` is of a clock
 // that only goes forward, seconds.
 void session_advance(Session *session, double now);
+// Would a frame of this size show anything that the last frame does not? Ask once after each session_advance.
+bool session_changed(Session *session, int width, int height, double scale);
+// How long nothing will happen unless an event comes or `wake` is called, seconds; 0: the next frame is due. `unseen`: the window cannot
+// be seen, and no frame is drawn.
+double session_pause(const Session *session, bool unseen);
 // Draws a frame of `width` x `height` pixels, `scale` of them to a point. Allocates only when something was loaded or resized.
 bool session_draw(Session *session, int width, int height, double scale, Error *error);
 // Shows the last frame in a framebuffer of the window, or reads it as [height * width * 3] sRGB, rows from the top.
@@ -55,5 +63,8 @@ bool session_ended(const Session *session);
 // The keys and their actions, for the help on the screen and in the terminal.
 extern const HudKey SESSION_KEYS[];
 extern const int SESSION_KEY_COUNT;
+// The first keys that a newcomer needs, shown at the start.
+extern const HudKey SESSION_HINT[];
+extern const int SESSION_HINT_COUNT;
 
 #endif

@@ -49,10 +49,11 @@ void session_expose(Session *s, const Camera *camera) {
     double passed = s->drawn_at > 0 ? fmax(s->now - s->drawn_at, 0) : 0;
     s->drawn_at = s->now;
     walk_renderer_fade(renderer, passed);
+    s->adapting = false;
     if (session_light_shown(s)) {
         double seen = exposure_meter(walk_renderer_mesh(renderer), light, camera, s->visible.objects,
                                      s->visible.object_count);
-        exposure_adapt(&s->exposure, seen, light->level, passed);
+        s->adapting = exposure_adapt(&s->exposure, seen, light->level, passed);
     }
     walk_renderer_plain(renderer, s->sketched == WALK_FAST);
     walk_renderer_tone(renderer, exposure_scale(&s->exposure), s->false_colour);

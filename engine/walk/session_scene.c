@@ -23,6 +23,7 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->query = vis_query_new(graph, shown->scene.forest, &arena);
     shown->doors = doors_new(graph, &arena);
     shown->world = body_world(graph, shown->doors.open, &arena);
+    shown->drawn_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
     shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
     set_doors(&shown->doors, graph->building, s->options.doors);
     shown->renderer = walk_renderer_new(graph, &arena, error);
@@ -38,7 +39,8 @@ Shown *shown_load(const Session *s, Error *error) {
         return NULL;
     }
     if (!light && shown->scene.baker.bake)
-        shown->baking = light_thread_start(&shown->scene.baker, &shown->arena);
+        shown->baking =
+            light_thread_start(&shown->scene.baker, s->options.wake, s->options.wake_context, &shown->arena);
     return shown;
 }
 

@@ -34,7 +34,21 @@ SessionOptions session_default_options(void);
 
 typedef struct Session Session;
 
-// Called in the current OpenGL context, in which session_free is called too. Fails when the building cannot be read.
+// A picture of the building before OpenGL has drawn one, BGRA bytes.
+typedef struct SessionPicture {
+    const uint32_t *pixels;  // [height * width] rows from the bottom
+    int width, height;
+} SessionPicture;
+
+// Begins to read the building in a thread of its own, which also draws the first picture in this size (0: none). Needs no OpenGL.
+Session *session_begin(const SessionOptions *options, const SessionLoader *loader, int width, int height,
+                       Arena *arena);
+bool session_loaded(const Session *session);                          // has the reading ended, well or not?
+const SessionPicture *session_first_picture(const Session *session);  // NULL: there is none, or not yet
+// Waits for the reading, and uploads the building, in the current OpenGL context, in which session_free is called too. Fails, and frees
+// the session, when the building cannot be read.
+bool session_open(Session *session, Error *error);
+// Both at once.
 Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error);
 void session_free(Session *session);  // NULL is allowed; a recording under way is written
 // Ends and writes a recording under way, if there is one, and reports a failure to write it.
@@ -59,6 +73,8 @@ bool session_read(Session *session, uint8_t *rgb, Error *error);
 bool session_wants_mouse(const Session *session);
 bool session_wants_full_screen(const Session *session);
 bool session_ended(const Session *session);
+bool session_failed(const Session *session,
+                    Error *error);  // ended by an error, such as light that was asked for and is damaged
 
 // The keys and their actions, for the help on the screen and in the terminal.
 extern const HudKey SESSION_KEYS[];

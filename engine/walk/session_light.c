@@ -14,9 +14,10 @@ static void tell_end(Session *s) {
     if (end == LIGHT_UNDER_WAY || shown->told) return;
     shown->told = true;
     const char *note = light_thread_note(shown->baking);
-    if (*note)
+    if (*note) {
         session_say(s, true, "%s", note);
-    else if (end == LIGHT_READY)
+        s->failed = s->ended = end == LIGHT_FAILED && shown->scene.baker.asked;
+    } else if (end == LIGHT_READY && !shown->scene.baker.stored)
         session_say(s, false,
                     shown->scene.baker.keeps ? "all light has arrived, and is kept for the next walk"
                                              : "all light has arrived; there is no cache to keep it in");

@@ -42,6 +42,7 @@ typedef struct Shown {
     WalkRenderer *renderer;
     Doors doors;
     BodyWorld world;
+    Viewpoint first;      // the view that a walk begins with
     float *drawn_open;    // [opening_count] the doors as the last frame shows them
     int *hidden;          // [object_count] room for the surfaces of cells that are not visible
     LightThread *baking;  // or NULL
@@ -58,10 +59,14 @@ typedef struct SessionSeen {
     int choices[3], width, height, message, hint, door, door_halt, light_done;
 } SessionSeen;
 
+// A building on its way (session_load.c).
+typedef struct SessionLoad SessionLoad;
+
 struct Session {
     SessionOptions options;
     SessionLoader loader;
     Arena *arena;
+    SessionLoad *load;  // the building is being read, or NULL
     Shown *shown, *leaving;
     Overlay *overlay;
     Person person;
@@ -93,6 +98,7 @@ struct Session {
     // The sentence on the screen.
     char message[512];
     bool message_is_error;
+    bool failed;  // the message is why the walk has ended
     double message_since;
     double began;        // when the first frame was drawn; -1: not yet
     double leave_asked;  // when Escape was answered by a question
@@ -109,8 +115,16 @@ struct Session {
     double trace_due;
 };
 
+// ---- session_load.c
+// NULL: no thread can be started.
+SessionLoad *session_load_begin(const Session *s, int width, int height, Arena *arena);
+Shown *session_load_end(Session *s, Error *error);
+void session_choose_first(const Session *s, Shown *shown);
+
 // ---- session_scene.c
-Shown *shown_load(const Session *s, Error *error);
+Shown *shown_load(const Session *s, Error *error);  // without OpenGL, in any thread
+// Uploads it, and begins its light. False after a failure, with which the building is freed.
+bool shown_upload(const Session *s, Shown *shown, Error *error);
 // Frees it after waiting at most so many seconds for a bake under way to end. False: the bake has not ended, and its data stays.
 bool shown_free(Shown *shown, double seconds);
 // Frees the buildings no longer shown whose bakes have ended.

@@ -232,7 +232,7 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
     SoupReader reader = {.path = path, .arena = arena, .b = out};
     double pixels = TEXTURE_FREE_PIXELS;
-    ObjFiles files = {read_file, &reader, &pixels};
+    ObjFiles files = {read_file, &reader, &pixels, out};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
     // The line at fault says more than that nothing was left.
     if (o.model.fault) return error_set(error, "%s:%s", path, o.model.fault);

@@ -35,13 +35,6 @@ int sh3d_picture(Sh3d *s, const XmlNode *node) {
     return picture.texture;
 }
 
-void sh3d_set_picture(const Sh3d *s, Material *material, int picture) {
-    const Texture *t = &s->b->textures[picture];
-    material->texture = picture;
-    material->reflectance = t->mean;
-    material->alpha *= t->opacity;
-}
-
 const XmlNode *sh3d_texture_of(Sh3d *s, const XmlNode *node, const char *surface) {
     const char *name = *surface ? arena_format(s->arena, "%sTexture", surface) : "";
     for (const XmlNode *child = node->first; child; child = child->next)
@@ -86,6 +79,7 @@ bool sh3d_map(Sh3d *s, const XmlNode *texture, const Sh3dFrame *frame, TextureMa
         return finish_map(map_of(&f, vec2(1 / area.x, 0), -f.fit_low.x / area.x, vec2(0, 1 / area.y),
                                  -f.fit_low.y / area.y),
                           out);
+    if (f.unsized) width = height = 1 / SH3D_CM;
     double w = SH3D_CM * width * scale, h = SH3D_CM * height * scale, c = cos(angle), sn = sin(angle);
     if (w == 0 || h == 0) return false;
     Vec2 u = vec2(c / w, -sn / w), v = vec2(sn / h, c / h), from = vec2(x * w, y * h);
@@ -113,7 +107,7 @@ int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing
     if (texture) {
         TextureMap map;
         out.name = sh3d_text(texture, "name");
-        sh3d_set_picture(s, &out, sh3d_picture(s, texture));
+        texture_put(s->b, sh3d_picture(s, texture), &out);
         // Walls, floors and ceilings bound rooms, whatever is cut out of their pictures.
         out.alpha = 1;
         if (frame && sh3d_map(s, texture, frame, &map))

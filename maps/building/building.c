@@ -85,10 +85,13 @@ static bool has_plane(const Vec3 triangle[3]) {
     return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
 }
 
-// The map that fits best, by least squares in the polygon's plane; false where it is off by more than `most[0]` in u or `most[1]` in v
-// at a corner.
-static bool fit_map(const Vec3 *v, const Vec2 *places, int count, Vec3 n, const double most[2],
-                    TextureMap *out) {
+void building_half_texel(const Texture *texture, double half[2]) {
+    half[0] = 0.5 / texture->width;
+    half[1] = 0.5 / texture->height;
+}
+
+bool building_fit_map(const Vec3 *v, const Vec2 *places, int count, Vec3 n, const double most[2],
+                      TextureMap *out) {
     Vec3 middle = vec3(0, 0, 0), x = vec3_normalize(vec3_sub(v[1], v[0])), y = vec3_cross(n, x);
     Vec2 mean = vec2(0, 0);
     for (int i = 0; i < count; i++) {
@@ -130,12 +133,11 @@ static int map_of(Arena *arena, Building *b, const Vec3 *v, const Vec2 *places, 
     for (int i = 0; i < count; i++)
         if (!(fabs(places[i].x) <= TEXTURE_FARTHEST) || !(fabs(places[i].y) <= TEXTURE_FARTHEST)) return 0;
     TextureMap map;
-    const Texture *p = &b->textures[texture];
     // A triangle has always a map, up to rounding.
-    const double half[2] = {count == 3 ? INFINITY : 0.5 / p->width, count == 3 ? INFINITY : 0.5 / p->height};
-    return fit_map(v, places, count, n, half, &map) ? building_add_texture_map(arena, b, map)
-           : count == 3                             ? 0
-                                                    : -1;
+    double half[2] = {INFINITY, INFINITY};
+    if (count > 3) building_half_texel(&b->textures[texture], half);
+    if (building_fit_map(v, places, count, n, half, &map)) return building_add_texture_map(arena, b, map);
+    return count == 3 ? 0 : -1;
 }
 
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner is

@@ -288,10 +288,10 @@ typedef struct Building {
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
-        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity, polygon_capacity,
-        vertex_capacity, object_capacity, inlay_capacity, light_capacity, viewpoint_capacity,
-        tour_point_capacity, tour_capacity, note_capacity, shape_capacity, control_capacity, trim_capacity,
-        ball_capacity, beside_capacity;
+        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity,
+        polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
+        viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
+        control_capacity, trim_capacity, ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;
@@ -337,6 +337,12 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
 int building_add_textured(Arena *arena, Building *b, const Vec3 *vertices, const Vec2 *places, int count,
                           int material);
 int building_add_texture_map(Arena *arena, Building *b, TextureMap map);  // or returns the last one, if equal
+// The map that fits `count` corners and their places best, by least squares in the plane with normal `n`; false where it is off by
+// more than most[0] in u or most[1] in v at a corner.
+bool building_fit_map(const Vec3 *vertices, const Vec2 *places, int count, Vec3 n, const double most[2],
+                      TextureMap *out);
+// Half a texel of a picture, in u and in v: how far a map may be off.
+void building_half_texel(const Texture *texture, double half[2]);
 
 // The number of polygons that a file of `file_size` bytes may make by placing models, tessellating curved shapes and instancing
 // meshes, since a short line can ask for thousands. A small file may make 300,000, a file of 16 MB BUILDING_MOST_POLYGONS; where

@@ -183,7 +183,7 @@ static void list_triangles(int mode, const double *indices, int material, SoupMe
     mesh->faces = ARENA_ARRAY(arena, SoupFace, mesh->face_count);
     mesh->corners = ARENA_ARRAY(arena, int, 3 * mesh->face_count);
     for (int i = 0; i < mesh->face_count; i++) {
-        mesh->faces[i] = (SoupFace){mesh->corner_count, 3, material};
+        mesh->faces[i] = (SoupFace){mesh->corner_count, 3, material, 0};
         for (int k = 0; k < 3; k++) {
             int corner = corner_of(mode, i, k);
             mesh->corners[mesh->corner_count++] = indices ? (int)indices[corner] : corner;

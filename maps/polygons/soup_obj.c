@@ -154,7 +154,7 @@ static bool make_mesh(SoupObj *o) {
         if (!check_face(o, f)) return false;
         // Faces of one group only are joined, so that objects keep their polygons.
         o->mesh.faces[i] =
-            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material};
+            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material, 0};
     }
     if (m->corner_count - 2 * m->face_count <= SOUP_MAX_POLYGONS) return true;
     return error_set(o->error, "%s: its faces make %d triangles (allowed: %d)", o->path,

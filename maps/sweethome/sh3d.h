@@ -53,7 +53,7 @@ typedef struct Sh3d {
         picture_capacity;
     int wall_material, floor_material, ceiling_material;  // for surfaces that name no colour
     NoteTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes,
-        unknown_materials;
+        unknown_materials, plain_pictures, plain_walls;
     bool has_observer;
     Viewpoint observer;
 } Sh3d;

@@ -95,8 +95,6 @@ typedef struct Paint {
     TextureMap map;
 } Paint;
 
-static bool has_places(const ObjModel *m) { return m->place_count > 0; }
-
 // Where a model has no texture coordinates, the program lays a picture on its front and, folded back, on its top: lengths count from
 // the lower left corner of the model's box, which is as large as the piece.
 static Sh3dFrame model_frame(const Piece *p, const ObjModel *m, const XmlNode *texture) {
@@ -110,7 +108,7 @@ static Sh3dFrame model_frame(const Piece *p, const ObjModel *m, const XmlNode *t
     return f;
 }
 
-// Lays a texture of the home on the piece. One for a single material follows the model's texture coordinates, if it has any.
+// Lays a texture of the home on the piece. One for a single material follows the texture coordinates of the model's faces that have them.
 static void lay_picture(Sh3d *s, const Piece *p, const ObjModel *m, const XmlNode *texture, bool by_places,
                         Material *material, Paint *paint) {
     Sh3dFrame f = model_frame(p, m, texture);
@@ -121,10 +119,9 @@ static void lay_picture(Sh3d *s, const Piece *p, const ObjModel *m, const XmlNod
 }
 
 // The model's own picture; the program lays it by the model's x and y where it has no texture coordinates.
-static void lay_own(const Sh3d *s, const ObjModel *m, const ObjMaterial *own, Material *material,
-                    Paint *paint) {
+static void lay_own(const Sh3d *s, const ObjMaterial *own, bool by_places, Material *material, Paint *paint) {
     texture_put(s->b, own->texture, material);
-    paint->by_places = has_places(m);
+    paint->by_places = by_places;
     paint->pictured = true;
     paint->map = (TextureMap){
         .u = {own->scale.x, 0, 0}, .v = {0, -own->scale.y, 0}, .u0 = own->offset.x, .v0 = 1 - own->offset.y};
@@ -140,7 +137,7 @@ static void lay_colour(Material *material, Paint *paint, unsigned rgb) {
 // materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
 // materials. A picture that replaces another one takes its holes along.
 static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const ObjMaterial *m, bool pane,
-                         bool box) {
+                         bool by_places, bool box) {
     Paint paint = {0};
     Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
     double shininess = box ? 0 : (double)m->shininess;
@@ -164,9 +161,9 @@ static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const O
         lay_colour(&out, &paint, rgb);
     } else if (!painted && single) {
         known = true;
-        lay_picture(s, p, model, single, has_places(model), &out, &paint);
+        lay_picture(s, p, model, single, by_places, &out, &paint);
     } else if (m->texture > 0) {
-        lay_own(s, model, m, &out, &paint);
+        lay_own(s, m, by_places, &out, &paint);
     }
     const XmlNode *speaker = painted || !stated ? p->node : own;
     if (speaker) shininess = sh3d_shininess(s, speaker, "shininess", shininess);
@@ -263,9 +260,9 @@ static void add_model_face(Sh3d *s, const Piece *p, const Vec3 *placed, const in
 // The faces whose part is `which`; `part` [face_count], NULL: all.
 static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, const int *part,
                       int which, bool box) {
-    Paint *paints = ARENA_ARRAY(s->arena, Paint, 2 * m->material_count);
+    Paint *paints = ARENA_ARRAY(s->arena, Paint, 4 * m->material_count);
     int most = 0;
-    for (int i = 0; i < 2 * m->material_count; i++) paints[i].material = -2;
+    for (int i = 0; i < 4 * m->material_count; i++) paints[i].material = -2;
     for (int i = 0; i < m->face_count; i++)
         most = m->faces[i].corner_count > most ? m->faces[i].corner_count : most;
     Vec2 *at = ARENA_ARRAY(s->arena, Vec2, most);
@@ -273,8 +270,10 @@ static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *pl
         const ObjFace *f = &m->faces[i];
         if (part && part[i] != which) continue;
         bool pane = is_pane(m->groups[f->group]);
-        Paint *paint = &paints[2 * f->material + pane];
-        if (paint->material == -2) *paint = piece_paint(s, p, m, &m->materials[f->material], pane, box);
+        bool by_places = obj_places(m, f, at);
+        Paint *paint = &paints[4 * f->material + 2 * pane + by_places];
+        if (paint->material == -2)
+            *paint = piece_paint(s, p, m, &m->materials[f->material], pane, by_places, box);
         if (paint->material < 0) continue;
         const int *corner = m->corners + f->first_corner;
         const Vec2 *places = find_places(m, f, paint, at) ? at : NULL;

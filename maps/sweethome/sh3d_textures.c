@@ -14,6 +14,10 @@ static const double SCALES = 1e6;      // of a scale, and of its inverse
 static const double OFFSETS = 1e6;     // repetitions
 static const double SMALLEST = 0.001;  // metres, of an area over which a picture is stretched
 
+// The most surfaces that pictures lie on, each in its own way: a home of 70 textures has below 1,000. Maps and materials are compared one
+// by one.
+enum { MOST_MAPS = 16384 };
+
 // An image of the file, decoded once.
 typedef struct Sh3dPicture {
     const char *name;
@@ -110,10 +114,11 @@ int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing
         texture_put(s->b, sh3d_picture(s, texture), &out);
         // Walls, floors and ceilings bound rooms, whatever is cut out of their pictures.
         out.alpha = 1;
-        if (frame && sh3d_map(s, texture, frame, &map))
+        if (s->b->texture_map_count >= MOST_MAPS)
+            building_tally(&s->plain_pictures, out.name, vec3(0, 0, 0));
+        else if (frame && sh3d_map(s, texture, frame, &map))
             out.texture_map = find_map(s, map);
-        else
-            out.texture = 0;
+        if (out.texture_map == 0) out.texture = 0;
     } else if (sh3d_colour(s, node, *surface ? arena_format(s->arena, "%sColor", surface) : "color", &rgb)) {
         out.name = "paint";
         out.reflectance = maps_colour(rgb);

@@ -209,6 +209,57 @@ int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double
     return texture;
 }
 
+// sRGB code of a linear value.
+static uint8_t code_of(float linear) {
+    double c = (double)fminf(fmaxf(linear, 0), 1);
+    return (uint8_t)lrint(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055));
+}
+
+static void cut_out(unsigned char *pixels, int width, int height, const unsigned char *mask, int mw, int mh) {
+    bool own = false;
+    for (size_t i = 0; i < (size_t)mw * (size_t)mh && !own; i++) own = mask[4 * i + 3] < 255;
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            size_t mx = (size_t)((2.0 * x + 1) * mw / (2.0 * width)),
+                   my = (size_t)((2.0 * y + 1) * mh / (2.0 * height));
+            const unsigned char *m = mask + 4 * (my * (size_t)mw + mx);
+            unsigned char *pixel = pixels + 4 * ((size_t)y * (size_t)width + (size_t)x);
+            pixel[3] = (unsigned char)(own ? m[3] : (m[0] + m[1] + m[2]) / 3);
+        }
+    }
+}
+
+int texture_add_masked(Arena *arena, Building *b, const char *name, Bytes image, Bytes mask, Rgb colour,
+                       double *left) {
+    if (!mask.data) return image.data ? texture_add(arena, b, name, image, left) : 0;
+    int width, height, mask_width, mask_height;
+    unsigned char *holes = decode(mask, left, &mask_width, &mask_height);
+    if (!holes) return image.data ? texture_add(arena, b, name, image, left) : 0;
+    unsigned char *pixels = image.data ? decode(image, left, &width, &height) : NULL;
+    int texture = 0;
+    if (pixels) {
+        cut_out(pixels, width, height, holes, mask_width, mask_height);
+        texture = texture_add_pixels(arena, b, name, width, height, pixels);
+    } else if (!image.data) {
+        cut_out(holes, mask_width, mask_height, holes, mask_width, mask_height);
+        for (size_t i = 0; i < (size_t)mask_width * (size_t)mask_height; i++) {
+            holes[4 * i] = code_of(colour.r);
+            holes[4 * i + 1] = code_of(colour.g);
+            holes[4 * i + 2] = code_of(colour.b);
+        }
+        texture = texture_add_pixels(arena, b, name, mask_width, mask_height, holes);
+    }
+    if (pixels) stbi_image_free(pixels);
+    stbi_image_free(holes);
+    return texture;
+}
+
+void texture_put(const Building *b, int texture, Material *material) {
+    material->texture = texture;
+    material->reflectance = b->textures[texture].mean;
+    material->alpha *= b->textures[texture].opacity;
+}
+
 bool texture_mean(Bytes image, double *left, Rgb *mean) {
     int width, height;
     unsigned char *pixels = decode(image, left, &width, &height);

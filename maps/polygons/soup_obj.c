@@ -149,12 +149,22 @@ static bool make_mesh(SoupObj *o) {
         Vec3 v = m->vertices[i];
         o->mesh.vertices[i] = vec3_scale(o->how.z_up ? v : vec3(v.x, 0 - v.z, v.y), o->how.unit);
     }
+    if (m->place_count > 0) o->mesh.places = ARENA_ARRAY(o->arena, Vec2, m->corner_count);
+    o->mesh.textures = o->b->textures;
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
+        const ObjMaterial *material = &m->materials[f->material];
         if (!check_face(o, f)) return false;
+        // A face without texture coordinates has the mean of the picture.
+        Vec2 *places = o->mesh.places ? &o->mesh.places[f->first_corner] : NULL;
+        bool pictured = places && material->texture > 0 && obj_places(m, f, places);
+        for (int k = 0; pictured && k < f->corner_count; k++)
+            places[k] = vec2(places[k].x * material->scale.x + material->offset.x,
+                             1 - (places[k].y * material->scale.y + material->offset.y));
         // Faces of one group only are joined, so that objects keep their polygons.
         o->mesh.faces[i] =
-            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material, 0};
+            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material,
+                       pictured ? material->texture : 0};
     }
     if (m->corner_count - 2 * m->face_count <= SOUP_MAX_POLYGONS) return true;
     return error_set(o->error, "%s: its faces make %d triangles (allowed: %d)", o->path,
@@ -166,7 +176,8 @@ static int material_of(SoupObj *o, int index) {
         const ObjMaterial *m = &o->model.materials[index];
         Material material = {
             .name = m->name, .reflectance = m->colour, .emission = m->emission, .alpha = m->alpha};
-        if (m->alpha >= 1) material.gloss = m->shininess;
+        if (m->texture > 0) texture_put(o->b, m->texture, &material);
+        if (material.alpha >= 1) material.gloss = m->shininess;
         if (!m->known) building_tally(&o->unknown, m->name, vec3(0, 0, 0));
         o->materials[index] = building_add_material(o->arena, o->b, material);
     }
@@ -198,7 +209,8 @@ static int add_objects(SoupObj *o) {
             for (int k = 0; k < f->corner_count; k++)
                 ring[k] = merged.vertices[merged.corners[f->first_corner + k]];
             int material = material_of(o, f->material % o->model.material_count);
-            lost += building_add_polygon(o->arena, o->b, ring, f->corner_count, material) == 0;
+            const Vec2 *places = f->texture > 0 ? &merged.places[f->first_corner] : NULL;
+            lost += building_add_textured(o->arena, o->b, ring, places, f->corner_count, material) == 0;
         }
         if (o->b->objects[o->b->object_count - 1].polygon_count == 0) o->b->object_count--;
     }
@@ -232,7 +244,7 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
     SoupReader reader = {.path = path, .arena = arena, .b = out};
     double pixels = TEXTURE_FREE_PIXELS;
-    ObjFiles files = {read_file, &reader, &pixels};
+    ObjFiles files = {read_file, &reader, &pixels, out};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
     // The line at fault says more than that nothing was left.
     if (o.model.fault) return error_set(error, "%s:%s", path, o.model.fault);

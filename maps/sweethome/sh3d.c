@@ -4,7 +4,7 @@
 // Departures from the program: two levels of one elevation become one storey, since free space cannot overlap; a
 // hidden level is read all the same (people hide the upper floor to draw the lower one), hidden furniture is not;
 // the storey is as high as most of its walls. Labels, dimensions, polylines and the colour of the sky are not read.
-#include "maps/sweethome/sh3d.h"
+#include "maps/sweethome/sh3d_walls.h"
 
 #include <ctype.h>
 #include <stdarg.h>
@@ -245,6 +245,8 @@ static void add_notes(Sh3d *s) {
     note(s, &s->unknown_materials, OBJ_UNKNOWN_NOTE);
     note(s, &s->missing_textures,
          "textures are missing or could not be decoded, another colour stands for them");
+    note(s, &s->plain_pictures, "surfaces show the mean of their texture, since 16,384 others have pictures");
+    note(s, &s->plain_walls, "baseboards are left out, since the home has too many walls and openings");
     note(s, &s->dark_lights, "lamps have no light source and give no light");
     note(s, &s->unknown_joins, "wall ends name a wall that is not in the file and are not joined");
     note(s, &s->bad_shapes, "outlines of holes make no sense and are rectangles");
@@ -278,6 +280,7 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
     if (!s.failed) sh3d_add_walls(&s);
     if (!s.failed) sh3d_add_sloped_ceilings(&s);
     if (!s.failed) sh3d_read_pieces(&s);
+    if (!s.failed) sh3d_add_baseboards(&s);
     if (!s.failed) read_cameras(&s);
     if (!s.failed) add_notes(&s);
     if (s.has_observer) {

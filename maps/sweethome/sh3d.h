@@ -53,7 +53,7 @@ typedef struct Sh3d {
         picture_capacity;
     int wall_material, floor_material, ceiling_material;  // for surfaces that name no colour
     NoteTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes,
-        unknown_materials;
+        unknown_materials, plain_pictures, plain_walls;
     bool has_observer;
     Viewpoint observer;
 } Sh3d;
@@ -88,6 +88,7 @@ typedef struct Sh3dFrame {
     Vec3 right, up;
     double right0, up0;
     bool left_side;          // of a wall: pictures oriented from left to right count backwards
+    bool unsized;            // lengths count in pictures: their own sizes do not matter
     bool can_fit;            // a picture may be stretched over the area below, as rooms allow it
     Vec2 fit_low, fit_high;  // in these coordinates
 } Sh3dFrame;
@@ -97,8 +98,6 @@ typedef struct Sh3dFrame {
 bool sh3d_map(Sh3d *s, const XmlNode *texture, const Sh3dFrame *frame, TextureMap *out);
 // The picture of a texture element, an index into Building.textures, decoded once; 0, counted for a note: it is not usable.
 int sh3d_picture(Sh3d *s, const XmlNode *texture);
-// Puts a picture on a material: its mean reflectance and opacity count. Its map is left as it is.
-void sh3d_set_picture(const Sh3d *s, Material *material, int picture);
 // The texture element of `surface`, a prefix as `leftSide`, "": without a name; NULL: none that is usable.
 const XmlNode *sh3d_texture_of(Sh3d *s, const XmlNode *node, const char *surface);
 // Returns the material of `surface`: that of its child texture (`leftSideTexture`) as it lies in `frame`, else of its colour

@@ -57,7 +57,7 @@ const ObjModel *sh3d_model(Sh3d *s, const XmlNode *node) {
     Bytes content;
     Error ignored;
     Folder folder = {s, entry};
-    ObjFiles files = {read_entry, &folder, &s->pixels};
+    ObjFiles files = {read_entry, &folder, &s->pixels, s->b};
     if (archive_has(s->archive, entry) &&
         archive_read(s->archive, entry, MAX_MODEL, s->arena, &content, &ignored))
         model.usable = obj_read(content, entry, &files, s->arena, &model.obj, &ignored);

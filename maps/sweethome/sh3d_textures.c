@@ -14,6 +14,10 @@ static const double SCALES = 1e6;      // of a scale, and of its inverse
 static const double OFFSETS = 1e6;     // repetitions
 static const double SMALLEST = 0.001;  // metres, of an area over which a picture is stretched
 
+// The most surfaces that pictures lie on, each in its own way: a home of 70 textures has below 1,000. Maps and materials are compared one
+// by one.
+enum { MOST_MAPS = 16384 };
+
 // An image of the file, decoded once.
 typedef struct Sh3dPicture {
     const char *name;
@@ -33,13 +37,6 @@ int sh3d_picture(Sh3d *s, const XmlNode *node) {
     if (picture.texture == 0) building_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
     if (name) *ARENA_PUSH(s->arena, s->pictures, s->picture_count, s->picture_capacity) = picture;
     return picture.texture;
-}
-
-void sh3d_set_picture(const Sh3d *s, Material *material, int picture) {
-    const Texture *t = &s->b->textures[picture];
-    material->texture = picture;
-    material->reflectance = t->mean;
-    material->alpha *= t->opacity;
 }
 
 const XmlNode *sh3d_texture_of(Sh3d *s, const XmlNode *node, const char *surface) {
@@ -86,6 +83,7 @@ bool sh3d_map(Sh3d *s, const XmlNode *texture, const Sh3dFrame *frame, TextureMa
         return finish_map(map_of(&f, vec2(1 / area.x, 0), -f.fit_low.x / area.x, vec2(0, 1 / area.y),
                                  -f.fit_low.y / area.y),
                           out);
+    if (f.unsized) width = height = 1 / SH3D_CM;
     double w = SH3D_CM * width * scale, h = SH3D_CM * height * scale, c = cos(angle), sn = sin(angle);
     if (w == 0 || h == 0) return false;
     Vec2 u = vec2(c / w, -sn / w), v = vec2(sn / h, c / h), from = vec2(x * w, y * h);
@@ -113,13 +111,14 @@ int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing
     if (texture) {
         TextureMap map;
         out.name = sh3d_text(texture, "name");
-        sh3d_set_picture(s, &out, sh3d_picture(s, texture));
+        texture_put(s->b, sh3d_picture(s, texture), &out);
         // Walls, floors and ceilings bound rooms, whatever is cut out of their pictures.
         out.alpha = 1;
-        if (frame && sh3d_map(s, texture, frame, &map))
+        if (s->b->texture_map_count >= MOST_MAPS)
+            building_tally(&s->plain_pictures, out.name, vec3(0, 0, 0));
+        else if (frame && sh3d_map(s, texture, frame, &map))
             out.texture_map = find_map(s, map);
-        else
-            out.texture = 0;
+        if (out.texture_map == 0) out.texture = 0;
     } else if (sh3d_colour(s, node, *surface ? arena_format(s->arena, "%sColor", surface) : "color", &rgb)) {
         out.name = "paint";
         out.reflectance = maps_colour(rgb);

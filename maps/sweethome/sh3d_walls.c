@@ -1,6 +1,6 @@
 // sh3d_walls.c - outlines of walls from their axes: offsets, arcs, mitres where two walls name each other; low
 // walls as objects; ceilings under sloped walls. Computed as Sweet Home 3D draws them (see sh3d.h for the mirrored
-// plan). Baseboards are not read: they are a centimetre of trim, and no light or sight depends on them.
+// plan).
 //
 // Source of the sloped ceilings: our own. The wall tops around a room give heights along its outline; among all
 // triangulations of the outline the one with the most room below it is taken (by the dynamic programme of
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "maps/sweethome/sh3d.h"
+#include "maps/sweethome/sh3d_walls.h"
 
 static const double MIN_WALL = 0.001;  // metres, of thickness and length: the grid of the plan
 static const double PARALLEL = 1e-6;   // sine of an angle below which two sides do not meet
@@ -25,23 +25,6 @@ static const double OWN_REACH = 0.25;      // metres from a room's corner to the
 static const double OWN_MOST_LOOKS = 5e7;  // edges of walls that may be looked at for these walls
 
 // ---- reading
-
-typedef struct Sh3dWall {
-    const XmlNode *node;
-    const char *id, *place;
-    Vec2 start, end;  // of the axis
-    double arc;       // angle swept from start to end, counter-clockwise; 0: straight
-    double thickness;
-    double floor, top[2];  // absolute heights: foot, top at start and end
-    int storey;
-    int joined[2];  // the walls it joins at start and end, -1: none
-    int *left_material,
-        *right_material;  // [side_count] of the chord from each point on; the last: of the wall's ends
-    int top_material;
-    Vec2 *left, *right;  // [side_count] from start to end; mitred at last
-    int side_count;
-    bool bounding;  // reaches the ceiling, or stands under a sloped one
-} Sh3dWall;
 
 static const char *wall_at(const XmlNode *node, int end) {
     return xml_get(node, end ? "wallAtEnd" : "wallAtStart");
@@ -168,9 +151,11 @@ static void adjust_height(Sh3d *s, int storey) {
 
 // ---- outlines
 
+static double half_thickness(const Sh3dWall *w, bool left) { return w->thickness / 2 + w->beyond[left]; }
+
 static void add_side_points(Sh3dWall *w, int i, Vec2 on_axis, Vec2 to_left) {
-    w->left[i] = vec2_add(on_axis, vec2_scale(to_left, w->thickness / 2));
-    w->right[i] = vec2_sub(on_axis, vec2_scale(to_left, w->thickness / 2));
+    w->left[i] = vec2_add(on_axis, vec2_scale(to_left, half_thickness(w, true)));
+    w->right[i] = vec2_sub(on_axis, vec2_scale(to_left, half_thickness(w, false)));
 }
 
 // Centre on the chord's perpendicular, so that `arc` of a circle lies between the ends.
@@ -203,13 +188,12 @@ static double arc_share(Sh3d *s) {
     return (double)ARC_MOST_CHORDS / (double)chords;
 }
 
-static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
+static void make_outline(Sh3d *s, Sh3dWall *w, int steps) {
     Vec2 along = vec2_sub(w->end, w->start);
     double length = vec2_length(along);
     bool straight = is_straight(w);
     Vec2 centre = straight ? w->start : arc_centre(w), from = vec2_sub(w->start, centre);
-    double radius = vec2_length(from), outer = radius + w->thickness / 2;
-    int steps = straight ? 1 : share < 1 ? (int)fmax(2, floor(share * arc_steps(w))) : arc_steps(w);
+    double radius = vec2_length(from);
     w->side_count = steps + 1;
     w->left = ARENA_ARRAY(s->arena, Vec2, w->side_count);
     w->right = ARENA_ARRAY(s->arena, Vec2, w->side_count);
@@ -223,12 +207,18 @@ static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
         double a = w->arc * i / steps, c = cos(a), sn = sin(a);
         Vec2 out = vec2((c * from.x - sn * from.y) / radius, (sn * from.x + c * from.y) / radius);
         // Turning left, the centre lies to the left. A side that would pass the centre stops there.
-        double inner = fmin(w->thickness / 2, radius);
+        bool inner_left = w->arc > 0;
+        double inner = fmin(half_thickness(w, inner_left), radius), outer = half_thickness(w, !inner_left);
         Vec2 near = vec2_add(centre, vec2_scale(out, radius - inner)),
-             far = vec2_add(centre, vec2_scale(out, outer));
+             far = vec2_add(centre, vec2_scale(out, radius + outer));
         w->left[i] = w->arc > 0 ? near : far;
         w->right[i] = w->arc > 0 ? far : near;
     }
+}
+
+static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
+    bool fewer = !is_straight(w) && share < 1;
+    make_outline(s, w, fewer ? (int)fmax(2, floor(share * arc_steps(w))) : arc_steps(w));
 }
 
 // Where the lines p q and r t meet; false when they are parallel.
@@ -277,7 +267,7 @@ static Vec2 mitred(const Sh3d *s, int i, int end, bool left) {
     return vec2_length(vec2_sub(at, mine.corner)) < limit ? at : mine.corner;
 }
 
-static void mitre_walls(Sh3d *s) {
+static void mitre_walls(const Sh3d *s) {
     Vec2(*corner)[4] = arena_alloc(s->arena, (size_t)s->wall_count, sizeof *corner);
     for (int i = 0; i < s->wall_count; i++)
         for (int k = 0; k < 4; k++) corner[i][k] = mitred(s, i, k >> 1, k & 1);
@@ -290,11 +280,25 @@ static void mitre_walls(Sh3d *s) {
     }
 }
 
+Sh3dWall *sh3d_widened_walls(Sh3d *s) {
+    Sh3d wide = *s;
+    wide.walls = ARENA_ARRAY(s->arena, Sh3dWall, s->wall_count);
+    memcpy(wide.walls, s->walls, (size_t)s->wall_count * sizeof *s->walls);
+    for (int i = 0; i < s->wall_count; i++) {
+        Sh3dWall *w = &wide.walls[i];
+        w->beyond[false] = sh3d_board_thickness(s, w, false);
+        w->beyond[true] = sh3d_board_thickness(s, w, true);
+        make_outline(s, w, w->side_count - 1);
+    }
+    mitre_walls(&wide);
+    return wide.walls;
+}
+
 // ---- pictures on walls
 
 // A side's pictures count from where the side starts, along it, and in absolute heights. From the side into the wall they count on, so
 // that jambs have pictures too.
-static Sh3dFrame side_frame(const Sh3dWall *w, bool left) {
+Sh3dFrame sh3d_side_frame(const Sh3dWall *w, bool left) {
     const Vec2 *side = left ? w->left : w->right;
     Vec2 axis = vec2_sub(w->end, w->start), along = vec2_scale(axis, 1 / vec2_length(axis)),
          inward = left ? vec2(along.y, -along.x) : vec2(-along.y, along.x), right = vec2_add(along, inward);
@@ -313,7 +317,7 @@ static double turned(const Sh3dWall *w, const Vec2 *side, int i) {
 }
 
 // On arcs lengths are those of the axis, counted against the arc where it turns left: each chord has a map of its own.
-static Sh3dFrame chord_frame(const Sh3dWall *w, bool left, int i) {
+Sh3dFrame sh3d_chord_frame(const Sh3dWall *w, bool left, int i) {
     const Vec2 *side = left ? w->left : w->right;
     Vec2 chord = vec2_sub(side[i + 1], side[i]);
     double radius = vec2_length(vec2_sub(w->start, arc_centre(w))), length = vec2_length(chord),
@@ -327,7 +331,7 @@ static Sh3dFrame chord_frame(const Sh3dWall *w, bool left, int i) {
 
 static void paint_wall(Sh3d *s, Sh3dWall *w) {
     for (int left = 0; left < 2; left++) {
-        Sh3dFrame frame = side_frame(w, left);
+        Sh3dFrame frame = sh3d_side_frame(w, left);
         int material = sh3d_material(s, w->node, left ? "leftSide" : "rightSide", s->wall_material, &frame);
         int *chords = ARENA_ARRAY(s->arena, int, w->side_count);
         const XmlNode *texture = sh3d_texture_of(s, w->node, left ? "leftSide" : "rightSide");
@@ -336,7 +340,7 @@ static void paint_wall(Sh3d *s, Sh3dWall *w) {
             chords[i] = material;
             if (is_straight(w) || i + 1 == w->side_count || m.texture_map == 0) continue;
             TextureMap map;
-            frame = chord_frame(w, left, i);
+            frame = sh3d_chord_frame(w, left, i);
             if (sh3d_map(s, texture, &frame, &map)) {
                 m.texture_map = building_add_texture_map(s->arena, s->b, map);
                 chords[i] = sh3d_push_material(s, m);

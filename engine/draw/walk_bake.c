@@ -115,7 +115,9 @@ static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 poi
     light = rgb_add(light, lamp_light(bake->lights, object, vec3_sub(point, bake->origin), n),
                     1 - WALK_LAMP_OPENNESS * (1 - open));
     light = rgb_add(rgb_multiply(m->reflectance, light), walk_glow(m), 1);
-    return rgb_screen(m->alpha < 1 ? rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE) : light);
+    // Holes of a picture mirror no sky.
+    return rgb_screen(m->alpha < 1 && m->texture == 0 ? rgb_mix(light, (Rgb){WALK_PANE}, WALK_PANE_SHARE)
+                                                      : light);
 }
 
 // The colour of a surface in the usual light of its room: the same for all surfaces of a material that face one way.

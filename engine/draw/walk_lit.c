@@ -11,14 +11,18 @@ enum { LIGHTS = 2 };
 
 struct WalkLit {
     LitMesh *mesh;
-    float *share;        // [leaf_count] how far leaves are open; NAN before the first pose and in new light
-    float (*leaf)[3];    // the light of a leaf under way, [vertices of the largest]
-    unsigned *list;      // indices of the frame's triangles
-    int things, all;     // counts of indices in it: of things, and of things and surfaces
-    int vertices_there;  // vertices of LitMesh uploaded so far
+    float *share;      // [leaf_count] how far leaves are open; NAN before the first pose and in new light
+    float (*leaf)[3];  // the light of a leaf under way, [vertices of the largest]
+    unsigned *list;    // indices of the frame's triangles
+    int end[2 * WALK_RUNS];  // in `list`: where each run of things ends, then of surfaces
+    const WalkTextures *textures;
+    WalkPicture *picture;                // [vertex_count], or NULL: nothing has a picture
+    unsigned char *run;                  // [polygon_count] as in walk_textures.h
+    int vertices_there, pictures_there;  // vertices uploaded so far of LitMesh, and of `picture`
     int light_there,
         newest;  // vertices of the arriving light uploaded so far; the newest complete buffer, -1: none
     double fade;
+    unsigned picture_buffer;
     unsigned array, vertex_buffer, list_buffer, light_buffer[LIGHTS], material_buffer, material_texture;
 };
 
@@ -74,16 +78,38 @@ static void upload_materials(WalkLit *lit) {
     arena_free(&scratch);
 }
 
+static void place_pictures(WalkLit *lit, Arena *arena) {
+    const LitMesh *mesh = lit->mesh;
+    const CellGraph *graph = mesh->mesh->graph;
+    lit->run = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
+    if (walk_textures_runs(lit->textures) == 1) return;
+    lit->picture = ARENA_ARRAY(arena, WalkPicture, lit_vertex_count(mesh) + 1);
+    for (int p = 0; p < graph->polygon_count; p++) {
+        const Polygon *polygon = &graph->polygons[p];
+        const Vec3 *corners = graph->vertices + polygon->first_vertex;
+        lit->run[p] = (unsigned char)walk_textures_run(lit->textures, polygon);
+        for (int v = mesh->first_vertex[p]; v < mesh->first_vertex[p + 1]; v++) {
+            int at = mesh->source[v];
+            Vec3 point =
+                at < 0 ? corners[v - mesh->first_vertex[p]] : mesh->mesh->vertices[mesh->mesh->corners[at]];
+            walk_textures_place(lit->textures, polygon, corners[0], &point, 1, &lit->picture[v]);
+        }
+    }
+    lit->picture_buffer = make_buffer((size_t)lit_vertex_count(mesh) * sizeof *lit->picture);
+    glBindVertexArray(lit->array);
+    walk_textures_describe(lit->picture_buffer);
+}
+
 // At the next pose all leaves are moved and lit anew.
 static void forget_leaves(WalkLit *lit) {
     for (int i = 0; i < lit->mesh->mesh->graph->building->leaf_count; i++) lit->share[i] = NAN;
 }
 
-WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena) {
     WalkLit *lit = ARENA_ARRAY(arena, WalkLit, 1);
     const CellGraph *graph = mesh->mesh->graph;
     size_t vertices = (size_t)lit_vertex_count(mesh);
-    *lit = (WalkLit){.mesh = mesh, .newest = -1};
+    *lit = (WalkLit){.mesh = mesh, .textures = textures, .newest = -1};
     lit->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
     lit->list = ARENA_ARRAY(arena, unsigned, mesh->first_index[graph->polygon_count] + 1);
     int most = 0;
@@ -100,6 +126,7 @@ WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
     lit->vertex_buffer = make_buffer(vertices * sizeof(LitVertex));
     for (int i = 0; i < LIGHTS; i++) lit->light_buffer[i] = make_buffer(vertices * sizeof(float[3]));
     describe_vertices(lit);
+    place_pictures(lit, arena);
     glGenBuffers(1, &lit->list_buffer);
     upload_materials(lit);
     return lit;
@@ -107,10 +134,10 @@ WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena) {
 
 void walk_lit_free(WalkLit *lit) {
     if (!lit) return;
-    unsigned buffers[] = {lit->vertex_buffer, lit->list_buffer, lit->light_buffer[0], lit->light_buffer[1],
-                          lit->material_buffer};
+    unsigned buffers[] = {lit->vertex_buffer,   lit->list_buffer,     lit->light_buffer[0],
+                          lit->light_buffer[1], lit->material_buffer, lit->picture_buffer};
     glDeleteVertexArrays(1, &lit->array);
-    glDeleteBuffers(5, buffers);
+    glDeleteBuffers(6, buffers);
     glDeleteTextures(1, &lit->material_texture);
 }
 
@@ -134,6 +161,11 @@ bool walk_lit_upload(WalkLit *lit, const LitLight *light, size_t bytes) {
     upload_slice(lit->vertex_buffer, lit->mesh->vertex, sizeof(LitVertex), count, &lit->vertices_there,
                  &bytes);
     if (lit->vertices_there < count || bytes == 0) return false;
+    if (lit->picture) {
+        upload_slice(lit->picture_buffer, lit->picture, sizeof *lit->picture, count, &lit->pictures_there,
+                     &bytes);
+        if (lit->pictures_there < count || bytes == 0) return false;
+    }
     upload_slice(lit->light_buffer[next], light->vertex, sizeof *light->vertex, count, &lit->light_there,
                  &bytes);
     if (lit->light_there < count) return false;
@@ -198,7 +230,8 @@ void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) 
     for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
 }
 
-static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bool surfaces, int at) {
+static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bool surfaces, int run,
+                       int at) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->mesh->graph;
     for (int k = 0; k < count; k++) {
@@ -206,7 +239,7 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bo
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
             // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
-            if (surfaces && plane_distance(mesh->plane[p], eye) <= 0) continue;
+            if (lit->run[p] != run || (surfaces && plane_distance(mesh->plane[p], eye) <= 0)) continue;
             int indices = mesh->first_index[p + 1] - mesh->first_index[p];
             memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);
             at += indices;
@@ -216,11 +249,16 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bo
 }
 
 void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count) {
-    lit->things = add_objects(lit, eye, objects, object_count, false, 0);
-    lit->all = add_objects(lit, eye, objects, object_count, true, lit->things);
+    int all = 0;
+    for (int i = 0; i < 2 * WALK_RUNS; i++) {
+        int run = i % WALK_RUNS;
+        if (run < walk_textures_runs(lit->textures))
+            all = add_objects(lit, eye, objects, object_count, i >= WALK_RUNS, run, all);
+        lit->end[i] = all;
+    }
     glBindVertexArray(lit->array);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, lit->list_buffer);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)lit->all * sizeof *lit->list), lit->list,
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)all * sizeof *lit->list), lit->list,
                  GL_STREAM_DRAW);
 }
 
@@ -229,8 +267,10 @@ void walk_lit_bind(const WalkLit *lit) {
     glBindTexture(GL_TEXTURE_BUFFER, lit->material_texture);
 }
 
-void walk_lit_draw(const WalkLit *lit, bool surfaces) {
-    int first = surfaces ? lit->things : 0, count = surfaces ? lit->all - lit->things : lit->things;
+void walk_lit_draw(const WalkLit *lit, bool surfaces, int run) {
+    int from = (surfaces ? WALK_RUNS : 0) + (run == WALK_ALL_RUNS ? 0 : run),
+        to = run == WALK_ALL_RUNS ? from + WALK_RUNS - 1 : from;
+    int first = from > 0 ? lit->end[from - 1] : 0, count = lit->end[to] - first;
     if (count == 0) return;
     glBindVertexArray(lit->array);
     glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *lit->list));

@@ -4,11 +4,13 @@
 #define WALK_LIT_H
 
 #include "engine/draw/lit_mesh.h"
+#include "engine/draw/walk_textures.h"
 
 typedef struct WalkLit WalkLit;
 
 // Makes the buffers; vertices and light are uploaded later. `mesh` must live as long as the result; walk_lit_pose moves its leaves.
-WalkLit *walk_lit_new(LitMesh *mesh, Arena *arena);
+// `textures` too must live as long.
+WalkLit *walk_lit_new(LitMesh *mesh, const WalkTextures *textures, Arena *arena);
 void walk_lit_free(WalkLit *lit);  // NULL is allowed
 const LitMesh *walk_lit_mesh(const WalkLit *lit);
 
@@ -24,7 +26,7 @@ double walk_lit_faded(const WalkLit *lit);
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open);
 // Makes the draw list of these objects for an eye: things first, then the surfaces that face the eye.
 void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count);
-void walk_lit_bind(const WalkLit *lit);  // binds the table of materials
-void walk_lit_draw(const WalkLit *lit, bool surfaces);
+void walk_lit_bind(const WalkLit *lit);                          // binds the table of materials
+void walk_lit_draw(const WalkLit *lit, bool surfaces, int run);  // `run` as in walk_textures.h
 
 #endif

@@ -24,6 +24,7 @@ typedef struct Ordered {
 
 struct WalkMesh {
     const CellGraph *graph;
+    const WalkTextures *textures;
     Vec3 origin;
     WalkLights lights;
     WalkBake *bake;
@@ -33,12 +34,15 @@ struct WalkMesh {
     unsigned *index;           // triangles of all polygons
     Plane *plane;              // [polygon_count]
     unsigned char *has_glass;  // [object_count]
+    unsigned char *run;        // [polygon_count] as in walk_textures.h
+    unsigned char *runs;       // [object_count] bit i: some polygon is of run i
     float *share;              // [leaf_count] how far leaves are open; NAN before the first pose
     WalkVertex *moved;         // room for the vertices of any one leaf, and for its corners
     Vec3 *corners;
-    Ordered *order;       // [object_count] of the list being made
-    unsigned *list;       // the frame's indices, as uploaded
-    int end[WALK_PARTS];  // in `list`: where each part ends and the next begins
+    Ordered *order;                   // [object_count] of the list being made
+    unsigned *list;                   // the frame's indices, as uploaded
+    int end[WALK_PARTS * WALK_RUNS];  // in `list`: where each run of each part ends and the next begins
+    unsigned picture_buffer;          // 0: nothing has a picture
     unsigned array, vertex_buffer, list_buffer, line_buffer, lamp_buffer, lamp_texture, atlas_texture;
 };
 
@@ -147,6 +151,8 @@ static void fill_indices(WalkMesh *mesh) {
             for (int k = 0; k < 3 * (polygon->vertex_count - 2); k++) triangle[k] += mesh->first_vertex[p];
             mesh->plane[p] = plane_of_polygon(v, polygon->vertex_count);
             if (vis_is_glass(graph, p)) mesh->has_glass[o] = 1;
+            mesh->run[p] = (unsigned char)walk_textures_run(mesh->textures, polygon);
+            mesh->runs[o] |= (unsigned char)(1 << mesh->run[p]);
         }
     }
 }
@@ -174,6 +180,22 @@ static void describe_vertices(void) {
     glVertexAttribIPointer(4, 2, GL_SHORT, stride, (const void *)offsetof(WalkVertex, lamps));
 }
 
+static void upload_pictures(WalkMesh *mesh, Arena *scratch) {
+    const CellGraph *graph = mesh->graph;
+    if (walk_textures_runs(mesh->textures) == 1) return;
+    size_t count = (size_t)mesh->first_vertex[graph->polygon_count];
+    WalkPicture *picture = ARENA_ARRAY(scratch, WalkPicture, count + 1);
+    for (int p = 0; p < graph->polygon_count; p++) {
+        const Polygon *polygon = &graph->polygons[p];
+        const Vec3 *corners = graph->vertices + polygon->first_vertex;
+        walk_textures_place(mesh->textures, polygon, corners[0], corners, polygon->vertex_count,
+                            picture + mesh->first_vertex[p]);
+    }
+    glGenBuffers(1, &mesh->picture_buffer);
+    walk_textures_describe(mesh->picture_buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *picture), picture, GL_STATIC_DRAW);
+}
+
 static void upload_vertices(WalkMesh *mesh) {
     const CellGraph *graph = mesh->graph;
     Arena scratch = {0};
@@ -193,6 +215,7 @@ static void upload_vertices(WalkMesh *mesh) {
     glBindBuffer(GL_ARRAY_BUFFER, mesh->vertex_buffer);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertex), vertex, GL_STATIC_DRAW);
     describe_vertices();
+    upload_pictures(mesh, &scratch);
     glGenBuffers(1, &mesh->list_buffer);
     glGenBuffers(1, &mesh->line_buffer);
     arena_free(&scratch);
@@ -239,9 +262,10 @@ static bool upload(WalkMesh *mesh, Error *error) {
     return true;
 }
 
-WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error) {
+WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, Arena *arena, Error *error) {
     WalkMesh *mesh = ARENA_ARRAY(arena, WalkMesh, 1);
     mesh->graph = graph;
+    mesh->textures = textures;
     mesh->origin = lit_origin(graph);
     mesh->lights = walk_lights(graph, mesh->origin, arena);
     mesh->bake = walk_bake_new(graph, &mesh->lights, mesh->origin, arena);
@@ -249,6 +273,8 @@ WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error) {
     mesh->first_index = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
     mesh->plane = ARENA_ARRAY(arena, Plane, graph->polygon_count + 1);
     mesh->has_glass = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
+    mesh->run = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
+    mesh->runs = ARENA_ARRAY(arena, unsigned char, graph->object_count + 1);
     mesh->order = ARENA_ARRAY(arena, Ordered, graph->object_count + 1);
     mesh->share = ARENA_ARRAY(arena, float, graph->building->leaf_count + 1);
     for (int i = 0; i < graph->building->leaf_count; i++) mesh->share[i] = NAN;
@@ -260,10 +286,11 @@ WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error) {
 
 void walk_mesh_free(WalkMesh *mesh) {
     if (!mesh) return;
-    unsigned buffers[] = {mesh->vertex_buffer, mesh->list_buffer, mesh->line_buffer, mesh->lamp_buffer};
+    unsigned buffers[] = {mesh->vertex_buffer, mesh->list_buffer, mesh->line_buffer, mesh->lamp_buffer,
+                          mesh->picture_buffer};
     unsigned textures[] = {mesh->lamp_texture, mesh->atlas_texture};
     glDeleteVertexArrays(1, &mesh->array);
-    glDeleteBuffers(4, buffers);
+    glDeleteBuffers(5, buffers);
     glDeleteTextures(2, textures);
 }
 
@@ -288,9 +315,11 @@ static int mesh_polygon(WalkMesh *mesh, int polygon, int at) {
     return at + count;
 }
 
-static int add_object(WalkMesh *mesh, int object, int part, Vec3 eye, int at) {
+static int add_object(WalkMesh *mesh, int object, int part, int run, Vec3 eye, int at) {
     const Object *o = &mesh->graph->objects[object];
+    if (!(mesh->runs[object] & 1 << run)) return at;
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+        if (mesh->run[p] != run) continue;
         if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
         // Where two surfaces lie back to back, neither may hide the other: each is seen only from inside its own cell.
         if (part == WALK_SURFACES && plane_distance(mesh->plane[p], eye) <= 0) continue;
@@ -312,14 +341,17 @@ static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int
         mesh->order[chosen++] = (Ordered){distance, o};
     }
     qsort(mesh->order, (size_t)chosen, sizeof *mesh->order, by_distance);
-    for (int i = 0; i < chosen; i++) at = add_object(mesh, mesh->order[i].object, part, eye, at);
+    for (int run = 0; run < WALK_RUNS; run++) {
+        for (int i = 0; i < chosen && run < walk_textures_runs(mesh->textures); i++)
+            at = add_object(mesh, mesh->order[i].object, part, run, eye, at);
+        mesh->end[part * WALK_RUNS + run] = at;
+    }
     return at;
 }
 
 void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count) {
     int at = 0;
-    for (int part = 0; part < WALK_PARTS; part++)
-        at = mesh->end[part] = list_part(mesh, part, eye, objects, count, at);
+    for (int part = 0; part < WALK_PARTS; part++) at = list_part(mesh, part, eye, objects, count, at);
     glBindVertexArray(mesh->array);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)at * sizeof *mesh->list), mesh->list,
@@ -334,8 +366,10 @@ void walk_mesh_bind(const WalkMesh *mesh) {
     glBindTexture(GL_TEXTURE_2D, mesh->atlas_texture);
 }
 
-void walk_mesh_draw(const WalkMesh *mesh, int part) {
-    int first = part > 0 ? mesh->end[part - 1] : 0, count = mesh->end[part] - first;
+void walk_mesh_draw(const WalkMesh *mesh, int part, int run) {
+    int from = part * WALK_RUNS + (run == WALK_ALL_RUNS ? 0 : run),
+        to = run == WALK_ALL_RUNS ? from + WALK_RUNS - 1 : from;
+    int first = from > 0 ? mesh->end[from - 1] : 0, count = mesh->end[to] - first;
     if (count == 0) return;
     glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *mesh->list));
 }

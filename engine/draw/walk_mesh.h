@@ -2,14 +2,17 @@
 #ifndef WALK_MESH_H
 #define WALK_MESH_H
 
+#include "engine/draw/walk_textures.h"
 #include "visibility/vis.h"
 
 typedef struct WalkMesh WalkMesh;
 
-// Texture units: lamps for the fine look, two texels each; baked surfaces for the fast look; a unit free for other textures.
-enum { WALK_UNIT_LAMPS, WALK_UNIT_ATLAS, WALK_UNIT_FREE };
+// Texture units: lamps for the fine look, two texels each; baked surfaces for the fast look; a unit free for other textures;
+// pictures.
+enum { WALK_UNIT_LAMPS, WALK_UNIT_ATLAS, WALK_UNIT_FREE, WALK_UNIT_PICTURES };
 
-WalkMesh *walk_mesh_new(const CellGraph *graph, Arena *arena, Error *error);
+// `textures` must live as long as the result.
+WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, Arena *arena, Error *error);
 void walk_mesh_free(WalkMesh *mesh);  // NULL is allowed
 
 // Positions are relative to this point: floats stay exact enough far from the building's own origin.
@@ -29,7 +32,8 @@ enum {
 // Makes the draw list of these objects for an eye. After that, each part can be drawn any number of times.
 void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_count);
 void walk_mesh_bind(const WalkMesh *mesh);  // binds its vertices and textures
-void walk_mesh_draw(const WalkMesh *mesh, int part);
+// `run` as in walk_textures.h.
+void walk_mesh_draw(const WalkMesh *mesh, int part, int run);
 // Draws the edges of these objects' polygons as lines; leaves the draw list alone.
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count);
 

@@ -20,6 +20,7 @@
 
 typedef struct LitLook {
     unsigned lit, numbers;  // programs
+    unsigned pictured;      // of elements with pictures, 0: none has
     unsigned scale;         // the scale of false colours, a texture
 } LitLook;
 
@@ -71,10 +72,12 @@ static unsigned make_scale(void) {
     return texture;
 }
 
-static bool lit_look_new(LitLook *out, Error *error) {
+static bool lit_look_new(LitLook *out, bool pictures, Error *error) {
     *out = (LitLook){.lit = gl_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, error)};
     if (out->lit) out->numbers = gl_program(WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT, error);
-    if (!out->numbers) return false;
+    if (out->numbers && pictures)
+        out->pictured = walk_textures_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, false, error);
+    if (!out->numbers || (pictures && !out->pictured)) return false;
     glUseProgram(out->numbers);
     glUniform1i(glGetUniformLocation(out->numbers, "materials"), WALK_UNIT_LAMPS);
     glUniform1i(glGetUniformLocation(out->numbers, "scale"), WALK_UNIT_FREE);
@@ -85,6 +88,7 @@ static bool lit_look_new(LitLook *out, Error *error) {
 static void lit_look_free(LitLook *look) {
     glDeleteProgram(look->lit);
     glDeleteProgram(look->numbers);
+    glDeleteProgram(look->pictured);
     glDeleteTextures(1, &look->scale);
 }
 
@@ -97,11 +101,11 @@ static void set_named_vector(unsigned program, const char *name, double x, doubl
 }
 
 // Everything drawn from here on is shaded by this look. `clip` [16] by columns; `eye` relative to the mesh's origin; `fade` as in
-// walk_lit.h; `range` of the quantity.
+// walk_lit.h; `range` of the quantity; `pictures`: so is everything drawn that has a picture.
 static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange range, const float *clip,
-                         Vec3 eye, double fade) {
+                         Vec3 eye, double fade, bool pictures) {
     bool numbers = tone->quantity != FALSE_COLOUR_OFF;
-    unsigned program = numbers ? look->numbers : look->lit;
+    unsigned program = numbers ? look->numbers : pictures ? look->pictured : look->lit;
     glUseProgram(program);
     glUniformMatrix4fv(glGetUniformLocation(program, "clip"), 1, GL_FALSE, clip);
     set_named_vector(program, "eye", eye.x, eye.y, eye.z);
@@ -259,6 +263,7 @@ typedef enum SceneShader {
     SCENE_PANES,     // fast
     SCENE_DEPTH,     // fine
     SCENE_FINE,
+    SCENE_FINE_PANES,
     SCENE_LINES,
     SCENE_SHADERS
 } SceneShader;
@@ -270,7 +275,7 @@ typedef struct SceneProgram {
 } SceneProgram;
 
 // Places of what tells the sky of baked light.
-enum {
+typedef enum SkyPlace {
     SKY_LIT,
     SKY_SUN,
     SKY_GROUND,
@@ -279,9 +284,15 @@ enum {
     SKY_INDICATRIX,
     SKY_SUN_SHINES,
     SKY_PLACES
-};
+} SkyPlace;
+
+typedef struct SkyProgram {
+    unsigned program;
+    int forward, right, up, day, strength, north, lit[SKY_PLACES];
+} SkyProgram;
 
 struct WalkRenderer {
+    WalkTextures *textures;
     WalkMesh *mesh;
     WalkLit *lit;           // NULL: no light was baked
     WalkLit *next;          // light on another mesh, which is being uploaded; NULL: there is none
@@ -291,17 +302,17 @@ struct WalkRenderer {
     LitTone tone;
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
-    SceneProgram scene[SCENE_SHADERS];
-    unsigned sky, occlusion, blur;  // programs
-    int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
-    int sky_lit[SKY_PLACES];
+    SceneProgram scene[SCENE_SHADERS],
+        pictured[SCENE_SHADERS];  // without and with pictures; programs may be 0
+    SkyProgram sky, pictured_sky;
+    unsigned occlusion, blur;  // programs
+    int occlusion_tangents;
     unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
 // ---- set-up
 
-static bool make_scene_program(SceneProgram *out, const char *vertex, const char *fragment, Error *error) {
-    unsigned program = gl_program(vertex, fragment, error);
+static bool make_scene_program(SceneProgram *out, unsigned program) {
     if (program == 0) return false;
     *out = (SceneProgram){program,
                           glGetUniformLocation(program, "clip"),
@@ -325,27 +336,56 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         [SCENE_PANES] = {WALK_THING_VERTEX, WALK_PANE_FRAGMENT},
         [SCENE_DEPTH] = {WALK_LINE_VERTEX, WALK_DEPTH_FRAGMENT},
         [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
+        [SCENE_FINE_PANES] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
         [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
     };
     for (int i = 0; i < SCENE_SHADERS; i++) {
-        if (!make_scene_program(&w->scene[i], SHADERS[i].vertex, SHADERS[i].fragment, error)) return false;
+        const char *vertex = SHADERS[i].vertex, *fragment = SHADERS[i].fragment;
+        if (!make_scene_program(&w->scene[i], gl_program(vertex, fragment, error))) return false;
+    }
+    // The programs of polygons with pictures. Pictures with holes are among the panes.
+    static const struct {
+        SceneShader shader;
+        const char *vertex, *fragment;
+        bool cut_out;
+    } PICTURED[] = {{SCENE_THINGS, WALK_THING_VERTEX, WALK_THING_FRAGMENT, false},
+                    {SCENE_SURFACES, WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT, false},
+                    {SCENE_PANES, WALK_THING_VERTEX, WALK_THING_FRAGMENT, true},
+                    {SCENE_FINE, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, false},
+                    {SCENE_FINE_PANES, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, true}};
+    for (size_t i = 0; i < sizeof PICTURED / sizeof *PICTURED && walk_textures_runs(w->textures) > 1; i++) {
+        unsigned program =
+            walk_textures_program(PICTURED[i].vertex, PICTURED[i].fragment, PICTURED[i].cut_out, error);
+        if (!make_scene_program(&w->pictured[PICTURED[i].shader], program)) return false;
     }
     return true;
 }
 
-static bool make_programs(WalkRenderer *w, Error *error) {
-    if (!make_scene_programs(w, error)) return false;
-    w->sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
-    w->occlusion = w->sky ? gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error) : 0;
-    w->blur = w->occlusion ? gl_program(WALK_SCREEN_VERTEX, WALK_BLUR_FRAGMENT, error) : 0;
-    if (!w->blur) return false;
-    w->sky_forward = glGetUniformLocation(w->sky, "forward");
-    w->sky_right = glGetUniformLocation(w->sky, "right");
-    w->sky_up = glGetUniformLocation(w->sky, "up");
-    w->sky_day = glGetUniformLocation(w->sky, "day");
+static bool make_sky_program(SkyProgram *out, unsigned program) {
     static const char *const LIT[SKY_PLACES] = {"lit",       "sun",        "lit_ground", "overhead",
                                                 "gradation", "indicatrix", "sun_shines"};
-    for (int i = 0; i < SKY_PLACES; i++) w->sky_lit[i] = glGetUniformLocation(w->sky, LIT[i]);
+    *out = (SkyProgram){.program = program,
+                        .forward = glGetUniformLocation(program, "forward"),
+                        .right = glGetUniformLocation(program, "right"),
+                        .up = glGetUniformLocation(program, "up"),
+                        .day = glGetUniformLocation(program, "day"),
+                        .strength = glGetUniformLocation(program, "strength"),
+                        .north = glGetUniformLocation(program, "north")};
+    for (int i = 0; i < SKY_PLACES; i++) out->lit[i] = glGetUniformLocation(program, LIT[i]);
+    return program != 0;
+}
+
+static bool make_programs(WalkRenderer *w, Error *error) {
+    if (!make_scene_programs(w, error)) return false;
+    unsigned sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
+    if (!sky || !make_sky_program(&w->sky, sky)) return false;
+    if (walk_textures_has_sky(w->textures)) {
+        sky = walk_textures_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, false, error);
+        if (!sky || !make_sky_program(&w->pictured_sky, sky)) return false;
+    }
+    w->occlusion = gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error);
+    w->blur = w->occlusion ? gl_program(WALK_SCREEN_VERTEX, WALK_BLUR_FRAGMENT, error) : 0;
+    if (!w->blur) return false;
     w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
     glUseProgram(w->occlusion);
     glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
@@ -353,12 +393,13 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
     glGenVertexArrays(1, &w->no_vertices);
-    return lit_look_new(&w->lit_look, error);
+    return lit_look_new(&w->lit_look, walk_textures_runs(w->textures) > 1, error);
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
-    if (make_programs(w, error)) w->mesh = walk_mesh_new(graph, arena, error);
+    w->textures = walk_textures_new(graph->building, arena, error);
+    if (w->textures && make_programs(w, error)) w->mesh = walk_mesh_new(graph, w->textures, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
     walk_renderer_free(w);
     return NULL;
@@ -378,7 +419,7 @@ void walk_renderer_expect(WalkRenderer *w, LitMesh *mesh, Arena *arena) {
     if (w->lit && walk_lit_mesh(w->lit) == mesh) return;
     if (w->next && walk_lit_mesh(w->next) == mesh) return;
     CORE_ASSERT(!w->next);
-    WalkLit *lit = walk_lit_new(mesh, arena);
+    WalkLit *lit = walk_lit_new(mesh, w->textures, arena);
     walk_lit_pose(lit, NULL, NULL);
     *(w->lit ? &w->next : &w->lit) = lit;
 }
@@ -415,9 +456,13 @@ void walk_renderer_free(WalkRenderer *w) {
     walk_lit_free(w->next);
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
-    unsigned programs[] = {w->sky, w->occlusion, w->blur};
-    for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
-    for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
+    walk_textures_free(w->textures);
+    unsigned programs[] = {w->sky.program, w->pictured_sky.program, w->occlusion, w->blur};
+    for (int i = 0; i < 4; i++) glDeleteProgram(programs[i]);
+    for (int i = 0; i < SCENE_SHADERS; i++) {
+        glDeleteProgram(w->scene[i].program);
+        glDeleteProgram(w->pictured[i].program);
+    }
     glDeleteVertexArrays(1, &w->no_vertices);
     lit_look_free(&w->lit_look);
 }
@@ -431,8 +476,10 @@ void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
 
 static void set_vector(int place, Vec3 v) { glUniform3f(place, (float)v.x, (float)v.y, (float)v.z); }
 
-static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, const Camera *camera) {
-    const SceneProgram *program = &w->scene[shader];
+// `run` as in walk_textures.h.
+static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, int run,
+                                     const Camera *camera) {
+    const SceneProgram *program = run > 0 ? &w->pictured[shader] : &w->scene[shader];
     glUseProgram(program->program);
     mat4 clip = GLM_MAT4_ZERO_INIT;
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
@@ -442,11 +489,30 @@ static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, 
     return program;
 }
 
-static void draw_surfaces(const WalkRenderer *w) {
+// A part of the draw list, each run by its own shader.
+static void draw_part(const WalkRenderer *w, int part, SceneShader shader, const Camera *camera) {
+    for (int run = 0; run < walk_textures_runs(w->textures); run++) {
+        use_scene(w, shader, run, camera);
+        if (run > 0) walk_textures_bind(w->textures, run);
+        walk_mesh_draw(w->mesh, part, run);
+    }
+}
+
+static void set_offset(bool surfaces) {
+    if (!surfaces) {
+        glDisable(GL_POLYGON_OFFSET_FILL);
+        return;
+    }
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
-    walk_mesh_draw(w->mesh, WALK_SURFACES);
-    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+static void draw_solid(const WalkRenderer *w, SceneShader things, SceneShader surfaces,
+                       const Camera *camera) {
+    draw_part(w, WALK_THINGS, things, camera);
+    set_offset(true);
+    draw_part(w, WALK_SURFACES, surfaces, camera);
+    set_offset(false);
 }
 
 static void draw_screen(const WalkRenderer *w, unsigned program) {
@@ -466,9 +532,11 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     if (!walk_targets_bind(t, WALK_TARGET_DEPTH, error)) return false;
     glClear(GL_DEPTH_BUFFER_BIT);
     walk_mesh_bind(w->mesh);
-    use_scene(w, SCENE_DEPTH, camera);
-    walk_mesh_draw(w->mesh, WALK_THINGS);
-    draw_surfaces(w);
+    use_scene(w, SCENE_DEPTH, 0, camera);
+    walk_mesh_draw(w->mesh, WALK_THINGS, WALK_ALL_RUNS);
+    set_offset(true);
+    walk_mesh_draw(w->mesh, WALK_SURFACES, WALK_ALL_RUNS);
+    set_offset(false);
     glDisable(GL_DEPTH_TEST);
     if (!walk_targets_bind(t, WALK_TARGET_OCCLUSION, error)) return false;
     use_texture(t->texture[WALK_TARGET_DEPTH]);
@@ -487,40 +555,59 @@ static void set_three(int place, const double v[3], double scale) {
 }
 
 // The day of baked light, as bright on the screen as the light that it sends.
-static void set_day(const WalkRenderer *w, const Daylight *day) {
+static void set_day(const WalkRenderer *w, const SkyProgram *sky, const Daylight *day) {
     double ground[3];
     const double *cie = day->cie;
     daylight_seen_ground(day, ground);
-    set_vector(w->sky_lit[SKY_SUN], day->sun);
-    set_three(w->sky_lit[SKY_GROUND], ground, w->tone.exposure);
-    set_three(w->sky_lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / daylight_overhead(day));
-    glUniform2f(w->sky_lit[SKY_GRADATION], (float)cie[0], (float)cie[1]);
-    glUniform3f(w->sky_lit[SKY_INDICATRIX], (float)cie[2], (float)cie[3], (float)cie[4]);
-    glUniform1f(w->sky_lit[SKY_SUN_SHINES], rgb_sum(day->beam) > 0);
+    set_vector(sky->lit[SKY_SUN], day->sun);
+    set_three(sky->lit[SKY_GROUND], ground, w->tone.exposure);
+    set_three(sky->lit[SKY_OVERHEAD], day->zenith, M_PI * w->tone.exposure / daylight_overhead(day));
+    glUniform2f(sky->lit[SKY_GRADATION], (float)cie[0], (float)cie[1]);
+    glUniform3f(sky->lit[SKY_INDICATRIX], (float)cie[2], (float)cie[3], (float)cie[4]);
+    glUniform1f(sky->lit[SKY_SUN_SHINES], rgb_sum(day->beam) > 0);
 }
 
-// `lit`: the day of baked light, or NULL.
+// How much the texels of the sky's picture are multiplied by to be as bright as the sky shown otherwise, on average.
+static double sky_luminance(const WalkRenderer *w, const Daylight *lit) {
+    double mean[3];
+    if (!lit) return (double)WALK_SKY_LUMINANCE;
+    daylight_mean(lit, mean);
+    return M_PI * w->tone.exposure * (0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2]);
+}
+
+// `lit`: the day of baked light, or NULL. The picture of a sky is shown by day.
 static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, const Daylight *lit) {
     bool shines = lit && daylight_shines(lit);
-    glUseProgram(w->sky);
-    glUniform1f(w->sky_day, day);
-    glUniform1i(w->sky_lit[SKY_LIT], shines);
-    if (shines) set_day(w, lit);
-    set_vector(w->sky_forward, camera->forward);
-    set_vector(w->sky_right, vec3_scale(camera->right, camera->tan_x));
-    set_vector(w->sky_up, vec3_scale(camera->up, -camera->tan_y));
+    bool picture = (day || shines) && walk_textures_has_sky(w->textures);
+    const SkyProgram *sky = picture ? &w->pictured_sky : &w->sky;
+    glUseProgram(sky->program);
+    glUniform1f(sky->day, day);
+    glUniform1i(sky->lit[SKY_LIT], shines);
+    if (shines) set_day(w, sky, lit);
+    if (picture) {
+        double strength[3];
+        glUniform1f(sky->north, walk_textures_bind_sky(w->textures, strength));
+        set_three(sky->strength, strength, sky_luminance(w, shines ? lit : NULL));
+    }
+    set_vector(sky->forward, camera->forward);
+    set_vector(sky->right, vec3_scale(camera->right, camera->tan_x));
+    set_vector(sky->up, vec3_scale(camera->up, -camera->tan_y));
     glDepthFunc(GL_LEQUAL);
-    draw_screen(w, w->sky);
+    draw_screen(w, sky->program);
     glDepthFunc(GL_LESS);
 }
 
+// Pictures with holes come first, since they hide what is behind them, unlike glass.
 static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera, bool day) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE);
     walk_mesh_bind(w->mesh);
-    glUniform1f(use_scene(w, shader, camera)->day, day);
-    walk_mesh_draw(w->mesh, WALK_PANES);
+    for (int run = walk_textures_runs(w->textures) - 1; run >= 0; run--) {
+        glDepthMask(run > 0);
+        glUniform1f(use_scene(w, shader, run, camera)->day, day);
+        if (run > 0) walk_textures_bind(w->textures, run);
+        walk_mesh_draw(w->mesh, WALK_PANES, run);
+    }
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
 }
@@ -535,10 +622,7 @@ static bool begin_frame(WalkRenderer *w, WalkTarget target, Error *error) {
 
 static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
     if (!begin_frame(w, WALK_TARGET_FAST, error)) return false;
-    use_scene(w, SCENE_THINGS, camera);
-    walk_mesh_draw(w->mesh, WALK_THINGS);
-    use_scene(w, SCENE_SURFACES, camera);
-    draw_surfaces(w);
+    draw_solid(w, SCENE_THINGS, SCENE_SURFACES, camera);
     draw_sky(w, camera, true, NULL);
     draw_panes(w, SCENE_PANES, camera, true);
     return true;
@@ -547,32 +631,32 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
 static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     if (!draw_occlusion(w, camera, error) || !begin_frame(w, WALK_TARGET_FINE, error)) return false;
     use_texture(w->targets.texture[WALK_TARGET_BLUR]);
-    use_scene(w, SCENE_FINE, camera);
-    walk_mesh_draw(w->mesh, WALK_THINGS);
-    draw_surfaces(w);
+    draw_solid(w, SCENE_FINE, SCENE_FINE, camera);
     draw_sky(w, camera, true, NULL);
-    draw_panes(w, SCENE_FINE, camera, true);
+    draw_panes(w, SCENE_FINE_PANES, camera, true);
     return true;
 }
 
-static void use_lit(const WalkRenderer *w, const Camera *camera) {
+static void draw_lit(const WalkRenderer *w, const Camera *camera, bool surfaces) {
     mat4 clip = GLM_MAT4_ZERO_INIT;
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
     walk_lit_bind(w->lit);
-    lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
-                 vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit));
+    for (int run = 0; run < walk_textures_runs(w->textures); run++) {
+        lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+                     vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit), run > 0);
+        if (run > 0) walk_textures_bind(w->textures, run);
+        walk_lit_draw(w->lit, surfaces, run);
+    }
 }
 
 static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     bool numbers = w->tone.quantity != FALSE_COLOUR_OFF;
     if (numbers) glClearColor(NO_VALUE, NO_VALUE, NO_VALUE, 1);
     if (!begin_frame(w, w->plain ? WALK_TARGET_FAST : WALK_TARGET_FINE, error)) return false;
-    use_lit(w, camera);
-    walk_lit_draw(w->lit, false);
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(WALK_OFFSET_SLOPE, WALK_OFFSET_UNITS);
-    walk_lit_draw(w->lit, true);
-    glDisable(GL_POLYGON_OFFSET_FILL);
+    draw_lit(w, camera, false);
+    set_offset(true);
+    draw_lit(w, camera, true);
+    set_offset(false);
     if (numbers) return true;
     draw_sky(w, camera, false, &w->light->day);
     draw_panes(w, SCENE_PANES, camera, daylight_shines(&w->light->day));
@@ -616,7 +700,7 @@ bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *o
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    const SceneProgram *lines = use_scene(w, SCENE_LINES, camera);
+    const SceneProgram *lines = use_scene(w, SCENE_LINES, 0, camera);
     glUniform4fv(lines->colour, 1, colour);
     walk_mesh_draw_edges(w->mesh, objects, object_count);
     glDisable(GL_BLEND);

@@ -36,6 +36,12 @@
 #define WALK_PANE 0.75f, 0.83f, 0.90f
 #define WALK_PANE_SHARE 0.6f
 
+// Texels of a picture that cover less than this are not drawn.
+#define WALK_CUT_OUT_LEAST 0.125
+
+// Where a building has a picture of its sky and no light was computed, its mean luminance: that of the sky shown otherwise.
+#define WALK_SKY_LUMINANCE 0.63f
+
 // Light by radiosity: the share of its front's light that the back of a polygon shows; the least brightness of a lamp, and the brightness
 // that is shown as full white, both in exposed light, of which 1 becomes half the screen's.
 #define WALK_BACK_SHARE 0.75

@@ -39,6 +39,7 @@
     TRIPLE(NIGHT_GROUND)                                                                                     \
     NUMBER(NIGHT_PANE)                                                                                       \
     NUMBER(BACK_SHARE)                                                                                       \
+    NUMBER(CUT_OUT_LEAST)                                                                                    \
     NUMBER(GLARE)                                                                                            \
     NUMBER(EXPOSURE)                                                                                         \
     NUMBER(SHOULDER_TOP)                                                                                     \
@@ -59,25 +60,46 @@
     "    return min(alpha * 0.5 + 0.04 + 0.6 * square * square * around, 0.9);\n"                            \
     "}\n"
 
-const char WALK_FINE_VERTEX[] =
-    VERSION "layout(location = 0) in vec3 position;\n"
-            "layout(location = 1) in vec3 normal;\n"
-            "layout(location = 2) in vec4 colour;\n"    // square root of the reflectance, alpha
-            "layout(location = 3) in vec4 emission;\n"  // rgb; w: outdoors
-            "layout(location = 4) in ivec2 lamps;\n"
-            "uniform mat4 clip;\n"
-            "uniform vec3 eye;\n"
-            "out vec3 vPosition;\n"
-            "flat out vec3 vNormal;\n"
-            "flat out vec4 vColour, vEmission;\n"
-            "flat out ivec2 vLamps;\n"
-            "void main() {\n"
-            "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-            "    vPosition = position; vNormal = normal; vLamps = lamps;\n"
-            "    vColour = vec4(colour.rgb * colour.rgb, colour.a); vEmission = emission;\n"
-            "}\n";
+// Where a program is made with PICTURES (walk_textures.h), the place of a vertex in its picture and the strength of the texels; else 1.
+#define PICTURE_VERTEX                                                                                       \
+    "#ifdef PICTURES\n"                                                                                      \
+    "layout(location = 10) in vec3 picture;\n"                                                               \
+    "layout(location = 11) in vec4 strength;\n"                                                              \
+    "out vec3 vPicture;\n"                                                                                   \
+    "vec4 picture_strength() { vPicture = picture; return strength; }\n"                                     \
+    "#else\n"                                                                                                \
+    "vec4 picture_strength() { return vec4(1.0); }\n"                                                        \
+    "#endif\n"
 
-const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS
+// The root of the picture's colour, and its opacity.
+#define PICTURE_FRAGMENT                                                                                     \
+    "#ifdef PICTURES\n"                                                                                      \
+    "in vec3 vPicture;\n"                                                                                    \
+    "uniform sampler2DArray pictures;\n"                                                                     \
+    "vec4 picture_texel() { return texture(pictures, vPicture); }\n"                                         \
+    "#else\n"                                                                                                \
+    "vec4 picture_texel() { return vec4(1.0); }\n"                                                           \
+    "#endif\n"
+
+const char WALK_FINE_VERTEX[] = VERSION PICTURE_VERTEX
+    "layout(location = 0) in vec3 position;\n"
+    "layout(location = 1) in vec3 normal;\n"
+    "layout(location = 2) in vec4 colour;\n"    // square root of the reflectance, alpha
+    "layout(location = 3) in vec4 emission;\n"  // rgb; w: outdoors
+    "layout(location = 4) in ivec2 lamps;\n"
+    "uniform mat4 clip;\n"
+    "uniform vec3 eye;\n"
+    "out vec3 vPosition;\n"
+    "flat out vec3 vNormal;\n"
+    "flat out vec4 vColour, vEmission;\n"
+    "flat out ivec2 vLamps;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    vPosition = position; vNormal = normal; vLamps = lamps;\n"
+    "    vColour = vec4(colour.rgb * colour.rgb, colour.a) * picture_strength(); vEmission = emission;\n"
+    "}\n";
+
+const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS PICTURE_FRAGMENT
     "in vec3 vPosition;\n"
     "flat in vec3 vNormal;\n"
     "flat in vec4 vColour, vEmission;\n"
@@ -111,7 +133,14 @@ const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS
     "    vec3 warm = open * mix(vec3(1.0), OCCLUSION_WARMTH, 1.0 - open);\n"
     "    light = light * mix(vec3(1.0), warm, OCCLUSION_STRENGTH) +\n"
     "            lamp_light(n) * mix(1.0, open, LAMP_OPENNESS);\n"
-    "    vec3 out_light = vColour.rgb * light + vEmission.rgb;\n"
+    "    vec4 texel = picture_texel();\n"
+    "    vec3 out_light = vColour.rgb * (texel.rgb * texel.rgb) * light + vEmission.rgb;\n"
+    "#ifdef CUT_OUT\n"
+    "    float alpha = min(vColour.a * texel.a, 1.0);\n"
+    "    if (alpha < CUT_OUT_LEAST) discard;\n"
+    "    result = vec4(display(out_light), alpha);\n"
+    "    return;\n"
+    "#endif\n"
     "    float alpha = vColour.a;\n"
     "    if (alpha < 1.0) {\n"
     "        alpha = glass(alpha, n, view);\n"
@@ -122,44 +151,54 @@ const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS
 
 const char WALK_DEPTH_FRAGMENT[] = VERSION "void main() {}\n";
 
-const char WALK_BAKED_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
-                                         "layout(location = 5) in vec4 front;\n"
-                                         "layout(location = 7) in vec2 place;\n"
-                                         "uniform mat4 clip;\n"
-                                         "uniform vec3 eye;\n"
-                                         "flat out vec3 vColour;\n"
-                                         "out vec2 vPlace;\n"
-                                         "void main() {\n"
-                                         "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-                                         "    vColour = front.rgb; vPlace = place;\n"
-                                         "}\n";
+const char WALK_BAKED_VERTEX[] =
+    VERSION PICTURE_VERTEX "layout(location = 0) in vec3 position;\n"
+                           "layout(location = 5) in vec4 front;\n"
+                           "layout(location = 7) in vec2 place;\n"
+                           "uniform mat4 clip;\n"
+                           "uniform vec3 eye;\n"
+                           "flat out vec3 vColour;\n"
+                           "out vec2 vPlace;\n"
+                           "void main() {\n"
+                           "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                           "    vColour = front.rgb * sqrt(picture_strength().rgb); vPlace = place;\n"
+                           "}\n";
 
-const char WALK_BAKED_FRAGMENT[] =
-    VERSION "flat in vec3 vColour;\n"
-            "in vec2 vPlace;\n"
-            "uniform sampler2D atlas;\n"
-            "out vec4 result;\n"
-            "void main() { result = vec4(vColour * texture(atlas, vPlace).r, 1.0); }\n";
+const char WALK_BAKED_FRAGMENT[] = VERSION PICTURE_FRAGMENT
+    "flat in vec3 vColour;\n"
+    "in vec2 vPlace;\n"
+    "uniform sampler2D atlas;\n"
+    "out vec4 result;\n"
+    "void main() { result = vec4(vColour * texture(atlas, vPlace).r * picture_texel().rgb, 1.0); }\n";
 
 // Polygons have colours for both sides; all corners of a polygon choose the same side, since it is flat.
-const char WALK_THING_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
-                                         "layout(location = 1) in vec3 normal;\n"
-                                         "layout(location = 5) in vec4 front;\n"
-                                         "layout(location = 6) in vec4 back;\n"
-                                         "uniform mat4 clip;\n"
-                                         "uniform vec3 eye;\n"
-                                         "out vec4 vColour;\n"
-                                         "out vec3 vView;\n"
-                                         "flat out vec3 vNormal;\n"
-                                         "void main() {\n"
-                                         "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-                                         "    vView = eye - position; vNormal = normal;\n"
-                                         "    vColour = dot(normal, vView) < 0.0 ? back : front;\n"
-                                         "}\n";
+const char WALK_THING_VERTEX[] =
+    VERSION PICTURE_VERTEX "layout(location = 0) in vec3 position;\n"
+                           "layout(location = 1) in vec3 normal;\n"
+                           "layout(location = 5) in vec4 front;\n"
+                           "layout(location = 6) in vec4 back;\n"
+                           "uniform mat4 clip;\n"
+                           "uniform vec3 eye;\n"
+                           "out vec4 vColour;\n"
+                           "out vec3 vView;\n"
+                           "flat out vec3 vNormal;\n"
+                           "void main() {\n"
+                           "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+                           "    vView = eye - position; vNormal = normal;\n"
+                           "    vec4 shown = picture_strength();\n"
+                           "    vColour = (dot(normal, vView) < 0.0 ? back : front) *\n"
+                           "              vec4(sqrt(shown.rgb), shown.a);\n"
+                           "}\n";
 
-const char WALK_THING_FRAGMENT[] = VERSION "in vec4 vColour;\n"
-                                           "out vec4 result;\n"
-                                           "void main() { result = vColour; }\n";
+const char WALK_THING_FRAGMENT[] =
+    VERSION CONSTANTS PICTURE_FRAGMENT "in vec4 vColour;\n"
+                                       "out vec4 result;\n"
+                                       "void main() {\n"
+                                       "    result = vColour * picture_texel();\n"
+                                       "#ifdef CUT_OUT\n"
+                                       "    if (result.a < CUT_OUT_LEAST) discard;\n"
+                                       "#endif\n"
+                                       "}\n";
 
 const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
     "in vec4 vColour;\n"
@@ -183,25 +222,26 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
 
 // Light is computed as if the back of a face reflected nothing. But curtains and leaves are single polygons: their backs show
 // some of their front's light. Lamps stay bright however low the exposure is.
-const char WALK_LIT_VERTEX[] =
-    VERSION CONSTANTS LIT_PLACES "uniform float exposure;\n"
-                                 "centroid out vec3 vLight;\n"
-                                 "void main() {\n"
-                                 "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-                                 "    vLight = mix(before, light, fade) * exposure;\n"
-                                 "    bool front = dot(normal, eye - position) >= 0.0;\n"
-                                 "    if (!front) vLight *= BACK_SHARE;\n"
-                                 "    float most = max(max(vLight.r, vLight.g), max(vLight.b, 1e-20));\n"
-                                 "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
-                                 "}\n";
+const char WALK_LIT_VERTEX[] = VERSION CONSTANTS PICTURE_VERTEX LIT_PLACES
+    "uniform float exposure;\n"
+    "centroid out vec3 vLight;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    vLight = mix(before, light, fade) * exposure * picture_strength().rgb;\n"
+    "    bool front = dot(normal, eye - position) >= 0.0;\n"
+    "    if (!front) vLight *= BACK_SHARE;\n"
+    "    float most = max(max(vLight.r, vLight.g), max(vLight.b, 1e-20));\n"
+    "    if (front && kind.y == 1) vLight *= max(GLARE / most, 1.0);\n"
+    "}\n";
 
 // The curve of walk_shade.h, then IEC 61966-2-1 (sRGB) by three square roots, within a 256th of it: computing a power at each pixel takes
 // longer than everything else.
-const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS
+const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS PICTURE_FRAGMENT
     "centroid in vec3 vLight;\n"
     "out vec4 result;\n"
     "void main() {\n"
-    "    vec3 x = max(vLight, 0.0);\n"
+    "    vec3 texel = picture_texel().rgb;\n"
+    "    vec3 x = max(vLight, 0.0) * (texel * texel);\n"
     "    x = min(" WALK_TEXT(WALK_CURVE(
         x)) ", 1.0);\n"
             "    vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);\n"
@@ -257,6 +297,16 @@ const char WALK_SCREEN_VERTEX[] =
 // The sky is mixed from three display colours, which a compiler computes once: a power at each pixel took longer than everything else.
 // The sky of baked light is that of daylight_seen: radiosities times exposure, by direction.
 const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
+    "#ifdef PICTURES\n"
+    "uniform sampler2D pictures;\n"
+    "uniform vec3 strength;\n"  // of its texels, squared
+    "uniform float north;\n"
+    "vec3 picture(vec3 ray, float rise) {\n"
+    "    vec2 place = vec2(atan(ray.y, ray.x) - north, acos(clamp(rise, 0.0, 1.0)) * 4.0) / 6.2831853;\n"
+    "    vec3 texel = textureLod(pictures, place, 0.0).rgb;\n"
+    "    return strength * texel * texel;\n"
+    "}\n"
+    "#endif\n"
     "in vec2 at;\n"
     "uniform vec3 forward, right, up;\n"
     "uniform float day;\n"
@@ -292,6 +342,9 @@ const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
                                                      "smoothstep(0.9, 1.1, away)) * step(0.0, rise);\n"
                                                      "        sky = mix(sky, vec3(" WALK_TEXT(
                                                          WALK_WHITE) "), disc);\n"
+                                                                     "#ifdef PICTURES\n"
+                                                                     "        sky = picture(ray, rise);\n"
+                                                                     "#endif\n"
                                                                      "        float above = "
                                                                      "smoothstep(-" WALK_TEXT(
                                                                          DAYLIGHT_HAZE) ", 0.0, rise);\n"
@@ -321,6 +374,11 @@ const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
                                                                                         "zenith, 0.97 * "
                                                                                         "sqrt(max(rise, "
                                                                                         "0.0)));\n"
+                                                                                        "#ifdef PICTURES\n"
+                                                                                        "    above = "
+                                                                                        "display(picture(ray,"
+                                                                                        " rise));\n"
+                                                                                        "#endif\n"
                                                                                         "    result = "
                                                                                         "vec4(mix(ground, "
                                                                                         "above, "

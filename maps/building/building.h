@@ -260,6 +260,7 @@ typedef struct Building {
     Ring *rings;
     Vec2 *points;        // of rings, inlays and leak paths
     int *edge_material;  // [point_count] of the wall right of the ring's edge that begins at points[i]
+    int *edge_upper;     // [point_count] of that wall above an opening in it; NULL: edge_material
     Opening *openings;
     Leaf *leaves;
     Polygon *polygons;
@@ -288,7 +289,7 @@ typedef struct Building {
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
-        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity,
+        ring_capacity, point_capacity, edge_capacity, edge_upper_capacity, opening_capacity, leaf_capacity,
         polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
         viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
         control_capacity, trim_capacity, ball_capacity, beside_capacity;

@@ -1,11 +1,12 @@
-// texture.c - pictures, decoded by stb_image, with smaller levels (Williams 1983, Pyramidal parametrics). sRGB is decoded before
-// averaging: a chequered floor reflects the mean of its tiles' reflectances, not the reflectance of its mean code. Colours count by
-// their opacity, so that the colour of what is transparent never shows.
+// texture.c - pictures, decoded by stb_image and libwebp, with smaller levels (Williams 1983, Pyramidal parametrics). sRGB is decoded
+// before averaging: a chequered floor reflects the mean of its tiles' reflectances, not the reflectance of its mean code. Colours count
+// by their opacity, so that the colour of what is transparent never shows.
 #include "maps/building/texture.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <webp/decode.h>
 
 #include "engine/core/memory.h"
 
@@ -43,10 +44,18 @@ static void *bounded_realloc(void *old, size_t size) {
 #endif
 #pragma GCC diagnostic pop
 
+static bool is_webp(Bytes image) {
+    return image.size > 12 && memcmp(image.data, "RIFF", 4) == 0 && memcmp(image.data + 8, "WEBP", 4) == 0;
+}
+
 int texture_pixels(Bytes image) {
     int width, height, channels;
     if (image.size > INT_MAX) return 0;
-    if (!stbi_info_from_memory(image.data, (int)image.size, &width, &height, &channels)) return 0;
+    if (is_webp(image)) {
+        if (!WebPGetInfo(image.data, image.size, &width, &height)) return 0;
+    } else if (!stbi_info_from_memory(image.data, (int)image.size, &width, &height, &channels)) {
+        return 0;
+    }
     return width > 0 && height > 0 && width <= TEXTURE_MAX_PIXELS / height ? width * height : 0;
 }
 
@@ -197,16 +206,32 @@ static unsigned char *decode(Bytes image, double *left, int *width, int *height)
         if (work > *left) return NULL;
         *left -= work;
     }
-    return stbi_load_from_memory(image.data, (int)image.size, width, height, &channels, 4);
+    if (!is_webp(image))
+        return stbi_load_from_memory(image.data, (int)image.size, width, height, &channels, 4);
+    WebPGetInfo(image.data, image.size, width, height);
+    size_t size = 4 * (size_t)*width * (size_t)*height;
+    unsigned char *pixels = memory_new(size);
+    if (WebPDecodeRGBAInto(image.data, image.size, pixels, size, 4 * *width)) return pixels;
+    memory_free(pixels);
+    return NULL;
 }
 
-int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+static int add_image(Arena *arena, Building *b, const char *name, Bytes image, double *left, bool opaque) {
     int width, height;
     unsigned char *pixels = decode(image, left, &width, &height);
     if (!pixels) return 0;
+    for (size_t i = 0; opaque && i < (size_t)width * (size_t)height; i++) pixels[4 * i + 3] = 255;
     int texture = texture_add_pixels(arena, b, name, width, height, pixels);
     stbi_image_free(pixels);
     return texture;
+}
+
+int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+    return add_image(arena, b, name, image, left, false);
+}
+
+int texture_add_opaque(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+    return add_image(arena, b, name, image, left, true);
 }
 
 // sRGB code of a linear value.

@@ -10,6 +10,7 @@
 #include "maps/building/reader.h"
 #include "maps/building/scan.h"
 #include "maps/building/texture.h"
+#include "maps/polygons/foreign.h"
 #include "maps/polygons/obj.h"
 #include "maps/polygons/soup_readers.h"
 
@@ -240,9 +241,11 @@ static bool read_file(void *context, const char *name, Arena *arena, Bytes *out)
     return soup_read_beside(context, name, arena, out, &ignored);
 }
 
-static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+// `library` and `resize`: see SoupReader and soup_finish.
+static bool read_text(const char *path, Bytes content, Bytes library, const char *resize, Arena *arena,
+                      Building *out, Error *error) {
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
-    SoupReader reader = {.path = path, .arena = arena, .b = out};
+    SoupReader reader = {.path = path, .arena = arena, .b = out, .library = library};
     double pixels = TEXTURE_FREE_PIXELS;
     ObjFiles files = {read_file, &reader, &pixels, out};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
@@ -253,9 +256,21 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
     for (int i = 0; i < o.model.material_count; i++) o.materials[i] = -1;
     if (!make_mesh(&o)) return false;
     note_losses(&o, add_objects(&o));
-    return soup_finish(&reader,
-                       "a comment above the first vertex, such as `# unit 0.01`, says how many metres one is",
-                       error);
+    return soup_finish(&reader, resize, error);
+}
+
+static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+    return read_text(path, content, (Bytes){0},
+                     "a comment above the first vertex, such as `# unit 0.01`, says how many metres one is",
+                     arena, out, error);
+}
+
+static bool read_foreign(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+    Bytes text, library;
+    return foreign_as_obj(path, content, arena, &text, &library, error) &&
+           read_text(path, text, library,
+                     "3DS has no unit and counts as metres: scale the model before export", arena, out,
+                     error);
 }
 
 // The first statement is one of OBJ.
@@ -277,4 +292,12 @@ const MapsReader MAPS_READER_OBJ = {
     .summary = "Wavefront OBJ models of buildings: polygons alone",
     .recognise = recognise_obj,
     .read = read_obj,
+};
+
+const MapsReader MAPS_READER_FOREIGN = {
+    .name = "foreign",
+    .suffixes = ".dae .3ds",
+    .summary = "COLLADA and 3DS models of buildings: polygons alone",
+    .recognise = foreign_recognise,
+    .read = read_foreign,
 };

@@ -27,8 +27,8 @@ typedef struct SoupReader {
     uint64_t hash;  // of the files read beside `path`
     size_t bytes;   // of these files
     int files;
-    Bytes
-        library;  // of materials, of a model that was converted: it stands for every file NAME.mtl; else no data
+    // The library of materials of a model that was converted: it stands for every file NAME.mtl. Else no data.
+    Bytes library;
     int capped;  // colours above `limit`, the one of soup_cap
     double limit;
     const char *first_capped;  // the material of the first of them

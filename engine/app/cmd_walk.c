@@ -123,7 +123,8 @@ static const Option ROWS[] = {
     {.name = "bake",
      .type = OPTION_FLAG,
      .at = AT(bake),
-     .help = "where there is no light bake it first, and keep it in the user's cache"},
+     .help = "where there is no light bake it first, and keep it in the user's cache; --day, --night and "
+             "their like ask for it, too"},
     {.name = "tour",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -385,9 +386,9 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
-    // Daylight that is asked for is baked where no stored light has it; the usual day where anything is baked.
-    bool day = day_asks(&load->day);
-    bool bakes = !a->walk.verify && (a->off_screen ? a->bake || day : !a->no_bake);
+    // Daylight or night that is asked for is baked where no stored light has it; the usual day where anything is baked.
+    bool asked = day_asks(&load->day) || load->day.night;
+    bool bakes = !a->walk.verify && (a->off_screen ? a->bake || asked : !a->no_bake);
     load->day.usual = bakes;
     load->work = "walking";
     load->find_light = !a->walk.verify;

@@ -543,7 +543,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
         shoot_rows_shot(s.rows, patch);
     }
     finish(&s);
-    report.residual = residual_of(&s);
+    report.residual = fmax(0, residual_of(&s));  // rounding takes it below 0 where all light is absorbed
     if (options->gather && !options->lamps_only && report.residual <= options->residual) {
         solution->gathered = gather_reflected(&s, mesh, progress);
         report.stopped = !solution->gathered;

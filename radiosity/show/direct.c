@@ -30,7 +30,7 @@ static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
 enum { CLOSERS = 8 };
 // Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
 // looks at progress.
-enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
+enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 32 };
 // Patches for which what stands before lamps is found at a time.
 enum { TOGETHER = 4 };
 // Points of two meshes nearer than this are in one place, metres.

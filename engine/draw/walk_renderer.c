@@ -11,6 +11,7 @@
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
 #include "engine/draw/false_colour.h"
+#include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shade.h"
@@ -32,7 +33,7 @@ typedef struct LitTone {
 // The frames that looks draw to. Each is made when it is first needed in a size.
 typedef enum WalkTarget {
     WALK_TARGET_FINAL,      // colour alone: the frame that is shown and read
-    WALK_TARGET_FAST,       // the same colour, with depth
+    WALK_TARGET_FAST,       // colour, a texture, and depth, one sample a pixel
     WALK_TARGET_FINE,       // colour and depth, several samples a pixel
     WALK_TARGET_DEPTH,      // depth alone, a texture
     WALK_TARGET_OCCLUSION,  // open share and distance, a texture, coarser
@@ -161,6 +162,8 @@ static const TextureKind TEXTURES[WALK_TARGETS] = {
     // A sized format would be laid out in the order of its name.
     [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
                            false},
+    [WALK_TARGET_FAST] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
+                          false},
     [WALK_TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT,
                            GL_NEAREST, false},
     [WALK_TARGET_OCCLUSION] = {GL_RG32F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_NEAREST, true},
@@ -195,7 +198,7 @@ static void attach(WalkTargets *t, WalkTarget which) {
     int samples = 0;
     switch (which) {
     case WALK_TARGET_FAST:
-        attach_texture(t, WALK_TARGET_FINAL);
+        attach_texture(t, WALK_TARGET_FAST);
         attach_buffer(&t->fast_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, 0, t);
         break;
     case WALK_TARGET_FINE:
@@ -214,9 +217,7 @@ static void attach(WalkTargets *t, WalkTarget which) {
 }
 
 static bool make(WalkTargets *t, WalkTarget which, Error *error) {
-    if (which == WALK_TARGET_FAST && !t->frame[WALK_TARGET_FINAL] && !make(t, WALK_TARGET_FINAL, error))
-        return false;
-    if (which != WALK_TARGET_FAST && which != WALK_TARGET_FINE) make_texture(t, which);
+    if (which != WALK_TARGET_FINE) make_texture(t, which);
     glGenFramebuffers(1, &t->frame[which]);
     glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
     attach(t, which);
@@ -295,6 +296,10 @@ struct WalkRenderer {
     unsigned sky, occlusion, blur;  // programs
     int sky_forward, sky_right, sky_up, sky_day, occlusion_tangents;
     int sky_lit[SKY_PLACES];
+    bool software;  // OpenGL draws with the processor
+    Smoother smoother;
+    Arena frame_arena;
+    uint32_t *frame;       // as large as the smoother's
     unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
@@ -358,6 +363,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
+    w->software = gl_is_software();
     if (make_programs(w, error)) w->mesh = walk_mesh_new(graph, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
     walk_renderer_free(w);
@@ -415,6 +421,8 @@ void walk_renderer_free(WalkRenderer *w) {
     walk_lit_free(w->next);
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
+    smooth_free(&w->smoother);
+    arena_free(&w->frame_arena);
     unsigned programs[] = {w->sky, w->occlusion, w->blur};
     for (int i = 0; i < 3; i++) glDeleteProgram(programs[i]);
     for (int i = 0; i < SCENE_SHADERS; i++) glDeleteProgram(w->scene[i].program);
@@ -625,15 +633,32 @@ bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *o
 
 // ---- the final frame
 
+// Copies the frame that is bound for reading to the final one, with its edges smoothed. In software both lie in this process's memory.
+static void smooth_frame(WalkRenderer *w) {
+    const WalkTargets *t = &w->targets;
+    if (w->smoother.width != t->width || w->smoother.height != t->height) {
+        arena_free(&w->frame_arena);
+        w->frame = ARENA_ARRAY(&w->frame_arena, uint32_t, (size_t)t->width * (size_t)t->height);
+    }
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    glReadPixels(0, 0, t->width, t->height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, w->frame);
+    smooth_edges(&w->smoother, w->frame, t->width, t->height);
+    use_texture(t->texture[WALK_TARGET_FINAL]);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, t->width, t->height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
+                    w->frame);
+}
+
 bool walk_renderer_finish_scene(WalkRenderer *w, Error *error) {
     WalkTargets *t = &w->targets;
     if (!walk_targets_bind(t, WALK_TARGET_FINAL, error)) return false;
-    if (w->drawn == WALK_TARGET_FINE) {
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINE]);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[w->drawn]);
+    // False colours are numbers: between two of them lies none.
+    if (w->drawn == WALK_TARGET_FAST && w->software && w->tone.quantity == FALSE_COLOUR_OFF)
+        smooth_frame(w);
+    else
         glBlitFramebuffer(0, 0, t->width, t->height, 0, 0, t->width, t->height, GL_COLOR_BUFFER_BIT,
                           GL_NEAREST);
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
-    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
     glDisable(GL_DEPTH_TEST);
     return gl_check("finishing a frame", error);
 }

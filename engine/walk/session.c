@@ -1,9 +1,7 @@
 // session.c - the start, the end and the ticks of a walk, and reading its file again.
-#include <string.h>
 #include <unistd.h>
 
-#include <glad/gl.h>
-
+#include "engine/gl/gl_context.h"
 #include "engine/walk/session_state.h"
 
 // If a window stood still for longer than this, seconds, the walk goes on for this time only.
@@ -20,11 +18,7 @@ SessionOptions session_default_options(void) {
 }
 
 // The best look that OpenGL draws in time: in software the fine look takes a tenth of a second.
-static WalkLook usual_look(void) {
-    const char *name = (const char *)glGetString(GL_RENDERER);
-    bool software = !name || strstr(name, "llvmpipe") || strstr(name, "softpipe") || strstr(name, "SWR");
-    return software ? WALK_FAST : WALK_FINE;
-}
+static WalkLook usual_look(void) { return gl_is_software() ? WALK_FAST : WALK_FINE; }
 
 static bool open_session(Session *s, Error *error) {
     Shown *shown = s->load ? session_load_end(s, error) : shown_load(s, error);

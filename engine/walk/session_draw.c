@@ -97,6 +97,7 @@ static void measure_frame(Session *s, double start) {
 bool session_draw(Session *s, int width, int height, double scale, Error *error) {
     const Person *p = &s->person;
     double start = clock_seconds();
+    if (s->began < 0) s->began = s->now;
     Camera camera = camera_look(p->eye, p->yaw, p->pitch, s->fov, width, height);
     session_receive_light(s);
     ask(s, &camera);

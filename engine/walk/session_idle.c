@@ -60,7 +60,8 @@ static bool picture_moves(const Session *s) {
 bool session_changed(Session *s, int width, int height, double scale) {
     const int doors = s->shown->scene.graph->building->opening_count;
     SessionSeen now = see(s, width, height, scale);
-    s->changed = s->began < 0 || s->exposed || picture_moves(s) || memcmp(&now, &s->seen, sizeof now) != 0 ||
+    s->changed = s->frames == 0 || s->exposed || picture_moves(s) ||
+                 memcmp(&now, &s->seen, sizeof now) != 0 ||
                  vec3_length(vec3_sub(s->person.eye, s->seen_eye)) > STAYED ||
                  memcmp(s->shown->drawn_open, s->shown->doors.open, (size_t)doors * sizeof(float)) != 0;
     if (s->changed) return true;
@@ -72,7 +73,6 @@ bool session_changed(Session *s, int width, int height, double scale) {
 
 void session_note_seen(Session *s, int width, int height, double scale) {
     const int doors = s->shown->scene.graph->building->opening_count;
-    if (s->began < 0) s->began = s->now;
     s->seen = see(s, width, height, scale);
     s->seen_eye = s->person.eye;
     s->exposed = false;

@@ -4,9 +4,9 @@
 #include "engine/sim/door_part.h"
 #include "engine/sim/tour_film.h"
 
-// A door stands open so long before the eye comes, and begins to close so long after it has gone, seconds: at TOUR_SPEED, three and
-// one steps.
-static const double BEFORE = 0.9, AFTER = 0.8;
+// A door stands open so long before the eye comes, and begins to close so long after it has gone, seconds: at TOUR_SPEED, two metres
+// and one.
+static const double BEFORE = 1.5, AFTER = 0.8;
 // How much earlier or later it may be, for want of room, seconds.
 static const double PATIENCE = 8;
 // A door that is passed again so soon is left open, seconds.

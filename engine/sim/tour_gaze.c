@@ -10,11 +10,13 @@
 #include "visibility/rays/ray_surfaces.h"
 
 // Looks are LOOK_TICKS moments apart, and the eye turns by up to QUICKEST directions in between: 50 degrees a second.
-enum { DIRECTIONS = 72, ROWS = 5, MIDDLE = 2, LOOK_TICKS = 4, QUICKEST = 2, VIEW = 7 };
+enum { DIRECTIONS = 72, ROWS = 5, MIDDLE = 2, LOOK_TICKS = 4, QUICKEST = 2, VIEW = 7, MOST_PASSED = 8 };
 // Directions of a ray in a view of 75 by 47 degrees, up and down, radians.
 static const double ROW_APART = 0.16;
 // The pitch, radians, is a little down, as people look when they walk.
 static const double PITCH = -0.04;
+// On stairs it follows this share of the slope.
+static const double SLOPE = 0.6;
 // Views are no longer than this, metres.
 static const double LONGEST = 15;
 // The way ahead is where the eye is after it went so far, metres.
@@ -58,6 +60,15 @@ static bool heading_at(const Gaze *g, int at, double *yaw) {
     return false;
 }
 
+// The slope of the way, radians, over a second before and after.
+static double slope_at(const Gaze *g, int at) {
+    int reach = (int)(0.8 / FILM_TICK), a = at - reach > g->first ? at - reach : g->first,
+        b = at + reach < g->last ? at + reach : g->last - 1;
+    Vec3 way = vec3_sub(g->film->moments[b].eye, g->film->moments[a].eye);
+    double level = hypot(way.x, way.y);
+    return level > 0.3 ? atan2(way.z, level) : 0;
+}
+
 // ---- rays
 
 // How far it is to a doorway whose door is shut, or nearly, along a ray; INFINITY if there is none. `door` is that door.
@@ -81,20 +92,28 @@ static double to_shut_door(const Gaze *g, const float *door_open, const Ray *ray
     return nearest;
 }
 
-// What a ray meets first: its distance, metres, and a number that tells polygons and shut doors apart.
-static double look_along(const Gaze *g, const float *door_open, Ray ray, int *item) {
+// What a ray meets first, a pane of glass included: its distance, metres, and a number that tells polygons and shut doors apart; and
+// how far the view goes, through glass.
+static double look_along(const Gaze *g, const float *door_open, Ray ray, int *item, double *view) {
     int door = -1;
-    double shut = to_shut_door(g, door_open, &ray, &door);
-    SurfaceHit hit = surface_tree_first(g->tree, &ray);
-    // The tree's doors are wide open: a leaf that is shut stands elsewhere.
-    for (int tries = 0; tries < 4 && hit.item >= 0; tries++) {
-        int opening = g->opening_of[g->list[hit.item]];
-        if (opening < 0 || door_open[opening] > 0.5f) break;
+    double shut = to_shut_door(g, door_open, &ray, &door), first = fmin(ray.far, shut);
+    bool met = false;
+    *item = shut < ray.far ? -2 - door : -1;
+    *view = first;
+    for (int tries = 0; tries < MOST_PASSED; tries++) {
+        SurfaceHit hit = surface_tree_first(g->tree, &ray);
+        if (hit.item < 0 || hit.at.t >= shut) break;
+        int polygon = g->list[hit.item], opening = g->opening_of[polygon];
         ray.near = hit.at.t + 1e-4;
-        hit = surface_tree_first(g->tree, &ray);
+        // The tree's doors are wide open: a leaf that is shut stands elsewhere.
+        if (opening >= 0 && door_open[opening] <= 0.5f) continue;
+        if (!met) first = hit.at.t, *item = polygon;
+        met = true;
+        if (vis_is_glass(g->graph, polygon)) continue;
+        *view = hit.at.t;
+        break;
     }
-    *item = hit.item >= 0 && hit.at.t < shut ? g->list[hit.item] : shut < INFINITY ? -2 - door : -1;
-    return fmin(hit.item >= 0 ? hit.at.t : ray.far, shut);
+    return first;
 }
 
 // ---- costs
@@ -124,17 +143,19 @@ static void weigh(void *context, int index, int thread) {
     Arena scratch = {0};
     float *door_open = ARENA_ARRAY(&scratch, float, g->film->opening_count + 1);
     tour_film_shares(g->film, at * FILM_TICK, door_open);
-    double far[DIRECTIONS][ROWS], ahead = 0;
+    double far[DIRECTIONS][ROWS], view[DIRECTIONS][ROWS], ahead = 0;
+    bool goes = heading_at(g, at, &ahead);
+    double slope = goes ? SLOPE * slope_at(g, at) : 0;
     for (int d = 0; d < DIRECTIONS; d++) {
         for (int row = 0; row < ROWS; row++) {
-            double yaw = 2 * M_PI * d / DIRECTIONS, pitch = PITCH + ROW_APART * (row - MIDDLE);
+            double yaw = 2 * M_PI * d / DIRECTIONS;
+            double pitch = PITCH + slope * fmax(0, cos(yaw - ahead)) + ROW_APART * (row - MIDDLE);
             Ray ray = {m->eye, vec3(cos(pitch) * cos(yaw), cos(pitch) * sin(yaw), sin(pitch)), 0, LONGEST};
-            far[d][row] = look_along(g, door_open, ray, &item[d][row]);
+            far[d][row] = look_along(g, door_open, ray, &item[d][row], &view[d][row]);
         }
     }
     Vec3 way = vec3_sub(g->film->moments[after].eye, g->film->moments[before].eye);
     look->speed = after > before ? hypot(way.x, way.y) / ((after - before) * FILM_TICK) : 0;
-    bool goes = heading_at(g, at, &ahead);
     for (int d = 0; d < DIRECTIONS; d++) {
         double centre = LONGEST, open = 0,
                off = remainder(2 * M_PI * d / DIRECTIONS - ahead, 2 * M_PI) / (M_PI / 4);
@@ -142,10 +163,10 @@ static void weigh(void *context, int index, int thread) {
             for (int row = MIDDLE - 1; row <= MIDDLE + 1; row++)
                 centre = fmin(centre, far[(d + k + DIRECTIONS) % DIRECTIONS][row]);
         for (int k = -VIEW; k <= VIEW; k++)
-            open += fmin(far[(d + k + DIRECTIONS) % DIRECTIONS][MIDDLE], 8) / 8 / (2 * VIEW + 1);
-        double cost = -1.2 * open - 1.0 * fmin(centre, 6) / 6;
+            open += fmin(view[(d + k + DIRECTIONS) % DIRECTIONS][MIDDLE], 8) / 8 / (2 * VIEW + 1);
+        double cost = -1.2 * open - 1.0 * fmin(view[d][MIDDLE], 6) / 6;
         double one = share_of_one(item, d);
-        cost += 2 * fmax(0, one - 0.35) + 40 * fmax(0, one - 0.5);
+        cost += 2 * fmax(0, one - 0.35) + 40 * fmax(0, one - 0.47);
         if (centre < 1) cost += 2 * (1 - centre) + (centre < 0.6 ? 4 : 0) + (centre < 0.45 ? 8 : 0);
         if (goes)
             cost += fmin(1.0 * off * off, 2.5 + 0.5 * fabs(off)) *
@@ -193,15 +214,6 @@ static void choose(const Gaze *g, double *yaw) {
     arena_free(&scratch);
 }
 
-// The slope of the way, radians, over a second before and after.
-static double slope_at(const Gaze *g, int at) {
-    int reach = (int)(0.8 / FILM_TICK), a = at - reach > g->first ? at - reach : g->first,
-        b = at + reach < g->last ? at + reach : g->last - 1;
-    Vec3 way = vec3_sub(g->film->moments[b].eye, g->film->moments[a].eye);
-    double level = hypot(way.x, way.y);
-    return level > 0.3 ? atan2(way.z, level) : 0;
-}
-
 // Directions at all moments, from those of the looks; smoothed.
 static void turn(const Gaze *g, const double *yaw) {
     Arena scratch = {0};
@@ -213,7 +225,7 @@ static void turn(const Gaze *g, const double *yaw) {
         rough[i] = yaw[look] + (yaw[next] - yaw[look]) * (i % LOOK_TICKS) / LOOK_TICKS;
         double ahead = rough[i];
         bool goes = heading_at(g, g->first + i, &ahead);
-        slope[i] = goes ? 0.6 * slope_at(g, g->first + i) * fmax(0, cos(rough[i] - ahead)) : 0;
+        slope[i] = goes ? SLOPE * slope_at(g, g->first + i) * fmax(0, cos(rough[i] - ahead)) : 0;
     }
     for (int i = 0; i < count; i++) {
         double sum = 0, rise = 0, weights = 0;
@@ -238,7 +250,7 @@ void tour_film_gaze(const CellGraph *graph, TourFilm *film) {
         const Object *o = &graph->objects[i];
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
             opening_of[p] = o->leaf >= 0 ? o->opening : -1;
-            if (!o->plug && !vis_is_glass(graph, p)) list[count++] = p;
+            if (!o->plug) list[count++] = p;
         }
     }
     RaySource source = {.building = graph->building,

@@ -21,7 +21,7 @@ static int by_value(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-void film_figures_view(FilmFigures *f, const ItemBuffer *seen) {
+double film_figures_view(FilmFigures *f, const ItemBuffer *seen) {
     int count = seen->width * seen->height, most = 0;
     f->views++;
     f->near += (double)seen->depth[seen->height / 2 * seen->width + seen->width / 2] < FILM_NEAR;
@@ -35,4 +35,5 @@ void film_figures_view(FilmFigures *f, const ItemBuffer *seen) {
     }
     f->one_polygon += most > FILM_ONE_POLYGON * count;
     arena_free(&scratch);
+    return (double)most / count;
 }

@@ -23,7 +23,7 @@ typedef struct FilmFigures {
 // Adds a frame, `seconds` after the frame `before`, which is NULL at the beginning and after a cut.
 void film_figures_move(FilmFigures *figures, const Building *building, const TourFrame *before,
                        const TourFrame *at, double seconds);
-// Adds what is seen in a frame: depths are along the view, metres.
-void film_figures_view(FilmFigures *figures, const ItemBuffer *seen);
+// Adds what is seen in a frame: depths are along the view, metres. Returns the share of the frame that one polygon fills, the most.
+double film_figures_view(FilmFigures *figures, const ItemBuffer *seen);
 
 #endif

@@ -34,6 +34,7 @@ typedef struct Frame {
     VisResult visible;
     double query_seconds, draw_seconds;
     int mismatched_pixels, missing_polygons, missing, raycast_missing;
+    double one_polygon;  // see film_figures_view; 0 unless verified
 } Frame;
 
 typedef struct Walk {
@@ -86,10 +87,11 @@ static void add_to_means(Walk *w, int index, const TourFrame *at, bool cut, cons
     t->portals_tested_mean += v->portals_tested;
     t->objects_tested_mean += v->objects_tested;
     if (!w->options->stats) return;
-    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d,%d\n", index,
+    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d,%d,%.3f\n", index,
                 at->eye.x, at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
                 v->polygon_count, w->graph->polygon_count, 1e6 * f->query_seconds,
-                1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons, cut);
+                1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons, cut,
+                f->one_polygon);
 }
 
 static void divide_means(WalkTotals *t) {
@@ -122,7 +124,7 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *d
     VerifyFrame v;
     if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->culling, &v, error)) return false;
     *out = (Frame){
-        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0};
+        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0, 0};
     long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
     // A frame is chosen each time the line through (0, 0) and (planned, rays) passes a whole number.
     bool chosen = done * rays / w->planned != (done + 1) * rays / w->planned;
@@ -193,7 +195,7 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
     text_append(
         &w->stats,
         "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
-        "mismatched_pixels,missing_polygons,cut\n");
+        "mismatched_pixels,missing_polygons,cut,one_polygon\n");
     for (int i = 0; i < path->frame_count; i++) {
         const TourFrame *at = &path->frames[i];
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
@@ -207,10 +209,10 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
         if (!good || !write_frame(w, i, error)) return false;
         w->totals->frames++;
         add_to_totals(w, i, "frame", &camera, &frame);
+        if (w->verify) frame.one_polygon = film_figures_view(&w->totals->film, walk_verify_items(w->verify));
         add_to_means(w, i, at, cut, &frame);
         film_figures_move(&w->totals->film, w->graph->building, i > 0 && !cut ? at - 1 : NULL, at,
                           1.0 / w->rate);
-        if (w->verify) film_figures_view(&w->totals->film, walk_verify_items(w->verify));
         if (!progress_report(progress, "tour", (double)(i + 1) / path->frame_count))
             return error_set(error, "stopped");
     }

@@ -22,6 +22,15 @@ Lit *lit_new(void) {
     return lit;
 }
 
+int lit_picture(Lit *lit, int width, int height, const uint8_t *texels, TextureMap map) {
+    Building *b = lit->building;
+    int texture = texture_add_pixels(&lit->arena, b, "picture", width, height, texels);
+    Material m = {
+        .name = "picture", .reflectance = b->textures[texture].mean, .alpha = 1, .texture = texture};
+    m.texture_map = building_add_texture_map(&lit->arena, b, map);
+    return building_add_material(&lit->arena, b, m);
+}
+
 void lit_quad(Lit *lit, Vec3 p, Vec3 q, Vec3 r, Vec3 s, int material) {
     Vec3 v[4] = {p, q, r, s};
     building_add_object(&lit->arena, lit->building, OBJECT_FURNITURE, "quad");

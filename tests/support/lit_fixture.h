@@ -18,6 +18,8 @@ enum { LIT_WALL, LIT_LAMP, LIT_RED };
 
 // A soup without polygons. Walls reflect half, lamps emit (12, 10, 6) W/m^2 and reflect nothing, red is red.
 Lit *lit_new(void);
+// A material of a picture, `texels` [height * width * 4] as in Texture.texels; it reflects the picture's mean. Returns its index.
+int lit_picture(Lit *lit, int width, int height, const uint8_t *texels, TextureMap map);
 void lit_quad(Lit *lit, Vec3 p, Vec3 q, Vec3 r, Vec3 s, int material);
 // The six sides of a box, looking inwards (a room) or outwards (furniture); `mask` bit i leaves side i out: -x, +x, -y,
 // +y, -z, +z.

@@ -57,7 +57,7 @@ flags_coverage := -O1 --coverage
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lminizip -lexpat -lpng -ljansson -lglfw -lOSMesa -lembree3 -lm
+libs := -lgeos_c -lminizip -lexpat -lpng -lwebp -lassimp -ljansson -lglfw -lOSMesa -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.
@@ -69,7 +69,7 @@ library := $(filter-out $(mains),$(objects))
 maps := build/maps/two-rooms.plan build/maps/house.plan build/maps/house.sh3d build/maps/office.plan \
         build/maps/office-plain.plan build/maps/flat.Home.xml build/maps/hillside.sh3d build/maps/villa.sh3d
 
-to_build := gcc libc6-dev python3-glad libgeos-dev libminizip-dev libexpat1-dev libpng-dev libjansson-dev \
+to_build := gcc libc6-dev python3-glad libgeos-dev libminizip-dev libexpat1-dev libpng-dev libwebp-dev libassimp-dev libjansson-dev \
             libxxhash-dev libosmesa6-dev libembree-dev libcglm-dev libstb-dev libglfw3-dev \
             fonts-dejavu-core
 to_walk := libgl1 libglx-mesa0 libgl1-mesa-dri ffmpeg

@@ -10,7 +10,8 @@ arm=build/arm64
 root=$arm/root
 cc=aarch64-linux-gnu-gcc
 packages="libgeos-dev libgeos-c1v5 libgeos3.11.1 libminizip-dev libminizip1 libexpat1-dev libexpat1 libjansson-dev libjansson4
-    zlib1g-dev zlib1g libzip-dev libzip4 libbz2-1.0 libssl3 libpng-dev libpng16-16 libstdc++6 libgcc-s1 libgomp1"
+    zlib1g-dev zlib1g libzip-dev libzip4 libbz2-1.0 libssl3 libpng-dev libpng16-16 libwebp-dev libwebp7 libassimp-dev libassimp5
+    libdraco7 libstdc++6 libgcc-s1 libgomp1"
 
 if [ ! -e $root/unpacked ]; then
     echo "portable: libraries for arm64"
@@ -51,6 +52,6 @@ for source in $sources; do
 done | xargs -r -P "$(nproc)" -L 1 sh -c "$cc $(echo $flags) -c \"\$0\" -o \"\$1\""
 # shellcheck disable=SC2046
 $cc -fopenmp -o $arm/tests $(for source in $sources; do echo "$arm/objects/${source//\//_}.o"; done) -L$libraries -Wl,-rpath-link,$libraries:$root/lib/aarch64-linux-gnu \
-    -l:libgeos_c.so.1 -lminizip -lzip -lexpat -ljansson -lpng -lz -lm
+    -l:libgeos_c.so.1 -lminizip -lzip -lexpat -ljansson -lpng -lwebp -lassimp -lz -lm
 echo "portable: tests under qemu-aarch64"
 qemu-aarch64 -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="$PWD/$libraries:$PWD/$root/lib/aarch64-linux-gnu:/usr/aarch64-linux-gnu/lib" $arm/tests "$@"

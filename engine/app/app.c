@@ -77,6 +77,8 @@ Progress app_progress_stoppable(double seconds) {
     return (Progress){report_stoppable, NULL};
 }
 
+bool app_interrupted(void) { return atomic_load(&interrupted); }
+
 void app_progress_end(void) {
     if (isatty(STDERR_FILENO)) fprintf(stderr, "\r%70s\r", "");
 }

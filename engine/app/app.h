@@ -42,6 +42,8 @@ void app_progress_end(void);
 // The same bar, which also asks to stop `seconds` from now (0: never), or when the user interrupts (Ctrl-C; the second
 // time ends the program as usual).
 Progress app_progress_stoppable(double seconds);
+// Whether the user interrupted since then.
+bool app_interrupted(void);
 
 // The counts every command with --json gives: cells, portals, doors, doors_joined, polygons, leaks, ...
 json_t *app_counts(const LoadedScene *scene);

@@ -122,7 +122,8 @@ static Vec3 place_on(const Mesh *mesh, int face, Vec3 place) {
 static void set_radiosity(const Mesh *mesh, int face, Probe *probe) {
     if (face < 0) return;
     const Material *m = mesh_material(mesh, face);
-    const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
+    Rgb reflectance = mesh_reflectance_at(mesh, face, probe->place, 0);
+    const float rho[3] = {reflectance.r, reflectance.g, reflectance.b};
     const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
     for (int c = 0; c < 3; c++) probe->radiosity[c] = (double)e[c] + (double)rho[c] * probe->irradiance[c];
 }

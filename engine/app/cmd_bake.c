@@ -4,7 +4,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <strings.h>
 #include <sys/resource.h>
 
 #include "engine/app/app.h"
@@ -28,7 +27,7 @@ typedef struct BakeArguments {
     // .rad and .glb, NULL: none; both NULL: a .rad into the cache
     const char *out, *model;
     bool final_gather, resume, json;
-    // The limit of shooting, seconds; 0: none.
+    // The limit of the whole bake, seconds; 0: none.
     double seconds;
     Probes probes;
     // The file that probes were read from, the last one; NULL: none.
@@ -39,6 +38,10 @@ typedef struct BakeArguments {
 
 // A share of light that escapes of less than this is rounding at the seams, not an open building.
 static const double OPEN = 1e-6;
+
+// The shares of a limit of time after which a mesh that follows the light is given up, and after which shooting ends: the rest is for
+// the light straight from lamps, which in furnished homes takes about as long as shooting.
+static const double MESH_TIME = 0.25, SHOOTING_TIME = 0.6;
 
 enum { MOST_NOTES = 5 };  // on parts of the building that the reader changed or left out
 
@@ -55,8 +58,40 @@ typedef struct Bake {
     RadOptions rad;  // as asked for, or as fits the mesh
     RadReport report;
     const char *out, *earlier;  // the .rad file, and the one that is resumed; NULL: none
+    double start;               // of all, on the clock
     double mesh_seconds, sky_seconds, shoot_seconds, gather_seconds, direct_seconds, seconds;
+    bool even,
+        unlit;  // a limit of time gave up a mesh that follows the light, or the light straight from lamps
 } Bake;
+
+// The bar with the time that is left, as the stage goes on at its mean speed, or until a limit of time stops it.
+typedef struct Timed {
+    Progress bar;
+    double start;
+    // When it ends at the latest, on the clock, 0: never; and whether that moment has passed.
+    double end;
+    bool over;
+} Timed;
+
+static bool report_timed(void *context, const char *stage, double done) {
+    Timed *timed = context;
+    double now = clock_seconds(), seconds = now - timed->start;
+    if (timed->end > 0) done = fmin(fmax(done, seconds / fmax(timed->end - timed->start, seconds)), 1);
+    char line[96];
+    if (done > 0.02)
+        snprintf(line, sizeof line, "%s, %.0f s left", stage, seconds * (1 - done) / done);
+    else
+        snprintf(line, sizeof line, "%s", stage);
+    if (!progress_report(&timed->bar, line, done)) return false;
+    timed->over = timed->end > 0 && now >= timed->end;
+    return !timed->over;
+}
+
+// A stage from now on, which ends when so much of the limit of time is over.
+static Timed timed_stage(const Bake *bake, double share, Progress bar) {
+    double limit = bake->a->seconds;
+    return (Timed){.bar = bar, .start = clock_seconds(), .end = limit > 0 ? bake->start + share * limit : 0};
+}
 
 static BakeArguments bake_default_arguments(void) {
     BakeArguments a = {.load = app_scene_options(), .bake = bake_default_options()};
@@ -70,8 +105,17 @@ static bool make_mesh(Bake *bake, Arena *arena, Error *error) {
     double start = clock_seconds();
     BakeOptions options = bake->a->bake;
     options.day = bake->scene.day;
+    // A user's Ctrl-C ends the program here: there is nothing to store.
+    Timed timed = timed_stage(bake, MESH_TIME, (Progress){0});
+    Progress progress = {report_timed, &timed};
     bool good =
-        bake_mesh(&options, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
+        bake_mesh(&options, &bake->scene, bake->earlier, &progress, arena, &bake->doors, &bake->mesh, error);
+    if (!good && timed.over) {
+        options.adapt.share = 0;
+        bake->even = true;
+        good =
+            bake_mesh(&options, &bake->scene, bake->earlier, NULL, arena, &bake->doors, &bake->mesh, error);
+    }
     bake->mesh_seconds = clock_seconds() - start;
     bake->rad = bake->a->bake.rad;
     if (!good) return false;
@@ -106,11 +150,16 @@ static bool check_room(Bake *bake, Error *error) {
 
 static bool shine(Bake *bake, Error *error) {
     double start = clock_seconds();
-    Progress progress = app_progress_stoppable(0);
+    Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
+    Progress progress = {report_timed, &timed};
     bool whole = rad_shine(&bake->mesh, &bake->scene.forest, bake->doors, &bake->rad, &bake->scene.day,
                            &progress, &bake->solution);
     app_progress_end();
     bake->sky_seconds = clock_seconds() - start;
+    if (!whole && timed.over)
+        return error_set(error,
+                         "all daylight was not in after %g s: nothing is stored (--seconds S allows more)",
+                         bake->a->seconds);
     if (!whole) return error_set(error, "stopped before all daylight was in: nothing is stored");
     if (rgb_sum(bake->solution.emitted) > 0) return true;
     return error_set(error, "nothing emits light, and no daylight comes in");
@@ -129,37 +178,16 @@ static bool begin_light(Bake *bake, Arena *arena, Error *error) {
     return error_set(error, "%s: %.900s", bake->a->file, reason.text);
 }
 
-// The bar with the time that is left, as the stage goes on at its mean speed, or until a limit of time stops it.
-typedef struct Timed {
-    Progress bar;
-    double start;
-    // Seconds, 0: none; and whether they have passed.
-    double limit;
-    bool over;
-} Timed;
-
-static bool report_timed(void *context, const char *stage, double done) {
-    Timed *timed = context;
-    double seconds = clock_seconds() - timed->start;
-    if (timed->limit > 0) done = fmin(fmax(done, seconds / timed->limit), 1);
-    char line[96];
-    if (done > 0.02)
-        snprintf(line, sizeof line, "%s, %.0f s left", stage, seconds * (1 - done) / done);
-    else
-        snprintf(line, sizeof line, "%s", stage);
-    if (!progress_report(&timed->bar, line, done)) return false;
-    timed->over = timed->limit > 0 && seconds >= timed->limit;
-    return !timed->over;
-}
-
 // Finds the light straight from lamps at all nodes.
 static void show_direct(Bake *bake, Arena *arena) {
-    double start = clock_seconds();
-    Progress progress = app_progress_stoppable(0);
-    bake->report.stopped = !direct_show(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads,
-                                        &progress, arena, &bake->solution, &bake->report);
+    Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
+    Progress progress = {report_timed, &timed};
+    bool whole = direct_show(&bake->mesh, &bake->scene.forest, bake->doors, bake->rad.threads, &progress,
+                             arena, &bake->solution, &bake->report);
     app_progress_end();
-    bake->direct_seconds = clock_seconds() - start;
+    bake->unlit = !whole && timed.over;
+    bake->report.stopped = !whole && !timed.over;
+    bake->direct_seconds = clock_seconds() - timed.start;
 }
 
 // Gathers light at all nodes from the present shooting. Light that an earlier run gathered is out of date.
@@ -174,14 +202,15 @@ static void gather_nodes(Bake *bake, Arena *arena) {
         return;
     }
     Arena scratch = {0};
-    Timed timed = {.bar = app_progress_stoppable(0), .start = clock_seconds()};
+    Timed timed = timed_stage(bake, 1, app_progress_stoppable(0));
     Progress progress = {report_timed, &timed};
     VertexLight light = reconstruct_light(&bake->mesh, &bake->solution, &scratch);
     GatherScene scene = {&bake->mesh, &bake->scene.forest, bake->doors, &bake->solution, &light};
     GatherOptions options = gather_default_options();
-    bake->report.stopped =
-        !final_gather(&scene, &options, bake->rad.threads, &progress, arena, &bake->solution);
+    bool whole = final_gather(&scene, &options, bake->rad.threads, &progress, arena, &bake->solution);
     app_progress_end();
+    bake->unlit = !whole && timed.over;
+    bake->report.stopped = !whole && !timed.over;
     bake->gather_seconds = clock_seconds() - timed.start;
     arena_free(&scratch);
 }
@@ -208,7 +237,7 @@ static bool light_fine(Bake *bake, Arena *arena, Error *error) {
 
 // A limit of time ends the shooting as a limit of shots does: the bake was not stopped.
 static void shoot_light(Bake *bake) {
-    Timed timed = {.bar = app_progress_stoppable(0), .start = clock_seconds(), .limit = bake->a->seconds};
+    Timed timed = timed_stage(bake, SHOOTING_TIME, app_progress_stoppable(0));
     Progress progress = {report_timed, &timed};
     bake->rad.clock = clock_seconds;
     bake->report =
@@ -259,26 +288,28 @@ static void add_proxies(json_t *facts, const Proxies *proxies) {
     json_object_set_new(facts, "proxy_polygons", json_integer(proxies ? proxies->polygon_count : 0));
 }
 
+// Power ends in _w and is in watts, all channels together: emitted = absorbed + escaped + unshot. Shares end in _share.
 static json_t *facts_of(const Bake *bake) {
     const RadReport *r = &bake->report;
     const RadSolution *s = &bake->solution;
     const RadOptions *rad = &bake->rad;
-    double emitted = rgb_sum(s->emitted);
+    double emitted = rgb_sum(s->emitted), absorbed = rgb_sum(s->absorbed), escaped = rgb_sum(s->escaped);
     json_t *facts = json_pack(
-        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:I s:I s:i s:f "
+        "{s:i s:i s:i s:i s:I s:f s:I s:I s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:f s:I s:I s:i "
+        "s:f "
         "s:s "
         "s:i s:s s:f s:f}",
         "cells", bake->scene.graph.cell_count, "polygons", bake->mesh.face_count, "patches",
         bake->mesh.patch_count, "elements", bake->mesh.element_count, "shots", (json_int_t)s->shots,
-        "residual", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept", (json_int_t)r->rows_kept,
-        "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean", r->elements_drawn_mean,
-        "polygons_drawn_mean", r->faces_drawn_mean, "emitted", emitted, "absorbed",
-        rgb_sum(s->absorbed) / emitted, "escaped", rgb_sum(s->escaped) / emitted, "seconds", bake->seconds,
-        "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds, "seconds_visibility",
-        r->seconds_visibility, "seconds_gather", bake->gather_seconds, "seconds_direct", bake->direct_seconds,
-        "direct_pairs", (json_int_t)r->direct_pairs, "direct_cut", (json_int_t)r->direct_cut, "nodes",
-        s->node_count, "peak_mb", peak_mb(), "method", rad->method->name, "resolution",
-        rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky",
+        "residual_share", r->residual, "rows_made", (json_int_t)r->rows_made, "rows_kept",
+        (json_int_t)r->rows_kept, "row_mb", (double)r->row_bytes / (1 << 20), "elements_drawn_mean",
+        r->elements_drawn_mean, "polygons_drawn_mean", r->faces_drawn_mean, "emitted_w", emitted,
+        "absorbed_w", absorbed, "escaped_w", escaped, "unshot_w", fmax(0, emitted - absorbed - escaped),
+        "seconds", bake->seconds, "seconds_mesh", bake->mesh_seconds, "seconds_shooting", bake->shoot_seconds,
+        "seconds_visibility", r->seconds_visibility, "seconds_gather", bake->gather_seconds, "seconds_direct",
+        bake->direct_seconds, "direct_pairs", (json_int_t)r->direct_pairs, "direct_cut",
+        (json_int_t)r->direct_cut, "nodes", s->node_count, "peak_mb", peak_mb(), "method", rad->method->name,
+        "resolution", rad->form_factor.resolution, "culling", CULLING_NAMES[rad->culling], "sky_w",
         daylight_shines(&s->day) ? fmax(emitted - lamp_power(&bake->mesh), 0) : 0.0, "seconds_sky",
         bake->sky_seconds);
     CORE_ASSERT(facts);
@@ -331,6 +362,17 @@ static void print_warnings(const Bake *bake) {
     if (lost > 0)
         fprintf(stderr, "enfilade: %d of %d patches are lit but lie in no cell: nothing is culled for them\n",
                 lost, mesh->patch_count);
+    if (bake->even)
+        fprintf(stderr, "enfilade: %g s are too few for elements that follow the light: all are alike\n",
+                bake->a->seconds);
+    if (bake->unlit)
+        fprintf(stderr,
+                "enfilade: after %g s the light straight from lamps was not found anew: shadows are as "
+                "coarse as elements\n",
+                bake->a->seconds);
+    if (bake->report.stopped)
+        fprintf(stderr, "enfilade: stopped: this is the light of %lld shots%s\n", (long long)s->shots,
+                bake->out ? ", from which --resume goes on" : "");
     if (mesh->dropped_faces > 0)
         fprintf(stderr, "enfilade: %d polygons without area were left out\n", mesh->dropped_faces);
 }
@@ -369,12 +411,14 @@ static int bake(BakeArguments *arguments) {
     Bake b = {.a = arguments};
     Arena arena = {0};
     Error error;
-    double start = clock_seconds();
+    b.start = clock_seconds();
     bool good = compute(&b, &arena, &error);
-    b.seconds = clock_seconds() - start;
+    b.seconds = clock_seconds() - b.start;
     if (good) print_bake(&b);
+    bool stopped = good ? b.report.stopped : app_interrupted();
     arena_free(&arena);
-    return good ? APP_GOOD : app_fail(APP_BAD_INPUT, "%s", error.text);
+    if (!good) return app_fail(stopped ? APP_STOPPED : APP_BAD_INPUT, "%s", error.text);
+    return stopped ? APP_STOPPED : APP_GOOD;
 }
 
 typedef struct Arguments {
@@ -392,10 +436,10 @@ static int wrong(Error *error, const char *allowed) {
 
 static int take_output(const char *path, void *arguments, Error *error) {
     BakeArguments *a = &((Arguments *)arguments)->to;
-    size_t length = strlen(path);
-    bool model = length > 4 && strcasecmp(path + length - 4, ".glb") == 0;
-    (void)error;
-    *(model ? &a->model : &a->out) = path;
+    static const char *const ENDINGS[] = {"rad", "glb"};
+    int ending = options_ending(path, ENDINGS, 2);
+    if (ending < 0) return wrong(error, "names that end in .rad or .glb, or have no ending, as a .rad file");
+    *(ending == 1 ? &a->model : &a->out) = path;
     return APP_GOOD;
 }
 
@@ -536,7 +580,8 @@ static const Option ROWS[] = {
      .at = AT(seconds),
      .low = 0.001,
      .high = 1e6,
-     .help = "stop after S seconds of shooting, @"},
+     .help = "end after about S seconds, @: the mesh takes a quarter of them at most, then elements are all "
+             "alike; shooting ends after 0.6 of them; opening the file, and writing, are not cut short"},
     {.name = "final-gather",
      .type = OPTION_FLAG,
      .at = AT(final_gather),
@@ -601,7 +646,8 @@ static const OptionTable OPTIONS = OPTION_TABLE(
     "patch's cell "
     "lets the patch see are looked at. The light is stored in OUT.rad, or in the user's cache. The same "
     "bytes come out on "
-    "any number of threads, and with culling or without. Ctrl-C stops early and stores the light so far.",
+    "any number of threads, and with culling or without. Ctrl-C stops early and stores the light so far, "
+    "with exit status 3.",
     ROWS);
 
 static int parse_bake(int argc, char **argv, Arguments *a, bool *help) {

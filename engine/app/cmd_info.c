@@ -20,7 +20,7 @@ static const OptionTable OPTIONS = OPTION_TABLE("info", "FILE [OPTIONS]",
                                                 "not enclosed, left out or changed on reading.",
                                                 ROWS);
 
-static void print_doors(const Building *b) {
+static void print_doors(const Building *b, Arena *arena) {
     for (int i = 0; i < b->opening_count; i++) {
         const Opening *o = &b->openings[i];
         if (o->kind == OPENING_WINDOW) continue;
@@ -32,13 +32,12 @@ static void print_doors(const Building *b) {
         const char *side[2];
         for (int k = 0; k < 2; k++) {
             const Region *r = o->region[k] < 0 ? NULL : &b->regions[o->region[k]];
-            side[k] = !r                           ? "nowhere"
-                      : r->kind == REGION_OUTDOORS ? "outdoors"
-                      : *r->name                   ? r->name
-                                                   : "a room";
+            side[k] = r ? region_title(b, r, arena) : "nowhere";
         }
-        printf("  %-8s %-20s at (%.2f, %.2f): %s - %s", opening_kind_name(o->kind), o->name,
-               (o->line[0].x + o->line[1].x) / 2, (o->line[0].y + o->line[1].y) / 2, side[0], side[1]);
+        bool same = o->region[0] >= 0 && o->region[0] == o->region[1];
+        printf("  %-8s %-20s at (%.2f, %.2f): ", opening_kind_name(o->kind), o->name,
+               (o->line[0].x + o->line[1].x) / 2, (o->line[0].y + o->line[1].y) / 2);
+        printf(same ? "%s on both sides" : "%s - %s", side[0], side[1]);
         printf(o->reason ? "; %s\n" : "\n", o->reason);
     }
 }
@@ -69,7 +68,7 @@ int cmd_info(int argc, char **argv) {
             if (json_is_real(value)) printf("  %-14s %.2f m2\n", key, json_real_value(value));
         }
         json_decref(counts);
-        print_doors(&scene.building);
+        print_doors(&scene.building, &arena);
     }
     app_print_notes(&scene.building, 1000);
     arena_free(&arena);

@@ -126,11 +126,35 @@ static int fitting_direct(const Mesh *mesh) {
     return emitting > MOST_EMITTING * all ? STILL_BAKED : STILL_RAYS;
 }
 
+// A picture is black where no channel of a pixel reaches this, of 255.
+enum { BLACK = 4 };
+
+// Why a picture is black: the eye is in a wall, or no light arrives.
+static void tell_black(const Render *r, const uint8_t *rgb) {
+    const RenderArguments *a = r->a;
+    for (size_t i = 0; i < (size_t)a->size[0] * (size_t)a->size[1] * 3; i++)
+        if (rgb[i] >= BLACK) return;
+    Vec3 eye = r->camera.eye;
+    const CellGraph *graph = &r->scene.graph;
+    int cell = vis_locate(graph, eye, -1);
+    const char *reason = "no light reaches what is seen from there (--day and --fill-lamps on bring some)";
+    if (cell < 0)
+        reason = "that is in no room and not outdoors, but in a wall or in the ground, or beyond the world";
+    else if (daylight_shines(&r->light->solution->day))
+        reason =
+            "no daylight and no lamp reaches what is seen from there, or something stands right before it";
+    Error sentence;
+    error_set(&sentence, "%s: is black: its eye is at (%.2f, %.2f, %.2f), and %s", a->out, eye.x, eye.y,
+              eye.z, reason);
+    app_warn(sentence.text);
+}
+
 static bool draw(Render *r, const Progress *progress, Arena *arena, Error *error) {
     const RenderArguments *a = r->a;
     uint8_t *rgb = ARENA_ARRAY(arena, uint8_t, (size_t)a->size[0] * (size_t)a->size[1] * 3);
     if (!still_draw(&r->scene.forest, r->light, &r->camera, &r->still, progress, rgb, &r->report))
         return error_set(error, "stopped");
+    tell_black(r, rgb);
     return image_write_png(a->out, rgb, a->size[0], a->size[1], error);
 }
 
@@ -182,13 +206,19 @@ static int render(const RenderArguments *arguments) {
     arena_free(&arena);
     if (good) return APP_GOOD;
     if (strcmp(error.text, "stopped") == 0)
-        return app_fail(APP_BAD_INPUT, "stopped: %s was not written", arguments->out);
+        return app_fail(APP_STOPPED, "stopped: %s was not written", arguments->out);
     return app_fail(APP_BAD_INPUT, "%s", error.text);
 }
 
 #define AT(field) offsetof(RenderArguments, field)
 static const Option ROWS[] = {
-    {.name = "o", .value = "OUT.png", .type = OPTION_TEXT, .at = AT(out), .help = "where to write"},
+    {.name = "o",
+     .value = "OUT.png",
+     .type = OPTION_OUTPUT,
+     .names = (const char *const[]){"png"},
+     .name_count = 1,
+     .at = AT(out),
+     .help = "where to write; @"},
     OPTION_MAP(AT(load.map)),
     OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
@@ -271,7 +301,7 @@ static const OptionTable OPTIONS =
                  "with sharp shadows, and the "
                  "light that `enfilade bake` found; where there is none it is baked first, and kept. The "
                  "same bytes come out on any "
-                 "number of threads. Ctrl-C leaves no file.",
+                 "number of threads. Ctrl-C leaves no file, with exit status 3.",
                  ROWS);
 
 static int parse_render(int argc, char **argv, RenderArguments *a, bool *help) {

@@ -75,7 +75,8 @@ static const Option ROWS[] = {
      .at = AT(walk.doors),
      .names = WALK_DOORS_NAMES,
      .name_count = WALK_DOORS,
-     .help = "@ (default: in the window drawn, off-screen open)"},
+     .help = "@ (default: in the window drawn; off-screen open, in the tour `auto` opened and closed on the "
+             "way)"},
     {.name = "replay",
      .value = "PATH",
      .type = OPTION_TEXT,
@@ -122,7 +123,8 @@ static const Option ROWS[] = {
     {.name = "bake",
      .type = OPTION_FLAG,
      .at = AT(bake),
-     .help = "where there is no light bake it first, and keep it in the user's cache"},
+     .help = "where there is no light bake it first, and keep it in the user's cache; --day, --night and "
+             "their like ask for it, too"},
     {.name = "tour",
      .value = "NAME",
      .type = OPTION_TEXT,
@@ -139,28 +141,28 @@ static const Option ROWS[] = {
      .at = AT(walk.frames_per_second),
      .low = 1,
      .high = 240,
-     .help = "frames of the video in a second, @ (default 12; of a replay 60)"},
+     .help = "frames in a second, @ (default 24 with --video, else 12; of a replay 60)"},
     {.name = "every",
      .value = "N",
      .type = OPTION_INT,
      .at = AT(walk.every),
      .low = 1,
      .high = 1000000,
-     .help = "write each Nth frame only, @ (default 1)"},
+     .help = "write each Nth frame only, @ (default 1); the video is as long as with all"},
     {.name = "step",
      .value = "M",
      .type = OPTION_NUMBER,
      .at = AT(walk.path.step),
      .low = 0.01,
      .high = 10,
-     .help = "greatest way between two frames, metres, @ (default 0.5)"},
+     .help = "of a stored tour: greatest way between two frames, metres, @ (default 0.5)"},
     {.name = "turn",
      .value = "DEG",
      .type = OPTION_DEGREES,
      .at = AT(walk.path.turn),
      .low = 1,
      .high = 60,
-     .help = "greatest turn between two frames, degrees, @ (default 15)"},
+     .help = "of a stored tour: greatest turn between two frames, degrees, @ (default 15)"},
     {.name = "stats",
      .value = "OUT.csv",
      .type = OPTION_TEXT,
@@ -192,14 +194,16 @@ static const Option ROWS[] = {
      .help = "of random views and doors, @ (default 1)"},
     OPTION_JSON(AT(json)),
 };
-static const OptionTable OPTIONS = OPTION_TABLE(
-    "walk",
-    "FILE [OPTIONS]\n"
-    "FILE --offscreen DIR [--tour auto|NAME | --replay PATH] [OPTIONS]",
-    "Walks through a building, in a window or, off-screen, along a tour. `auto` visits every cell that a "
-    "person reaches "
-    "through doors; NAME is a tour or viewpoint stored in the file; PATH was recorded in the window.",
-    ROWS);
+static const OptionTable OPTIONS =
+    OPTION_TABLE("walk",
+                 "FILE [OPTIONS]\n"
+                 "FILE --offscreen DIR [--tour auto|NAME | --replay PATH] [OPTIONS]",
+                 "Walks through a building, in a window or, off-screen, along a tour. `auto` walks at 1.4 "
+                 "m/s through every "
+                 "room that a person can enter, and says what it leaves out; NAME is a tour or viewpoint "
+                 "stored in the file; "
+                 "PATH was recorded in the window.",
+                 ROWS);
 
 // Options that exclude or need one another.
 static int check(const Arguments *a) {
@@ -241,6 +245,19 @@ static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     json_object_set_new(o, "random_frames", json_integer(t->random_frames));
     json_object_set_new(o, "images", json_integer(t->images));
     json_object_set_new(o, "cells_reachable", json_integer(t->reachable_cells));
+    json_object_set_new(o, "seconds", json_real(t->seconds));
+    json_object_set_new(o, "rooms_enterable", json_integer(t->rooms_enterable));
+    json_object_set_new(o, "rooms_entered", json_integer(t->rooms_entered));
+    json_object_set_new(o, "cuts", json_integer(t->cuts));
+    const FilmFigures *f = &t->film;
+    double frames = fmax(1, f->frames), views = fmax(1, f->views);
+    json_object_set_new(o, "fastest_m_s", json_real(f->fastest));
+    json_object_set_new(o, "quickest_turn_deg_s", json_real(f->quickest * 180 / M_PI));
+    json_object_set_new(o, "turning_share", json_real(f->turning / frames));
+    json_object_set_new(o, "frames_in_furniture", json_integer(f->in_furniture));
+    // What is seen is known of verified frames only.
+    json_object_set_new(o, "near_share", f->views ? json_real(f->near / views) : json_null());
+    json_object_set_new(o, "one_polygon_share", f->views ? json_real(f->one_polygon / views) : json_null());
     json_object_set_new(o, "cells_visited", json_integer(t->visited_cells));
     json_object_set_new(o, "polygons_total", json_integer(t->polygons_total));
     json_object_set_new(o, "polygons_drawn_mean", json_real(t->polygons_drawn_mean));
@@ -262,6 +279,13 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
            t->polygons_drawn_mean, t->polygons_total,
            t->polygons_total > 0 ? 100 * t->polygons_drawn_mean / t->polygons_total : 0, t->query_us_mean,
            t->frame_ms_mean);
+    if (t->rooms_enterable > 0) {
+        printf("rooms       %d of %d that a body can enter; %d cuts; %.1f s; at most %.2f m/s and %.0f "
+               "degrees a "
+               "second\n",
+               t->rooms_entered, t->rooms_enterable, t->cuts, t->seconds, t->film.fastest,
+               t->film.quickest * 180 / M_PI);
+    }
     if (t->images > 0)
         printf("frames      %s/frame-00000.png to frame-%05d.png\n", a->walk.folder, t->images - 1);
     if (a->walk.video) printf("video       %s\n", a->walk.video);
@@ -322,6 +346,7 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
     bool good = walk_offscreen(scene.graph, scene.forest, &a->walk, &progress, arena, totals, error);
     app_progress_end();
     if (!good) return false;
+    for (int i = 0; i < totals->note_count; i++) app_warn(totals->notes[i]);
     if (a->json) {
         print_json(scene.scene, totals);
     } else {
@@ -332,6 +357,7 @@ static bool draw_tour(Arguments *a, Arena *arena, WalkTotals *totals, Error *err
 
 static bool open_window(Arguments *a, Arena *arena, Error *error) {
     SessionLoader loader = {walk_scene_load, &a->load};
+    a->load.light_later = true;
     SessionOptions *session = &a->window.session;
     session->file = a->file;
     session->replay = a->walk.replay;
@@ -360,9 +386,9 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     const char *written[] = {a->walk.video, a->walk.stats, a->window.session.trace},
                *read[] = {a->file, load->light, a->walk.replay};
     if (!app_check_files(written, 3, read, 3, load, error)) return false;
-    // Daylight that is asked for is baked where no stored light has it; the usual day where anything is baked.
-    bool day = day_asks(&load->day);
-    bool bakes = !a->walk.verify && (a->off_screen ? a->bake || day : !a->no_bake);
+    // Daylight or night that is asked for is baked where no stored light has it; the usual day where anything is baked.
+    bool asked = day_asks(&load->day) || load->day.night;
+    bool bakes = !a->walk.verify && (a->off_screen ? a->bake || asked : !a->no_bake);
     load->day.usual = bakes;
     load->work = "walking";
     load->find_light = !a->walk.verify;
@@ -370,7 +396,6 @@ static bool walk(Arguments *a, Arena *arena, WalkTotals *totals, Error *error) {
     if (!a->off_screen) return open_window(a, arena, error);
     if (a->walk.verify) a->walk.width = 640, a->walk.height = 360;
     if (a->sized) a->walk.width = a->size[0], a->walk.height = a->size[1];
-    if (a->walk.doors == WALK_DOORS) a->walk.doors = WALK_DOORS_OPEN;
     return draw_tour(a, arena, totals, error);
 }
 

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "engine/core/vec.h"
 
@@ -137,6 +138,14 @@ static bool read_choice(const char *text, const Option *row, int *out) {
     return false;
 }
 
+int options_ending(const char *path, const char *const *endings, int count) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    if (!dot || dot == name || !dot[1]) return count;
+    for (int i = 0; i < count; i++)
+        if (strcasecmp(dot + 1, endings[i]) == 0) return i;
+    return -1;
+}
+
 static bool take_value(const Option *row, const char *text, void *at) {
     double number = 0;
     bool whole = row->type == OPTION_INT || row->type == OPTION_SEED || row->type == OPTION_MEGABYTES;
@@ -172,6 +181,9 @@ static bool take_value(const Option *row, const char *text, void *at) {
         return read_place(text, at);
     case OPTION_NAME:
         return read_choice(text, row, at);
+    case OPTION_OUTPUT:
+        *(const char **)at = text;
+        return options_ending(text, row->names, row->name_count) >= 0;
     default:
         *(const char **)at = text;
         return true;
@@ -205,6 +217,12 @@ static void print_allowed(const Option *row, char *out, size_t size) {
         *out = 0;
         for (int i = 0; i < row->name_count && used < (int)size; i++)
             used += snprintf(out + used, size - (size_t)used, "%s%s", i ? ", " : "", row->names[i]);
+        break;
+    case OPTION_OUTPUT:
+        used = snprintf(out, size, "names that end in ");
+        for (int i = 0; i < row->name_count && used < (int)size; i++)
+            used += snprintf(out + used, size - (size_t)used, "%s.%s", i ? " or " : "", row->names[i]);
+        if (used < (int)size) snprintf(out + used, size - (size_t)used, ", or have no ending");
         break;
     default:
         snprintf(out, size, "%.10g to %.10g", row->low, row->high);

@@ -8,7 +8,7 @@
 #include "engine/scene/day.h"
 
 // Exit codes.
-enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2 };
+enum { APP_GOOD = 0, APP_BAD_INPUT = 1, APP_BAD_USE = 2, APP_STOPPED = 3 };  // the last: by Ctrl-C
 
 // One option: a row of the table.
 typedef struct Option {
@@ -22,6 +22,7 @@ typedef struct Option {
     enum {
         OPTION_FLAG,       // bool; there is no value
         OPTION_TEXT,       // const char *
+        OPTION_OUTPUT,     // const char *: a file to write, whose ending, if it has one, is among `names`
         OPTION_INT,        // int, low to high
         OPTION_SEED,       // uint64_t, low to high
         OPTION_NUMBER,     // double, low to high
@@ -40,7 +41,7 @@ typedef struct Option {
     // Where the value goes: an offset in the command's arguments.
     size_t at;
     double low, high;
-    // [name_count] of OPTION_NAME
+    // [name_count] of OPTION_NAME; of OPTION_OUTPUT the endings, without the dot
     const char *const *names;
     int name_count;
     // For OPTION_OTHER: returns the exit code. The values allowed go to `error`, which stays empty where the function itself has told
@@ -80,6 +81,9 @@ void options_print_paragraph(const char *text, int at, int indent);
 int app_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // Wrong use: the sentence, which begins with the command, and how to get help.
 int app_misuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Which of the endings, without the dot and in either case, a file's name has; -1: another one, `count`: none, as `/dev/stdout`.
+int options_ending(const char *path, const char *const *endings, int count);
 
 // Rows that many commands have; `field` is a member of the command's arguments.
 #define OPTION_MAP(field)                                                                                    \

@@ -15,6 +15,8 @@ static const double ADAPTATION = 0.85;
 static const double REACH = 1000;
 // The time in which the difference falls to 1/e, seconds: too short to wait for, too long to flicker.
 static const double ADAPTATION_SECONDS = 0.4;
+// Light that differs by this share looks the same: a third of a step of the screen's 255.
+static const double ADAPTED = 0.003;
 
 typedef struct Sum {
     double weight, logs;
@@ -63,14 +65,15 @@ double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *c
     return sum.weight > 0 ? exp(sum.logs / sum.weight) : 0;
 }
 
-void exposure_adapt(Exposure *e, double seen, double usual, double seconds) {
-    if (!(usual > 0) || (e->level > 0 && (e->fixed || !(seen > 0)))) return;
+bool exposure_adapt(Exposure *e, double seen, double usual, double seconds) {
+    if (!(usual > 0) || (e->level > 0 && (e->fixed || !(seen > 0)))) return false;
     if (!(seen > 0)) seen = usual;
     double wanted = usual * pow(fmin(fmax(seen / usual, 1 / REACH), REACH), ADAPTATION);
     if (e->level > 0)
         e->level = wanted * pow(e->level / wanted, exp(-seconds / ADAPTATION_SECONDS));
     else
         e->level = wanted;
+    return fabs(log(e->level / wanted)) > ADAPTED;
 }
 
 double exposure_scale(const Exposure *e) { return e->level > 0 ? MIDDLE / e->level * exp2(e->stops) : 1; }

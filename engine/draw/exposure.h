@@ -17,8 +17,8 @@ enum { EXPOSURE_STOPS_MOST = 8 };
 double exposure_meter(const LitMesh *lit, const LitLight *light, const Camera *camera, const int *objects,
                       int object_count);
 // Lets the eye adapt for so many seconds to `seen`, a result of exposure_meter, in a building of the level `usual` (LitLight.level). At the
-// first call the eye adapts at once.
-void exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
+// first call the eye adapts at once. True while the eye is still on its way to a level that looks different.
+bool exposure_adapt(Exposure *exposure, double seen, double usual, double seconds);
 // The factor by which radiosities are multiplied for the screen, m^2/W.
 double exposure_scale(const Exposure *exposure);
 // A channel of light, times that factor, on the screen: sRGB, 0 .. 1, by the curve of walk_shade.h.

@@ -196,9 +196,11 @@ void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *o
         const double *from = at < 0 ? light.face[-1 - at] : light.corner[at];
         for (int c = 0; c < 3; c++) out->vertex[v][c] = (float)from[c];
     }
-    arena_free(&scratch);
+    // False colours are of the light at vertices.
+    RadSolution even = reconstruct_even(lit->mesh, solution, &scratch);
     out->day = solution->day;
     fill_luminous(lit, solution, out);
     for (int q = FALSE_COLOUR_RADIOSITY; q < FALSE_COLOURS; q++)
-        out->ranges[q] = range_of(lit, solution, (FalseColour)q);
+        out->ranges[q] = range_of(lit, &even, (FalseColour)q);
+    arena_free(&scratch);
 }

@@ -106,6 +106,13 @@ Rgb walk_glow(const Material *m) {
     return most > 1 ? rgb_mix(BLACK, e, 1 / most) : e;
 }
 
+Rgba8 walk_bake_plain(const Material *m, Vec3 n) {
+    return to_bytes(
+        rgb_screen(rgb_add(rgb_multiply(m->reflectance, ambient_light(n, false)), walk_glow(m), 1)), 1);
+}
+
+Rgba8 walk_bake_sky(void) { return to_bytes(rgb_screen((Rgb){WALK_PANE}), 1); }
+
 // The light that leaves a surface that faces n at a point, on the screen.
 static Rgb look_at(const WalkBake *bake, int object, const Material *m, Vec3 point, Vec3 n) {
     float open = (float)walk_occlusion_open(bake->occlusion, point, n, bake->lights->region[object], object);

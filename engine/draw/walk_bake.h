@@ -11,6 +11,10 @@ typedef struct Rgba8 {
 
 static inline uint8_t walk_byte(float x) { return (uint8_t)lrintf(255 * fminf(fmaxf(x, 0), 1)); }
 
+// The colour of a material in a room without lamps or shadows, on the side to which n points (unit); and that of the sky.
+Rgba8 walk_bake_plain(const Material *material, Vec3 n);
+Rgba8 walk_bake_sky(void);
+
 typedef struct WalkBake WalkBake;
 
 // The colour that shows a material's emission, at most 1 in each channel. Radiant exitance exceeds a screen's range: every lamp is

@@ -11,6 +11,7 @@
 #include "engine/core/error.h"
 #include "engine/core/vec.h"
 #include "engine/draw/false_colour.h"
+#include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shade.h"
@@ -33,7 +34,7 @@ typedef struct LitTone {
 // The frames that looks draw to. Each is made when it is first needed in a size.
 typedef enum WalkTarget {
     WALK_TARGET_FINAL,      // colour alone: the frame that is shown and read
-    WALK_TARGET_FAST,       // the same colour, with depth
+    WALK_TARGET_FAST,       // colour, a texture, and depth, one sample a pixel
     WALK_TARGET_FINE,       // colour and depth, several samples a pixel
     WALK_TARGET_DEPTH,      // depth alone, a texture
     WALK_TARGET_OCCLUSION,  // open share and distance, a texture, coarser
@@ -165,6 +166,8 @@ static const TextureKind TEXTURES[WALK_TARGETS] = {
     // A sized format would be laid out in the order of its name.
     [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
                            false},
+    [WALK_TARGET_FAST] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
+                          false},
     [WALK_TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT,
                            GL_NEAREST, false},
     [WALK_TARGET_OCCLUSION] = {GL_RG32F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_NEAREST, true},
@@ -199,7 +202,7 @@ static void attach(WalkTargets *t, WalkTarget which) {
     int samples = 0;
     switch (which) {
     case WALK_TARGET_FAST:
-        attach_texture(t, WALK_TARGET_FINAL);
+        attach_texture(t, WALK_TARGET_FAST);
         attach_buffer(&t->fast_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, 0, t);
         break;
     case WALK_TARGET_FINE:
@@ -218,9 +221,7 @@ static void attach(WalkTargets *t, WalkTarget which) {
 }
 
 static bool make(WalkTargets *t, WalkTarget which, Error *error) {
-    if (which == WALK_TARGET_FAST && !t->frame[WALK_TARGET_FINAL] && !make(t, WALK_TARGET_FINAL, error))
-        return false;
-    if (which != WALK_TARGET_FAST && which != WALK_TARGET_FINE) make_texture(t, which);
+    if (which != WALK_TARGET_FINE) make_texture(t, which);
     glGenFramebuffers(1, &t->frame[which]);
     glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
     attach(t, which);
@@ -307,6 +308,10 @@ struct WalkRenderer {
     SkyProgram sky, pictured_sky;
     unsigned occlusion, blur;  // programs
     int occlusion_tangents;
+    bool software;  // OpenGL draws with the processor
+    Smoother smoother;
+    Arena frame_arena;
+    uint32_t *frame;       // as large as the smoother's
     unsigned no_vertices;  // the vertex array for programs that make their own vertices
 };
 
@@ -398,6 +403,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
+    w->software = gl_is_software();
     w->textures = walk_textures_new(graph->building, arena, error);
     if (w->textures && make_programs(w, error)) w->mesh = walk_mesh_new(graph, w->textures, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
@@ -457,6 +463,8 @@ void walk_renderer_free(WalkRenderer *w) {
     walk_targets_free(&w->targets);
     walk_mesh_free(w->mesh);
     walk_textures_free(w->textures);
+    smooth_free(&w->smoother);
+    arena_free(&w->frame_arena);
     unsigned programs[] = {w->sky.program, w->pictured_sky.program, w->occlusion, w->blur};
     for (int i = 0; i < 4; i++) glDeleteProgram(programs[i]);
     for (int i = 0; i < SCENE_SHADERS; i++) {
@@ -709,15 +717,32 @@ bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *o
 
 // ---- the final frame
 
+// Copies the frame that is bound for reading to the final one, with its edges smoothed. In software both lie in this process's memory.
+static void smooth_frame(WalkRenderer *w) {
+    const WalkTargets *t = &w->targets;
+    if (w->smoother.width != t->width || w->smoother.height != t->height) {
+        arena_free(&w->frame_arena);
+        w->frame = ARENA_ARRAY(&w->frame_arena, uint32_t, (size_t)t->width * (size_t)t->height);
+    }
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    glReadPixels(0, 0, t->width, t->height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, w->frame);
+    smooth_edges(&w->smoother, w->frame, t->width, t->height);
+    use_texture(t->texture[WALK_TARGET_FINAL]);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, t->width, t->height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
+                    w->frame);
+}
+
 bool walk_renderer_finish_scene(WalkRenderer *w, Error *error) {
     WalkTargets *t = &w->targets;
     if (!walk_targets_bind(t, WALK_TARGET_FINAL, error)) return false;
-    if (w->drawn == WALK_TARGET_FINE) {
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINE]);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[w->drawn]);
+    // False colours are numbers: between two of them lies none.
+    if (w->drawn == WALK_TARGET_FAST && w->software && w->tone.quantity == FALSE_COLOUR_OFF)
+        smooth_frame(w);
+    else
         glBlitFramebuffer(0, 0, t->width, t->height, 0, 0, t->width, t->height, GL_COLOR_BUFFER_BIT,
                           GL_NEAREST);
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
-    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, t->frame[WALK_TARGET_FINAL]);
     glDisable(GL_DEPTH_TEST);
     return gl_check("finishing a frame", error);
 }

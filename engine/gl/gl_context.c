@@ -4,6 +4,7 @@
 #include <glad/gl.h>
 
 #include <GL/osmesa.h>
+#include <string.h>
 
 // OSMesa requires a buffer of its own; all drawing goes to framebuffer objects, so this buffer is as small as possible. Pixels.
 #define GL_CONTEXT_SIDE 4
@@ -20,6 +21,11 @@ bool gl_context_use(GlContext *context, Error *error) {
         return true;
     }
     return error_set(error, "OSMesa: the OpenGL context cannot be made current");
+}
+
+bool gl_is_software(void) {
+    const char *name = (const char *)glGetString(GL_RENDERER);
+    return !name || strstr(name, "llvmpipe") || strstr(name, "softpipe") || strstr(name, "SWR");
 }
 
 GlContext *gl_context_open(Arena *arena, Error *error) {

@@ -15,6 +15,9 @@ GlContext *gl_context_open(Arena *arena, Error *error);
 bool gl_context_use(GlContext *context, Error *error);  // makes it current
 void gl_context_close(GlContext *context);              // frees all its objects; NULL is allowed
 
+// Does the current context draw with the processor? True too where it does not say.
+bool gl_is_software(void);
+
 // A linked program of the current context, 0 on failure.
 unsigned gl_program(const char *vertex, const char *fragment, Error *error);
 // Returns false, with an error that names `stage`, when OpenGL has reported an error since the last call (out of memory, mostly).

@@ -4,7 +4,7 @@
 base_layers := engine/core $(filter maps%,$(layers)) visibility $(patsubst %,visibility/%,cells soup trees query pairs prepare) engine/sim
 light_layers := engine/gl $(patsubst %,visibility/%,bezier rays hidden) $(filter radiosity%,$(layers))
 objects_in = $(patsubst %.c,$(dir)/%.o,$(foreach l,$(1),$(wildcard $(l)/*.c)))
-base_libs := -lgeos_c -lminizip -lexpat -ljansson -lm
+base_libs := -lgeos_c -lminizip -lexpat -lwebp -lassimp -ljansson -lm
 light_libs := -lOSMesa -lembree3 -lm
 version := $(shell sed -n 's/.*APP_VERSION "\(.*\)"/\1/p' engine/app/app.h)
 major := $(firstword $(subst ., ,$(version)))

@@ -1,13 +1,15 @@
 // hud.c - panels are placed one after the other, the most urgent first, each where the window still has room.
 #include "engine/overlay/hud.h"
 
-enum { HUD_PANELS = 6, FIGURE_ROWS = 8, MESSAGE_LINES = 6, HUD_FLAGS = 16 };
+enum { HUD_PANELS = 7, FIGURE_ROWS = 8, MESSAGE_LINES = 6, HUD_FLAGS = 16 };
 static const char RECORDING[] = "recording";
 
 // All lengths are in points.
 static const double TEXT = 12, SMALL = 10, LINE = 17, PAD = 10, MARGIN = 12, GAP = 8, ROUND = 6;
 static const double FIGURES_WIDTH = 232, LABEL_WIDTH = 64, MESSAGE_WIDTH = 560, HELP_GAP = 14, HELP_LINE = 19;
 static const double KEY_PAD = 5, KEY_ROUND = 3;
+// Help shrinks in steps of this factor, down to this share of its size, and never below letters of so many pixels.
+static const double HELP_SHRINK = 0.95, HELP_LEAST = 0.25, HELP_LEAST_PIXELS = 8;
 // How far down the prompt stands, as a share of the window: below the point that is looked at.
 static const double PROMPT_DOWN = 0.7;
 // The plan's longer side is the first of these that fits into the window and is less than PLAN_SHARE of it.
@@ -111,11 +113,14 @@ static int wrap(const Hud *hud, double size, const char *string, double width, c
 
 // ---- panels
 
+double hud_message_opacity(double age, bool is_error) {
+    return fmin(fmax((is_error ? HUD_ERROR_SECONDS : HUD_MESSAGE_SECONDS) - age, 0), 1);
+}
+
 // Draws the message over everything else, since it is gone soon.
 static void draw_message(const Hud *hud) {
     const HudState *s = hud->state;
-    double shown = s->message_is_error ? HUD_ERROR_SECONDS : HUD_MESSAGE_SECONDS;
-    double opacity = fmin(1, shown - s->message_age);
+    double opacity = hud_message_opacity(s->message_age, s->message_is_error);
     if (!s->message || opacity <= 0) return;
     const char *lines[MESSAGE_LINES];
     double room = fmin(MESSAGE_WIDTH, hud->width - 2 * MARGIN) - 2 * PAD, width = 0;
@@ -131,50 +136,83 @@ static void draw_message(const Hud *hud) {
     }
 }
 
-// The width of a key drawn as on a keyboard.
-static double key_width(const Hud *hud, const char *keys) {
-    return overlay_text_width(hud->overlay, SMALL, keys) + 2 * KEY_PAD;
+// The width of a key drawn as on a keyboard, `size` times as large as usual.
+static double key_width(const Hud *hud, const char *keys, double size) {
+    return overlay_text_width(hud->overlay, size * SMALL, keys) + 2 * size * KEY_PAD;
 }
 
-static void draw_key(const Hud *hud, double x, double top, const char *keys) {
-    overlay_rectangle(hud->overlay, x, top + 1, key_width(hud, keys), LINE - 2, KEY_ROUND, KEY, 1);
+static void draw_key(const Hud *hud, double x, double top, const char *keys, double size, double opacity) {
+    overlay_rectangle(hud->overlay, x, top + size, key_width(hud, keys, size), size * (LINE - 2),
+                      size * KEY_ROUND, KEY, opacity);
 }
 
 static void draw_prompt(Hud *hud) {
     const HudState *s = hud->state;
     if (!s->prompt || !s->prompt_key) return;
-    double key = key_width(hud, s->prompt_key);
+    double key = key_width(hud, s->prompt_key, 1);
     const char *prompt = shortened(hud, TEXT, s->prompt, hud->width - 2 * MARGIN - 2 * PAD - key - GAP);
     double width = key + GAP + overlay_text_width(hud->overlay, TEXT, prompt) + 2 * PAD;
     Rectangle r = anchored(hud, 0.5, PROMPT_DOWN, width, LINE + PAD);
     if (!take_place(hud, r)) return;
     panel(hud, r, PANEL, PANEL_OPACITY);
-    draw_key(hud, r.x + PAD, r.y + PAD / 2, s->prompt_key);
+    draw_key(hud, r.x + PAD, r.y + PAD / 2, s->prompt_key, 1, 1);
     text(hud, r.x + PAD + KEY_PAD, r.y + PAD / 2, SMALL, BRIGHT, s->prompt_key);
     text(hud, r.x + PAD + key + GAP, r.y + PAD / 2, TEXT, BRIGHT, prompt);
+}
+
+// The keys for a newcomer, in one row above the place of messages, or in as many rows as it takes.
+static void draw_hint(Hud *hud) {
+    const HudState *s = hud->state;
+    double opacity = s->hint_opacity, inner = hud->width - 2 * MARGIN - 2 * PAD, x = 0, width = 0, rows = 1;
+    if (opacity <= 0 || s->hint_count == 0) return;
+    double *at = ARENA_ARRAY(s->scratch, double, 2 * s->hint_count);  // x and row of each
+    for (int i = 0; i < s->hint_count; i++) {
+        double wide = key_width(hud, s->hint[i].keys, 1) + GAP +
+                      overlay_text_width(hud->overlay, TEXT, s->hint[i].action);
+        if (x > 0 && x + wide > inner) x = 0, rows++;
+        at[2 * i] = x;
+        at[2 * i + 1] = rows - 1;
+        width = fmax(width, x + wide);
+        x += wide + 2 * HELP_GAP;
+    }
+    Rectangle r = anchored(hud, 0.5, 1, width + 2 * PAD, rows * HELP_LINE + PAD);
+    r.y -= LINE + PAD + GAP;
+    if (!take_place(hud, r)) return;
+    panel(hud, r, PANEL, opacity * PANEL_OPACITY);
+    for (int i = 0; i < s->hint_count; i++)
+        draw_key(hud, r.x + PAD + at[2 * i], r.y + PAD / 2 + at[2 * i + 1] * HELP_LINE, s->hint[i].keys, 1,
+                 opacity);
+    for (int i = 0; i < s->hint_count; i++) {
+        double left = r.x + PAD + at[2 * i], top = r.y + PAD / 2 + at[2 * i + 1] * HELP_LINE;
+        overlay_text(hud->overlay, left + KEY_PAD, baseline(top, LINE, SMALL), SMALL, BRIGHT, opacity,
+                     s->hint[i].keys);
+        overlay_text(hud->overlay, left + key_width(hud, s->hint[i].keys, 1) + GAP, baseline(top, LINE, TEXT),
+                     TEXT, BRIGHT, opacity, s->hint[i].action);
+    }
 }
 
 // ---- help
 
 typedef struct HelpTable {
+    double size;           // of the letters, as a share of the usual
     double keys, actions;  // widths
     int rows, columns;
     Rectangle place;
 } HelpTable;
 
-// Places the table with as few columns as the room allows. False where there is no room at all.
-static bool place_help(Hud *hud, HelpTable *t) {
+// Places the table at this size of letters with as few columns as the room allows.
+static bool place_help_of(Hud *hud, HelpTable *t, double size) {
     const HudState *s = hud->state;
-    *t = (HelpTable){0};
-    if (!s->help) return false;
+    *t = (HelpTable){.size = size};
     for (int i = 0; i < s->help_count; i++) {
-        t->keys = fmax(t->keys, key_width(hud, s->help[i].keys));
-        t->actions = fmax(t->actions, overlay_text_width(hud->overlay, TEXT, s->help[i].action));
+        t->keys = fmax(t->keys, key_width(hud, s->help[i].keys, size));
+        t->actions = fmax(t->actions, overlay_text_width(hud->overlay, size * TEXT, s->help[i].action));
     }
     while (++t->columns <= s->help_count) {
         t->rows = (s->help_count + t->columns - 1) / t->columns;
-        double width = t->columns * (t->keys + GAP + t->actions + HELP_GAP) - HELP_GAP + 2 * PAD;
-        double height = t->rows * HELP_LINE + 2 * PAD;
+        double width =
+            t->columns * (t->keys + t->actions + size * (GAP + HELP_GAP)) + size * (2 * PAD - HELP_GAP);
+        double height = size * (t->rows * HELP_LINE + 2 * PAD);
         for (int place = 0; place < 2; place++) {
             t->place = anchored(hud, place * 0.5, 1 - place * 0.5, width, height);
             if (take_place(hud, t->place)) return true;
@@ -183,19 +221,31 @@ static bool place_help(Hud *hud, HelpTable *t) {
     return false;
 }
 
+// The largest letters with which the whole table has room. False where not even the smallest have.
+static bool place_help(Hud *hud, HelpTable *t) {
+    if (!hud->state->help) return false;
+    double least = fmax(HELP_LEAST_PIXELS / (overlay_scale(hud->overlay) * TEXT), HELP_LEAST);
+    for (double size = 1; size >= least; size *= HELP_SHRINK)
+        if (place_help_of(hud, t, size)) return true;
+    return false;
+}
+
 static void draw_help(const Hud *hud, const HelpTable *t) {
     const HudState *s = hud->state;
+    double size = t->size;
     panel(hud, t->place, PANEL, PANEL_OPACITY);
     // First all the keys, then all the text: two draw calls.
     for (int i = 0; i < 2 * s->help_count; i++) {
         int row = i % s->help_count;
-        double x = t->place.x + PAD + row / t->rows * (t->keys + GAP + t->actions + HELP_GAP);
-        double top = t->place.y + PAD + row % t->rows * HELP_LINE;
+        double x = t->place.x + size * PAD + row / t->rows * (t->keys + t->actions + size * (GAP + HELP_GAP));
+        double top = t->place.y + size * (PAD + row % t->rows * HELP_LINE);
         if (i < s->help_count) {
-            draw_key(hud, x, top, s->help[row].keys);
+            draw_key(hud, x, top, s->help[row].keys, size, 1);
         } else {
-            text(hud, x + KEY_PAD, top, SMALL, BRIGHT, s->help[row].keys);
-            text(hud, x + t->keys + GAP, top, TEXT, BRIGHT, s->help[row].action);
+            overlay_text(hud->overlay, x + size * KEY_PAD, baseline(top, size * LINE, size * SMALL),
+                         size * SMALL, BRIGHT, 1, s->help[row].keys);
+            overlay_text(hud->overlay, x + t->keys + size * GAP, baseline(top, size * LINE, size * TEXT),
+                         size * TEXT, BRIGHT, 1, s->help[row].action);
         }
     }
 }
@@ -323,13 +373,16 @@ void hud_draw(Overlay *overlay, const HudState *state) {
     draw_crosshair(&hud);
     draw_prompt(&hud);
     // Help was asked for just now: the figures give way to it.
+    draw_hint(&hud);
     Rectangle figures = anchored(&hud, 0, 0, FIGURES_WIDTH, FIGURE_ROWS * LINE + PAD);
-    bool shown = state->figures && take_place(&hud, figures), helped = place_help(&hud, &help);
+    bool shown = state->figures && take_place(&hud, figures);
+    bool helped = state->help && place_help_of(&hud, &help, 1);
     if (shown && !helped && state->help) {
         hud.taken_count--;
         helped = place_help(&hud, &help);
         if (helped || !take_place(&hud, figures)) shown = false;
     }
+    if (!helped && !shown) helped = place_help(&hud, &help);
     if (shown) draw_figures(&hud, figures);
     if (helped) draw_help(&hud, &help);
     draw_flags(&hud, shown ? figures.y + figures.height + GAP : MARGIN);

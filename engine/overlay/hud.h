@@ -30,6 +30,9 @@ typedef struct HudState {
     double message_age;               // seconds
     bool message_is_error;            // stays longer, in red
     const char *prompt_key, *prompt;  // "E", "open salon"
+    const HudKey *hint;               // [hint_count] the first keys that a newcomer needs
+    int hint_count;
+    double hint_opacity;  // 0 .. 1; 0: not shown
     const PlanView *plan;
     const HudLegend *legend;
     bool crosshair;
@@ -39,9 +42,12 @@ typedef struct HudState {
 // How long a message is shown, seconds; it fades during the last second.
 #define HUD_MESSAGE_SECONDS 4.0
 #define HUD_ERROR_SECONDS 12.0
+// The opacity of a message after so many seconds, 0 .. 1.
+double hud_message_opacity(double age, bool is_error);
 
 // Draws between overlay_begin and overlay_end. Panels that the window has no room for are left out: first the plan, then the legend,
-// signs, figures, help, and at last the prompt. Messages lie over everything else.
+// signs, figures, the hint, and at last the prompt. Help is drawn smaller where the window has too little room for it, and left out only
+// where its letters could not be read. Messages lie over everything else.
 void hud_draw(Overlay *overlay, const HudState *state);
 
 #endif

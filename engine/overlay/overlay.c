@@ -217,6 +217,7 @@ void overlay_begin(Overlay *o, int width, int height, double scale) {
 
 double overlay_width(const Overlay *o) { return o->width / o->scale; }
 double overlay_height(const Overlay *o) { return o->height / o->scale; }
+double overlay_scale(const Overlay *o) { return o->scale; }
 
 static int within(double pixel, int most) { return (int)lround(fmin(fmax(pixel, 0), most)); }
 

@@ -21,6 +21,7 @@ bool overlay_end(Overlay *overlay, Error *error);
 
 double overlay_width(const Overlay *overlay);  // of the frame, points
 double overlay_height(const Overlay *overlay);
+double overlay_scale(const Overlay *overlay);  // pixels to a point
 
 // From overlay_clip until overlay_unclip, drawing shows inside this rectangle only, to the nearest pixel.
 void overlay_clip(Overlay *overlay, double x, double y, double width, double height);

@@ -160,7 +160,31 @@ LightBaker light_baker(LoadedScene *scene, Arena *arena) {
     SceneBake *bake = ARENA_ARRAY(arena, SceneBake, 1);
     *bake = (SceneBake){scene, light_place(&scene->building, arena)};
     if (!scene_cache_takes(scene, bake->out, LIGHT_ROOM)) bake->out = NULL;
-    return (LightBaker){bake_scene, bake, bake->out != NULL};
+    return (LightBaker){bake_scene, bake, .keeps = bake->out != NULL};
+}
+
+// ---- stored light that is read later
+
+typedef struct StoredLight {
+    const LoadedScene *scene;
+    bool asked;
+    LightBaker otherwise;  // bakes what cannot be read
+} StoredLight;
+
+static bool read_or_bake(void *context, const LightHooks *hooks, Arena *arena, WalkLight *out, Error *error) {
+    const StoredLight *stored = context;
+    const LightBaker *baker = &stored->otherwise;
+    const WalkLight *found;
+    if (!light_find(stored->scene, stored->asked, arena, &found, error)) return false;
+    *error = (Error){""};
+    if (found) *out = *found;
+    return found || (baker->bake && baker->bake(baker->context, hooks, arena, out, error));
+}
+
+static LightBaker stored_light(const LoadedScene *scene, bool asked, LightBaker otherwise, Arena *arena) {
+    StoredLight *stored = ARENA_ARRAY(arena, StoredLight, 1);
+    *stored = (StoredLight){scene, asked, otherwise};
+    return (LightBaker){read_or_bake, stored, .stored = true, .asked = asked};
 }
 
 // ---- loading a building to walk through
@@ -170,8 +194,10 @@ bool walk_scene_load(void *context, const char *path, Arena *arena, WalkScene *o
     LoadedScene *scene = ARENA_ARRAY(arena, LoadedScene, 1);
     if (!scene_load(path, load, arena, scene, error) || !scene_has_walls(scene, error)) return false;
     *out = (WalkScene){.scene = scene, .graph = &scene->graph, .forest = &scene->forest};
-    if (!light_find(scene, load->light != NULL, arena, &out->light, error)) return false;
+    bool later = load->light_later && scene->light_count > 0;
+    if (!later && !light_find(scene, load->light != NULL, arena, &out->light, error)) return false;
     if (!out->light && load->lamps == SCENE_LAMPS_ALL) out->baker = light_baker(scene, arena);
+    if (later) out->baker = stored_light(scene, load->light != NULL, out->baker, arena);
     load->gentle = true;
     return true;
 }

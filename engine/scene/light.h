@@ -39,6 +39,8 @@ typedef struct LightBaker {
     void *context;
     // The next walk finds the light.
     bool keeps;
+    // Light that is stored is read, not baked, where it fits; and it was asked for: without it nothing is to be shown.
+    bool stored, asked;
 } LightBaker;
 
 // The baker that bakes as `enfilade bake FILE` does by itself, under the scene's day, and stores the light where that stores it. Its
@@ -55,7 +57,7 @@ typedef struct WalkScene {
     const StabForest *forest;
     // Baked, or NULL.
     const WalkLight *light;
-    // Bakes light in the background, where its `bake` is not NULL and there is no light.
+    // Bakes light in the background, or reads it, where its `bake` is not NULL and there is no light.
     LightBaker baker;
 } WalkScene;
 

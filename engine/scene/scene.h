@@ -28,6 +28,8 @@ typedef struct SceneOptions {
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
     bool find_light;
     const char *light;
+    // The caller shows the building before its light: a baker reads stored light later (walk_scene_load).
+    bool light_later;
     // The daylight asked for: stored light of another day does not fit, and light that is baked is of this one. None: any stored light
     // fits, and light is baked by night.
     DayOptions day;

@@ -247,6 +247,8 @@ static bool try_place(Body *b, BodyWorld *w, Vec3 foot, int region) {
     return true;
 }
 
+bool body_place_at(Body *b, BodyWorld *w, Vec3 foot) { return try_place(b, w, foot, -1); }
+
 // The height nearest to foot.z at which a body may stand over a place in some cell; NAN if there is none.
 static double nearest_height(const CellGraph *graph, Vec3 foot) {
     const SquareGrid *grid = &graph->locator;

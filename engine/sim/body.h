@@ -63,6 +63,10 @@ BodyWorld body_world(const CellGraph *graph, const float *door_open, Arena *aren
 #define BODY_SEARCH 6.0
 bool body_place_near(Body *body, BodyWorld *world, Vec3 foot);
 
+// Puts the body on the floor at this place in plan, at most a step above `foot` or on the first solid below it. Returns false and
+// changes nothing where there is no room.
+bool body_place_at(Body *body, BodyWorld *world, Vec3 foot);
+
 // The body goes `way` in plan, slides along solids that obstruct it, and falls for `seconds` where no solid carries it. Any
 // length and any time are safe.
 void body_step(Body *body, BodyWorld *world, Vec2 way, double seconds);

@@ -230,6 +230,12 @@ void doors_advance(Doors *d, double seconds, Body *body) {
     }
 }
 
+bool doors_move(const Doors *d) {
+    for (int i = 0; i < d->graph->building->opening_count; i++)
+        if (d->open[i] != d->wanted[i] && d->halt[i] == DOOR_FREE) return true;
+    return false;
+}
+
 // ---- looking at doors
 
 // How far a ray goes before it leaves a cell, metres.

@@ -37,6 +37,9 @@ void doors_keep(Doors *doors, const Doors *earlier);
 // nothing.
 void doors_advance(Doors *doors, double seconds, Body *body);
 
+// Does any door move? Doors that wait for their way to be free do not.
+bool doors_move(const Doors *doors);
+
 // The usable door whose leaf or doorway a ray from the eye in `cell` meets first, nearer than any wall and than
 // `reach` metres; -1 if none. `direction` has unit length.
 int doors_looked_at(const Doors *doors, Vec3 eye, int cell, Vec3 direction, double reach);

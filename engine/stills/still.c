@@ -7,6 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/draw/view.h"
 #include "engine/draw/walk_shade.h"
+#include "engine/stills/still_sky.h"
 
 const char *const STILL_DIRECT_NAMES[STILL_DIRECTS] = {"baked", "rays"};
 
@@ -21,11 +22,6 @@ StillOptions still_default_options(void) {
     return (StillOptions){.samples = 16, .depth = 12, .direct = STILL_RAYS};
 }
 
-typedef struct Sky {
-    Daylight day;
-    double exposure;  // divides the night sky, which is given as it is on the screen
-} Sky;
-
 typedef struct Tile {
     WhittedWork work;
 } Tile;
@@ -37,7 +33,7 @@ typedef struct Still {
     StillScene *scene;
     StillLight light;
     Whitted whitted;
-    Sky sky;
+    StillSky sky;
     Media media;
     double exposure;
     uint8_t *rgb;
@@ -51,29 +47,6 @@ typedef struct Still {
 
 // A channel on the screen, 0 .. 255, for light times exposure.
 static uint8_t tone(double light) { return (uint8_t)lrint(255 * exposure_on_screen(light)); }
-
-// ---- the sky
-
-static double smooth_step(double low, double high, double x) {
-    double t = fmin(fmax((x - low) / (high - low), 0), 1);
-    return t * t * (3 - 2 * t);
-}
-
-// By night the sky that the walkthrough draws (walk_shaders.c).
-static void sky_at(const void *context, Vec3 direction, double out[3]) {
-    static const double ZENITH[3] = {WALK_NIGHT_ZENITH}, HORIZON[3] = {WALK_NIGHT_HORIZON},
-                        GROUND[3] = {WALK_NIGHT_GROUND};
-    const Sky *sky = context;
-    double rise = direction.z, up = 0.97 * sqrt(fmax(rise, 0)), above = smooth_step(-0.03, 0.01, rise);
-    if (daylight_shines(&sky->day)) {
-        daylight_seen(&sky->day, direction, out);
-        return;
-    }
-    for (int c = 0; c < 3; c++) {
-        double high = HORIZON[c] + up * (ZENITH[c] - HORIZON[c]);
-        out[c] = (double)WALK_EXPOSURE * (GROUND[c] + above * (high - GROUND[c])) / sky->exposure;
-    }
-}
 
 // ---- exposure
 
@@ -135,6 +108,12 @@ static void draw_tile(void *context, int index, int thread) {
         atomic_store(&s->stopped, true);
 }
 
+// Between the rays through neighbouring pixels in the middle, radians.
+static double pixel_angle(const Camera *camera) {
+    double x = 0.5 * camera->width, y = 0.5 * camera->height;
+    return vec3_length(vec3_sub(camera_ray(camera, x + 1, y), camera_ray(camera, x, y)));
+}
+
 static void prepare_still(Still *s, const StabForest *forest, const WalkLight *baked, StillReport *report,
                           Arena *arena) {
     bool rays = s->options->direct == STILL_RAYS;
@@ -142,10 +121,17 @@ static void prepare_still(Still *s, const StabForest *forest, const WalkLight *b
     StillLamps *lamps = rays ? still_lamps_new(s->scene, forest, s->options->samples, arena) : NULL;
     s->light = still_light_new(s->scene, baked->solution, lamps, arena);
     s->exposure = expose(forest, baked, s->camera, s->options->stops);
-    s->sky.exposure = s->exposure;
-    s->sky.day = baked->solution->day;
+    double spread = pixel_angle(s->camera) / sqrt(s->options->samples);
+    s->sky = still_sky(baked->mesh->graph->building, &baked->solution->day, s->exposure, spread);
     s->media = still_scene_media(s->scene, s->camera->eye);
-    s->whitted = (Whitted){s->scene, &s->light, s->options->depth, THRESHOLD, LAMP_RAYS, sky_at, &s->sky};
+    s->whitted = (Whitted){.scene = s->scene,
+                           .light = &s->light,
+                           .depth = s->options->depth,
+                           .threshold = THRESHOLD,
+                           .spread = spread,
+                           .lamp_rays = LAMP_RAYS,
+                           .sky = still_sky_at,
+                           .sky_context = &s->sky};
     report->exposure = s->exposure;
     report->lamps = lamps ? still_lamps_count(lamps) : 0;
 }

@@ -740,18 +740,18 @@ static Spot find_spot(const StillScene *scene, const StillSurface *s, const Surf
 
 // ---- light
 
-static void add_lamps(const StillLight *light, const StillSurface *s, const Spot *spot, Vec3 at, Vec3 normal,
-                      bool front, int rays, StillNumbers *numbers, double out[3]) {
+static void add_lamps(const StillLight *light, Rgb rho, const Spot *spot, Vec3 at, Vec3 normal, bool front,
+                      int rays, StillNumbers *numbers, double out[3]) {
     double arrives[3];
     still_lamps_light(light->lamps, &(StillPlace){at, normal, spot->element, front}, rays, numbers, arrives);
-    out[0] += (double)s->material->reflectance.r * arrives[0];
-    out[1] += (double)s->material->reflectance.g * arrives[1];
-    out[2] += (double)s->material->reflectance.b * arrives[2];
+    out[0] += (double)rho.r * arrives[0];
+    out[1] += (double)rho.g * arrives[1];
+    out[2] += (double)rho.b * arrives[2];
 }
 
 // Adds the sun's light, by rays to points of its disc.
-static void add_sun(const StillLight *light, const StillSurface *s, Vec3 at, Vec3 normal, int rays,
-                    StillNumbers *numbers, double out[3]) {
+static void add_sun(const StillLight *light, Rgb rho, Vec3 at, Vec3 normal, int rays, StillNumbers *numbers,
+                    double out[3]) {
     double u[3], seen = 0, wide = tan(DAYLIGHT_SUN_RADIUS);
     if (vec3_dot(normal, light->sun.sun) <= -wide) return;
     for (int k = 0; k < rays; k++) {
@@ -765,12 +765,22 @@ static void add_sun(const StillLight *light, const StillSurface *s, Vec3 at, Vec
         if (cosine > 0 && !still_rays_blocked(light->scene->opaque, &ray))
             seen += cosine * panes_transmit_from_afar(&light->scene->mesh->panes, at, way) / rays;
     }
-    out[0] += (double)s->material->reflectance.r * seen * light->sun.beam[0];
-    out[1] += (double)s->material->reflectance.g * seen * light->sun.beam[1];
-    out[2] += (double)s->material->reflectance.b * seen * light->sun.beam[2];
+    out[0] += (double)rho.r * seen * light->sun.beam[0];
+    out[1] += (double)rho.g * seen * light->sun.beam[1];
+    out[2] += (double)rho.b * seen * light->sun.beam[2];
 }
 
-void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, int rays,
+// Baked light is that of a surface of the material's mean reflectance; emission stays as it is.
+static void show_picture(const Material *m, Rgb rho, bool emits, double light[3]) {
+    double mean[3], own[3], emitted[3];
+    rgb_doubles(m->reflectance, mean);
+    rgb_doubles(rho, own);
+    rgb_doubles(emits ? m->emission : (Rgb){0, 0, 0}, emitted);
+    for (int c = 0; c < 3; c++)
+        if (mean[c] > 0) light[c] = emitted[c] + fmax(light[c] - emitted[c], 0) * own[c] / mean[c];
+}
+
+void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, double width, int rays,
                     StillNumbers *numbers, double out[3]) {
     const StillSurface *s = &light->scene->surfaces[hit->item];
     Vec3 at = still_ray_at(ray, hit->at.t), normal = vec3_scale(hit->at.normal, hit->front ? 1 : -1);
@@ -779,10 +789,12 @@ void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *h
     // Light is computed as if the back of a polygon reflected nothing. Curtains are one polygon, and show some of their front's light.
     double share = hit->front ? 1 : WALK_BACK_SHARE;
     if (spot.element >= 0) {
+        Rgb rho = still_texel(light->scene, s, at, width).colour;
         reconstruct_in(light->scene->mesh, &light->baked, spot.element, spot.point, out);
+        if (s->material->texture > 0) show_picture(s->material, rho, light->lamps == NULL, out);
         for (int c = 0; c < 3; c++) out[c] *= share;
-        if (light->lamps) add_lamps(light, s, &spot, at, normal, hit->front, rays, numbers, out);
-        if (rgb_sum(light->sun.beam) > 0) add_sun(light, s, at, normal, rays, numbers, out);
+        if (light->lamps) add_lamps(light, rho, &spot, at, normal, hit->front, rays, numbers, out);
+        if (rgb_sum(light->sun.beam) > 0) add_sun(light, rho, at, normal, rays, numbers, out);
     }
     // In the other cases the baked light contains the emission.
     if (hit->front && (light->lamps || spot.element < 0)) {

@@ -38,9 +38,9 @@ typedef struct StillLight {
 StillLight still_light_new(const StillScene *scene, const RadSolution *solution, StillLamps *lamps,
                            Arena *arena);
 
-// The light that a ray sees at its hit, W/m^2 a channel (the radiosity of a diffuse surface that looks the same); takes about `rays`
-// shadow rays.
-void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, int rays,
+// The light that a ray sees at its hit, W/m^2 a channel (the radiosity of a diffuse surface that looks the same), of a picture as of
+// its mean over about `width` metres; takes about `rays` shadow rays.
+void still_light_at(const StillLight *light, const Ray *ray, const SurfaceHit *hit, double width, int rays,
                     StillNumbers *numbers, double out[3]);
 
 #endif

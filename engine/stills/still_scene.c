@@ -154,21 +154,41 @@ static RaySource source_of(const StillScene *scene, const Parts *parts, const fl
     return (RaySource){b, graph->polygons, scene->vertices, list, shapes, count, shape_count};
 }
 
-static void put_surfaces(StillScene *scene, const Parts *parts, const RaySource *source, Arena *arena) {
+static void put_surfaces(StillScene *scene, const Parts *parts, const RaySource *source,
+                         const float *door_open, Arena *arena) {
     const CellGraph *graph = scene->mesh->graph;
     const Building *b = graph->building;
     scene->surfaces = ARENA_ARRAY(arena, StillSurface, source->list_count + source->shape_count + 1);
     for (int i = 0; i < source->list_count; i++) {
-        int p = source->list[i];
-        scene->surfaces[i] =
-            (StillSurface){&b->materials[graph->polygons[p].material], scene->mesh->face_of[p], -1,
-                           parts->body_of[p], parts->object_of[p]};
+        int p = source->list[i], leaf = graph->objects[parts->object_of[p]].leaf;
+        bool moves = leaf >= 0 && door_open;
+        scene->surfaces[i] = (StillSurface){&b->materials[graph->polygons[p].material],
+                                            scene->mesh->face_of[p],
+                                            -1,
+                                            parts->body_of[p],
+                                            parts->object_of[p],
+                                            graph->polygons[p].texture_map,
+                                            moves ? (double)door_open[b->leaves[leaf].opening] : 0};
     }
     for (int i = 0; i < source->shape_count; i++) {
         int s = source->shapes[i];
         scene->surfaces[source->list_count + i] = (StillSurface){
-            &b->materials[b->shapes[s].material], -1, s, parts->body_of_shape[s], b->shapes[s].object};
+            &b->materials[b->shapes[s].material], -1, s, parts->body_of_shape[s], b->shapes[s].object, 0, 0};
     }
+}
+
+Texel still_texel(const StillScene *scene, const StillSurface *s, Vec3 point, double width) {
+    const Material *m = s->material;
+    const CellGraph *graph = scene->mesh->graph;
+    const Building *b = graph->building;
+    int leaf = graph->objects[s->object].leaf;
+    if (m->texture == 0) return (Texel){m->reflectance, m->alpha};
+    if (leaf >= 0) point = leaf_point_closed(&b->leaves[leaf], s->open, point);
+    Texel texel = texture_at(b, (int)(m - b->materials), s->texture_map, point, width);
+    float opacity = b->textures[m->texture].opacity;
+    bool mapped = s->texture_map > 0 || m->texture_map > 0;
+    texel.opacity = mapped && m->alpha < 1 ? fminf(m->alpha * texel.opacity / opacity, 1) : m->alpha;
+    return texel;
 }
 
 StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, Arena *arena) {
@@ -188,7 +208,7 @@ StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, 
     scene->all = make_rays(&all, tree, arena);
     scene->opaque = make_rays(&opaque, tree, arena);
     scene->facets = make_rays(&facets, tree, arena);
-    put_surfaces(scene, &parts, &all, arena);
+    put_surfaces(scene, &parts, &all, door_open, arena);
     scene->facet_face = ARENA_ARRAY(arena, int, facets.list_count + 1);
     for (int i = 0; i < facets.list_count; i++) scene->facet_face[i] = mesh->face_of[facets.list[i]];
     arena_free(&scratch);

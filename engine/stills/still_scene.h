@@ -17,6 +17,8 @@ typedef struct StillSurface {
     int shape;  // index in Building.shapes, -1: a polygon
     int body;   // the closed, see-through body that it bounds, by number; -1: none
     int object;
+    int texture_map;  // in Building; 0: that of the material
+    double open;      // how far the leaf that it moves with is open, 0 .. 1
 } StillSurface;
 
 // Some of the surfaces, with the structure that finds them along a ray.
@@ -35,6 +37,10 @@ typedef struct StillScene {
 
 // `door_open` [opening_count] must be that with which the mesh was made; NULL: doors stand as drawn.
 StillScene *still_scene_new(const Mesh *mesh, const float *door_open, int tree, Arena *arena);
+
+// The reflectance of a surface at a point, averaged over about `width` metres, and its opacity 0 .. 1: in proportion to the material's
+// picture and to the picture's means (texture_at); without a picture, reflectance and alpha of the material.
+Texel still_texel(const StillScene *scene, const StillSurface *surface, Vec3 point, double width);
 
 // The first of the shape's polygons, in the graph.
 int still_first_polygon(const CellGraph *graph, const CurvedShape *shape);

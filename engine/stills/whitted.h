@@ -9,7 +9,9 @@ typedef struct Whitted {
     const StillLight *light;
     int depth;         // the most rays in one chain, 1 ..
     double threshold;  // a ray whose weight in the pixel is less is not followed
-    int lamp_rays;     // shadow rays for a surface that is seen directly
+    double
+        spread;  // the angle between neighbouring rays from the eye, radians; pictures are averaged over it
+    int lamp_rays;  // shadow rays for a surface that is seen directly
     // The light where a ray meets nothing, W/m^2 a channel; NULL: dark.
     void (*sky)(const void *context, Vec3 direction, double out[3]);
     const void *sky_context;

@@ -99,6 +99,11 @@ void display_close(Display *display) {
 DisplaySize display_size(const Display *display) { return display->back_end->size(display); }
 unsigned display_framebuffer(const Display *display) { return display->back_end->framebuffer(display); }
 void display_present(Display *display) { display->back_end->present(display); }
+void display_wait(Display *display, double seconds) {
+    // Events that are there already come first.
+    if (display->count == 0) display->back_end->wait(display, seconds);
+}
+void display_wake(Display *display) { display->back_end->wake(display); }
 double display_seconds(const Display *display) { return display->back_end->seconds(display); }
 void display_title(Display *display, const char *title) { display->back_end->title(display, title); }
 

@@ -55,6 +55,7 @@ enum {
     DISPLAY_BUTTON_RELEASED,
     DISPLAY_LOOK,      // the mouse went `x` points to the right and `y` down; only while it is held
     DISPLAY_SCROLLED,  // `x`, `y` notches of the wheel; y > 0 away from the hand
+    DISPLAY_EXPOSED,   // the window lost its picture: a frame is wanted even if nothing has changed
     DISPLAY_RESIZED,   // the size is now `x` by `y` pixels
     DISPLAY_FOCUS_LOST,
     DISPLAY_FOCUS_GAINED,
@@ -85,7 +86,7 @@ typedef struct DisplayOptions {
 DisplayOptions display_default_options(void);
 
 typedef struct DisplaySize {
-    int width, height;  // pixels; 0 by 0 while the window is minimised
+    int width, height;  // pixels; 0 by 0 while the window is minimised or not mapped
     double scale;       // pixels to a point
 } DisplaySize;
 
@@ -105,6 +106,9 @@ unsigned display_framebuffer(const Display *display);  // frames drawn into it, 
 // The next event; false: there is none for now. Call it once a frame until it returns false.
 bool display_next_event(Display *display, DisplayEvent *out);
 void display_present(Display *display);
+// Sleeps until an event comes, display_wake is called, or so many seconds have passed. Off-screen it returns at once.
+void display_wait(Display *display, double seconds);
+void display_wake(Display *display);  // from any thread
 // Seconds since the display was opened. Off-screen, each present takes a sixtieth of a second, so that a walk driven by cues
 // comes out the same every time.
 double display_seconds(const Display *display);

@@ -15,6 +15,8 @@ struct DisplayBackEnd {
     unsigned (*framebuffer)(const Display *display);
     void (*gather)(Display *display);  // passes the events that have happened to display_push
     void (*present)(Display *display);
+    void (*wait)(Display *display, double seconds);
+    void (*wake)(Display *display);
     double (*seconds)(const Display *display);
     // Called only when the value changes.
     void (*hold_mouse)(Display *display, bool held);

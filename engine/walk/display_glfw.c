@@ -10,6 +10,7 @@
 typedef struct Window {
     GLFWwindow *glfw;
     double x, y;                           // of the mouse when it last moved, in GLFW's screen coordinates
+    bool entered;                          // the next place of the mouse is no motion
     int left, top, old_width, old_height;  // where the window was before it filled the screen
 } Window;
 
@@ -97,8 +98,10 @@ static void on_motion(GLFWwindow *glfw, double x, double y) {
     Display *display = display_of(glfw);
     Window *w = own(display);
     double unit = points(glfw);
-    display_push(display,
-                 (DisplayEvent){.kind = DISPLAY_LOOK, .x = (x - w->x) * unit, .y = (y - w->y) * unit});
+    if (!w->entered)
+        display_push(display,
+                     (DisplayEvent){.kind = DISPLAY_LOOK, .x = (x - w->x) * unit, .y = (y - w->y) * unit});
+    w->entered = false;
     w->x = x;
     w->y = y;
 }
@@ -119,6 +122,15 @@ static void on_focus(GLFWwindow *glfw, int focused) {
     display_push(display, (DisplayEvent){.kind = focused ? DISPLAY_FOCUS_GAINED : DISPLAY_FOCUS_LOST});
 }
 
+static void on_refresh(GLFWwindow *glfw) {
+    display_push(display_of(glfw), (DisplayEvent){.kind = DISPLAY_EXPOSED});
+}
+
+// The pointer came in, or the window came under it: where it is now is no motion of the hand.
+static void on_enter(GLFWwindow *glfw, int entered) {
+    if (entered) own(display_of(glfw))->entered = true;
+}
+
 static void on_close(GLFWwindow *glfw) {
     glfwSetWindowShouldClose(glfw, GLFW_FALSE);
     display_push(display_of(glfw), (DisplayEvent){.kind = DISPLAY_CLOSED});
@@ -134,6 +146,8 @@ static void listen(Display *display) {
     glfwSetFramebufferSizeCallback(glfw, on_size);
     glfwSetWindowFocusCallback(glfw, on_focus);
     glfwSetWindowCloseCallback(glfw, on_close);
+    glfwSetWindowRefreshCallback(glfw, on_refresh);
+    glfwSetCursorEnterCallback(glfw, on_enter);
 }
 
 // ---- open and close
@@ -189,7 +203,9 @@ static void close_window(Display *display) {
 static DisplaySize glfw_size(const Display *display) {
     DisplaySize size = {.scale = scale_of(own(display)->glfw)};
     glfwGetFramebufferSize(own(display)->glfw, &size.width, &size.height);
-    if (glfwGetWindowAttrib(own(display)->glfw, GLFW_ICONIFIED)) size.width = size.height = 0;
+    if (glfwGetWindowAttrib(own(display)->glfw, GLFW_ICONIFIED) ||
+        !glfwGetWindowAttrib(own(display)->glfw, GLFW_VISIBLE))
+        size.width = size.height = 0;
     return size;
 }
 
@@ -204,6 +220,16 @@ static void glfw_gather(Display *display) {
 }
 
 static void present(Display *display) { glfwSwapBuffers(own(display)->glfw); }
+
+static void glfw_wait(Display *display, double seconds) {
+    (void)display;
+    if (seconds > 0) glfwWaitEventsTimeout(seconds);
+}
+
+static void glfw_wake(Display *display) {
+    (void)display;
+    glfwPostEmptyEvent();
+}
 
 static double seconds_of(const Display *display) {
     (void)display;
@@ -247,6 +273,6 @@ static void fill_screen(Display *display, bool full) {
 
 static void set_title(Display *display, const char *title) { glfwSetWindowTitle(own(display)->glfw, title); }
 
-const DisplayBackEnd DISPLAY_GLFW = {"glfw",     "a window, by GLFW", open_window, close_window,
-                                     glfw_size,  framebuffer_of,      glfw_gather, present,
-                                     seconds_of, hold_mouse,          fill_screen, set_title};
+const DisplayBackEnd DISPLAY_GLFW = {
+    "glfw",  "a window, by GLFW", open_window, close_window, glfw_size,  framebuffer_of, glfw_gather,
+    present, glfw_wait,           glfw_wake,   seconds_of,   hold_mouse, fill_screen,    set_title};

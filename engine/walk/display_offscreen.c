@@ -81,6 +81,8 @@ static void present(Display *display) {
     o->presented++;
 }
 
+static void no_wait(Display *display, double seconds) { (void)display, (void)seconds; }
+static void no_wake(Display *display) { (void)display; }
 static void nothing(Display *display, bool on) { (void)display, (void)on; }
 static void no_title(Display *display, const char *title) { (void)display, (void)title; }
 
@@ -88,5 +90,6 @@ const DisplayBackEnd DISPLAY_OFFSCREEN = {"offscreen",      "in memory, by OSMes
                                           open_offscreen,   close_offscreen,
                                           offscreen_size,   framebuffer_of,
                                           offscreen_gather, present,
+                                          no_wait,          no_wake,
                                           seconds_of,       nothing,
                                           nothing,          no_title};

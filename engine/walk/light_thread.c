@@ -22,6 +22,8 @@ enum { STATES = 2, LAST = STATES };
 struct LightThread {
     LightBaker baker;
     LightHooks hooks;
+    void (*wake)(void *context);
+    void *wake_context;
     pthread_t handle;
     Arena arena;  // of the bake
     Error error;
@@ -44,12 +46,20 @@ static bool note_progress(void *context, const char *stage, double done) {
     return !atomic_load(&t->stop);
 }
 
+// Nobody is woken once the thread was told to stop: the walk may have ended.
+static void wake_walk(LightThread *t) {
+    pthread_mutex_lock(&t->lock);
+    if (t->wake && !atomic_load(&t->stop)) t->wake(t->wake_context);
+    pthread_mutex_unlock(&t->lock);
+}
+
 static void fill_light(LightThread *t, const RadSolution *solution) {
     int free_one = t->held == 0 ? 1 : 0;
     lit_light_fill(atomic_load(&t->mesh), solution, &t->state[free_one]);
     pthread_mutex_lock(&t->lock);
     t->fresh = free_one;
     pthread_mutex_unlock(&t->lock);
+    wake_walk(t);
 }
 
 static void begin_mesh(LightThread *t, const Mesh *mesh) {
@@ -85,6 +95,7 @@ static void show_last(LightThread *t, const WalkLight *light) {
     atomic_store(&t->mesh, mesh);
     t->fresh = LAST;
     pthread_mutex_unlock(&t->lock);
+    wake_walk(t);
 }
 
 static void *work(void *context) {
@@ -96,15 +107,17 @@ static void *work(void *context) {
     good = good && !atomic_load(&t->stop);
     if (good) show_last(t, &light);
     atomic_store(&t->end, good ? LIGHT_READY : LIGHT_FAILED);
+    wake_walk(t);
     return NULL;
 }
 
 // ---- in the walk's thread
 
-LightThread *light_thread_start(const LightBaker *baker, Arena *arena) {
+LightThread *light_thread_start(const LightBaker *baker, void (*wake)(void *context), void *wake_context,
+                                Arena *arena) {
     LightThread *t = ARENA_ARRAY(arena, LightThread, 1);
     int cores = parallel_threads(0);
-    *t = (LightThread){.baker = *baker, .fresh = -1, .held = -1};
+    *t = (LightThread){.baker = *baker, .wake = wake, .wake_context = wake_context, .fresh = -1, .held = -1};
     t->hooks = (LightHooks){{note_progress, t}, show, t, SHOW_EVERY, cores > 1 ? cores - 1 : 1};
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->received, NULL);

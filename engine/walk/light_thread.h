@@ -10,7 +10,9 @@ typedef struct LightThread LightThread;
 
 // The result lives in the arena. The arena and all data that the baker uses may go only when the thread has ended. NULL where no
 // thread can be started.
-LightThread *light_thread_start(const LightBaker *baker, Arena *arena);
+// `wake` is called from the thread with each new state and at the end, for a walk that sleeps; NULL: nobody does.
+LightThread *light_thread_start(const LightBaker *baker, void (*wake)(void *context), void *wake_context,
+                                Arena *arena);
 
 // The mesh of the newest state; NULL: there is none yet. The last state has a finer mesh than those before it.
 LitMesh *light_thread_mesh(const LightThread *thread);

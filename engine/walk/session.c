@@ -1,9 +1,7 @@
 // session.c - the start, the end and the ticks of a walk, and reading its file again.
-#include <string.h>
 #include <unistd.h>
 
-#include <glad/gl.h>
-
+#include "engine/gl/gl_context.h"
 #include "engine/walk/session_state.h"
 
 // If a window stood still for longer than this, seconds, the walk goes on for this time only.
@@ -20,15 +18,14 @@ SessionOptions session_default_options(void) {
 }
 
 // The best look that OpenGL draws in time: in software the fine look takes a tenth of a second.
-static WalkLook usual_look(void) {
-    const char *name = (const char *)glGetString(GL_RENDERER);
-    bool software = !name || strstr(name, "llvmpipe") || strstr(name, "softpipe") || strstr(name, "SWR");
-    return software ? WALK_FAST : WALK_FINE;
-}
+static WalkLook usual_look(void) { return gl_is_software() ? WALK_FAST : WALK_FINE; }
 
 static bool open_session(Session *s, Error *error) {
-    s->shown = shown_load(s, error);
-    if (!s->shown) return false;
+    Shown *shown = s->load ? session_load_end(s, error) : shown_load(s, error);
+    if (!shown || !shown_upload(s, shown, error)) return false;
+    s->shown = shown;
+    s->sketched = usual_look();
+    if (!s->look_chosen) s->look = s->sketched;
     if (s->shown->scene.light && !s->look_chosen) s->look = WALK_BAKED;
     s->overlay = overlay_new(s->arena, error);
     if (!s->overlay) return false;
@@ -38,7 +35,8 @@ static bool open_session(Session *s, Error *error) {
     return !s->options.replay || session_follow(s, s->options.replay, error);
 }
 
-Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error) {
+Session *session_begin(const SessionOptions *options, const SessionLoader *loader, int width, int height,
+                       Arena *arena) {
     Session *s = ARENA_ARRAY(arena, Session, 1);
     *s = (Session){.options = *options,
                    .loader = *loader,
@@ -48,21 +46,35 @@ Session *session_new(const SessionOptions *options, const SessionLoader *loader,
                    .culling = options->culling,
                    .false_colour = options->false_colour,
                    .plan = true,
-                   .statistics = true,
                    .full_screen = options->full_screen,
                    .now = -1,
+                   .began = -1,
+                   .leave_asked = -INFINITY,
                    .trace = -1,
                    .watch = file_watch_begin(options->file)};
-    s->sketched = usual_look();
     s->look_chosen = options->look != WALK_LOOKS;
-    s->look = s->look_chosen ? options->look : s->sketched;
-    if (open_session(s, error)) return s;
+    s->look = options->look;
+    s->load = session_load_begin(s, width, height, arena);
+    return s;
+}
+
+bool session_open(Session *s, Error *error) {
+    if (open_session(s, error)) return true;
     session_free(s);
-    return NULL;
+    return false;
+}
+
+Session *session_new(const SessionOptions *options, const SessionLoader *loader, Arena *arena, Error *error) {
+    Session *s = session_begin(options, loader, 0, 0, arena);
+    return session_open(s, error) ? s : NULL;
 }
 
 void session_free(Session *s) {
     if (!s) return;
+    if (s->load) {
+        Error ignored;
+        s->shown = session_load_end(s, &ignored);
+    }
     if (s->recording) session_record(s);
     if (s->trace >= 0) close(s->trace);
     overlay_free(s->overlay);
@@ -82,7 +94,7 @@ void session_reload(Session *s) {
     // The watch begins anew before the file is read, so that a change read by F5 is not read once more.
     s->watch = file_watch_begin(s->options.file);
     Shown *next = shown_load(s, &error);
-    if (!next) {
+    if (!next || !shown_upload(s, next, &error)) {
         session_say(s, true, "%s", error.text);
         return;
     }
@@ -117,6 +129,12 @@ static void watch_file(Session *s) {
 
 static double held(const Session *s, int more, int less) { return (s->held[more] > 0) - (s->held[less] > 0); }
 
+// A person in a fall or a turn, or one that still glides, moves; less than a hundredth of a millimetre a second is none.
+static bool person_moved(const Session *s, const Person *before) {
+    const double least = 1e-5 / SESSION_TICKS;
+    return vec3_length(vec3_sub(s->person.eye, before->eye)) > least || s->person.yaw != before->yaw;
+}
+
 static void tick(Session *s) {
     const double seconds = 1.0 / SESSION_TICKS;
     Shown *shown = s->shown;
@@ -126,9 +144,11 @@ static void tick(Session *s) {
                        .right = held(s, HELD_RIGHT, HELD_LEFT),
                        .up = held(s, HELD_UP, HELD_DOWN),
                        .hurry = s->held[HELD_HURRY] > 0};
+    const Person before = s->person;
     person_look(&s->person, TURN * seconds * held(s, HELD_TURN_LEFT, HELD_TURN_RIGHT), 0);
     person_tick(&s->person, &shown->world, &wish, seconds);
     doors_advance(&shown->doors, seconds, s->person.flying ? NULL : &s->person.body);
+    s->moved = person_moved(s, &before);
     session_record_tick(s);
 }
 
@@ -146,3 +166,6 @@ void session_advance(Session *s, double now) {
 bool session_wants_mouse(const Session *s) { return s->mouse; }
 bool session_wants_full_screen(const Session *s) { return s->full_screen; }
 bool session_ended(const Session *s) { return s->ended; }
+bool session_failed(const Session *s, Error *error) {
+    return s->failed && !error_set(error, "%s", s->message);
+}

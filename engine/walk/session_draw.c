@@ -68,15 +68,16 @@ static void draw_hud(Session *s, int width, int height, double scale) {
                       .message = s->picture_wanted || !*s->message ? NULL : s->message,
                       .message_age = s->now - s->message_since,
                       .message_is_error = s->message_is_error,
+                      .hint = SESSION_HINT,
+                      .hint_count = SESSION_HINT_COUNT,
+                      .hint_opacity = s->picture_wanted ? 0 : session_hint_opacity(s),
                       .plan = s->plan ? &plan : NULL,
                       .legend = session_legend(s, &legend) ? &legend : NULL,
                       .crosshair = s->mouse && !s->picture_wanted,
                       .scratch = &s->frame_arena};
     if (door >= 0 && !s->picture_wanted) {
         state.prompt_key = "E";
-        state.prompt =
-            arena_format(&s->frame_arena, "%s %s", s->shown->doors.wanted[door] >= 0.5f ? "close" : "open",
-                         *b->openings[door].name ? b->openings[door].name : "the door");
+        state.prompt = session_door_prompt(s, door, &s->frame_arena);
     }
     overlay_begin(s->overlay, width, height, scale);
     hud_draw(s->overlay, &state);
@@ -96,6 +97,7 @@ static void measure_frame(Session *s, double start) {
 bool session_draw(Session *s, int width, int height, double scale, Error *error) {
     const Person *p = &s->person;
     double start = clock_seconds();
+    if (s->began < 0) s->began = s->now;
     Camera camera = camera_look(p->eye, p->yaw, p->pitch, s->fov, width, height);
     session_receive_light(s);
     ask(s, &camera);
@@ -111,6 +113,7 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
     if (s->picture_wanted) session_write_picture(s, width, height);
     walk_renderer_finish();
     measure_frame(s, start);
+    session_note_seen(s, width, height, scale);
     return true;
 }
 

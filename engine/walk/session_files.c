@@ -188,14 +188,19 @@ void session_trace(Session *s) {
     const char *names[SESSION_FLAGS];
     int count = session_flags(s, names);
     for (int i = 0; i < count; i++) json_array_append_new(flags, json_string(names[i]));
-    json_t *line = json_pack(
-        "{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:o, s:i, s:i, s:s, s:o, s:o, s:s, s:s, s:o}",
-        "t", s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell", p->cell,
-        "room", session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name, "fps",
-        s->frames_per_second, "frame_ms", s->frame_ms, "periods_ms", trace_periods(s), "cells_visible",
-        s->visible.cell_count, "polygons_drawn", s->visible.polygon_count, "door",
-        door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s), "flags", flags, "message",
-        s->message, "look", WALK_LOOK_NAMES[s->look], "light", trace_light(s));
+    Arena scratch = {0};
+    const char *prompt = door < 0 ? "" : session_door_prompt(s, door, &scratch);
+    json_t *line =
+        json_pack("{s:f, s:[f,f,f], s:f, s:f, s:i, s:s, s:s, s:f, s:f, s:o, s:i, s:i, s:s, s:o, s:o, s:s, "
+                  "s:s, s:o, s:i, s:s, s:b}",
+                  "t", s->now, "eye", p->eye.x, p->eye.y, p->eye.z, "yaw", p->yaw, "pitch", p->pitch, "cell",
+                  p->cell, "room", session_room(s), "storey", storey < 0 ? "" : b->storeys[storey].name,
+                  "fps", s->frames_per_second, "frame_ms", s->frame_ms, "periods_ms", trace_periods(s),
+                  "cells_visible", s->visible.cell_count, "polygons_drawn", s->visible.polygon_count, "door",
+                  door < 0 ? "" : b->openings[door].name, "doors", trace_doors(s), "flags", flags, "message",
+                  s->message, "look", WALK_LOOK_NAMES[s->look], "light", trace_light(s), "frames",
+                  (int)s->frames, "prompt", prompt, "hint", (int)(session_hint_opacity(s) > 0));
     write_line(s, line);
     json_decref(line);
+    arena_free(&scratch);
 }

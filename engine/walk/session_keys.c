@@ -6,6 +6,9 @@ static const double LOOK = 0.0024;
 // Each notch of the wheel widens or narrows the view by this factor, within these limits, radians.
 static const double ZOOM = 1.08, NARROWEST = 20 * M_PI / 180, WIDEST = 110 * M_PI / 180;
 
+// How long a question by Escape can be answered, seconds: as long as it is shown.
+static const double ASKED_SECONDS = HUD_MESSAGE_SECONDS;
+
 static void on_off(Session *s, bool *what, const char *name) {
     *what = !*what;
     session_say(s, false, "%s %s", name, *what ? "on" : "off");
@@ -140,13 +143,18 @@ static void full_screen(Session *s, int key) {
     s->full_screen = !s->full_screen;
 }
 
-// Escape first closes the help, then frees the mouse, then ends the walk.
+// Escape closes the help, then frees the mouse, then ends the walk. While a path is recorded it asks before it ends the walk: it is
+// struck easily, and ends the recording too.
 static void leave(Session *s, int key) {
     (void)key;
     if (s->help) {
         s->help = false;
     } else if (s->mouse) {
         s->mouse = false;
+    } else if (s->recording && s->now - s->leave_asked > ASKED_SECONDS) {
+        s->leave_asked = s->now;
+        session_say(s, false,
+                    "a path is being recorded: Esc again ends and keeps it, and leaves; R only ends it");
     } else {
         s->ended = true;
     }
@@ -223,6 +231,9 @@ const HudKey SESSION_KEYS[] = {
     {"R, L", "record a path, and end it; replay it"},
     {"F5, F11", "read the file again; full screen"},
     {"H, F1, Esc", "this help; Esc leaves"}};
+const HudKey SESSION_HINT[] = {
+    {"click", "to look around"}, {"W A S D", "walk"}, {"E", "open a door"}, {"H", "all keys"}};
+const int SESSION_HINT_COUNT = sizeof SESSION_HINT / sizeof *SESSION_HINT;
 const int SESSION_KEY_COUNT = sizeof SESSION_KEYS / sizeof *SESSION_KEYS;
 
 static void hold(Session *s, int key, int by) {
@@ -260,6 +271,9 @@ void session_event(Session *s, const DisplayEvent *event) {
         break;
     case DISPLAY_FOCUS_LOST:
         s->mouse = false;
+        break;
+    case DISPLAY_EXPOSED:
+        s->exposed = true;
         break;
     case DISPLAY_CLOSED:
         s->ended = true;

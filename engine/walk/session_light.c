@@ -14,9 +14,10 @@ static void tell_end(Session *s) {
     if (end == LIGHT_UNDER_WAY || shown->told) return;
     shown->told = true;
     const char *note = light_thread_note(shown->baking);
-    if (*note)
+    if (*note) {
         session_say(s, true, "%s", note);
-    else if (end == LIGHT_READY)
+        s->failed = s->ended = end == LIGHT_FAILED && shown->scene.baker.asked;
+    } else if (end == LIGHT_READY && !shown->scene.baker.stored)
         session_say(s, false,
                     shown->scene.baker.keeps ? "all light has arrived, and is kept for the next walk"
                                              : "all light has arrived; there is no cache to keep it in");
@@ -49,10 +50,11 @@ void session_expose(Session *s, const Camera *camera) {
     double passed = s->drawn_at > 0 ? fmax(s->now - s->drawn_at, 0) : 0;
     s->drawn_at = s->now;
     walk_renderer_fade(renderer, passed);
+    s->adapting = false;
     if (session_light_shown(s)) {
         double seen = exposure_meter(walk_renderer_mesh(renderer), light, camera, s->visible.objects,
                                      s->visible.object_count);
-        exposure_adapt(&s->exposure, seen, light->level, passed);
+        s->adapting = exposure_adapt(&s->exposure, seen, light->level, passed);
     }
     walk_renderer_plain(renderer, s->sketched == WALK_FAST);
     walk_renderer_tone(renderer, exposure_scale(&s->exposure), s->false_colour);

@@ -23,23 +23,26 @@ Shown *shown_load(const Session *s, Error *error) {
     shown->query = vis_query_new(graph, shown->scene.forest, &arena);
     shown->doors = doors_new(graph, &arena);
     shown->world = body_world(graph, shown->doors.open, &arena);
+    shown->drawn_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
     shown->hidden = ARENA_ARRAY(&arena, int, graph->object_count + 1);
     set_doors(&shown->doors, graph->building, s->options.doors);
-    shown->renderer = walk_renderer_new(graph, &arena, error);
-    const WalkLight *light = shown->scene.light;
-    if (shown->renderer && light && !walk_renderer_light(shown->renderer, light, &arena, error)) {
-        walk_renderer_free(shown->renderer);
-        shown->renderer = NULL;
-    }
     // From here on the arena is stored in the object that it holds.
     shown->arena = arena;
-    if (!shown->renderer) {
+    session_choose_first(s, shown);
+    return shown;
+}
+
+bool shown_upload(const Session *s, Shown *shown, Error *error) {
+    const WalkLight *light = shown->scene.light;
+    shown->renderer = walk_renderer_new(shown->scene.graph, &shown->arena, error);
+    if (!shown->renderer || (light && !walk_renderer_light(shown->renderer, light, &shown->arena, error))) {
         shown_free(shown, 0);
-        return NULL;
+        return false;
     }
     if (!light && shown->scene.baker.bake)
-        shown->baking = light_thread_start(&shown->scene.baker, &shown->arena);
-    return shown;
+        shown->baking =
+            light_thread_start(&shown->scene.baker, s->options.wake, s->options.wake_context, &shown->arena);
+    return true;
 }
 
 bool shown_free(Shown *shown, double seconds) {
@@ -83,13 +86,13 @@ void session_stand(Session *s, Vec3 eye, double yaw, double pitch) {
     person_put(&s->person, &s->shown->world, eye, yaw, pitch);
 }
 
-// Puts the person at the building's start, on foot, however far the nearest place for a body is.
+// Puts the person where a walk begins, on foot, however far the nearest place for a body is.
 void session_start(Session *s) {
-    const Building *b = s->shown->scene.graph->building;
+    const Viewpoint *first = &s->shown->first;
     s->replay = NULL;
     s->person.cell = -1;
     s->person.flying = false;
-    person_put(&s->person, &s->shown->world, b->start, b->start_yaw, 0);
+    person_put(&s->person, &s->shown->world, first->eye, first->yaw, first->pitch);
 }
 
 static void look_from(Session *s, const Viewpoint *v) {

@@ -43,6 +43,24 @@ int session_door(const Session *s) {
     return doors_looked_at(&s->shown->doors, p->eye, p->cell, ahead, DOORS_REACH);
 }
 
+// A door that has halted goes on by itself once its way is free.
+const char *session_door_prompt(const Session *s, int door, Arena *arena) {
+    const Doors *doors = &s->shown->doors;
+    const Opening *opening = &s->shown->scene.graph->building->openings[door];
+    const char *name = *opening->name ? opening->name : "the door";
+    bool opens = doors->wanted[door] >= 0.5f, under_way = doors->open[door] != doors->wanted[door];
+    if (under_way && doors->halt[door] == DOOR_MEETS_BODY)
+        return arena_format(arena, "step back: %s %s towards you", name, opens ? "opens" : "closes");
+    if (under_way && doors->halt[door] == DOOR_MEETS_DOOR)
+        return arena_format(arena, "%s waits for the door in its way", name);
+    return arena_format(arena, "%s %s", opens ? "close" : "open", name);
+}
+
+double session_hint_opacity(const Session *s) {
+    if (s->began < 0 || s->help || s->replay) return 0;
+    return fmin(fmax(SESSION_HINT_SECONDS - (s->now - s->began), 0), 1);
+}
+
 // ---- the frame
 
 bool session_light_arriving(const Session *s) {

@@ -14,6 +14,9 @@
 #define SESSION_TICKS 120
 #define SESSION_TICKS_KEPT (SESSION_TICKS / RECORDING_TICKS)
 
+// How long the hint of the first keys is shown, seconds; it fades during the last second.
+#define SESSION_HINT_SECONDS 12.0
+
 // One line of the trace holds the times of at most so many frames: more than a screen shows in a tenth of a second.
 enum { SESSION_PERIODS = 256 };
 
@@ -39,16 +42,31 @@ typedef struct Shown {
     WalkRenderer *renderer;
     Doors doors;
     BodyWorld world;
+    Viewpoint first;      // the view that a walk begins with
+    float *drawn_open;    // [opening_count] the doors as the last frame shows them
     int *hidden;          // [object_count] room for the surfaces of cells that are not visible
     LightThread *baking;  // or NULL
     bool told;            // the end of the bake has been reported
     struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
 
+// What a frame shows besides the eye's place and the doors: two that are the same byte for byte show the same picture.
+typedef struct SessionSeen {
+    const void *shown, *light, *recording, *replay;
+    double yaw, pitch, fov, scale, stops, message_since;
+    float door_wanted;
+    unsigned flags;
+    int choices[3], width, height, message, hint, door, door_halt, light_done;
+} SessionSeen;
+
+// A building on its way (session_load.c).
+typedef struct SessionLoad SessionLoad;
+
 struct Session {
     SessionOptions options;
     SessionLoader loader;
     Arena *arena;
+    SessionLoad *load;  // the building is being read, or NULL
     Shown *shown, *leaving;
     Overlay *overlay;
     Person person;
@@ -67,12 +85,23 @@ struct Session {
     long tick;
     double frame_ms, query_us, frame_period, frames_per_second;  // smoothed
     double last_frame, drawn_at;
+    // The last frame, and what has happened since.
+    SessionSeen seen;
+    Vec3 seen_eye;
+    long frames;                      // drawn
+    bool changed;                     // session_changed as last asked
+    bool exposed;                     // the window lost its picture
+    bool moved;                       // the last tick moved the person
+    bool adapting;                    // the exposure is on its way
     double periods[SESSION_PERIODS];  // ms, of the frames since the last line of the trace
     int period_count;
     // The sentence on the screen.
     char message[512];
     bool message_is_error;
+    bool failed;  // the message is why the walk has ended
     double message_since;
+    double began;        // when the first frame was drawn; -1: not yet
+    double leave_asked;  // when Escape was answered by a question
     // Files.
     FileWatch watch;
     Recording *recording;  // under way, or NULL
@@ -86,8 +115,16 @@ struct Session {
     double trace_due;
 };
 
+// ---- session_load.c
+// NULL: no thread can be started.
+SessionLoad *session_load_begin(const Session *s, int width, int height, Arena *arena);
+Shown *session_load_end(Session *s, Error *error);
+void session_choose_first(const Session *s, Shown *shown);
+
 // ---- session_scene.c
-Shown *shown_load(const Session *s, Error *error);
+Shown *shown_load(const Session *s, Error *error);  // without OpenGL, in any thread
+// Uploads it, and begins its light. False after a failure, with which the building is freed.
+bool shown_upload(const Session *s, Shown *shown, Error *error);
 // Frees it after waiting at most so many seconds for a bake under way to end. False: the bake has not ended, and its data stays.
 bool shown_free(Shown *shown, double seconds);
 // Frees the buildings no longer shown whose bakes have ended.
@@ -134,9 +171,16 @@ int session_storey(const Session *s);
 int session_door(const Session *s);
 // Has a bake in the background not yet ended?
 bool session_light_arriving(const Session *s);
+// What the person is asked to do about a door: open it, close it, or step out of its way.
+const char *session_door_prompt(const Session *s, int door, Arena *arena);
+// Of the hint of the first keys, 0 .. 1: it fades in the walk's first seconds.
+double session_hint_opacity(const Session *s);
 enum { SESSION_FLAGS = 10 };
 // Writes a word for each state that is not as usual; returns how many.
 int session_flags(const Session *s, const char **out);
+
+// ---- session_idle.c
+void session_note_seen(Session *s, int width, int height, double scale);  // a frame was drawn
 
 // ---- session.c
 // Reads the file again; the walk goes on where it was. If that fails, a message says why, and the building shown stays.

@@ -192,6 +192,8 @@ void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
     }
 }
 
+const ItemBuffer *walk_verify_items(const WalkVerify *v) { return &v->with_glass; }
+
 const Vec3 *walk_verify_vertices(const WalkVerify *v) { return v->vertices; }
 
 static bool faces_away(const CellGraph *graph, int polygon, Vec3 eye) {

@@ -28,6 +28,9 @@ bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const
 // [vertex_count] of the graph, with the leaves of doors as they stood in the last frame.
 const Vec3 *walk_verify_vertices(const WalkVerify *verify);
 
+// The polygons seen in the last frame drawn without culling, glass as if it were opaque; valid until the next frame.
+const ItemBuffer *walk_verify_items(const WalkVerify *verify);
+
 // The culled image of the last frame, [height * width * 3] sRGB.
 void walk_verify_image(const WalkVerify *verify, uint8_t *rgb);
 // The number of polygons in an item buffer that the last frame's draw list lacks. `missing` gets one of them; it may be NULL.

@@ -41,10 +41,10 @@ static void undo(void *context) {
     if (*video->draft.beside) unlink(video->draft.beside);
 }
 
-static bool start_ffmpeg(Video *video, int input, int width, int height, int frames_per_second,
+static bool start_ffmpeg(Video *video, int input, int width, int height, int frames, int seconds,
                          Arena *arena) {
     char *size = arena_format(arena, "%dx%d", width, height),
-         *rate = arena_format(arena, "%d", frames_per_second);
+         *rate = arena_format(arena, "%d/%d", frames, seconds);
     // Without /proc the draft has a name, which file_begin gave it.
     bool inherits = access("/proc/self/fd", F_OK) == 0;
     char *out = arena_format(arena, "file:%s", inherits ? DRAFT_PATH : video->draft.beside);
@@ -66,7 +66,7 @@ static bool start_ffmpeg(Video *video, int input, int width, int height, int fra
     return failure == 0;
 }
 
-Video *video_begin(const char *path, int width, int height, int frames_per_second, Arena *arena,
+Video *video_begin(const char *path, int width, int height, int frames, int seconds, Arena *arena,
                    Error *error) {
     Video *video = ARENA_ARRAY(arena, Video, 1);
     video->path = arena_string(arena, path);
@@ -81,7 +81,7 @@ Video *video_begin(const char *path, int width, int height, int frames_per_secon
         return NULL;
     }
     memory_hold_end();
-    bool started = start_ffmpeg(video, pair[1], width, height, frames_per_second, arena);
+    bool started = start_ffmpeg(video, pair[1], width, height, frames, seconds, arena);
     int failure = errno;
     video->end = (MemoryEnd){.undo = undo, .context = video};
     if (started) memory_add_end(&video->end);

@@ -15,7 +15,7 @@
 #include "visibility/hidden/hidden.h"
 
 // Frames of a tour in a second of video, unless the options say otherwise.
-enum { USUAL_RATE = 12 };
+enum { USUAL_RATE = 12, FILM_RATE = 24 };
 
 WalkOptions walk_default_options(void) {
     return (WalkOptions){.tour = "auto",
@@ -23,6 +23,7 @@ WalkOptions walk_default_options(void) {
                          .height = 540,
                          .every = 1,
                          .seed = 1,
+                         .doors = WALK_DOORS,
                          .culling = CULL_STAB,
                          .look = WALK_FINE,
                          .path = tour_default_options()};
@@ -33,6 +34,7 @@ typedef struct Frame {
     VisResult visible;
     double query_seconds, draw_seconds;
     int mismatched_pixels, missing_polygons, missing, raycast_missing;
+    double one_polygon;  // see film_figures_view; 0 unless verified
 } Frame;
 
 typedef struct Walk {
@@ -45,8 +47,8 @@ typedef struct Walk {
     WalkRenderer *renderer;  // NULL when verifying
     Overlay *overlay;        // for a legend, or NULL
     Exposure exposure;
-    double frame_seconds;  // between two frames of the film
-    WalkVerify *verify;    // or NULL
+    int rate;            // frames a second
+    WalkVerify *verify;  // or NULL
     Video *video;
     uint8_t *rgb;
     float *door_open;
@@ -73,7 +75,7 @@ static void add_to_totals(Walk *w, int index, const char *kind, const Camera *ca
                      f->missing_polygons, f->missing, f->raycast_missing);
 }
 
-static void add_to_means(Walk *w, int index, const TourFrame *at, const Frame *f) {
+static void add_to_means(Walk *w, int index, const TourFrame *at, bool cut, const Frame *f) {
     WalkTotals *t = w->totals;
     const VisResult *v = &f->visible;
     t->polygons_drawn_mean += v->polygon_count;
@@ -85,10 +87,11 @@ static void add_to_means(Walk *w, int index, const TourFrame *at, const Frame *f
     t->portals_tested_mean += v->portals_tested;
     t->objects_tested_mean += v->objects_tested;
     if (!w->options->stats) return;
-    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d\n", index, at->eye.x,
-                at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
+    text_append(&w->stats, "%d,%.4f,%.4f,%.4f,%.5f,%.5f,%d,%d,%d,%d,%d,%.2f,%.3f,%d,%d,%d,%.3f\n", index,
+                at->eye.x, at->eye.y, at->eye.z, at->yaw, at->pitch, w->cell, v->cell_count, v->object_count,
                 v->polygon_count, w->graph->polygon_count, 1e6 * f->query_seconds,
-                1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons);
+                1e3 * (f->query_seconds + f->draw_seconds), f->mismatched_pixels, f->missing_polygons, cut,
+                f->one_polygon);
 }
 
 static void divide_means(WalkTotals *t) {
@@ -121,7 +124,7 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *d
     VerifyFrame v;
     if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->culling, &v, error)) return false;
     *out = (Frame){
-        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0};
+        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0, 0};
     long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
     // A frame is chosen each time the line through (0, 0) and (planned, rays) passes a whole number.
     bool chosen = done * rays / w->planned != (done + 1) * rays / w->planned;
@@ -134,7 +137,7 @@ static void expose(Walk *w, const Camera *camera, const VisResult *visible) {
     if (!light) return;
     double seen = exposure_meter(walk_renderer_mesh(w->renderer), light, camera, visible->objects,
                                  visible->object_count);
-    exposure_adapt(&w->exposure, seen, light->level, w->frame_seconds);
+    exposure_adapt(&w->exposure, seen, light->level, 1.0 / w->rate);
     walk_renderer_tone(w->renderer, exposure_scale(&w->exposure), w->options->false_colour);
 }
 
@@ -192,19 +195,24 @@ static bool run_tour(Walk *w, const TourPath *path, const Progress *progress, Er
     text_append(
         &w->stats,
         "frame,x,y,z,yaw,pitch,cell,cells_visible,objects,polygons_drawn,polygons_total,query_us,frame_ms,"
-        "mismatched_pixels,missing_polygons\n");
+        "mismatched_pixels,missing_polygons,cut,one_polygon\n");
     for (int i = 0; i < path->frame_count; i++) {
         const TourFrame *at = &path->frames[i];
         Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, o->width, o->height);
         w->cell = vis_locate(w->graph, at->eye, w->cell);
+        bool cut = tour_is_cut(path, i);
         if (w->replay) recording_doors(w->replay, i, w->door_open);
+        if (path->is_film && o->doors == WALK_DOORS) tour_doors(path, i, w->rate, w->door_open);
         Frame frame;
         bool good = w->verify ? verify_frame(w, &camera, w->cell, w->door_open, &frame, error)
                               : draw_frame(w, &camera, &frame, error);
         if (!good || !write_frame(w, i, error)) return false;
         w->totals->frames++;
         add_to_totals(w, i, "frame", &camera, &frame);
-        add_to_means(w, i, at, &frame);
+        if (w->verify) frame.one_polygon = film_figures_view(&w->totals->film, walk_verify_items(w->verify));
+        add_to_means(w, i, at, cut, &frame);
+        film_figures_move(&w->totals->film, w->graph->building, i > 0 && !cut ? at - 1 : NULL, at,
+                          1.0 / w->rate);
         if (!progress_report(progress, "tour", (double)(i + 1) / path->frame_count))
             return error_set(error, "stopped");
     }
@@ -265,11 +273,8 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
             !(w->overlay = overlay_new(w->arena, error)))
             return false;
     }
-    int usual = w->replay ? RECORDING_TICKS : USUAL_RATE;
-    int rate = o->frames_per_second > 0 ? o->frames_per_second : usual;
-    w->frame_seconds = 1.0 / rate;
     if (!o->video) return true;
-    w->video = video_begin(o->video, o->width, o->height, rate, w->arena, error);
+    w->video = video_begin(o->video, o->width, o->height, w->rate, o->every, w->arena, error);
     return w->video != NULL;
 }
 
@@ -289,19 +294,30 @@ bool walk_offscreen(const CellGraph *graph, const StabForest *forest, const Walk
     CORE_ASSERT(options->every >= 1 && options->width >= 1 && options->height >= 1);
     *out = (WalkTotals){.polygons_total = graph->polygon_count};
     TourPath path;
+    TourOptions tour = options->path;
+    int rate = options->replay ? RECORDING_TICKS : options->video ? FILM_RATE : USUAL_RATE;
+    if (options->frames_per_second > 0) rate = options->frames_per_second;
+    tour.frames_per_second = rate;
     Recording *replay = NULL;
     if (options->replay ? !read_replay(graph, options->replay, arena, &replay, &path, error)
-                        : !tour_make(graph, options->tour, &options->path, arena, &path, error)) {
+                        : !tour_make(graph, options->tour, &tour, arena, &path, error)) {
         return false;
     }
     out->reachable_cells = path.reachable_count;
     out->visited_cells = path.visited_count;
+    out->rooms_enterable = path.rooms_enterable;
+    out->rooms_entered = path.rooms_entered;
+    out->cuts = path.cut_count;
+    out->seconds = (double)path.frame_count / rate;
+    out->notes = path.notes;
+    out->note_count = path.note_count;
     Walk w = {.graph = graph,
               .options = options,
               .arena = arena,
               .totals = out,
               .stats = {.arena = arena},
               .replay = replay,
+              .rate = rate,
               .cell = -1};
     w.rgb = arena_alloc(arena, (size_t)options->width * (size_t)options->height, 3);
     w.door_open = ARENA_ARRAY(arena, float, graph->building->opening_count + 1);

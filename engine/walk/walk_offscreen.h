@@ -5,6 +5,7 @@
 #include "engine/draw/walk_renderer.h"
 #include "engine/sim/door_states.h"
 #include "engine/sim/tour.h"
+#include "engine/walk/film_figures.h"
 
 typedef struct WalkOptions {
     const char *tour;       // see tour_make
@@ -13,13 +14,14 @@ typedef struct WalkOptions {
     const char *video;      // an MP4 file, or NULL
     const char *stats;      // a CSV file with a line for each frame, or NULL
     int width, height;      // pixels, 16 .. 8192
-    int every;              // write and film every nth frame only, 1 ..
-    int frames_per_second;  // of the video, 1 .. 240; 0: the rate of a recorded path, 12 for a tour
+    int every;              // write and film every nth frame only, 1 ..; the film is as long as with all
+    int frames_per_second;  // 1 .. 240; 0: the rate of a recorded path; of a tour 24 with a video, else 12
     bool verify;            // draw each frame also without culling, in flat colours, and compare
     int random;             // after the tour, verify so many random views
     int raycast;            // compare so many of the verified frames, spread evenly, also with rays
     uint64_t seed;          // of random views and random doors
-    WalkDoors doors;
+    WalkDoors
+        doors;  // WALK_DOORS: those of the automatic tour move as it passes, others stand clear of views
     Culling culling;
     WalkLook look;
     const WalkLight *light;  // for WALK_BAKED, or NULL
@@ -29,10 +31,14 @@ typedef struct WalkOptions {
 WalkOptions walk_default_options(void);
 
 typedef struct WalkTotals {
-    int frames;         // of the tour
-    int random_frames;  // random views verified
-    int images;         // files written
-    int reachable_cells, visited_cells;
+    int frames;                                                                // of the tour
+    int random_frames;                                                         // random views verified
+    int images;                                                                // files written
+    int reachable_cells, visited_cells, rooms_enterable, rooms_entered, cuts;  // see TourPath
+    double seconds;                                                            // of the tour
+    FilmFigures film;    // views are counted where frames are verified
+    const char **notes;  // [note_count] see TourPath
+    int note_count;
     int polygons_total;
     double polygons_drawn_mean, cells_visible_mean, objects_mean;
     double query_us_mean, query_us_max, frame_ms_mean;

@@ -85,10 +85,13 @@ static bool has_plane(const Vec3 triangle[3]) {
     return polygon_bend(triangle, 3, plane_of_polygon(triangle, 3)) < MAPS_PLANARITY / 2;
 }
 
-// The map that fits best, by least squares in the polygon's plane; false where it is off by more than `most[0]` in u or `most[1]` in v
-// at a corner.
-static bool fit_map(const Vec3 *v, const Vec2 *places, int count, Vec3 n, const double most[2],
-                    TextureMap *out) {
+void building_half_texel(const Texture *texture, double half[2]) {
+    half[0] = 0.5 / texture->width;
+    half[1] = 0.5 / texture->height;
+}
+
+bool building_fit_map(const Vec3 *v, const Vec2 *places, int count, Vec3 n, const double most[2],
+                      TextureMap *out) {
     Vec3 middle = vec3(0, 0, 0), x = vec3_normalize(vec3_sub(v[1], v[0])), y = vec3_cross(n, x);
     Vec2 mean = vec2(0, 0);
     for (int i = 0; i < count; i++) {
@@ -130,12 +133,11 @@ static int map_of(Arena *arena, Building *b, const Vec3 *v, const Vec2 *places, 
     for (int i = 0; i < count; i++)
         if (!(fabs(places[i].x) <= TEXTURE_FARTHEST) || !(fabs(places[i].y) <= TEXTURE_FARTHEST)) return 0;
     TextureMap map;
-    const Texture *p = &b->textures[texture];
     // A triangle has always a map, up to rounding.
-    const double half[2] = {count == 3 ? INFINITY : 0.5 / p->width, count == 3 ? INFINITY : 0.5 / p->height};
-    return fit_map(v, places, count, n, half, &map) ? building_add_texture_map(arena, b, map)
-           : count == 3                             ? 0
-                                                    : -1;
+    double half[2] = {INFINITY, INFINITY};
+    if (count > 3) building_half_texel(&b->textures[texture], half);
+    if (building_fit_map(v, places, count, n, half, &map)) return building_add_texture_map(arena, b, map);
+    return count == 3 ? 0 : -1;
 }
 
 // Ear clipping in the polygon's plane. Where no ear is left (a polygon that crosses itself) the first corner is
@@ -297,6 +299,45 @@ bool region_is_convex(const Building *b, const Region *region) {
     return turned < 3 * M_PI;
 }
 
+// The middle of the longest stretch of the region on the line through the middle of its box.
+static Vec2 place_inside(const Building *b, const Region *r) {
+    double low = INFINITY, high = -INFINITY, longest = -1;
+    const Ring *rings = b->rings + r->first_ring;
+    for (int i = 0; i < rings->point_count; i++) {
+        low = fmin(low, b->points[rings->first_point + i].y);
+        high = fmax(high, b->points[rings->first_point + i].y);
+    }
+    double y = low + (high - low) / 2;
+    Vec2 best = b->points[rings->first_point];
+    // From each crossing to the next one on its right: free space lies to the right of edges that go down.
+    for (int k = 0; k < r->ring_count; k++) {
+        for (int i = 0; i < rings[k].point_count; i++) {
+            const Vec2 *p = b->points + rings[k].first_point, a = p[i], c = p[(i + 1) % rings[k].point_count];
+            if (!(a.y > y && c.y <= y)) continue;
+            double x = a.x + (c.x - a.x) * (y - a.y) / (c.y - a.y), next = INFINITY;
+            for (int m = 0; m < r->ring_count; m++) {
+                const Vec2 *q = b->points + rings[m].first_point;
+                for (int n = 0; n < rings[m].point_count; n++) {
+                    Vec2 s = q[n], t = q[(n + 1) % rings[m].point_count];
+                    double at = s.x + (t.x - s.x) * (y - s.y) / (t.y - s.y);
+                    if (s.y <= y && t.y > y && at > x) next = fmin(next, at);
+                }
+            }
+            if (!isfinite(next) || next - x <= longest) continue;
+            longest = next - x;
+            best = vec2((x + next) / 2, y);
+        }
+    }
+    return best;
+}
+
+const char *region_title(const Building *b, const Region *region, Arena *arena) {
+    if (region->kind == REGION_OUTDOORS) return "outdoors";
+    if (*region->name) return region->name;
+    Vec2 at = place_inside(b, region);
+    return arena_format(arena, "a room at (%.1f, %.1f)", at.x, at.y);
+}
+
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
     double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
     Vec2 from = vec2(closed.x - leaf->pivot.x, closed.y - leaf->pivot.y);
@@ -305,6 +346,14 @@ Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed) {
     if (angle == 0) return vec3(closed.x + open * leaf->slide.x, closed.y + open * leaf->slide.y, z);
     return vec3(leaf->pivot.x + c * from.x - s * from.y + open * leaf->slide.x,
                 leaf->pivot.y + s * from.x + c * from.y + open * leaf->slide.y, z);
+}
+
+Vec3 leaf_point_closed(const Leaf *leaf, double open, Vec3 point) {
+    double angle = open * leaf->turn, c = cos(angle), s = sin(angle);
+    Vec2 from =
+        vec2(point.x - leaf->pivot.x - open * leaf->slide.x, point.y - leaf->pivot.y - open * leaf->slide.y);
+    return vec3(leaf->pivot.x + c * from.x + s * from.y, leaf->pivot.y - s * from.x + c * from.y,
+                point.z - open * leaf->rise);
 }
 
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]) {

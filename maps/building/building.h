@@ -43,8 +43,10 @@ typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE); of a texture its mean
     Rgb emission;     // radiant exitance, W/m^2
-    float alpha;      // 1 opaque; below 1 it is glass: seen through, never an occluder
-    float mirror;     // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
+    // 1 opaque, whatever its texture; below 1 seen through, never an occluder; of a texture with holes the mean. At a point it is in
+    // proportion to the opacity of the texture there and its mean.
+    float alpha;
+    float mirror;  // share of light that is reflected as by a mirror, 0 .. 1, where rays are traced
     // The index of refraction, where rays are traced: 1.33 water, 1.5 glass; 0: the material does not refract.
     float index;
     float gloss;  // of an opaque material: it reflects this share, 0 .. 1, of what lacquer of index 1.5 does
@@ -258,6 +260,7 @@ typedef struct Building {
     Ring *rings;
     Vec2 *points;        // of rings, inlays and leak paths
     int *edge_material;  // [point_count] of the wall right of the ring's edge that begins at points[i]
+    int *edge_upper;     // [point_count] of that wall above an opening in it; NULL: edge_material
     Opening *openings;
     Leaf *leaves;
     Polygon *polygons;
@@ -266,8 +269,10 @@ typedef struct Building {
     Inlay *inlays;
     Light *lights;
     Site site;
-    // The picture of the sky, once around (u, counter-clockwise from north) and from the zenith (v = 0) to the horizon; 0: none.
+    // The picture of the sky, once around and from the zenith (v = 0) to the horizon (v = 1); 0: none. As seen by who turns to the
+    // right, u grows from 0 at `sky_start`, radians counter-clockwise from +x in the plan.
     int sky_texture;
+    double sky_start;
     Viewpoint *viewpoints, *tour_points;
     Tour *tours;
     Note *notes;
@@ -284,10 +289,10 @@ typedef struct Building {
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
-        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity, polygon_capacity,
-        vertex_capacity, object_capacity, inlay_capacity, light_capacity, viewpoint_capacity,
-        tour_point_capacity, tour_capacity, note_capacity, shape_capacity, control_capacity, trim_capacity,
-        ball_capacity, beside_capacity;
+        ring_capacity, point_capacity, edge_capacity, edge_upper_capacity, opening_capacity, leaf_capacity,
+        polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
+        viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
+        control_capacity, trim_capacity, ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;
@@ -333,6 +338,12 @@ int building_add_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
 int building_add_textured(Arena *arena, Building *b, const Vec3 *vertices, const Vec2 *places, int count,
                           int material);
 int building_add_texture_map(Arena *arena, Building *b, TextureMap map);  // or returns the last one, if equal
+// The map that fits `count` corners and their places best, by least squares in the plane with normal `n`; false where it is off by
+// more than most[0] in u or most[1] in v at a corner.
+bool building_fit_map(const Vec3 *vertices, const Vec2 *places, int count, Vec3 n, const double most[2],
+                      TextureMap *out);
+// Half a texel of a picture, in u and in v: how far a map may be off.
+void building_half_texel(const Texture *texture, double half[2]);
 
 // The number of polygons that a file of `file_size` bytes may make by placing models, tessellating curved shapes and instancing
 // meshes, since a short line can ask for thousands. A small file may make 300,000, a file of 16 MB BUILDING_MOST_POLYGONS; where
@@ -368,8 +379,14 @@ int building_check(const Building *b, Arena *arena, const char **faults, int max
 // Whether the region has only one ring, convex to within MAPS_DENT: it then becomes a cell without being cut.
 bool region_is_convex(const Building *b, const Region *region);
 
+// How sentences call a region: by its name, as `outdoors`, or as `a room at (3.2, 1.5)`, a place inside it, metres. The text lies in the
+// arena or in the building.
+const char *region_title(const Building *b, const Region *region, Arena *arena);
+
 // The position of a point of a leaf at share `open` of the leaf's way; `closed` is its position when the leaf is closed.
 Vec3 leaf_point(const Leaf *leaf, double open, Vec3 closed);
+// The other way: where a point of a leaf at share `open` is when the leaf is closed.
+Vec3 leaf_point_closed(const Leaf *leaf, double open, Vec3 point);
 // The leaf's plan box at share `open`, counter-clockwise; corner 0 is at the hinged end, on the right of the axis.
 void leaf_box(const Leaf *leaf, double open, Vec2 corner[4]);
 // The leaf's plan polygon at share `open`, counter-clockwise: its own corners, or those of its box. Returns their number.

@@ -9,6 +9,14 @@
 #include "maps/building/building.h"
 
 // A wall's outline in plan, any simple polygon; between absolute heights z0 and z1.
+//
+// A wall that reaches its storey's ceiling bounds rooms. A lower wall bounds them too, as if it were as high as its storey, where it is
+// at least SKETCH_LEAST_ROOM high and, with all such walls taken as high as the storey,
+// - it reaches the ceilings of the rooms drawn on both its sides, which have ceilings of their own (SketchRoom.z1), or
+// - it parts two enclosed spaces, or a room drawn with a ceiling from the outdoors.
+// Every other lower wall is an object in the room, over which one sees. The reason: people give inner walls the height that they know
+// from their house (2.44 m), and leave the storey as the program had it (3.66 m); they mean rooms, and the gap above is nobody's. But
+// what divides one room is lower than a door, and what fences a garden has no ceiling.
 typedef struct SketchWall {
     int storey;
     // In Sketch.points; edge i has side material edge_material[first_point + i].
@@ -16,7 +24,12 @@ typedef struct SketchWall {
     double z0, z1;      // z1: its highest point
     double angle;       // direction of its axis, radians
     const char *place;  // for messages: `wall wall-12 at (3.20, 1.50)`
+    int top_material;   // seen where the wall stays an object
 } SketchWall;
+
+// Metres: the lowest ceiling under which people live (7 feet, 2.13 m, in the International Residential Code, R305.1; less 3 cm for
+// rounding). Doors are lower, and so are screens, counters and parapets.
+#define SKETCH_LEAST_ROOM 2.1
 
 typedef struct SketchRoom {
     int storey;
@@ -26,6 +39,8 @@ typedef struct SketchRoom {
     double z0, z1;  // absolute; NAN: the storey's
     double wall;    // > 0: walls of this thickness outside its outline close the room (plans without walls)
     int wall_material;  // of those walls, seen from inside
+    bool
+        open_above;  // drawn without a ceiling: a garden, a terrace; walls that enclose it enclose it all the same
 } SketchRoom;
 
 enum { SKETCH_MAX_LEAVES = 4 };

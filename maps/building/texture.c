@@ -1,11 +1,12 @@
-// texture.c - pictures, decoded by stb_image, with smaller levels (Williams 1983, Pyramidal parametrics). sRGB is decoded before
-// averaging: a chequered floor reflects the mean of its tiles' reflectances, not the reflectance of its mean code. Colours count by
-// their opacity, so that the colour of what is transparent never shows.
+// texture.c - pictures, decoded by stb_image and libwebp, with smaller levels (Williams 1983, Pyramidal parametrics). sRGB is decoded
+// before averaging: a chequered floor reflects the mean of its tiles' reflectances, not the reflectance of its mean code. Colours count
+// by their opacity, so that the colour of what is transparent never shows.
 #include "maps/building/texture.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <webp/decode.h>
 
 #include "engine/core/memory.h"
 
@@ -43,10 +44,18 @@ static void *bounded_realloc(void *old, size_t size) {
 #endif
 #pragma GCC diagnostic pop
 
+static bool is_webp(Bytes image) {
+    return image.size > 12 && memcmp(image.data, "RIFF", 4) == 0 && memcmp(image.data + 8, "WEBP", 4) == 0;
+}
+
 int texture_pixels(Bytes image) {
     int width, height, channels;
     if (image.size > INT_MAX) return 0;
-    if (!stbi_info_from_memory(image.data, (int)image.size, &width, &height, &channels)) return 0;
+    if (is_webp(image)) {
+        if (!WebPGetInfo(image.data, image.size, &width, &height)) return 0;
+    } else if (!stbi_info_from_memory(image.data, (int)image.size, &width, &height, &channels)) {
+        return 0;
+    }
     return width > 0 && height > 0 && width <= TEXTURE_MAX_PIXELS / height ? width * height : 0;
 }
 
@@ -197,16 +206,83 @@ static unsigned char *decode(Bytes image, double *left, int *width, int *height)
         if (work > *left) return NULL;
         *left -= work;
     }
-    return stbi_load_from_memory(image.data, (int)image.size, width, height, &channels, 4);
+    if (!is_webp(image))
+        return stbi_load_from_memory(image.data, (int)image.size, width, height, &channels, 4);
+    WebPGetInfo(image.data, image.size, width, height);
+    size_t size = 4 * (size_t)*width * (size_t)*height;
+    unsigned char *pixels = memory_new(size);
+    if (WebPDecodeRGBAInto(image.data, image.size, pixels, size, 4 * *width)) return pixels;
+    memory_free(pixels);
+    return NULL;
 }
 
-int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+static int add_image(Arena *arena, Building *b, const char *name, Bytes image, double *left, bool opaque) {
     int width, height;
     unsigned char *pixels = decode(image, left, &width, &height);
     if (!pixels) return 0;
+    for (size_t i = 0; opaque && i < (size_t)width * (size_t)height; i++) pixels[4 * i + 3] = 255;
     int texture = texture_add_pixels(arena, b, name, width, height, pixels);
     stbi_image_free(pixels);
     return texture;
+}
+
+int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+    return add_image(arena, b, name, image, left, false);
+}
+
+int texture_add_opaque(Arena *arena, Building *b, const char *name, Bytes image, double *left) {
+    return add_image(arena, b, name, image, left, true);
+}
+
+// sRGB code of a linear value.
+static uint8_t code_of(float linear) {
+    double c = (double)fminf(fmaxf(linear, 0), 1);
+    return (uint8_t)lrint(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055));
+}
+
+static void cut_out(unsigned char *pixels, int width, int height, const unsigned char *mask, int mw, int mh) {
+    bool own = false;
+    for (size_t i = 0; i < (size_t)mw * (size_t)mh && !own; i++) own = mask[4 * i + 3] < 255;
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            size_t mx = (size_t)((2.0 * x + 1) * mw / (2.0 * width)),
+                   my = (size_t)((2.0 * y + 1) * mh / (2.0 * height));
+            const unsigned char *m = mask + 4 * (my * (size_t)mw + mx);
+            unsigned char *pixel = pixels + 4 * ((size_t)y * (size_t)width + (size_t)x);
+            pixel[3] = (unsigned char)(own ? m[3] : (m[0] + m[1] + m[2]) / 3);
+        }
+    }
+}
+
+int texture_add_masked(Arena *arena, Building *b, const char *name, Bytes image, Bytes mask, Rgb colour,
+                       double *left) {
+    if (!mask.data) return image.data ? texture_add(arena, b, name, image, left) : 0;
+    int width, height, mask_width, mask_height;
+    unsigned char *holes = decode(mask, left, &mask_width, &mask_height);
+    if (!holes) return image.data ? texture_add(arena, b, name, image, left) : 0;
+    unsigned char *pixels = image.data ? decode(image, left, &width, &height) : NULL;
+    int texture = 0;
+    if (pixels) {
+        cut_out(pixels, width, height, holes, mask_width, mask_height);
+        texture = texture_add_pixels(arena, b, name, width, height, pixels);
+    } else if (!image.data) {
+        cut_out(holes, mask_width, mask_height, holes, mask_width, mask_height);
+        for (size_t i = 0; i < (size_t)mask_width * (size_t)mask_height; i++) {
+            holes[4 * i] = code_of(colour.r);
+            holes[4 * i + 1] = code_of(colour.g);
+            holes[4 * i + 2] = code_of(colour.b);
+        }
+        texture = texture_add_pixels(arena, b, name, mask_width, mask_height, holes);
+    }
+    if (pixels) stbi_image_free(pixels);
+    stbi_image_free(holes);
+    return texture;
+}
+
+void texture_put(const Building *b, int texture, Material *material) {
+    material->texture = texture;
+    material->reflectance = b->textures[texture].mean;
+    material->alpha *= b->textures[texture].opacity;
 }
 
 bool texture_mean(Bytes image, double *left, Rgb *mean) {

@@ -22,12 +22,20 @@ int texture_pixels(Bytes image);
 // take a quarter of what is left, so many pictures are kept smaller, and none is refused.
 #define TEXTURE_MOST_TEXELS (32 << 20)
 
-// Decodes a PNG, JPEG or BMP image and appends it to the building's pictures. Returns its index there; 0 for anything else, a damaged
+// Decodes a PNG, JPEG, BMP or WebP image and appends it to the building's pictures. Returns its index there; 0 for anything else, a damaged
 // image, one above TEXTURE_MAX_PIXELS or one that is transparent throughout.
 // `left`: how many pixels may still be decoded; grows by TEXTURE_PIXELS_A_BYTE for each byte of this image and shrinks by the
 // image's pixels; NULL: no limit. An image with more pixels than `left` is refused. A JPEG's pixels count once for every few of its
 // scans, since each scan goes over all pixels.
 int texture_add(Arena *arena, Building *b, const char *name, Bytes image, double *left);
+// The same of an image whose opacity does not count.
+int texture_add_opaque(Arena *arena, Building *b, const char *name, Bytes image, double *left);
+// The same of an image whose opacity is another image's, nearest to each pixel: `mask`'s own opacity where that is below 1 anywhere, else
+// its mean channel. Without pixels in `image` (NULL) the picture has the mask's size and one colour; without a mask it is texture_add.
+int texture_add_masked(Arena *arena, Building *b, const char *name, Bytes image, Bytes mask, Rgb colour,
+                       double *left);
+// Puts a picture on a material: its mean is the material's reflectance, and its holes count into the material's alpha.
+void texture_put(const Building *b, int texture, Material *material);
 // The mean alone, of an image that is not kept.
 bool texture_mean(Bytes image, double *left, Rgb *mean);
 // As texture_add, of pixels that are there, [height * width * 4] as in Texture.texels.

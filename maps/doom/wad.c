@@ -189,6 +189,7 @@ static bool build_from_map(const WadMap *map, WadPieces *pieces, Arena *scratch,
     measure_lost_area(map, pieces, builder.movers, b);
     note_lines(map, arena, b);
     note_solid(map, builder.movers, arena, b);
+    wad_note_missing(builder.pictures);
     return true;
 }
 

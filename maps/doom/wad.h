@@ -22,6 +22,7 @@ typedef struct WadLine {
 
 typedef struct WadSide {
     char upper[9], lower[9], middle[9];  // names of textures; "-": none
+    int offset[2];                       // of the textures, to the left and upwards
     int sector;
 } WadSide;
 
@@ -45,10 +46,18 @@ typedef struct WadMap {
     WadSector *sectors;
     WadThing *things;
     int vertex_count, line_count, side_count, sector_count, thing_count;
+    Bytes content;                   // of the file
+    const unsigned char *directory;  // of its lumps, in `content`
+    int lump_count;
 } WadMap;
 
 // Reads the map named `name`, NULL for the first of the file. Every index in the result is in range.
 bool wad_read_map(const char *path, Bytes content, const char *name, Arena *arena, WadMap *out, Error *error);
+
+// The bytes of one of the file's lumps, and its name; no data where it is empty or does not lie within the file.
+Bytes wad_lump_bytes(const WadMap *map, int lump, char name[9]);
+// Eight bytes as a name in capitals, ended by a zero where it is shorter; unprintable bytes become question marks.
+void wad_name(const unsigned char *bytes, char name[9]);
 
 // Whether a line bounds nothing: it has no length, or the same sector on both sides (a trick of map makers).
 bool wad_line_is_void(const WadMap *map, const WadLine *line);
@@ -138,7 +147,16 @@ typedef struct WadMover {
 // Returns one mover for each sector, in `arena`.
 WadMover *wad_find_movers(const WadMap *map, Arena *arena);
 
-// ---- wad_regions.c, wad_openings.c: regions, doors and materials of the building.
+// ---- wad_textures.c: pictures of the file.
+
+typedef struct WadPictures WadPictures;
+WadPictures *wad_open_pictures(const WadMap *map, Arena *arena, Arena *scratch, Building *b);
+// The building's texture for a flat or a wall texture and its sides in texels; 0 where the file has none.
+int wad_texture(WadPictures *pictures, const char *name, bool flat, int *width, int *height);
+// Adds a note that names what a file with a palette lacked.
+void wad_note_missing(WadPictures *pictures);
+
+// ---- wad_materials.c, wad_regions.c, wad_openings.c: materials, regions and doors of the building.
 
 typedef struct WadBuilder {
     const WadMap *map;
@@ -148,15 +166,24 @@ typedef struct WadBuilder {
     Arena *scratch;  // for use while reading
     Building *building;
     int *first_region;  // [piece_count + 1] regions of piece i: first_region[i] .. first_region[i + 1] - 1
-    int *materials;     // a hash table, see wad_regions.c
+    int *materials;     // a hash table, see wad_materials.c
+    WadPictures *pictures;
 } WadBuilder;
+
+// Opens the file's pictures and adds its sky to the building.
+void wad_begin_materials(WadBuilder *builder);
 
 // Adds a region for each piece of a sector that has a height; regions share their vertices with all neighbours.
 void wad_add_regions(WadBuilder *builder);
 // Adds a door for each part of a sector that moves.
 void wad_add_openings(WadBuilder *builder);
-// The material of the wall seen from inside a piece of `sector` at the position `along` (see wad_along) on the piece's edge.
-int wad_wall_material(WadBuilder *builder, const WadEdge *edge, int sector, double along);
+// The material of the wall seen from inside a piece of `sector` at the position `along` (see wad_along) on the piece's edge, above or
+// below the opening there; where nothing lies behind the wall, both are one.
+int wad_wall_material(WadBuilder *builder, const WadEdge *edge, int sector, double along, bool above);
+// Whether the wall there shows more above the opening than below it.
+bool wad_wall_is_upper(const WadBuilder *builder, const WadEdge *edge, int sector, double along);
+// The material of a floor or ceiling.
+int wad_level_material(WadBuilder *builder, const char *flat, int sector);
 
 // Metres in a map unit: customarily 32 units are a metre, and 31 mm keeps whole units on the grid of the plan.
 #define WAD_METRE 0.031

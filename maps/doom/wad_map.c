@@ -18,14 +18,21 @@ static long long i32(const unsigned char *p) {
     return (int32_t)((uint32_t)u16(p) | (uint32_t)u16(p + 2) << 16);
 }
 
-// Eight bytes, ended by a zero where it is shorter; unprintable bytes become question marks.
-static void read_name(const unsigned char *p, char out[NAME + 1]) {
+void wad_name(const unsigned char *p, char out[NAME + 1]) {
     int length = 0;
     while (length < NAME && p[length]) {
         out[length] = isgraph(p[length]) ? (char)toupper(p[length]) : '?';
         length++;
     }
     memset(out + length, 0, (size_t)(NAME + 1 - length));
+}
+
+Bytes wad_lump_bytes(const WadMap *map, int lump, char name[NAME + 1]) {
+    const unsigned char *entry = map->directory + (size_t)lump * ENTRY;
+    long long at = i32(entry), size = i32(entry + 4), all = (long long)map->content.size;
+    wad_name(entry + 8, name);
+    if (at < 0 || size <= 0 || at > all || size > all - at) return (Bytes){0};
+    return (Bytes){map->content.data + at, (size_t)size};
 }
 
 // ---- the directory
@@ -38,7 +45,7 @@ typedef struct Directory {
 } Directory;
 
 static void lump_name(const Directory *d, int lump, char out[NAME + 1]) {
-    read_name(d->entries + (size_t)lump * ENTRY + 8, out);
+    wad_name(d->entries + (size_t)lump * ENTRY + 8, out);
 }
 
 static bool lump_is(const Directory *d, int lump, const char *name) {
@@ -190,8 +197,8 @@ static bool read_sectors(Reader *r) {
                          .light = i16(p + 20),
                          .special = u16(p + 22),
                          .tag = u16(p + 24)};
-        read_name(p + 4, s->floor_flat);
-        read_name(p + 12, s->ceiling_flat);
+        wad_name(p + 4, s->floor_flat);
+        wad_name(p + 12, s->ceiling_flat);
     }
     return true;
 }
@@ -205,9 +212,10 @@ static bool read_sides(Reader *r) {
     for (int i = 0; i < lump.count; i++) {
         const unsigned char *p = lump.data + (size_t)i * SIDE;
         WadSide *s = &map->sides[i];
-        read_name(p + 4, s->upper);
-        read_name(p + 12, s->lower);
-        read_name(p + 20, s->middle);
+        wad_name(p + 4, s->upper);
+        wad_name(p + 12, s->lower);
+        wad_name(p + 20, s->middle);
+        s->offset[0] = i16(p), s->offset[1] = i16(p + 2);
         s->sector = u16(p + 28);
         if (s->sector >= map->sector_count)
             return fail_record(r, "sidedef", i, "sector", s->sector, "0 to", map->sector_count - 1);
@@ -280,7 +288,11 @@ bool wad_read_map(const char *path, Bytes content, const char *name, Arena *aren
     char found[NAME + 1];
     lump_name(&r.directory, r.marker, found);
     r.name = arena_string(arena, found);
-    *out = (WadMap){.path = path, .name = r.name};
+    *out = (WadMap){.path = path,
+                    .name = r.name,
+                    .content = content,
+                    .directory = r.directory.entries,
+                    .lump_count = r.directory.count};
     return refuse_other_formats(&r) && read_vertices(&r) && read_sectors(&r) && read_sides(&r) &&
            read_lines(&r) && read_things(&r);
 }

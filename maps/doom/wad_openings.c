@@ -135,9 +135,10 @@ static void find_beyond(Doors *d) {
             double width = fabs(across) * length_of(c, along);
             int side = across > 0 ? 0 : 1, other = c->piece[1 - k];
             if (width <= part->widest[side]) continue;
+            bool rises = d->w->movers[part->sector].motion == WAD_DOOR;
             if (width > part->widest[1 - side])
                 part->material = wad_wall_material(d->w, &p->edges[c->edge[1 - k]], p->pieces[other].sector,
-                                                   (c->low + c->high) / 2);
+                                                   (c->low + c->high) / 2, rises);
             part->widest[side] = width;
             part->beyond[side] = other;
         }
@@ -167,6 +168,21 @@ static int leaf_corners(const WadPieces *p, const WadPiece *piece, Arena *scratc
     return good ? kept : count;
 }
 
+// An upright face of a leaf: its texture begins at its left end, whichever way it looks.
+static void add_face(const WadBuilder *w, const Vec3 quad[4], int material) {
+    Building *b = w->building;
+    if (b->materials[material].texture == 0) {
+        building_add_polygon(w->arena, b, quad, 4, material);
+        return;
+    }
+    const TextureMap *lie = &b->texture_maps[b->materials[material].texture_map];
+    Vec2 places[4];
+    double across = vec3_length(lie->u) * vec3_length(vec3_sub(quad[1], quad[0]));
+    for (int i = 0; i < 4; i++)
+        places[i] = vec2(i == 1 || i == 2 ? across : 0, vec3_dot(lie->v, quad[i]) + lie->v0);
+    building_add_textured(w->arena, b, quad, places, 4, material);
+}
+
 static void add_leaf_object(Doors *d, const Leaf *leaf, const Vec2 *corner, int count) {
     Building *b = d->w->building;
     const Opening *o = &b->openings[leaf->opening];
@@ -179,7 +195,7 @@ static void add_leaf_object(Doors *d, const Leaf *leaf, const Vec2 *corner, int 
         Vec2 p = corner[i], q = corner[(i + 1) % count];
         Vec3 quad[4] = {
             {p.x, p.y, leaf->z0}, {q.x, q.y, leaf->z0}, {q.x, q.y, leaf->z1}, {p.x, p.y, leaf->z1}};
-        building_add_polygon(d->w->arena, b, quad, 4, o->material);
+        add_face(d->w, quad, o->material);
         level[leaf->rise > 0 ? count - 1 - i : i] = vec3(p.x, p.y, leaf->rise > 0 ? leaf->z0 : leaf->z1);
     }
     // The leading face of the leaf: the underside of one that rises, the top of one that sinks. The other one is never seen.

@@ -1,85 +1,12 @@
 // wad_regions.c - the convex pieces of a Doom map as regions: a prism each, between its sector's floor and ceiling.
 //
 // Regions that touch share their vertices, those too where the corner of one lies on the edge of another.
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "maps/doom/wad.h"
 
 // A cell has at most 64 corners: a ring of more is cut along a chord.
 enum { MOST_CORNERS = 60 };
-// Light is dimmed in so many steps, so that there are no more than so many materials of one name.
-enum { LIGHT_STEPS = 8, BRIGHTEST = 256 };
-// The dimmest and the brightest sector reflect these shares of the colour's own reflectance.
-static const double DIMMEST = 0.35, FULL = 1.0;
-static const char SKY_FLAT[] = "F_SKY1";
-enum { SKY_COLOUR = 0xA8CCF0 };
-enum { MATERIAL_SLOTS = 1 << 16 };  // of the hash table; materials beyond half of it share the first
-
-// ---- materials
-
-// A steady colour for a name: greyish, as most surfaces of such maps are.
-static Rgb colour_of(const char *name, double light) {
-    uint64_t hash = file_hash(name, strlen(name), 0);
-    float channel[3];
-    double grey = 0.25 + 0.35 * (double)(hash >> 8 & 255) / 255;
-    for (int i = 0; i < 3; i++) {
-        double tint = 0.75 + 0.5 * (double)(hash >> (16 + 8 * i) & 255) / 255;
-        channel[i] = (float)(light * grey * tint);
-    }
-    return (Rgb){channel[0], channel[1], channel[2]};
-}
-
-// The name of a texture as it is lit in a sector. The sky is the same everywhere.
-static void name_material(const char *texture, int step, char out[32]) {
-    bool bare = strcmp(texture, "-") == 0 || !*texture;
-    if (strcmp(texture, SKY_FLAT) == 0) {
-        snprintf(out, 32, "sky");
-    } else {
-        snprintf(out, 32, "%s light %d", bare ? "bare" : texture, step);
-    }
-}
-
-// The sky is drawn, since it hides the space beyond: other courts, as high as they like, are not seen over a wall.
-static int lit_material(WadBuilder *w, const char *texture, int sector) {
-    Building *b = w->building;
-    int light = w->map->sectors[sector].light;
-    light = light < 0 ? 0 : light >= BRIGHTEST ? BRIGHTEST - 1 : light;
-    int step = light * LIGHT_STEPS / BRIGHTEST;
-    char name[32];
-    name_material(texture, step, name);
-    size_t slot = (size_t)file_hash(name, strlen(name), 0) % MATERIAL_SLOTS;
-    for (; w->materials[slot] >= 0; slot = (slot + 1) % MATERIAL_SLOTS) {
-        if (strcmp(b->materials[w->materials[slot]].name, name) == 0) return w->materials[slot];
-    }
-    if (b->material_count >= MATERIAL_SLOTS / 2) return 0;
-    Material *m = ARENA_PUSH(w->arena, b->materials, b->material_count, b->material_capacity);
-    *m = (Material){.name = arena_string(w->arena, name), .alpha = 1};
-    double dimmed = DIMMEST + (FULL - DIMMEST) * step / (LIGHT_STEPS - 1);
-    m->reflectance = strcmp(texture, SKY_FLAT) == 0 ? maps_colour(SKY_COLOUR) : colour_of(texture, dimmed);
-    return w->materials[slot] = b->material_count - 1;
-}
-
-// The texture of the wall above an opening to another sector, or of the one below it: of the higher of the two.
-static const char *step_texture(const WadMap *map, const WadSide *side, int sector, int beyond) {
-    const WadSector *here = &map->sectors[sector], *there = &map->sectors[beyond];
-    int upper = here->ceiling - there->ceiling, lower = there->floor - here->floor;
-    // Between two ceilings of sky there is sky.
-    bool sky =
-        strcmp(here->ceiling_flat, there->ceiling_flat) == 0 && strcmp(here->ceiling_flat, SKY_FLAT) == 0;
-    return upper < lower ? side->lower : sky ? SKY_FLAT : side->upper;
-}
-
-int wad_wall_material(WadBuilder *w, const WadEdge *edge, int sector, double along) {
-    const WadMap *map = w->map;
-    int facing, i = wad_line_at(map, w->pieces, edge, along, &facing);
-    if (i < 0) return lit_material(w, map->sectors[sector].floor_flat, sector);
-    const WadLine *line = &map->lines[i];
-    int beyond = line->sector[1 - facing];
-    const WadSide *side = &map->sides[line->side[facing]];
-    const char *texture = beyond < 0 ? side->middle : step_texture(map, side, sector, beyond);
-    return lit_material(w, texture, sector);
-}
 
 // ---- corners of pieces as plan points in metres, and which of them lie on which edge
 //
@@ -291,13 +218,15 @@ static int edge_vertices(const WadPieces *p, const WadVertices *v, const WadPiec
 
 typedef struct Outline {
     Vec2 *points;
-    int *materials;
-    int count, point_capacity, material_capacity;
+    int *materials, *upper;  // of the wall on the edge from a point to the next one; above an opening there
+    int count, point_capacity, material_capacity, upper_capacity;
 } Outline;
 
-static void add_point(Arena *scratch, Outline *o, Vec2 at, int material) {
+static void add_point(Arena *scratch, Outline *o, Vec2 at, int material, int upper) {
     int count = o->count;
     *ARENA_PUSH(scratch, o->points, count, o->point_capacity) = at;
+    count = o->count;
+    *ARENA_PUSH(scratch, o->upper, count, o->upper_capacity) = upper;
     *ARENA_PUSH(scratch, o->materials, o->count, o->material_capacity) = material;
 }
 
@@ -309,7 +238,11 @@ static Outline trace(WadBuilder *w, const WadVertices *vertices, const WadPiece 
         const WadEdge *edge = &w->pieces->edges[piece->first_edge + k];
         for (int i = 0; i + 1 < count; i++) {
             double middle = (places[i].along + places[i + 1].along) / 2;
-            add_point(scratch, &out, places[i].at, wad_wall_material(w, edge, piece->sector, middle));
+            int upper = wad_wall_material(w, edge, piece->sector, middle, true), lower = upper;
+            // A wall without an opening has one material.
+            if (!wad_wall_is_upper(w, edge, piece->sector, middle))
+                lower = wad_wall_material(w, edge, piece->sector, middle, false);
+            add_point(scratch, &out, places[i].at, lower, upper);
         }
     }
     return out;
@@ -327,6 +260,8 @@ static void add_ring(WadBuilder *w, const Outline *o) {
     for (int i = 0; i < o->count; i++) {
         int count = b->point_count;
         *ARENA_PUSH(w->arena, b->edge_material, count, b->edge_capacity) = o->materials[i];
+        count = b->point_count;
+        *ARENA_PUSH(w->arena, b->edge_upper, count, b->edge_upper_capacity) = o->upper[i];
         *ARENA_PUSH(w->arena, b->points, b->point_count, b->point_capacity) = o->points[i];
     }
 }
@@ -343,16 +278,20 @@ static void add_region(WadBuilder *w, int sector, const Outline *o) {
                  .ring_count = 1,
                  .z0 = wad_metres_of(mover->floor),
                  .z1 = wad_metres_of(mover->ceiling),
-                 .floor_material = lit_material(w, s->floor_flat, sector),
-                 .ceiling_material = lit_material(w, s->ceiling_flat, sector)};
+                 .floor_material = wad_level_material(w, s->floor_flat, sector),
+                 .ceiling_material = wad_level_material(w, s->ceiling_flat, sector)};
     add_ring(w, o);
 }
 
 static Outline part_of(const Outline *o, int from, int count, Arena *scratch) {
-    Outline part = {ARENA_ARRAY(scratch, Vec2, count), ARENA_ARRAY(scratch, int, count), count, count, count};
+    Outline part = {.points = ARENA_ARRAY(scratch, Vec2, count),
+                    .materials = ARENA_ARRAY(scratch, int, count),
+                    .upper = ARENA_ARRAY(scratch, int, count),
+                    .count = count};
     for (int i = 0; i < count; i++) {
         part.points[i] = o->points[(from + i) % o->count];
         part.materials[i] = o->materials[(from + i) % o->count];
+        part.upper[i] = o->upper[(from + i) % o->count];
     }
     return part;
 }
@@ -383,8 +322,7 @@ void wad_add_regions(WadBuilder *w) {
     Arena scratch = {0}, ring = {0};
     const WadVertices *vertices = list_vertices(p, &scratch);
     w->first_region = ARENA_ARRAY(w->scratch, int, p->piece_count + 1);
-    w->materials = ARENA_ARRAY(w->scratch, int, MATERIAL_SLOTS);
-    for (int i = 0; i < MATERIAL_SLOTS; i++) w->materials[i] = -1;
+    wad_begin_materials(w);
     for (int i = 0; i < p->piece_count; i++) {
         const WadPiece *piece = &p->pieces[i];
         w->first_region[i] = w->building->region_count;

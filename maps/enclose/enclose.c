@@ -72,7 +72,9 @@ static bool enclose(Enclosure *e) {
     crossings_limit(e);
     if (!enclose_find_world(e) || !enclose_implicit_walls(e)) return false;
     holes_fit(e);
+    holes_close_slits(e);
     if (!find_indoors(e) || !memory_within(e->error)) return false;
+    if (!e->settled && enclose_settle_low_walls(e)) return !(e->changed = true);
     indoor_report(e);
     leaks_report(e);
     columns_build(e);
@@ -87,28 +89,35 @@ static bool enclose(Enclosure *e) {
     return true;
 }
 
-static bool try_share(const Sketch *sketch, double share, Building *b, Arena *arena, bool *again,
-                      Error *error) {
+static bool attempt(Enclosure *e) {
     Arena scratch = {0};
-    Enclosure e = {
-        .sketch = sketch, .b = b, .arena = arena, .scratch = &scratch, .error = error, .share = share};
-    e.geos = GEOS_init_r();
-    GEOSContext_setErrorMessageHandler_r(e.geos, on_geos_error, &e);
-    bool ok = enclose(&e);
-    GEOS_finish_r(e.geos);
+    e->scratch = &scratch;
+    e->geos = GEOS_init_r();
+    GEOSContext_setErrorMessageHandler_r(e->geos, on_geos_error, e);
+    bool ok = enclose(e);
+    GEOS_finish_r(e->geos);
     arena_free(&scratch);
-    *again = e.too_many;
     return ok;
 }
 
 bool maps_enclose(const Sketch *sketch, Building *b, Arena *arena, Error *error) {
     const Building before = *b;
-    bool again = false;
-    for (double share = 1; share >= LEAST_SHARE; share /= 4) {
+    bool *low = ARENA_ARRAY(arena, bool, sketch->wall_count);
+    double share = 1;
+    for (bool settled = false; share >= LEAST_SHARE;) {
+        Enclosure e = {.sketch = sketch,
+                       .b = b,
+                       .arena = arena,
+                       .error = error,
+                       .share = share,
+                       .wall_low = low,
+                       .settled = settled};
         // Arrays only grow: restoring the earlier counts takes back the elements appended since.
         *b = before;
-        if (try_share(sketch, share, b, arena, &again, error)) return true;
-        if (!again) return false;
+        if (attempt(&e)) return true;
+        if (!e.too_many && !e.changed) return false;
+        settled = settled || e.changed;
+        if (e.too_many) share /= 4;
     }
     return false;
 }

@@ -73,7 +73,7 @@ typedef struct Grown {
 } Grown;
 
 // Spot.wall: the index of a wall, or one of these.
-enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4 };
+enum { NO_WALL = -1, WALL_IMPLICIT = -2, WALL_PLUG = -3, WALL_CAVITY = -4, WALL_SLIT = -5 };
 enum { SPOT_HOLES = 2 };  // openings above one another in one storey's wall
 
 // The wall, openings and room that one storey has at one face.
@@ -120,14 +120,21 @@ typedef struct Enclosure {
     double bottom, top;  // of all columns
     double share;        // of ENCLOSE_MOST_SPOTS that outlines may take, 1 at first
     bool too_many;       // there were too many spots: a smaller share may help
+    bool changed;        // wall_low changed: the attempt is to be made again
     Shape *walls, *rooms, *cutouts;
-    bool *wall_bounds;  // [wall_count] reaches the ceiling and is usable
+    bool *wall_bounds;  // [wall_count] is usable, and reaches the ceiling or counts as if it did
+    bool *
+        wall_low;  // [wall_count] is lower than its storey and bounds nothing; found in the first attempt, true in all later ones
+    bool settled;  // no later attempt will change wall_low
     bool *room_used, *cutout_used;
     double *room_wall;    // [room_count] mm of implicit wall, 0: none
     Grown *grown;         // [grown_count] implicit walls: the space in these, less the rooms they surround
     ShapeList *implicit;  // [storey_count] union of the implicit walls
     ShapeList *plugs;     // [storey_count] fillings of small gaps
-    Hole *holes;          // [opening_count]
+    ShapeList *slits;     // [storey_count] fillings between openings and the ends of walls beside them
+    double widest_slit;   // mm, and the opening beside it
+    int slit_opening;
+    Hole *holes;  // [opening_count]
     int grown_count, grown_capacity;
     BoxTree wall_tree, room_tree, grown_tree, hole_tree;  // of shapes in use, on their storeys (enclose_box)
     BoxTree side_tree;                                    // of all sides of walls, wall by wall
@@ -194,6 +201,10 @@ void crossings_limit_holes(Enclosure *e);  // of openings, once they are fitted
 
 // ---- enclose_holes.c
 void holes_fit(Enclosure *e);
+// Whether a wall or an opening stands at a place of the storey. Call once the openings are fitted.
+bool holes_wall_at(Enclosure *e, int storey, Vec2 p);
+// Closes slits beside openings: fills e->slits.
+void holes_close_slits(Enclosure *e);
 
 // ---- enclose_cover.c
 void cover_label(Enclosure *e, Pass *pass, bool with_plugs);  // makes pass->spots
@@ -206,6 +217,12 @@ static inline bool spot_is_open(const Spot *s) { return s->wall == NO_WALL && s-
 static inline double face_width(double area, double perimeter) {
     return perimeter > 0 ? 2 * area / perimeter : 0;
 }
+
+// ---- enclose_low.c
+// Whether a wall lower than its storey is high enough to bound rooms, and was not found to bound none.
+bool enclose_may_bound(const Enclosure *e, int wall);
+// Finds in e->pass which walls lower than their storey bound nothing, and marks them in e->wall_low. Returns whether there are any.
+bool enclose_settle_low_walls(Enclosure *e);
 
 // ---- enclose_report.c
 void indoor_report(Enclosure *e);  // areas, terraces, openings that lie over one another, closed gaps

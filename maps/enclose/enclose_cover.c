@@ -98,13 +98,14 @@ static void label_implicit_walls(Enclosure *e, Pass *pass) {
     }
 }
 
-static void label_plugs(Enclosure *e, Pass *pass) {
+// Labels the faces in fillings, one list a storey, that are no wall yet.
+static void label_fillings(Enclosure *e, Pass *pass, const ShapeList *fillings, int wall) {
     for (int storey = 0; storey < e->b->storey_count; storey++) {
         Spot *spots = spots_of(pass, storey);
-        for (int i = 0; i < e->plugs[storey].count; i++) {
-            for (int k = plan_faces_in(e, &pass->plan, &e->plugs[storey].items[i]); k-- > 0;) {
+        for (int i = 0; i < fillings[storey].count; i++) {
+            for (int k = plan_faces_in(e, &pass->plan, &fillings[storey].items[i]); k-- > 0;) {
                 Spot *spot = &spots[e->faces.items[k]];
-                if (spot->wall == NO_WALL) spot->wall = WALL_PLUG;
+                if (spot->wall == NO_WALL) spot->wall = wall;
             }
         }
     }
@@ -206,7 +207,8 @@ void cover_label(Enclosure *e, Pass *pass, bool with_plugs) {
     for (size_t i = 0; i < count; i++) pass->spots[i] = (Spot){NO_WALL, {-1, -1}, -1, -1, -1, -1, -1};
     label_walls(e, pass);
     label_implicit_walls(e, pass);
-    if (with_plugs) label_plugs(e, pass);
+    label_fillings(e, pass, e->slits, WALL_SLIT);
+    if (with_plugs) label_fillings(e, pass, e->plugs, WALL_PLUG);
     label_rooms(e, pass);
     label_holes(e, pass);
     absorb_slivers(e, pass);

@@ -24,7 +24,13 @@ static const double IMPLICIT_REACH = 300;
 static const double SILL_SLACK = 20;
 // Openings narrower or lower than this are dropped, mm.
 static const double LEAST_SIZE = 10;
-enum { SAMPLES = 5 };  // lines along the depth that are probed
+// The end of a wall that stands this near beside an opening was meant to reach it, mm; nobody passes through a gap of a hand's width.
+static const double WIDEST_SLIT = 100;
+// Gaps up to this are noise of the grid, which slivers take (enclose_cover.c), mm.
+static const double NARROWEST_SLIT = 2.5;
+// A slit is seen through at points this far before and behind the opening, mm.
+static const double BEFORE_SLIT = 10;
+enum { SAMPLES = 5 };  // lines along the depth or the width that are probed
 
 typedef struct Reach {
     double u0, u1, v0, v1;
@@ -66,14 +72,17 @@ static int find_near(Enclosure *e, const BoxTree *tree, const SketchOpening *o, 
     return box_tree_find(tree, enclose_around(h->centre, h->half + reach, o->storey), e->scratch, &e->near);
 }
 
-static bool fit_to_walls(Enclosure *e, const SketchOpening *o, Hole *h, double depth) {
-    double v0 = INFINITY, v1 = -INFINITY;
-    for (int k = find_near(e, &e->wall_tree, o, h, depth); k-- > 0;) {
+// Fits the box to the walls that it meets, or to walls that end within `beside` (mm) of its jambs.
+static bool fit_to_walls(Enclosure *e, const SketchOpening *o, Hole *h, double depth, double beside) {
+    double v0 = INFINITY, v1 = -INFINITY, least = fmax(LEAST_SHARE * 2 * h->half - beside, LEAST_OVERLAP);
+    Hole wide = *h;
+    wide.half += beside;
+    for (int k = find_near(e, &e->wall_tree, o, h, depth + beside); k-- > 0;) {
         int i = e->near.items[k];
         double angle = e->sketch->walls[i].angle;
         if (fabs(cos(angle) * h->u.y - sin(angle) * h->u.x) > PARALLEL) continue;
-        Reach r = reach_of(h, &e->walls[i]);
-        if (r.u1 - r.u0 < LEAST_SHARE * 2 * h->half || r.v1 - r.v0 > THICKEST_WALL) continue;
+        Reach r = reach_of(&wide, &e->walls[i]);
+        if (r.u1 - r.u0 < least || r.v1 - r.v0 > THICKEST_WALL) continue;
         if (fmin(r.v1, depth / 2) - fmax(r.v0, -depth / 2) < fmin(LEAST_OVERLAP, (r.v1 - r.v0) / 2)) continue;
         v0 = fmin(v0, r.v0);
         v1 = fmax(v1, r.v1);
@@ -258,7 +267,7 @@ static void fit(Enclosure *e, int i) {
                       e->ceiling[o->storey] / ENCLOSE_MM);
         return;
     }
-    h->walled = fit_to_walls(e, o, h, depth);
+    h->walled = fit_to_walls(e, o, h, depth, 0) || fit_to_walls(e, o, h, depth, WIDEST_SLIT);
     if (h->walled)
         extend(e, o, h);
     else
@@ -301,4 +310,82 @@ void holes_fit(Enclosure *e) {
     }
     crossings_limit_holes(e);
     index_holes(e);
+}
+
+bool holes_wall_at(Enclosure *e, int storey, Vec2 p) {
+    Box point = enclose_box(p, p, storey);
+    for (int k = box_tree_find(&e->wall_tree, point, e->scratch, &e->near); k-- > 0;) {
+        if (shape_contains(&e->walls[e->near.items[k]], p)) return true;
+    }
+    for (int k = box_tree_find(&e->hole_tree, point, e->scratch, &e->near); k-- > 0;) {
+        if (shape_contains(&e->holes[e->near.items[k]].box, p)) return true;
+    }
+    return false;
+}
+
+// ---- slits beside openings
+
+// The walls and other openings near an opening; of more than COVERS the rest is ignored. Returns their number.
+static int find_beside(Enclosure *e, const SketchOpening *o, int hole, const Shape *out[COVERS]) {
+    const Hole *h = &e->holes[hole];
+    double reach = WIDEST_SLIT + fmax(fabs(h->v0), fabs(h->v1));
+    int count = 0;
+    for (int k = find_near(e, &e->wall_tree, o, h, reach); k-- > 0 && count < COVERS;)
+        out[count++] = &e->walls[e->near.items[k]];
+    for (int k = find_near(e, &e->hole_tree, o, h, reach); k-- > 0 && count < COVERS;)
+        if (e->near.items[k] != hole) out[count++] = &e->holes[e->near.items[k]].box;
+    return count;
+}
+
+// The distance from a jamb outwards to the shape next to it, on the line at v; INFINITY: there is none.
+static double gap_beside(const Hole *h, const Shape *const *shapes, int count, int way, double v) {
+    Hole across = *h;  // the opening turned, so that its width lies where its depth lay
+    across.u = h->n;
+    across.n = vec2_scale(h->u, way);
+    Covers covers = {.count = 0};
+    double nearest = INFINITY;
+    for (int i = 0; i < count; i++) cover_by(&across, shapes[i], v, &covers);
+    for (int i = 0; i < covers.count; i++)
+        if (covers.items[i].v1 > h->half + MAPS_GRID * ENCLOSE_MM)
+            nearest = fmin(nearest, fmax(0, covers.items[i].v0 - h->half));
+    return nearest;
+}
+
+// Closes the slit on one side of an opening, if it is one: most lines along the width meet a wall soon, and not at once, and one sees
+// through between. Returns its width, mm; 0: there is none.
+static double close_slit(Enclosure *e, const SketchOpening *o, int hole, const Shape *const *beside,
+                         int count, int way) {
+    const Hole *h = &e->holes[hole];
+    double gaps[SAMPLES], widest = 0;
+    for (int s = 0; s < SAMPLES; s++)
+        gaps[s] = gap_beside(h, beside, count, way, h->v0 + (h->v1 - h->v0) * (s + 0.5) / SAMPLES);
+    qsort(gaps, SAMPLES, sizeof *gaps, by_value);
+    if (gaps[SAMPLES / 2] > WIDEST_SLIT || gaps[SAMPLES / 2] <= NARROWEST_SLIT) return 0;
+    for (int s = 0; s < SAMPLES; s++)
+        if (gaps[s] <= WIDEST_SLIT) widest = gaps[s];
+    double middle = way * (h->half + gaps[0] / 2);
+    if (holes_wall_at(e, o->storey, from_frame(h, middle, h->v0 - BEFORE_SLIT)) ||
+        holes_wall_at(e, o->storey, from_frame(h, middle, h->v1 + BEFORE_SLIT)))
+        return 0;
+    double jamb = way * h->half, end = way * (h->half + widest);
+    Vec2 corners[4] = {from_frame(h, jamb, h->v0), from_frame(h, end, h->v0), from_frame(h, end, h->v1),
+                       from_frame(h, jamb, h->v1)};
+    ShapeList *list = &e->slits[o->storey];
+    *ARENA_PUSH(e->scratch, list->items, list->count, list->capacity) =
+        shape_of_points(e->scratch, corners, 4);
+    return widest;
+}
+
+void holes_close_slits(Enclosure *e) {
+    const Shape *beside[COVERS];
+    for (int i = 0; i < e->sketch->opening_count; i++) {
+        const SketchOpening *o = &e->sketch->openings[i];
+        int count = e->holes[i].used ? find_beside(e, o, i, beside) : 0;
+        for (int way = -1; count > 0 && way <= 1; way += 2) {
+            double width = close_slit(e, o, i, beside, count, way);
+            if (width <= e->widest_slit) continue;
+            e->widest_slit = width;
+            e->slit_opening = i;
+        }
+    }
 }

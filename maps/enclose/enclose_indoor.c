@@ -76,17 +76,6 @@ static Patches find_patches(Enclosure *e, const Plan *p, const Spot *spots) {
     return out;
 }
 
-static bool wall_at(Enclosure *e, int storey, Vec2 p) {
-    Box point = enclose_box(p, p, storey);
-    for (int k = box_tree_find(&e->wall_tree, point, e->scratch, &e->near); k-- > 0;) {
-        if (shape_contains(&e->walls[e->near.items[k]], p)) return true;
-    }
-    for (int k = box_tree_find(&e->hole_tree, point, e->scratch, &e->near); k-- > 0;) {
-        if (shape_contains(&e->holes[e->near.items[k]].box, p)) return true;
-    }
-    return false;
-}
-
 // The length of the part of half-edge h with a wall near on its right, mm.
 static double length_near_wall(Enclosure *e, const Plan *p, int storey, int h) {
     Vec2 a = p->vertices[half_from(p, h)], d = vec2_sub(p->vertices[half_to(p, h)], a);
@@ -96,7 +85,7 @@ static double length_near_wall(Enclosure *e, const Plan *p, int storey, int h) {
     for (int i = 0; i < probes; i++) {
         Vec2 at = vec2_add(a, vec2_scale(d, (i + 0.5) / probes));
         for (int k = 1; k <= 4; k++) {
-            if (!wall_at(e, storey, vec2_add(at, vec2_scale(out, NEAR_WALL * k / 4)))) continue;
+            if (!holes_wall_at(e, storey, vec2_add(at, vec2_scale(out, NEAR_WALL * k / 4)))) continue;
             near++;
             break;
         }

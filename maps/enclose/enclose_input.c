@@ -213,6 +213,8 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
     double area = 0;
     for (int i = 1; i + 1 < n; i++) area += vec2_cross(vec2_sub(p[i], p[0]), vec2_sub(p[i + 1], p[0]));
     Vec3 *top = ARENA_ARRAY(e->scratch, Vec3, n), *bottom = ARENA_ARRAY(e->scratch, Vec3, n);
+    int top_material = w->top_material;
+    if (top_material < 0 || top_material >= b->material_count) top_material = s->outer_material;
     building_add_object(e->arena, b, OBJECT_LOW_WALL, w->place);
     for (int i = 0; i < n; i++) {
         // Counter-clockwise, whichever way round it was drawn.
@@ -229,9 +231,9 @@ void enclose_add_low_wall(Enclosure *e, int wall) {
     // take time cubic in its corners.
     for (int i = 0; n > MOST_CORNERS && n % 2 == 0 && i + 1 < n / 2; i++) {
         Vec3 quad[4] = {top[i], top[i + 1], top[n - 2 - i], top[n - 1 - i]};
-        building_add_polygon(e->arena, b, quad, 4, s->outer_material);
+        building_add_polygon(e->arena, b, quad, 4, top_material);
     }
-    if (n <= MOST_CORNERS || n % 2) building_add_polygon(e->arena, b, top, n, s->outer_material);
+    if (n <= MOST_CORNERS || n % 2) building_add_polygon(e->arena, b, top, n, top_material);
     if (w->z0 > b->storeys[w->storey].floor + MAPS_GRID)
         building_add_polygon(e->arena, b, bottom, n, s->outer_material);
     building_set_proxy(b, w->angle);
@@ -244,7 +246,8 @@ static void sort_walls(Enclosure *e) {
         e->walls[i] = local_shape(e, w->first_point, w->point_count);
         if (!usable(e, &e->walls[i], w->storey, "wall", w->place)) continue;
         const Storey *storey = &e->b->storeys[w->storey];
-        if (w->z1 >= storey->floor + storey->height - CEILING_SLACK && w->z0 <= storey->floor + FLOOR_SLACK) {
+        bool high = w->z1 >= storey->floor + storey->height - CEILING_SLACK || enclose_may_bound(e, i);
+        if (high && w->z0 <= storey->floor + FLOOR_SLACK) {
             e->wall_bounds[i] = true;
         } else if (w->z1 - w->z0 >= MAPS_GRID) {
             enclose_add_low_wall(e, i);
@@ -405,6 +408,7 @@ bool enclose_prepare(Enclosure *e) {
     e->cover = ARENA_ARRAY(e->scratch, double, storeys);
     e->implicit = ARENA_ARRAY(e->scratch, ShapeList, storeys);
     e->plugs = ARENA_ARRAY(e->scratch, ShapeList, storeys);
+    e->slits = ARENA_ARRAY(e->scratch, ShapeList, storeys);
     find_origin(e);
     find_heights(e);
     sort_walls(e);
@@ -549,7 +553,8 @@ bool enclose_plugs(Enclosure *e, bool *any) {
     const Sketch *s = e->sketch;
     *any = false;
     for (int k = 0; k < e->b->storey_count; k++) {
-        GEOSGeometry **solid = ARENA_ARRAY(e->scratch, GEOSGeometry *, s->wall_count + s->opening_count);
+        GEOSGeometry **solid =
+            ARENA_ARRAY(e->scratch, GEOSGeometry *, s->wall_count + s->opening_count + e->slits[k].count);
         int count = 0;
         for (int i = 0; i < s->wall_count; i++) {
             if (!e->wall_bounds[i] || s->walls[i].storey != k) continue;
@@ -561,6 +566,10 @@ bool enclose_plugs(Enclosure *e, bool *any) {
             if (!e->holes[i].used || s->openings[i].storey != k) continue;
             GEOSGeometry *box = shape_to_geos(e, &e->holes[i].box);
             if (box) solid[count++] = box;
+        }
+        for (int i = 0; i < e->slits[k].count; i++) {
+            GEOSGeometry *slit = shape_to_geos(e, &e->slits[k].items[i]);
+            if (slit) solid[count++] = slit;
         }
         GEOSGeometry *joined = unite(e, solid, count);
         GEOSGeometry *grown = buffer(e, joined, GAP / 2), *closed = buffer(e, grown, -GAP / 2);

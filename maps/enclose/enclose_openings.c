@@ -416,9 +416,7 @@ static const char *reason_for(Enclosure *e, const Opening *o) {
     if (o->region[0] < 0 && o->region[1] < 0) return "both sides are blocked by walls";
     const Region *r = &e->b->regions[o->region[0] < 0 ? o->region[1] : o->region[0]];
     return arena_format(e->arena, "the side away from %s is blocked by a wall",
-                        r->kind == REGION_OUTDOORS ? "the outdoors"
-                        : *r->name                 ? r->name
-                                                   : "the unnamed room");
+                        region_title(e->b, r, e->scratch));
 }
 
 static void join_opening(Enclosure *e, Flood *flood, int hole, int *faces) {

@@ -168,6 +168,7 @@ static void gather_lines(Enclosure *e, bool with_plugs, Lines *lines) {
     }
     for (int i = 0; i < e->b->storey_count; i++) {
         add_shapes(e, lines, &e->implicit[i]);
+        add_shapes(e, lines, &e->slits[i]);
         if (with_plugs) add_shapes(e, lines, &e->plugs[i]);
     }
 }

@@ -112,6 +112,19 @@ static void report_plugs(Enclosure *e) {
     }
 }
 
+static void report_slits(Enclosure *e) {
+    int count = 0;
+    for (int storey = 0; storey < e->b->storey_count; storey++) count += e->slits[storey].count;
+    if (count == 0) return;
+    const SketchOpening *o = &e->sketch->openings[e->slit_opening];
+    Vec3 at = enclose_place(e, e->holes[e->slit_opening].centre, o->storey);
+    building_note(e->arena, e->b, NOTE_CHANGED, at,
+                  "%d slits between doors or windows and the walls beside them were closed, the widest, %.0f "
+                  "mm, beside %s "
+                  "at (%.2f, %.2f)",
+                  count, e->widest_slit, enclose_text(o->place), at.x, at.y);
+}
+
 void indoor_report(Enclosure *e) {
     RoomAreas *areas = ARENA_ARRAY(e->scratch, RoomAreas, e->sketch->room_count);
     measure_rooms(e, areas);
@@ -119,6 +132,7 @@ void indoor_report(Enclosure *e) {
         if (e->room_used[i]) report_room(e, i, &areas[i]);
     }
     report_holes(e);
+    report_slits(e);
     report_plugs(e);
 }
 
@@ -249,7 +263,8 @@ static void note_leak(Enclosure *e, const Spot *spots, int storey, int start, Ga
     bool room = id < e->sketch->room_count;
     Vec3 inner = enclose_place(e, p->faces[start].inner, storey), hole = enclose_place(e, gap.middle, storey);
     building_note(e->arena, e->b, NOTE_LEAK, hole, "%s is open to the outdoors over %.2f m at (%.2f, %.2f)",
-                  room ? enclose_text(e->sketch->rooms[id].place) : "a space without a name",
+                  room ? enclose_text(e->sketch->rooms[id].place)
+                       : arena_format(e->scratch, "a space at (%.2f, %.2f)", inner.x, inner.y),
                   gap.length / ENCLOSE_MM, hole.x, hole.y);
     int first = e->b->point_count;
     enclose_push_point(e, vec2(inner.x, inner.y), 0);

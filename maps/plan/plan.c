@@ -3,6 +3,7 @@
 // Each statement is one row of STATEMENTS and one function, here, in plan_statements.c or in plan_model.c; its optional words are a table
 // inside it.
 #include "maps/building/reader.h"
+#include "maps/building/texture.h"
 #include "maps/plan/plan_file.h"
 
 static const char MARK[] = "\xEF\xBB\xBF";  // of UTF-8, with which some editors begin a file
@@ -42,6 +43,10 @@ static bool read_end(Plan *plan) {
     if (held == 0)
         return plan_fail(&plan->line, "the block of line %d is empty (allowed: at least one %s)",
                          plan->block_line, plan->block == BLOCK_TOUR ? "eye" : "shape with an area");
+    if (plan->block == BLOCK_MODEL) {
+        Building *models = &plan->models;
+        plan_lay_on_polygons(plan, models, models->objects[models->object_count - 1].first_polygon, 0);
+    }
     plan->block = BLOCK_NONE;
     return plan_end(&plan->line);
 }
@@ -162,6 +167,8 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     plan->b = out;
     plan->models.file_size = out->file_size;
     plan->storey = -1;
+    plan->beside = (SoupReader){.path = path, .arena = arena, .b = out};
+    plan->pixels = TEXTURE_FREE_PIXELS;
     Material plain = {.name = PLAIN, .reflectance = maps_colour(PLAIN_COLOUR), .alpha = 1};
     int index = building_add_material(arena, out, plain);
     if (!plan_declare(&plan->line, &plan->materials, "material", PLAIN, index)) return false;
@@ -170,6 +177,8 @@ static bool read_plan(const char *path, Bytes content, Arena *arena, Building *o
     if (!plan_fit_openings(plan)) return false;
     Error why = {""};
     if (!maps_enclose(&plan->sketch, out, arena, &why)) return error_set(error, "%s: %.900s", path, why.text);
+    plan_lay_textures(plan);
+    out->hash = plan->beside.hash;
     return plan_set_start(plan);
 }
 

@@ -4,8 +4,21 @@
 
 #include "maps/building/sketch.h"
 #include "maps/plan/plan_model.h"
+#include "maps/polygons/soup_readers.h"
 
 enum { BLOCK_NONE, BLOCK_MODEL, BLOCK_TOUR };
+
+// The texture of a material as stated.
+typedef struct PlanPaper {
+    const char *file;             // NULL: none
+    double width, height, angle;  // metres, radians; height 0: as the picture's sides say
+    Vec2 at;                      // metres to the right and up
+} PlanPaper;
+
+// A material with its picture laid on walls of one direction, or on floors, or ceilings.
+typedef struct PlanLaid {
+    int of, material;
+} PlanLaid;
 
 typedef struct Plan {
     PlanLine line;
@@ -28,7 +41,22 @@ typedef struct Plan {
     int ramp_count;      // flights that became slopes, beyond their share of polygons
     Vec3 first_ramp;
     const char *first_ramp_place;
+    SoupReader beside;             // pictures read
+    double pixels;                 // that may still be decoded
+    struct PlanPicture *pictures;  // private to plan_textures.c
+    PlanLaid *laid;
+    int picture_count, picture_capacity, laid_count, laid_capacity;
 } Plan;
+
+// ---- plan_textures.c
+// Reads the picture of a material, and gives the material the picture's mean colour; one that cannot be read is noted and leaves the
+// material as it is. Call plan_name_picture with the material's index then.
+bool plan_add_picture(Plan *plan, const PlanPaper *paper, Material *material);
+void plan_name_picture(Plan *plan, int material);
+// Lays pictures on flat polygons without a map, from `first` on, in a grid that begins at height `floor`.
+void plan_lay_on_polygons(Plan *plan, Building *of, int first, double floor);
+// Lays pictures on all else, once all regions are known.
+void plan_lay_textures(Plan *plan);
 
 // ---- plan_statements.c
 bool plan_read_storey(Plan *plan);

@@ -682,7 +682,17 @@ static bool stand_polygon(PlanLine *line, Arena *arena, const Building *models, 
         return plan_fail(line,
                          "the building comes to more than %d polygons (the limit for a file of %.0f bytes)",
                          most, b->file_size);
-    building_add_polygon(arena, b, corner, p->vertex_count, p->material);
+    Vec2 *places = NULL;
+    if (p->texture_map > 0) {
+        const TextureMap *map = &models->texture_maps[p->texture_map];
+        places = ARENA_ARRAY(arena, Vec2, p->vertex_count);
+        for (int k = 0; k < p->vertex_count; k++) {
+            int from = turn->stand.mirror ? p->vertex_count - 1 - k : k;
+            Vec3 v = models->vertices[p->first_vertex + from];
+            places[k] = vec2(vec3_dot(map->u, v) + map->u0, vec3_dot(map->v, v) + map->v0);
+        }
+    }
+    building_add_textured(arena, b, corner, places, p->vertex_count, p->material);
     return true;
 }
 

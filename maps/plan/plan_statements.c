@@ -100,15 +100,41 @@ static bool read_reflectance(PlanLine *line, Rgb *out) {
 bool plan_read_material(Plan *plan) {
     PlanLine *line = &plan->line;
     Material material = {.alpha = 1};
+    PlanPaper paper = {0};
     double alpha = 1, emission[3] = {0}, mirror = 0, refraction = 0;
     PlanOption options[] = {
         {.word = "alpha", .kind = PLAN_PURE, .out = &alpha, .min = 0, .max = 1},
         {.word = "emission", .kind = PLAN_SPECTRUM, .out = emission, .min = 0, .max = MAX_EMISSION},
         {.word = "mirror", .kind = PLAN_PURE, .out = &mirror, .min = 0, .max = 1},
-        {.word = "index", .kind = PLAN_PURE, .out = &refraction, .min = 1, .max = MAX_INDEX}};
+        {.word = "index", .kind = PLAN_PURE, .out = &refraction, .min = 1, .max = MAX_INDEX},
+        {.word = "texture", .kind = PLAN_NAME, .out = &paper.file},
+        {.word = "width",
+         .kind = PLAN_LENGTH,
+         .out = &paper.width,
+         .min = PLAN_MIN_SIZE,
+         .max = PLAN_MAX_HEIGHT},
+        {.word = "height",
+         .kind = PLAN_LENGTH,
+         .out = &paper.height,
+         .min = PLAN_MIN_SIZE,
+         .max = PLAN_MAX_HEIGHT},
+        {.word = "angle", .kind = PLAN_ANGLE, .out = &paper.angle, .min = -360, .max = 360},
+        {.word = "right",
+         .kind = PLAN_LENGTH,
+         .out = &paper.at.x,
+         .min = -PLAN_MAX_HEIGHT,
+         .max = PLAN_MAX_HEIGHT},
+        {.word = "up",
+         .kind = PLAN_LENGTH,
+         .out = &paper.at.y,
+         .min = -PLAN_MAX_HEIGHT,
+         .max = PLAN_MAX_HEIGHT}};
     if (!plan_name(line, "the material's name", &material.name) ||
-        !read_reflectance(line, &material.reflectance) || !plan_options(line, options, 4))
+        !read_reflectance(line, &material.reflectance) ||
+        !plan_options(line, options, sizeof options / sizeof *options))
         return false;
+    material.alpha = (float)alpha;
+    if (!plan_add_picture(plan, &paper, &material)) return false;
     const Rgb *r = &material.reflectance;
     double most = (double)fmaxf(r->r, fmaxf(r->g, r->b));
     if (most + mirror > 1 + ROUNDING)
@@ -118,11 +144,11 @@ bool plan_read_material(Plan *plan) {
         return plan_fail(line,
                          "an index of %g without alpha (allowed: alpha below 1, so that one sees through)",
                          refraction);
-    material.alpha = (float)alpha;
     material.mirror = (float)mirror;
     material.index = (float)refraction;
     material.emission = (Rgb){(float)emission[0], (float)emission[1], (float)emission[2]};
     int index = building_add_material(plan->arena, plan->b, material);
+    plan_name_picture(plan, index);
     return plan_declare(line, &plan->materials, "material", material.name, index);
 }
 
@@ -203,6 +229,7 @@ bool plan_read_stair(Plan *plan) {
         }
     }
     plan->stair_polygons += one.polygon_count;
+    plan_lay_on_polygons(plan, &one, 0, 0);
     return plan_stand_model(line, plan->arena, &one, 0, name, stand, plan->b);
 }
 
@@ -378,7 +405,8 @@ static void add_stretch(Plan *plan, const PlanList *axis, int i, bool closed, Wa
                        .point_count = 4,
                        .z0 = form.z0,
                        .z1 = form.z1,
-                       .angle = atan2(u.y, u.x)};
+                       .angle = atan2(u.y, u.x),
+                       .top_material = s->outer_material};
     wall.place = arena_format(plan->arena, "%s:%d: wall at (%.2f, %.2f)", plan->line.path, plan->line.number,
                               a.x, a.y);
     for (int k = 0; k < 4; k++) push_point(plan, corner[k], form.material);

@@ -23,22 +23,23 @@ typedef struct GltfMesh {
     bool decoded;
 } GltfMesh;
 
-// The mean colour of an image, decoded once.
-typedef struct GltfImage {
-    bool asked, usable;
-    Rgb mean;
-} GltfImage;
+// A material of the building, and the picture on it.
+typedef struct GltfMaterial {
+    bool made;
+    int material;
+    GltfPicture picture;
+} GltfMaterial;
 
 // ---- materials
 //
 // glTF materials as diffuse reflectances, transparency and exitance.
 //
-// The base colour is taken as a diffuse reflectance, metals too; textures count by their mean. Transparent
-// materials get an alpha below 1, so that they hide nothing: blended ones by their factor, masked ones and blended ones with a
-// texture by half, since the places of the texture's holes are not kept, transmitting ones by the light that they let pass.
+// The base colour is taken as a diffuse reflectance, metals too, times its texture; what glows counts by the mean of its texture.
+// Transparent materials get an alpha below 1, so that they hide nothing: blended and masked ones by their factor and the mean opacity
+// of their texture (a half where it could not be read), transmitting ones by the light that they let pass.
 // An emission of L cd/m^2 (the factors times KHR_materials_emissive_strength) is an exitance of pi L / 683 W/m^2.
 
-static const float TEXTURED_ALPHA = 0.5f;
+static const double LOST_ALPHA = 0.5;
 static const double MAX_STRENGTH = 1e9;  // cd/m^2 and more: the sun's disc has 1.6e9
 
 // Names of the extensions that describe a surface otherwise.
@@ -46,99 +47,77 @@ static const char GLOSSY[] = "KHR_materials_pbrSpecularGlossiness",
                   STRENGTH[] = "KHR_materials_emissive_strength",
                   TRANSMISSION[] = "KHR_materials_transmission";
 
-static bool read_image(Gltf *g, int index, Bytes *out) {
-    GltfItem item = gltf_item(g, "images", index);
-    const char *uri = gltf_text(g, &item, "uri", NULL);
-    int view = gltf_index(g, &item, "bufferView", "bufferViews"), stride;
-    if (g->failed) return false;
-    if (view >= 0) return gltf_read_view(g, view, out, &stride);
-    if (!uri) return gltf_fail(g, &item, NULL, "has neither uri nor bufferView");
-    return gltf_read_uri(g, &item, uri, false, out);
-}
-
-// The mean of the texture that `key` of `item` names. A picture that is missing or cannot be decoded is tallied, and so
-// is one of a kind that an extension names instead of a `source`.
-static bool read_texture(Gltf *g, const GltfItem *item, const char *key, Rgb *out) {
-    GltfItem info = gltf_member(g, item, key);
-    int texture = gltf_index(g, &info, "index", "textures");
-    if (g->failed || texture < 0) return false;
-    GltfItem of = gltf_item(g, "textures", texture);
-    int image = gltf_index(g, &of, "source", "images");
-    if (g->failed) return false;
-    if (image >= 0) {
-        GltfImage *known = &g->images[image];
-        Bytes bytes = {0};
-        if (!known->asked) {
-            bool read = read_image(g, image, &bytes);
-            if (g->failed) return false;
-            known->usable = read && texture_mean(bytes, &g->pixels, &known->mean);
-        }
-        known->asked = true;
-        *out = known->mean;
-        if (known->usable) return true;
-    }
-    g->tally.pictures++;
-    return false;
-}
-
-static float alpha_of(Gltf *g, const GltfItem *item, double factor, bool textured) {
+static bool is_opaque(Gltf *g, const GltfItem *item) {
     const char *mode = gltf_text(g, item, "alphaMode", "OPAQUE");
+    bool opaque = strcmp(mode, "OPAQUE") == 0;
+    if (!opaque && strcmp(mode, "MASK") != 0 && strcmp(mode, "BLEND") != 0)
+        gltf_fail(g, item, "alphaMode", "is %.20s (allowed: OPAQUE, MASK, BLEND)", mode);
+    return opaque;
+}
+
+// `opacity` is the mean of the texture.
+static float alpha_of(Gltf *g, const GltfItem *item, double factor, double opacity) {
     GltfItem extension = gltf_extension(g, item, TRANSMISSION);
     double passes = gltf_number(g, &extension, "transmissionFactor", 0, 1, 0);
     double cutoff = gltf_number(g, item, "alphaCutoff", 0, GLTF_MAX_NUMBER, 0.5), alpha = 1;
-    if (strcmp(mode, "MASK") == 0)
-        alpha = factor < cutoff ? 0 : 1;
-    else if (strcmp(mode, "BLEND") == 0)
-        alpha = factor;
-    else if (strcmp(mode, "OPAQUE") != 0)
-        gltf_fail(g, item, "alphaMode", "is %.20s (allowed: OPAQUE, MASK, BLEND)", mode);
-    if (textured && strcmp(mode, "OPAQUE") != 0) alpha = fmin(alpha, (double)TEXTURED_ALPHA);
+    if (strcmp(gltf_text(g, item, "alphaMode", "OPAQUE"), "MASK") == 0)
+        alpha = factor < cutoff ? 0 : opacity;
+    else if (!is_opaque(g, item))
+        alpha = factor * opacity;
     return (float)fmin(alpha, 1 - passes);
 }
 
 static Rgb emission_of(Gltf *g, const GltfItem *item) {
     double factor[3] = {0};
     Rgb mean = {1, 1, 1};
+    GltfPicture picture;
     GltfItem extension = gltf_extension(g, item, STRENGTH);
     double strength = gltf_number(g, &extension, "emissiveStrength", 0, MAX_STRENGTH, 1);
     gltf_numbers(g, item, "emissiveFactor", 3, 0, 1, factor);
-    Rgb read;
-    if (factor[0] + factor[1] + factor[2] > 0 && read_texture(g, item, "emissiveTexture", &read)) mean = read;
+    bool glows = factor[0] + factor[1] + factor[2] > 0;
+    if (glows && gltf_read_picture(g, item, "emissiveTexture", GLTF_MEAN, &picture)) mean = picture.mean;
     double scale = M_PI / GLTF_LUMENS_PER_WATT * strength;
     return (Rgb){(float)(scale * factor[0]) * mean.r, (float)(scale * factor[1]) * mean.g,
                  (float)(scale * factor[2]) * mean.b};
 }
 
-static int make_material(Gltf *g, const GltfItem *item) {
+static void make_material(Gltf *g, const GltfItem *item, GltfMaterial *out) {
     GltfItem base = gltf_member(g, item, "pbrMetallicRoughness"), glossy = gltf_extension(g, item, GLOSSY);
-    double factor[4] = {1, 1, 1, 1};
+    double factor[4] = {1, 1, 1, 1}, opacity = 1;
     gltf_numbers(g, glossy.json ? &glossy : &base, glossy.json ? "diffuseFactor" : "baseColorFactor", 4, 0, 1,
                  factor);
-    Rgb mean = {1, 1, 1}, read;
+    Rgb mean = {1, 1, 1};
     const char *texture = glossy.json ? "diffuseTexture" : "baseColorTexture";
     const GltfItem *surface = glossy.json ? &glossy : &base;
-    bool textured = surface->json && json_object_get(surface->json, texture);
-    if (textured && read_texture(g, surface, texture, &read)) mean = read;
+    GltfUse use = is_opaque(g, item) ? GLTF_OPAQUE : GLTF_OPACITY;
+    if (gltf_read_picture(g, surface, texture, use, &out->picture)) {
+        mean = out->picture.mean;
+        opacity = (double)g->b->textures[out->picture.texture].opacity;
+    } else if (surface->json && json_object_get(surface->json, texture)) {
+        opacity = LOST_ALPHA;
+    }
     const char *name = gltf_text(g, item, "name", "");
     Rgb colour = {(float)factor[0] * mean.r, (float)factor[1] * mean.g, (float)factor[2] * mean.b};
     Material material = {.name = name,
                          .reflectance = soup_cap(&g->reader, colour, MAPS_MAX_COLOUR,
                                                  arena_string(g->scratch, *name ? name : item->place)),
                          .emission = emission_of(g, item),
-                         .alpha = alpha_of(g, item, factor[3], textured)};
-    if (g->failed) return -1;
-    return building_add_material(g->arena, g->b, material);
+                         .alpha = alpha_of(g, item, factor[3], opacity),
+                         .texture = out->picture.texture};
+    if (g->failed) return;
+    out->material = building_add_material(g->arena, g->b, material);
+    out->made = true;
 }
 
-static int material_at(Gltf *g, int index) {
-    if (g->failed) return -1;
-    int *known = &g->materials[index < 0 ? gltf_list_count(g, "materials") : index];
-    if (*known >= 0) return *known;
+static const GltfMaterial *material_at(Gltf *g, int index) {
+    if (g->failed) return NULL;
+    GltfMaterial *known = &g->materials[index < 0 ? gltf_list_count(g, "materials") : index];
+    if (known->made) return known;
     // A primitive without a material is white, says glTF.
     GltfItem none = {.place = "the default material"};
     if (index >= 0) none = gltf_item(g, "materials", index);
-    *known = make_material(g, &none);
-    return *known;
+    make_material(g, &none, known);
+    return known;
 }
 
 // ---- the triangles of a mesh's primitives (glTF 2.0, 3.7.2), joined to polygons
@@ -179,14 +158,18 @@ static bool count_triangles(Gltf *g, const GltfItem *item, int mode, int corners
     return gltf_fail(g, item, NULL, "has %d corners (allowed: 3 to %d)", corners, SOUP_MAX_POLYGONS);
 }
 
-static void list_triangles(int mode, const double *indices, int material, SoupMesh *mesh, Arena *arena) {
+// `places` of the vertices, or NULL.
+static void list_triangles(int mode, const double *indices, const Vec2 *places, const GltfMaterial *material,
+                           SoupMesh *mesh, Arena *arena) {
     mesh->faces = ARENA_ARRAY(arena, SoupFace, mesh->face_count);
     mesh->corners = ARENA_ARRAY(arena, int, 3 * mesh->face_count);
+    if (places) mesh->places = ARENA_ARRAY(arena, Vec2, 3 * mesh->face_count);
     for (int i = 0; i < mesh->face_count; i++) {
-        mesh->faces[i] = (SoupFace){mesh->corner_count, 3, material};
+        mesh->faces[i] = (SoupFace){mesh->corner_count, 3, material->material, material->picture.texture};
         for (int k = 0; k < 3; k++) {
-            int corner = corner_of(mode, i, k);
-            mesh->corners[mesh->corner_count++] = indices ? (int)indices[corner] : corner;
+            int corner = corner_of(mode, i, k), vertex = indices ? (int)indices[corner] : corner;
+            if (places) mesh->places[mesh->corner_count] = places[vertex];
+            mesh->corners[mesh->corner_count++] = vertex;
         }
     }
 }
@@ -196,7 +179,7 @@ static bool decode_primitive(Gltf *g, const GltfItem *item, Arena *work, SoupMes
     GltfItem attributes = gltf_member(g, item, "attributes");
     int mode = gltf_int(g, item, "mode", 0, MODE_FAN, MODE_TRIANGLES);
     int position = gltf_index(g, &attributes, "POSITION", "accessors");
-    int material = material_at(g, gltf_index(g, item, "material", "materials"));
+    const GltfMaterial *material = material_at(g, gltf_index(g, item, "material", "materials"));
     if (g->failed) return false;
     if (position < 0) return gltf_fail(g, item, "attributes.POSITION", "is missing");
     if (mode < MODE_TRIANGLES) {
@@ -215,7 +198,11 @@ static bool decode_primitive(Gltf *g, const GltfItem *item, Arena *work, SoupMes
         const double *v = places + 3 * (size_t)i;
         mesh.vertices[i] = vec3(v[0], v[1], v[2]);
     }
-    list_triangles(mode, indices, material, &mesh, work);
+    Vec2 *on_picture = NULL;
+    if (material->picture.texture > 0)
+        on_picture = gltf_decode_places(g, &attributes, &material->picture, mesh.vertex_count, work);
+    mesh.textures = g->b->textures;
+    list_triangles(mode, indices, on_picture, material, &mesh, work);
     soup_merge(&mesh, g->scratch, out);
     return true;
 }
@@ -409,6 +396,7 @@ static bool read_way(Gltf *g, const GltfItem *node, Placing *out) {
 static bool place_face(Gltf *g, const GltfItem *node, const Placing *way, const SoupMesh *mesh,
                        const SoupFace *face) {
     Vec3 ring[SOUP_MAX_CORNERS];
+    Vec2 places[SOUP_MAX_CORNERS];
     bool mirrored = mirrors(way);
     for (int i = 0; i < face->corner_count; i++) {
         Vec3 v = moved(way, mesh->vertices[mesh->corners[face->first_corner + i]]);
@@ -417,7 +405,9 @@ static bool place_face(Gltf *g, const GltfItem *node, const Placing *way, const 
                              "a corner of its mesh lies at (%g, %g, %g) m (allowed: within %g m)", v.x, v.y,
                              v.z, MAPS_LIMIT);
         }
-        ring[mirrored ? face->corner_count - 1 - i : i] = v;
+        int at = mirrored ? face->corner_count - 1 - i : i;
+        ring[at] = v;
+        if (mesh->places) places[at] = mesh->places[face->first_corner + i];
     }
     size_t bytes = g->size + g->reader.bytes;
     int allowed = building_polygons_allowed((double)bytes);
@@ -425,7 +415,9 @@ static bool place_face(Gltf *g, const GltfItem *node, const Placing *way, const 
         return gltf_fail(g, node, NULL,
                          "its mesh makes more than %d polygons in all (the limit for %zu bytes)", allowed,
                          bytes);
-    if (building_add_polygon(g->arena, g->b, ring, face->corner_count, face->material) == 0) g->tally.flat++;
+    int added = building_add_textured(g->arena, g->b, ring, mesh->places ? places : NULL, face->corner_count,
+                                      face->material);
+    if (added == 0) g->tally.flat++;
     return true;
 }
 
@@ -642,7 +634,7 @@ static bool check_extensions(Gltf *g) {
 
 static bool count_lists(Gltf *g) {
     int buffers = gltf_list_count(g, "buffers"), meshes = gltf_list_count(g, "meshes"),
-        materials = gltf_list_count(g, "materials"), images = gltf_list_count(g, "images");
+        materials = gltf_list_count(g, "materials");
     if (g->failed) return false;
     if (materials > SOUP_MAX_MATERIALS) {
         GltfItem root = gltf_root(g);
@@ -651,10 +643,8 @@ static bool count_lists(Gltf *g) {
     }
     g->buffers = ARENA_ARRAY(g->scratch, Bytes, buffers);
     g->meshes = ARENA_ARRAY(g->scratch, GltfMesh, meshes);
-    g->images = ARENA_ARRAY(g->scratch, GltfImage, images);
-    g->materials = ARENA_ARRAY(g->scratch, int, materials + 1);
-    for (int i = 0; i <= materials; i++) g->materials[i] = -1;
-    return true;
+    g->materials = ARENA_ARRAY(g->scratch, GltfMaterial, materials + 1);
+    return gltf_list_images(g);
 }
 
 static void note_count(Gltf *g, int count, const char *what) {
@@ -666,8 +656,15 @@ static void note_losses(Gltf *g) {
     note_count(g, g->tally.lines, "primitives of points or lines were left out");
     note_count(g, g->tally.flat, "polygons have no area and were left out");
     note_count(g, g->tally.suns, "directional lights have no place and were left out");
-    note_count(g, g->tally.pictures,
-               "textures are missing or could not be decoded (PNG, JPEG and BMP can) and count as white");
+    note_count(
+        g, g->tally.pictures,
+        "textures are missing or could not be decoded (PNG, JPEG, BMP and WebP can): their materials keep "
+        "their own colour");
+    note_count(g, g->tally.placeless,
+               "primitives with a texture do not say how it lies, and have its mean colour");
+    note_count(
+        g, g->tally.repeated,
+        "primitives reach beyond their texture, which is repeated there instead of clamped or mirrored");
     note_count(g, g->tally.skins, "meshes with skins or morph targets are as at rest");
     int scenes = gltf_list_count(g, "scenes");
     if (scenes > 1) note_count(g, scenes - 1, "more scenes were left out: the default one was read");

@@ -1,4 +1,4 @@
-// gltf.h - the parts that both files of the glTF reader share: the document, its parts with their JSON paths, and accessors.
+// gltf.h - the parts that the files of the glTF reader share: the document, its parts with their JSON paths, accessors and pictures.
 //
 // Failures are sticky: the first failure is kept with its place, and values asked for afterwards come back empty. A reader can
 // therefore read many values and test `failed` once.
@@ -33,12 +33,13 @@ typedef struct Gltf {
     Building *b;
     Error *error;
     bool failed;
-    Bytes *buffers;            // [buffers] without data: not yet read
-    struct GltfMesh *meshes;   // [meshes] private to gltf.c
-    int *materials;            // [materials + 1] of the building, -1: not yet made; the last is the default
-    struct GltfImage *images;  // [images] private to gltf.c
+    Bytes *buffers;                  // [buffers] without data: not yet read
+    struct GltfMesh *meshes;         // [meshes] private to gltf.c
+    struct GltfMaterial *materials;  // [materials + 1] private to gltf.c; the last is the default
+    struct GltfImage *images;        // [images] private to gltf_textures.c
     struct {
         int lines, flat, suns, pictures, skins;  // primitives; polygons; lights; textures; meshes
+        int placeless, repeated;                 // primitives
     } tally;                                     // counts of things left out or changed
     int values, faces;                           // numbers decoded; faces placed
     double pixels;                               // of images that may still be decoded
@@ -90,5 +91,32 @@ bool gltf_read_view(Gltf *g, int view, Bytes *out, int *stride);
 // Decodes an accessor with `components` numbers in each of at most `most` elements. `integer`: the numbers are indices, so they
 // must be u8, u16 or u32. Returns the number of elements, with their numbers in `out` (in `arena`); 0 on failure.
 int gltf_decode(Gltf *g, int accessor, int components, bool integer, int most, Arena *arena, double **out);
+
+// ---- gltf_textures.c: pictures
+
+// The highest number of a set of places in pictures, TEXCOORD_n.
+enum { GLTF_MAX_SETS = 63 };
+
+// Kept with its opacity, kept as an opaque one, or read for its mean alone.
+typedef enum GltfUse { GLTF_OPACITY, GLTF_OPAQUE, GLTF_MEAN } GltfUse;
+
+// A texture as a material names it.
+typedef struct GltfPicture {
+    int texture;  // in Building.textures
+    Rgb mean;     // reflectance
+    int set;      // of places: TEXCOORD_n
+    double way
+        [6];  // (u, v) in the picture: way[0] u + way[1] v + way[2], way[3] u + way[4] v + way[5] of the file's
+    bool ends[2];  // its sampler does not repeat it, across and down
+} GltfPicture;
+
+// Makes room for the document's images.
+bool gltf_list_images(Gltf *g);
+// The texture that `key` of `item` names; false where there is none. One whose image is missing, cannot be decoded or is of a kind that
+// is not read is tallied.
+bool gltf_read_picture(Gltf *g, const GltfItem *item, const char *key, GltfUse use, GltfPicture *out);
+// The places in the picture of a primitive's vertices: [vertices], in `arena`; NULL where the primitive has none, which is tallied.
+Vec2 *gltf_decode_places(Gltf *g, const GltfItem *attributes, const GltfPicture *picture, int vertices,
+                         Arena *arena);
 
 #endif

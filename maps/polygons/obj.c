@@ -1,7 +1,8 @@
-// obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, f, g, o, usemtl, mtllib; newmtl, Kd, Ke,
-// Ks, Ns, illum, d, Tr, map_Kd. Departures: texture coordinates, normals, lines, points, curves and smoothing are not
-// read; Kd is taken as sRGB, as the programs that write such models show it; a texture replaces Kd by its mean; Ke is
-// taken as radiant exitance, for which MTL has no unit; of Ks only whether it is black.
+// obj.c - Wavefront OBJ and MTL text (the subset that furniture uses): v, vt, f, g, o, usemtl, mtllib; newmtl, Kd, Ke,
+// Ks, Ns, illum, d, Tr, map_Kd and map_d with -s and -o. Departures: normals, lines, points, curves and smoothing are not
+// read; Kd is taken as sRGB, as the programs that write such models show it; a picture replaces Kd; pictures repeat, whatever
+// -clamp says; map_d cuts holes into map_Kd, or into a picture of Kd alone; Ke is taken as radiant exitance, for which MTL
+// has no unit; of Ks only whether it is black.
 #include "maps/polygons/obj.h"
 
 #include <stdarg.h>
@@ -23,9 +24,9 @@ typedef struct Names {
 
 // Pictures that were asked for: each is decoded once, however many materials and libraries name it.
 typedef struct Picture {
-    const char *name;
-    bool usable;
-    Rgb mean;
+    const char *name, *mask;  // files of the colours and of the opacity; NULL: none
+    Rgb colour;               // of a picture without a file of colours
+    int texture;              // 0: not usable
 } Picture;
 
 typedef struct Pictures {
@@ -157,8 +158,11 @@ static Rgb screen_colour(const double c[3]) {
 // opaque unless it is called glass.
 static ObjMaterial name_material(const char *name) {
     const ObjNamed *named = obj_named(name), *shown = named ? named : obj_named("default");
-    ObjMaterial m = {
-        .name = name, .colour = screen_colour(shown->diffuse), .alpha = 1, .known = named || !*name};
+    ObjMaterial m = {.name = name,
+                     .colour = screen_colour(shown->diffuse),
+                     .alpha = 1,
+                     .scale = {1, 1},
+                     .known = named || !*name};
     if (named) {
         m.alpha = (float)named->alpha;
         m.shininess = (float)(named->exponent / OBJ_MAX_SHININESS);
@@ -197,11 +201,30 @@ static void read_vertex(Reader *r) {
     *ARENA_PUSH(r->arena, m->vertices, m->vertex_count, m->vertex_capacity) = v;
 }
 
+// Unusable texture coordinates keep their number; a face that uses them has no picture.
+static void read_place(Reader *r) {
+    ObjModel *m = r->model;
+    Vec2 p = {0, 0};
+    if (m->place_count == OBJ_MAX_VERTICES) return;
+    if (!read_number(r, &p.x)) p.x = NAN;
+    if (!read_number(r, &p.y)) p.y = 0;
+    *ARENA_PUSH(r->arena, m->places, m->place_count, m->place_capacity) = p;
+}
+
+// The texture coordinates of a corner, as in `7/1/3`, from its slash on; -1: none or bad ones.
+static int corner_place(const ObjModel *m, const char *slash) {
+    if (*slash != '/' || !(slash[1] == '-' || (slash[1] >= '0' && slash[1] <= '9'))) return -1;
+    long index = strtol(slash + 1, NULL, 10);
+    if (index == 0 || index > m->place_count || index < -(long)m->place_count) return -1;
+    return (int)(index > 0 ? index - 1 : m->place_count + index);
+}
+
 // `7`, `7/1`, `7//3`, `7/1/3`; negative counts back from the last vertex so far. Yields -1 for a bad one.
-static int read_corner(Reader *r) {
+static int read_corner(Reader *r, int *place) {
     char *stop;
     long index = strtol(r->at, &stop, 10);
     bool number = stop != r->at && (stop == r->end || strchr("/ \t\r\v\f\n\\#", *stop));
+    *place = number && stop < r->end ? corner_place(r->model, stop) : -1;
     while (stop < r->end && !blank(*stop) && *stop != '\n' && *stop != '\0' && *stop != '#') stop++;
     r->at = stop;
     const ObjModel *m = r->model;
@@ -220,8 +243,9 @@ static void read_face(Reader *r, int group, int material) {
             return;
         }
         const char *word = r->at;
-        int corner = read_corner(r);
+        int place, places = m->corner_count, corner = read_corner(r, &place);
         if (corner < 0 && !bad) bad = word;
+        *ARENA_PUSH(r->arena, m->corner_places, places, m->corner_place_capacity) = place;
         *ARENA_PUSH(r->arena, m->corners, m->corner_count, m->corner_capacity) = corner;
     }
     int count = m->corner_count - first;
@@ -260,36 +284,104 @@ static void read_colour(Reader *r, ObjMaterial *material) {
     material->colour = screen_colour(c);
 }
 
-// NULL where there are more than there are materials.
-static const Picture *find_picture(Reader *r, const char *name) {
-    Pictures *p = r->pictures;
-    for (int i = 0; i < p->count; i++)
-        if (strcmp(p->list[i].name, name) == 0) return &p->list[i];
-    if (p->count == OBJ_MAX_NAMES) return NULL;
-    Picture *picture = ARENA_PUSH(r->arena, p->list, p->count, p->capacity);
-    picture->name = arena_string(r->arena, name);
-    Bytes image;
-    picture->usable = r->files && r->files->read &&
-                      r->files->read(r->files->context, name, r->arena, &image) &&
-                      texture_mean(image, r->files->pixels, &picture->mean);
-    return picture;
+// ---- pictures
+
+// A material of a library while it is read: the order of its lines does not matter.
+typedef struct Drawn {
+    ObjMaterial *material;
+    char *colours, *mask;  // names of files; NULL: none
+    bool matt;
+    double exponent;
+} Drawn;
+
+static bool same_name(const char *a, const char *b) { return a && b ? strcmp(a, b) == 0 : a == b; }
+
+static bool same_colour(Rgb a, Rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+static Bytes read_image(Reader *r, const char *name) {
+    Bytes image = {NULL, 0};
+    if (!name || !r->files || !r->files->read) return image;
+    if (!r->files->read(r->files->context, name, r->arena, &image)) image = (Bytes){NULL, 0};
+    return image;
 }
 
-static void read_texture(Reader *r, ObjMaterial *material) {
+// The picture of a material; 0: it is not usable, or there are more pictures than there may be materials.
+static int find_picture(Reader *r, const Drawn *d) {
+    Pictures *p = r->pictures;
+    Rgb colour = d->material->colour;
+    for (int i = 0; i < p->count; i++)
+        if (same_name(p->list[i].name, d->colours) && same_name(p->list[i].mask, d->mask) &&
+            (d->colours || same_colour(p->list[i].colour, colour)))
+            return p->list[i].texture;
+    if (p->count == OBJ_MAX_NAMES) return 0;
+    Picture *picture = ARENA_PUSH(r->arena, p->list, p->count, p->capacity);
+    *picture = (Picture){d->colours, d->mask, colour, 0};
+    Bytes image = read_image(r, d->colours),
+          mask = same_name(d->colours, d->mask) ? (Bytes){NULL, 0} : read_image(r, d->mask);
+    if (d->mask && !mask.data && !same_name(d->colours, d->mask)) skip_file(r, d->mask);
+    picture->texture = texture_add_masked(r->arena, r->files->b, d->colours ? d->colours : d->mask, image,
+                                          mask, colour, r->files->pixels);
+    return picture->texture;
+}
+
+// A word that is a number and nothing else.
+static bool read_number_word(Reader *r, double *out) {
+    const char *at = r->at;
+    if (read_number(r, out) && (r->at == r->end || blank(*r->at) || *r->at == '\n')) return true;
+    r->at = at;
+    return false;
+}
+
+static void skip_word(Reader *r) {
+    skip_blanks(r);
+    while (r->at < r->end && !blank(*r->at) && *r->at != '\n' && *r->at != '\0') r->at++;
+}
+
+// The name of an image after its options, of which -s and -o count: up to three numbers each. The name may have blanks.
+static char *read_map(Reader *r, Vec2 *scale, Vec2 *offset) {
+    *scale = vec2(1, 1);
+    *offset = vec2(0, 0);
+    while (!line_ends(r) && *r->at == '-') {
+        const char *option = r->at;
+        skip_word(r);
+        size_t length = (size_t)(r->at - option);
+        bool scales = length == 2 && option[1] == 's', offsets = length == 2 && option[1] == 'o',
+             turbulence = length == 2 && option[1] == 't', two = length == 3 && memcmp(option, "-mm", 3) == 0;
+        double number[3] = {scales ? 1 : 0, scales ? 1 : 0, 0}, ignored;
+        if (scales || offsets || turbulence) {
+            for (int i = 0; i < 3 && read_number_word(r, &number[i]); i++) {
+            }
+            if (scales) *scale = vec2(number[0], number[1]);
+            if (offsets) *offset = vec2(number[0], number[1]);
+        } else if (two) {
+            for (int i = 0; i < 2 && read_number_word(r, &ignored); i++) {
+            }
+        } else {
+            skip_word(r);
+        }
+    }
     char *name = read_name(r);
-    // Options come before the file's name, which then has no blanks.
-    if (name[0] == '-' && strrchr(name, ' ')) name = strrchr(name, ' ') + 1;
-    const Picture *picture = find_picture(r, name);
-    if (picture && picture->usable)
-        material->colour = picture->mean;
+    return *name ? name : NULL;
+}
+
+static void finish_material(Reader *r, const Drawn *d) {
+    ObjMaterial *m = d->material;
+    if (!m) return;
+    // Illumination models 0 and 1 have no highlights, in whatever order the lines come.
+    m->shininess = d->matt ? 0 : (float)(fmin(fmax(d->exponent, 0), OBJ_MAX_SHININESS) / OBJ_MAX_SHININESS);
+    if ((!d->colours && !d->mask) || !r->files || !r->files->b) return;
+    m->texture = find_picture(r, d);
+    if (m->texture > 0)
+        m->colour = r->files->b->textures[m->texture].mean;
     else
-        skip_file(r, name);
+        skip_file(r, d->colours ? d->colours : d->mask);
 }
 
 // A library's material is all that the library says of it: nothing of its name's own colour remains.
 static ObjMaterial *define_material(Reader *r) {
     ObjMaterial *m = &r->model->materials[find_material(r, read_name(r))];
-    *m = (ObjMaterial){.name = m->name, .colour = maps_colour(UNPAINTED), .alpha = 1, .known = true};
+    *m = (ObjMaterial){
+        .name = m->name, .colour = maps_colour(UNPAINTED), .alpha = 1, .scale = {1, 1}, .known = true};
     return m;
 }
 
@@ -297,38 +389,38 @@ static void read_library(Reader *outer, Bytes content) {
     Reader r = *outer;
     r.at = (const char *)content.data;
     r.end = r.at + content.size;
-    ObjMaterial *m = NULL;
-    bool matt = false;
-    double exponent = 0;
+    Drawn d = {0};
     for (; r.at < r.end; next_line(&r)) {
         double number, specular[3];
+        Vec2 ignored[2];
         skip_blanks(&r);
         if (word_is(&r, "newmtl")) {
-            m = define_material(&r);
-            matt = false;
-            exponent = 0;
+            finish_material(&r, &d);
+            d = (Drawn){.material = define_material(&r)};
             continue;
         }
+        ObjMaterial *m = d.material;
         if (!m) continue;
         if (word_is(&r, "Kd"))
             read_colour(&r, m);
         else if (word_is(&r, "Ke"))
             read_emission(&r, m);
         else if (word_is(&r, "Ks") && read_channels(&r, specular))
-            matt = matt || fmax(specular[0], fmax(specular[1], specular[2])) <= 0;
+            d.matt = d.matt || fmax(specular[0], fmax(specular[1], specular[2])) <= 0;
         else if (word_is(&r, "illum") && read_number(&r, &number))
-            matt = matt || number < 2;
+            d.matt = d.matt || number < 2;
         else if (word_is(&r, "Ns") && read_number(&r, &number))
-            exponent = number;
+            d.exponent = number;
         else if (word_is(&r, "d") && read_number(&r, &number))
             m->alpha = (float)fmin(fmax(number, 0), 1);
         else if (word_is(&r, "Tr") && read_number(&r, &number))
             m->alpha = 1 - (float)fmin(fmax(number, 0), 1);
         else if (word_is(&r, "map_Kd"))
-            read_texture(&r, m);
-        // Illumination models 0 and 1 have no highlights, in whatever order the lines come.
-        m->shininess = matt ? 0 : (float)(fmin(fmax(exponent, 0), OBJ_MAX_SHININESS) / OBJ_MAX_SHININESS);
+            d.colours = read_map(&r, &m->scale, &m->offset);
+        else if (word_is(&r, "map_d"))
+            d.mask = read_map(&r, &ignored[0], &ignored[1]);
     }
+    finish_material(&r, &d);
 }
 
 static void read_libraries(Reader *r) {
@@ -360,6 +452,8 @@ bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *are
         skip_blanks(&r);
         if (word_is(&r, "v"))
             read_vertex(&r);
+        else if (word_is(&r, "vt"))
+            read_place(&r);
         else if (word_is(&r, "f"))
             read_face(&r, group, material);
         else if (word_is(&r, "g") || word_is(&r, "o"))
@@ -371,6 +465,15 @@ bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *are
     }
     if (r.failed) return false;
     if (out->face_count == 0) return error_set(error, "%s: no usable face in the model", path);
+    return true;
+}
+
+bool obj_places(const ObjModel *model, const ObjFace *face, Vec2 *out) {
+    for (int i = 0; i < face->corner_count; i++) {
+        int place = model->corner_places ? model->corner_places[face->first_corner + i] : -1;
+        if (place < 0) return false;
+        out[i] = model->places[place];
+    }
     return true;
 }
 

@@ -13,9 +13,12 @@
 
 typedef struct ObjMaterial {
     const char *name;
-    Rgb colour;       // linear reflectance
-    Rgb emission;     // radiant exitance, W/m^2
-    float alpha;      // 1 opaque
+    Rgb colour;    // linear reflectance
+    Rgb emission;  // radiant exitance, W/m^2
+    float alpha;   // 1 opaque; without the holes of its picture
+    int texture;   // in Building.textures, 0: none
+    // The picture shows at texture coordinates (s, t), t upwards, its place (s, t) * scale + offset (`-s`, `-o`).
+    Vec2 scale, offset;
     float shininess;  // 0 matt .. 1: a share of the largest exponent
     bool known;  // by a material library, or by name (obj_materials.h); else it has the colour of `default`
 } ObjMaterial;
@@ -32,13 +35,16 @@ typedef struct ObjFace {
 } ObjFace;
 
 typedef struct ObjModel {
-    Vec3 *vertices;  // model units; in furniture x right, y up, z to the front
-    int *corners;    // of faces: indices of vertices
+    Vec3 *vertices;      // model units; in furniture x right, y up, z to the front
+    int *corners;        // of faces: indices of vertices
+    Vec2 *places;        // texture coordinates (s, t) as in the file
+    int *corner_places;  // [corner_count] indices of places, -1: none
     ObjFace *faces;
     const char **groups;     // names; group 0 is "" for faces before the first g or o
     ObjMaterial *materials;  // material 0 is "" for faces before the first usemtl
-    int vertex_count, corner_count, face_count, group_count, material_count;
-    int vertex_capacity, corner_capacity, face_capacity, group_capacity, material_capacity;
+    int vertex_count, corner_count, place_count, face_count, group_count, material_count;
+    int vertex_capacity, corner_capacity, place_capacity, corner_place_capacity, face_capacity,
+        group_capacity, material_capacity;
     int skipped;         // lines that could not be used
     const char *fault;   // the first unusable vertex or face, as `LINE: sentence`; NULL: none
     const char *absent;  // the first library or image that could not be read; NULL: none
@@ -51,13 +57,17 @@ typedef struct ObjModel {
 typedef struct ObjFiles {
     bool (*read)(void *context, const char *name, Arena *arena, Bytes *out);
     void *context;
-    double *pixels;  // of images that may still be decoded, see texture_mean; NULL: any
+    double *pixels;  // of images that may still be decoded, see texture_add; NULL: any
+    Building *b;     // to which images are added; NULL: a material has the colour that the library states
 } ObjFiles;
 
 // Lines that make no sense are skipped and counted. Fails on a model without a usable face and on a model beyond the
 // limits.
 bool obj_read(Bytes content, const char *path, const ObjFiles *files, Arena *arena, ObjModel *out,
               Error *error);
+
+// The texture coordinates of a face's corners, as in the file; false where a corner has none.
+bool obj_places(const ObjModel *model, const ObjFace *face, Vec2 *out);
 
 // The box from (0, 0, 0) to (1, 1, 1) as six quads: it stands in for a missing model.
 ObjModel obj_box(Arena *arena);

@@ -1,6 +1,6 @@
 // soup_merge.c - convex polygons from the triangles that exporters cut them into, after Hertel & Mehlhorn 1983: an
-// edge between two faces goes where the joined face is convex. Each edge is tried once, in the order of the faces: a later
-// join may make an earlier one possible that is not made, which costs a polygon and no more.
+// edge between two faces goes where the joined face is convex, and where a texture goes on across the edge. Each edge is tried once, in
+// the order of the faces: a later join may make an earlier one possible that is not made, which costs a polygon and no more.
 #include "engine/core/polygon.h"
 #include "maps/polygons/soup_readers.h"
 
@@ -96,26 +96,47 @@ static int ring_size(const Side *sides, int start) {
     return count;
 }
 
+// Whether the texture of the faces left of a side and of its twin goes on across the edge. Sides have the numbers of their corners.
+static bool same_places(const SoupMesh *mesh, const Side *sides, int side, const double half[2]) {
+    int twin = sides[side].twin, ends[2][2] = {{side, sides[twin].next}, {sides[side].next, twin}};
+    for (int i = 0; i < 2; i++) {
+        Vec2 off = vec2_sub(mesh->places[ends[i][0]], mesh->places[ends[i][1]]);
+        if (!(fabs(off.x) <= half[0] && fabs(off.y) <= half[1])) return false;
+    }
+    return true;
+}
+
 // Whether the faces left of a side and of its twin may become one.
 static bool joinable(const SoupMesh *mesh, const Side *sides, const int *place, int side, double flat) {
-    int twin = sides[side].twin;
+    int twin = sides[side].twin, texture = mesh->places ? mesh->faces[sides[side].face].texture : 0;
+    double half[2] = {0, 0};
+    if (texture > 0) {
+        building_half_texel(&mesh->textures[texture], half);
+        if (!same_places(mesh, sides, side, half)) return false;
+    }
     int mine = ring_size(sides, side), others = ring_size(sides, twin), count = mine + others - 2;
     if (count > MAX_RING) return false;
     Vec3 ring[MAX_RING];
+    Vec2 places[MAX_RING];
     int at[MAX_RING], used = 0;
-    for (int s = sides[side].next, i = 0; i < mine; i++, s = sides[s].next)
+    for (int s = sides[side].next, i = 0; i < mine; i++, s = sides[s].next) {
+        if (texture > 0) places[used] = mesh->places[s];
         at[used++] = place[sides[s].vertex];
+    }
     for (int s = sides[sides[twin].next].next; s != twin; s = sides[s].next) {
         int vertex = place[sides[s].vertex];
         // Faces that meet elsewhere too, as the two sides of a sheet do, would enclose a hole or nothing.
         for (int i = 0; i < mine; i++) {
             if (at[i] == vertex) return false;
         }
+        if (texture > 0) places[used] = mesh->places[s];
         at[used++] = vertex;
     }
     for (int i = 0; i < count; i++) ring[i] = mesh->vertices[at[i]];
     Plane plane = plane_of_polygon(ring, count);
-    return polygon_bend(ring, count, plane) <= flat && polygon_is_convex(ring, count, plane.n);
+    if (polygon_bend(ring, count, plane) > flat || !polygon_is_convex(ring, count, plane.n)) return false;
+    TextureMap ignored;
+    return texture == 0 || building_fit_map(ring, places, count, plane.n, half, &ignored);
 }
 
 // `head` [face_count] is the lowest side of each face that is left.
@@ -140,13 +161,18 @@ static void list_faces(const SoupMesh *mesh, const Side *sides, const int *head,
     *out = (SoupMesh){.vertices = mesh->vertices,
                       .vertex_count = mesh->vertex_count,
                       .corners = ARENA_ARRAY(arena, int, mesh->corner_count),
-                      .faces = ARENA_ARRAY(arena, SoupFace, mesh->face_count)};
+                      .faces = ARENA_ARRAY(arena, SoupFace, mesh->face_count),
+                      .textures = mesh->textures};
+    if (mesh->places) out->places = ARENA_ARRAY(arena, Vec2, mesh->corner_count);
     for (int f = 0; f < mesh->face_count; f++) {
         if (sides[head[f]].gone || sides[head[f]].face != f) continue;
         SoupFace *kept = &out->faces[out->face_count++];
-        *kept = (SoupFace){out->corner_count, 0, mesh->faces[f].material};
+        *kept = mesh->faces[f];
+        kept->first_corner = out->corner_count;
+        kept->corner_count = 0;
         int s = head[f];
         do {
+            if (mesh->places) out->places[out->corner_count] = mesh->places[s];
             out->corners[out->corner_count++] = sides[s].vertex;
             kept->corner_count++;
             s = sides[s].next;
@@ -169,7 +195,8 @@ void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out) {
     for (int i = 0; i < mesh->corner_count; i++) {
         const Side *side = &sides[i];
         if (side->twin < 0 || side->gone || side->face == sides[side->twin].face) continue;
-        if (mesh->faces[side->face].material != mesh->faces[sides[side->twin].face].material) continue;
+        const SoupFace *mine = &mesh->faces[side->face], *other = &mesh->faces[sides[side->twin].face];
+        if (mine->material != other->material || mine->texture != other->texture) continue;
         if (joinable(mesh, sides, place, i, FLAT * largest)) join_faces(sides, head, i);
     }
     list_faces(mesh, sides, head, arena, out);

@@ -10,6 +10,7 @@
 #include "maps/building/reader.h"
 #include "maps/building/scan.h"
 #include "maps/building/texture.h"
+#include "maps/polygons/foreign.h"
 #include "maps/polygons/obj.h"
 #include "maps/polygons/soup_readers.h"
 
@@ -149,12 +150,22 @@ static bool make_mesh(SoupObj *o) {
         Vec3 v = m->vertices[i];
         o->mesh.vertices[i] = vec3_scale(o->how.z_up ? v : vec3(v.x, 0 - v.z, v.y), o->how.unit);
     }
+    if (m->place_count > 0) o->mesh.places = ARENA_ARRAY(o->arena, Vec2, m->corner_count);
+    o->mesh.textures = o->b->textures;
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
+        const ObjMaterial *material = &m->materials[f->material];
         if (!check_face(o, f)) return false;
+        // A face without texture coordinates has the mean of the picture.
+        Vec2 *places = o->mesh.places ? &o->mesh.places[f->first_corner] : NULL;
+        bool pictured = places && material->texture > 0 && obj_places(m, f, places);
+        for (int k = 0; pictured && k < f->corner_count; k++)
+            places[k] = vec2(places[k].x * material->scale.x + material->offset.x,
+                             1 - (places[k].y * material->scale.y + material->offset.y));
         // Faces of one group only are joined, so that objects keep their polygons.
         o->mesh.faces[i] =
-            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material};
+            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material,
+                       pictured ? material->texture : 0};
     }
     if (m->corner_count - 2 * m->face_count <= SOUP_MAX_POLYGONS) return true;
     return error_set(o->error, "%s: its faces make %d triangles (allowed: %d)", o->path,
@@ -166,7 +177,8 @@ static int material_of(SoupObj *o, int index) {
         const ObjMaterial *m = &o->model.materials[index];
         Material material = {
             .name = m->name, .reflectance = m->colour, .emission = m->emission, .alpha = m->alpha};
-        if (m->alpha >= 1) material.gloss = m->shininess;
+        if (m->texture > 0) texture_put(o->b, m->texture, &material);
+        if (material.alpha >= 1) material.gloss = m->shininess;
         if (!m->known) building_tally(&o->unknown, m->name, vec3(0, 0, 0));
         o->materials[index] = building_add_material(o->arena, o->b, material);
     }
@@ -198,7 +210,8 @@ static int add_objects(SoupObj *o) {
             for (int k = 0; k < f->corner_count; k++)
                 ring[k] = merged.vertices[merged.corners[f->first_corner + k]];
             int material = material_of(o, f->material % o->model.material_count);
-            lost += building_add_polygon(o->arena, o->b, ring, f->corner_count, material) == 0;
+            const Vec2 *places = f->texture > 0 ? &merged.places[f->first_corner] : NULL;
+            lost += building_add_textured(o->arena, o->b, ring, places, f->corner_count, material) == 0;
         }
         if (o->b->objects[o->b->object_count - 1].polygon_count == 0) o->b->object_count--;
     }
@@ -228,11 +241,13 @@ static bool read_file(void *context, const char *name, Arena *arena, Bytes *out)
     return soup_read_beside(context, name, arena, out, &ignored);
 }
 
-static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+// `library` and `resize`: see SoupReader and soup_finish.
+static bool read_text(const char *path, Bytes content, Bytes library, const char *resize, Arena *arena,
+                      Building *out, Error *error) {
     SoupObj o = {.path = path, .how = read_conventions(content), .arena = arena, .b = out, .error = error};
-    SoupReader reader = {.path = path, .arena = arena, .b = out};
+    SoupReader reader = {.path = path, .arena = arena, .b = out, .library = library};
     double pixels = TEXTURE_FREE_PIXELS;
-    ObjFiles files = {read_file, &reader, &pixels};
+    ObjFiles files = {read_file, &reader, &pixels, out};
     bool whole = obj_read(content, path, &files, arena, &o.model, error);
     // The line at fault says more than that nothing was left.
     if (o.model.fault) return error_set(error, "%s:%s", path, o.model.fault);
@@ -241,9 +256,21 @@ static bool read_obj(const char *path, Bytes content, Arena *arena, Building *ou
     for (int i = 0; i < o.model.material_count; i++) o.materials[i] = -1;
     if (!make_mesh(&o)) return false;
     note_losses(&o, add_objects(&o));
-    return soup_finish(&reader,
-                       "a comment above the first vertex, such as `# unit 0.01`, says how many metres one is",
-                       error);
+    return soup_finish(&reader, resize, error);
+}
+
+static bool read_obj(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+    return read_text(path, content, (Bytes){0},
+                     "a comment above the first vertex, such as `# unit 0.01`, says how many metres one is",
+                     arena, out, error);
+}
+
+static bool read_foreign(const char *path, Bytes content, Arena *arena, Building *out, Error *error) {
+    Bytes text, library;
+    return foreign_as_obj(path, content, arena, &text, &library, error) &&
+           read_text(path, text, library,
+                     "3DS has no unit and counts as metres: scale the model before export", arena, out,
+                     error);
 }
 
 // The first statement is one of OBJ.
@@ -265,4 +292,12 @@ const MapsReader MAPS_READER_OBJ = {
     .summary = "Wavefront OBJ models of buildings: polygons alone",
     .recognise = recognise_obj,
     .read = read_obj,
+};
+
+const MapsReader MAPS_READER_FOREIGN = {
+    .name = "foreign",
+    .suffixes = ".dae .3ds",
+    .summary = "COLLADA and 3DS models of buildings: polygons alone",
+    .recognise = foreign_recognise,
+    .read = read_foreign,
 };

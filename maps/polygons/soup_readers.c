@@ -5,6 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "maps/polygons/foreign.h"
+
 static const double EYE_HEIGHT = 1.6;  // metres above the lowest polygon
 // The largest extent of a building that can be walked in, metres: less than a cupboard or more than a town is a
 // mistake of units.
@@ -22,6 +24,10 @@ static bool leaves_folder(const char *name) {
 
 bool soup_read_beside(SoupReader *reader, const char *name, Arena *arena, Bytes *out, Error *error) {
     const char *path = reader->path;
+    if (reader->library.data && foreign_is_library(name)) {
+        *out = reader->library;
+        return true;
+    }
     char *slashed = arena_string(arena, name);
     for (char *c = slashed; *c; c++)
         if (*c == '\\') *c = '/';

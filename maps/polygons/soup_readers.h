@@ -27,6 +27,8 @@ typedef struct SoupReader {
     uint64_t hash;  // of the files read beside `path`
     size_t bytes;   // of these files
     int files;
+    // The library of materials of a model that was converted: it stands for every file NAME.mtl. Else no data.
+    Bytes library;
     int capped;  // colours above `limit`, the one of soup_cap
     double limit;
     const char *first_capped;  // the material of the first of them
@@ -50,18 +52,22 @@ bool soup_finish(const SoupReader *reader, const char *resize, Error *error);
 typedef struct SoupFace {
     int first_corner, corner_count;  // counter-clockwise seen from its front
     int material;
+    int texture;  // in SoupMesh.textures; 0: none
 } SoupFace;
 
 typedef struct SoupMesh {
     Vec3 *vertices;
     int *corners;  // of faces: indices of vertices
     SoupFace *faces;
+    Vec2 *places;             // [corner_count] in the pictures of faces that have a texture, or NULL
+    const Texture *textures;  // of the building; read where there are places
     int vertex_count, corner_count, face_count;
 } SoupMesh;
 
 // Joins faces of one material that share an edge, run along it in opposite directions, lie in one plane and are convex
-// together: triangles into which an exporter cut a polygon become that polygon again. No vertex moves and none is left out. `out`
-// shares the vertices of `mesh` and lies in `arena`; its faces are in the order of the first face joined into each.
+// together: triangles into which an exporter cut a polygon become that polygon again. Faces with a texture are joined where one
+// texture map fits all corners of both to half a texel. No vertex moves and none is left out. `out` shares the vertices of `mesh` and
+// lies in `arena`; its faces are in the order of the first face joined into each.
 void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out);
 
 // Returns for each vertex the index of the first vertex at the same place: [count], in `arena`.

@@ -3,8 +3,8 @@
 //
 // Departures from the program: two levels of one elevation become one storey, since free space cannot overlap; a
 // hidden level is read all the same (people hide the upper floor to draw the lower one), hidden furniture is not;
-// the storey is as high as most of its walls. Labels, dimensions, polylines, baseboards and the sky are not read.
-#include "maps/sweethome/sh3d.h"
+// the storey is as high as most of its walls. Labels, dimensions, polylines and the colour of the sky are not read.
+#include "maps/sweethome/sh3d_walls.h"
 
 #include <ctype.h>
 #include <stdarg.h>
@@ -21,6 +21,7 @@ static const double DEFAULT_WALL_HEIGHT = 250;  // cm, with which the program st
 static const double DEFAULT_SLAB = 12;          // cm, likewise
 // Walls and ceilings without a colour are white paint, floors a light wood grey: sRGB.
 static const unsigned WALL_COLOUR = 0xF2F2F2, FLOOR_COLOUR = 0xC8BEB0, GROUND_COLOUR = 0xA8A8A8;
+static const double GROUND_HALF = 50000;      // metres, half a side of the program's ground
 static const double DEFAULT_FOV = 1.0995574;  // radians, 63 degrees: the program's own
 
 // ---- levels
@@ -78,6 +79,21 @@ static void read_levels(Sh3d *s) {
 
 // ---- rooms
 
+// Floors count to the right and up on the plan from its origin, ceilings to the right and down, as seen from below. Pictures may be
+// stretched over the room's box.
+static Sh3dFrame room_frame(const Sh3d *s, const SketchRoom *room, bool ceiling) {
+    double up = ceiling ? -1 : 1;
+    Sh3dFrame f = {.right = {1, 0, 0}, .up = {0, up, 0}, .can_fit = true};
+    f.fit_low = vec2(INFINITY, INFINITY);
+    f.fit_high = vec2(-INFINITY, -INFINITY);
+    for (int i = 0; i < room->point_count; i++) {
+        Vec2 p = s->sketch->points[room->first_point + i];
+        f.fit_low = vec2(fmin(f.fit_low.x, p.x), fmin(f.fit_low.y, up * p.y));
+        f.fit_high = vec2(fmax(f.fit_high.x, p.x), fmax(f.fit_high.y, up * p.y));
+    }
+    return f;
+}
+
 static void read_room(Sh3d *s, const XmlNode *node) {
     SketchRoom room = {.storey = sh3d_level(s, node)->storey,
                        .first_point = s->sketch->point_count,
@@ -93,9 +109,12 @@ static void read_room(Sh3d *s, const XmlNode *node) {
     }
     Vec2 first = room.point_count ? s->sketch->points[room.first_point] : vec2(0, 0);
     room.place = sh3d_place(s, node, "room");
-    // floorVisible and ceilingVisible only tell the program what to draw: a walk needs a floor.
-    room.floor_material = sh3d_material(s, node, "floor", s->floor_material);
-    room.ceiling_material = sh3d_material(s, node, "ceiling", s->ceiling_material);
+    // floorVisible only tells the program what to draw: a walk needs a floor. Many a room has no visible ceiling, to look into it from
+    // above; only where low walls fence it does that mean that there is none.
+    room.open_above = !sh3d_flag(node, "ceilingVisible", true);
+    Sh3dFrame floor = room_frame(s, &room, false), ceiling = room_frame(s, &room, true);
+    room.floor_material = sh3d_material(s, node, "floor", s->floor_material, &floor);
+    room.ceiling_material = sh3d_material(s, node, "ceiling", s->ceiling_material, &ceiling);
     if (room.point_count < 3) {
         building_note(s->arena, s->b, NOTE_DROPPED, vec3(first.x, first.y, 0),
                       "%s: %s has %d points (at least 3 are needed): left out", s->where, room.place,
@@ -193,6 +212,17 @@ static void read_cameras(Sh3d *s) {
 
 // ---- the home
 
+static void read_environment(Sh3d *s, const XmlNode *node) {
+    // The program's ground is a square of 100 km around the plan's origin; its pictures start at the upper left corner.
+    const Sh3dFrame ground = {{1, 0, 0}, {0, 1, 0}, GROUND_HALF, -GROUND_HALF, .can_fit = false};
+    s->sketch->ground_material = sh3d_material(s, node, "ground", s->sketch->ground_material, &ground);
+    const XmlNode *sky = sh3d_texture_of(s, node, "sky");
+    if (!sky) return;
+    s->b->sky_texture = sh3d_picture(s, sky);
+    // The program's sky begins at the plan's right and goes round clockwise, whatever the compass says; an offset of 1 is a whole turn.
+    s->b->sky_start = -2 * M_PI * sh3d_number(s, sky, "xOffset", 0, -SH3D_MAX_ANGLE, SH3D_MAX_ANGLE);
+}
+
 static void set_defaults(Sh3d *s) {
     s->wall_material = sh3d_add_colour(s, "wall", maps_colour(WALL_COLOUR));
     s->ceiling_material = sh3d_add_colour(s, "ceiling", maps_colour(WALL_COLOUR));
@@ -202,8 +232,7 @@ static void set_defaults(Sh3d *s) {
     s->sketch->ground = 0;  // the program's ground lies at elevation 0
     s->sketch->ground_material = sh3d_add_colour(s, "ground", maps_colour(GROUND_COLOUR));
     for (const XmlNode *node = s->home->first; node; node = node->next)
-        if (xml_is(node, "environment"))
-            s->sketch->ground_material = sh3d_material(s, node, "ground", s->sketch->ground_material);
+        if (xml_is(node, "environment")) read_environment(s, node);
 }
 
 static void note(Sh3d *s, const NoteTally *tally, const char *what) {
@@ -216,6 +245,8 @@ static void add_notes(Sh3d *s) {
     note(s, &s->unknown_materials, OBJ_UNKNOWN_NOTE);
     note(s, &s->missing_textures,
          "textures are missing or could not be decoded, another colour stands for them");
+    note(s, &s->plain_pictures, "surfaces show the mean of their texture, since 16,384 others have pictures");
+    note(s, &s->plain_walls, "baseboards are left out, since the home has too many walls and openings");
     note(s, &s->dark_lights, "lamps have no light source and give no light");
     note(s, &s->unknown_joins, "wall ends name a wall that is not in the file and are not joined");
     note(s, &s->bad_shapes, "outlines of holes make no sense and are rectangles");
@@ -245,9 +276,11 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
         if (xml_is(node, "room")) read_room(&s, node);
     if (!s.failed && s.wall_count == 0 && sketch->room_count == 0)
         return error_set(error, "%s: the home is empty (at least a wall or a room is needed)", where);
+    if (!s.failed) sh3d_find_ceilings(&s);
     if (!s.failed) sh3d_add_walls(&s);
     if (!s.failed) sh3d_add_sloped_ceilings(&s);
     if (!s.failed) sh3d_read_pieces(&s);
+    if (!s.failed) sh3d_add_baseboards(&s);
     if (!s.failed) read_cameras(&s);
     if (!s.failed) add_notes(&s);
     if (s.has_observer) {

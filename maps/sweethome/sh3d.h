@@ -47,13 +47,13 @@ typedef struct Sh3d {
     Sh3dLevel *levels;
     struct Sh3dWall *walls;        // private to sh3d_walls.c
     struct Sh3dModel *models;      // private to sh3d_models.c
-    struct Sh3dTexture *textures;  // private to sh3d_attributes.c
+    struct Sh3dPicture *pictures;  // private to sh3d_textures.c
     double pixels;                 // of images that may still be decoded
-    int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, texture_count,
-        texture_capacity;
+    int level_count, level_capacity, wall_count, wall_capacity, model_count, model_capacity, picture_count,
+        picture_capacity;
     int wall_material, floor_material, ceiling_material;  // for surfaces that name no colour
     NoteTally missing_models, missing_frames, missing_textures, dark_lights, unknown_joins, bad_shapes,
-        unknown_materials;
+        unknown_materials, plain_pictures, plain_walls;
     bool has_observer;
     Viewpoint observer;
 } Sh3d;
@@ -76,13 +76,35 @@ int sh3d_add_point(Sh3d *s, Vec2 point, int material);
 
 // 0 matt .. 1, as the program writes it; numbers beyond are cut.
 double sh3d_shininess(Sh3d *s, const XmlNode *node, const char *name, double missing);
-// Returns the material of `surface`, a prefix as `leftSide`: that of its child texture (`leftSideTexture`), else of
-// its colour (`leftSideColor`), else `missing`; shiny as `leftSideShininess` says, else matt.
-int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing);
 int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour);                       // an opaque material
 bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb);  // false: absent
-bool sh3d_texture(Sh3d *s, const XmlNode *texture, Rgb *mean);
 bool sh3d_has_word(const XmlNode *node, const char *const *words);  // in the node's name or catalogue id
+
+// ---- sh3d_textures.c
+
+// How a surface counts lengths along the pictures that lie on it: at point p the program's own texture coordinates, in
+// metres, are dot(right, p) + right0 and, upwards, dot(up, p) + up0.
+typedef struct Sh3dFrame {
+    Vec3 right, up;
+    double right0, up0;
+    bool left_side;          // of a wall: pictures oriented from left to right count backwards
+    bool unsized;            // lengths count in pictures: their own sizes do not matter
+    bool can_fit;            // a picture may be stretched over the area below, as rooms allow it
+    Vec2 fit_low, fit_high;  // in these coordinates
+} Sh3dFrame;
+
+// The map of a picture, as the attributes of its element say, in a surface's frame. Returns false where their numbers make
+// no map: then its mean colour counts.
+bool sh3d_map(Sh3d *s, const XmlNode *texture, const Sh3dFrame *frame, TextureMap *out);
+// The picture of a texture element, an index into Building.textures, decoded once; 0, counted for a note: it is not usable.
+int sh3d_picture(Sh3d *s, const XmlNode *texture);
+// The texture element of `surface`, a prefix as `leftSide`, "": without a name; NULL: none that is usable.
+const XmlNode *sh3d_texture_of(Sh3d *s, const XmlNode *node, const char *surface);
+// Returns the material of `surface`: that of its child texture (`leftSideTexture`) as it lies in `frame`, else of its colour
+// (`leftSideColor`), else `missing`; shiny as `leftSideShininess` says, else matt. `frame` NULL: a picture counts by its mean.
+int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing, const Sh3dFrame *frame);
+// Appends a material without a search for an equal one.
+int sh3d_push_material(Sh3d *s, Material material);
 
 // ---- sh3d.c
 
@@ -94,7 +116,9 @@ bool sh3d_sketch(Bytes xml, Archive *archive, const char *where, Arena *arena, B
 
 // ---- sh3d_walls.c
 
-bool sh3d_read_walls(Sh3d *s);           // call after the levels are read; sets the storeys' heights
+bool sh3d_read_walls(Sh3d *s);  // call after the levels are read; sets the storeys' heights
+void sh3d_find_ceilings(
+    Sh3d *s);  // of rooms under walls lower than their storey; call after rooms and walls are read
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
 void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
 

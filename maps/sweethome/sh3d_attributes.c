@@ -1,5 +1,5 @@
-// sh3d_attributes.c - the helpers of all parts of the reader: attributes of elements as numbers, lengths, angles, texts, colours and
-// textures, the level that an element names, and points of the sketch.
+// sh3d_attributes.c - the helpers of all parts of the reader: attributes of elements as numbers, lengths, angles, texts and colours,
+// the level that an element names, and points of the sketch.
 #include "maps/sweethome/sh3d.h"
 
 #include <ctype.h>
@@ -8,16 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "maps/building/texture.h"
-
 static const double QUARTER_SLACK = 1e-5;  // radians: 1.7e-7 instead of 0 is common in files
-
-// The mean colour of an image, decoded once.
-typedef struct Sh3dTexture {
-    const char *name;
-    Rgb mean;
-    bool usable;
-} Sh3dTexture;
 
 bool sh3d_fail(Sh3d *s, const XmlNode *node, const char *format, ...) {
     if (s->failed) return false;
@@ -91,51 +82,12 @@ bool sh3d_colour(Sh3d *s, const XmlNode *node, const char *name, unsigned *rgb) 
     return true;
 }
 
-bool sh3d_texture(Sh3d *s, const XmlNode *node, Rgb *mean) {
-    const char *name = xml_get(node, "image");
-    for (int i = 0; name && i < s->texture_count; i++) {
-        if (strcmp(s->textures[i].name, name) != 0) continue;
-        *mean = s->textures[i].mean;
-        return s->textures[i].usable;
-    }
-    Sh3dTexture texture = {.name = name};
-    Bytes image;
-    Error ignored;
-    if (name && s->archive && archive_has(s->archive, name) &&
-        archive_read(s->archive, name, ARCHIVE_MAX_ENTRY, s->arena, &image, &ignored))
-        texture.usable = texture_mean(image, &s->pixels, &texture.mean);
-    if (!texture.usable) building_tally(&s->missing_textures, sh3d_text(node, "name"), vec3(0, 0, 0));
-    if (name) *ARENA_PUSH(s->arena, s->textures, s->texture_count, s->texture_capacity) = texture;
-    *mean = texture.mean;
-    return texture.usable;
-}
-
 int sh3d_add_colour(Sh3d *s, const char *name, Rgb colour) {
     return building_add_material(s->arena, s->b, (Material){.name = name, .reflectance = colour, .alpha = 1});
 }
 
 double sh3d_shininess(Sh3d *s, const XmlNode *node, const char *name, double missing) {
     return fmin(fmax(sh3d_number(s, node, name, missing, -1e6, 1e6), 0), 1);
-}
-
-int sh3d_material(Sh3d *s, const XmlNode *node, const char *surface, int missing) {
-    Material out = s->b->materials[missing];
-    const char *texture = arena_format(s->arena, "%sTexture", surface);
-    const XmlNode *child = node->first;
-    Rgb mean;
-    unsigned rgb;
-    while (child && !(xml_is(child, "texture") && strcmp(sh3d_text(child, "attribute"), texture) == 0 &&
-                      sh3d_texture(s, child, &mean)))
-        child = child->next;
-    if (child) {
-        out.name = sh3d_text(child, "name");
-        out.reflectance = mean;
-    } else if (sh3d_colour(s, node, arena_format(s->arena, "%sColor", surface), &rgb)) {
-        out.name = "paint";
-        out.reflectance = maps_colour(rgb);
-    }
-    out.gloss = (float)sh3d_shininess(s, node, arena_format(s->arena, "%sShininess", surface), 0);
-    return building_add_material(s->arena, s->b, out);
 }
 
 const Sh3dLevel *sh3d_level(Sh3d *s, const XmlNode *node) {

@@ -1,15 +1,17 @@
 // sh3d_pieces.c - furniture, lamps, stairs and the models of doors: each a model scaled to its box and put in its
 // place, as Sweet Home 3D shows it. What the program can do beyond that and this reader does not: parts of a model
-// moved by hand (`transformation`), textures other than by their mean.
+// moved by hand (`transformation`).
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "engine/core/sets.h"
+#include "maps/building/texture.h"
 #include "maps/sweethome/sh3d.h"
 
 static const unsigned BOX_COLOUR = 0xC8C4BC;  // sRGB, of a piece without model and colour
+static const double THINNEST_MODEL = 0.001;   // model units: the program's smallest extent for pictures
 static const double FLAT = 1e-9;              // model units: an extent below it stays flat
 static const float PANE_ALPHA = 0.3f;         // of window panes whose material is not transparent itself
 static const float INVISIBLE = 0.01f;         // alpha below which a face is not there at all
@@ -85,34 +87,103 @@ static const XmlNode * override(const XmlNode *piece, const char *name) {
     return NULL;
 }
 
+// The surface of a face: its material, and how the picture lies on the model.
+typedef struct Paint {
+    int material;    // -1: the face is not there
+    bool pictured;   // `map` counts
+    bool by_places;  // it maps texture coordinates (s, t, 0), else points of the model as in its file
+    TextureMap map;
+} Paint;
+
+// Where a model has no texture coordinates, the program lays a picture on its front and, folded back, on its top: lengths count from
+// the lower left corner of the model's box, which is as large as the piece.
+static Sh3dFrame model_frame(const Piece *p, const ObjModel *m, const XmlNode *texture) {
+    Vec3 low = m->box.min, size = vec3_sub(m->box.max, low);
+    double sx = p->width / fmax(size.x, THINNEST_MODEL), sy = p->height / fmax(size.y, THINNEST_MODEL),
+           sz = p->depth / fmax(size.z, THINNEST_MODEL);
+    Sh3dFrame f = {.right = {sx, 0, 0}, .up = {0, sy, -sz}};
+    if (!sh3d_flag(texture, "leftToRightOriented", true)) return f;
+    f.right0 = -low.x * sx;
+    f.up0 = m->box.max.z * sz - low.y * sy;
+    return f;
+}
+
+// Lays a texture of the home on the piece. One for a single material follows the texture coordinates of the model's faces that have them.
+static void lay_picture(Sh3d *s, const Piece *p, const ObjModel *m, const XmlNode *texture, bool by_places,
+                        Material *material, Paint *paint) {
+    Sh3dFrame f = model_frame(p, m, texture);
+    if (by_places) f = (Sh3dFrame){.right = {1, 0, 0}, .up = {0, 1, 0}, .unsized = true};
+    texture_put(s->b, sh3d_picture(s, texture), material);
+    paint->by_places = by_places;
+    paint->pictured = sh3d_map(s, texture, &f, &paint->map);
+}
+
+// The model's own picture; the program lays it by the model's x and y where it has no texture coordinates.
+static void lay_own(const Sh3d *s, const ObjMaterial *own, bool by_places, Material *material, Paint *paint) {
+    texture_put(s->b, own->texture, material);
+    paint->by_places = by_places;
+    paint->pictured = true;
+    paint->map = (TextureMap){
+        .u = {own->scale.x, 0, 0}, .v = {0, -own->scale.y, 0}, .u0 = own->offset.x, .v0 = 1 - own->offset.y};
+}
+
+static void lay_colour(Material *material, Paint *paint, unsigned rgb) {
+    paint->pictured = false;
+    material->texture = 0;
+    material->reflectance = maps_colour(rgb);
+}
+
 // A colour of the piece goes over all but its panes; else a texture of the piece; else what it states of single
 // materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
-// materials.
-static int piece_material(Sh3d *s, const Piece *p, const ObjMaterial *m, bool pane, bool box) {
+// materials. A picture that replaces another one takes its holes along.
+static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const ObjMaterial *m, bool pane,
+                         bool by_places, bool box) {
+    Paint paint = {0};
     Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
     double shininess = box ? 0 : (double)m->shininess;
     if (box) out.reflectance = maps_colour(BOX_COLOUR);
     if (pane && out.alpha >= 1) out.alpha = PANE_ALPHA;
-    Rgb mean;
     unsigned rgb;
-    const XmlNode *own = override(p->node, m->name);
-    bool stated = false, painted = p->coloured, known = m->known || box;
-    for (const XmlNode *child = own ? own->first : NULL; child; child = child->next)
-        if (xml_is(child, "texture") && sh3d_texture(s, child, &mean)) out.reflectance = mean, known = true;
-    if (own && sh3d_colour(s, own, "color", &rgb)) out.reflectance = maps_colour(rgb), known = true;
-    for (const XmlNode *child = p->node->first; child; child = child->next) {
+    const XmlNode *own = override(p->node, m->name), *whole = sh3d_texture_of(s, p->node, ""),
+                  *single = own ? sh3d_texture_of(s, own, "") : NULL;
+    bool stated = false, known = m->known || box, single_coloured = own && sh3d_colour(s, own, "color", &rgb);
+    for (const XmlNode *child = p->node->first; child; child = child->next)
         stated = stated || xml_is(child, "material");
-        if (!xml_is(child, "texture") || !sh3d_texture(s, child, &mean)) continue;
-        painted = true;
-        if (!pane) out.reflectance = mean, known = true;
+    bool painted = p->coloured || whole;
+    if (painted && !pane) {
+        known = true;
+        if (p->coloured)
+            lay_colour(&out, &paint, p->colour);
+        else
+            lay_picture(s, p, model, whole, false, &out, &paint);
+    } else if (!painted && single_coloured) {
+        known = true;
+        lay_colour(&out, &paint, rgb);
+    } else if (!painted && single) {
+        known = true;
+        lay_picture(s, p, model, single, by_places, &out, &paint);
+    } else if (m->texture > 0) {
+        lay_own(s, m, by_places, &out, &paint);
     }
-    if (p->coloured && !pane) out.reflectance = maps_colour(p->colour), known = true;
     const XmlNode *speaker = painted || !stated ? p->node : own;
     if (speaker) shininess = sh3d_shininess(s, speaker, "shininess", shininess);
     // Panes are glass by their alpha.
     if (out.alpha >= 1) out.gloss = (float)shininess;
     if (!known) building_tally(&s->unknown_materials, m->name, vec3(p->at.x, p->at.y, p->z));
-    return out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
+    if (!paint.pictured) out.texture = 0;
+    paint.material = out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
+    return paint;
+}
+
+// Places in the picture for the corners of a face; false where it has none.
+static bool find_places(const ObjModel *m, const ObjFace *f, const Paint *paint, Vec2 *out) {
+    if (!paint->pictured || (paint->by_places && !obj_places(m, f, out))) return false;
+    for (int i = 0; i < f->corner_count; i++) {
+        Vec3 at =
+            paint->by_places ? vec3(out[i].x, out[i].y, 0) : m->vertices[m->corners[f->first_corner + i]];
+        out[i] = vec2(vec3_dot(paint->map.u, at) + paint->map.u0, vec3_dot(paint->map.v, at) + paint->map.v0);
+    }
+    return true;
 }
 
 // ---- placing
@@ -168,37 +239,53 @@ static Vec3 *place(Sh3d *s, const Piece *p, const ObjModel *m) {
     return out;
 }
 
-// Where the piece shows its backs they are faces of their own.
-static void add_model_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, int count,
-                           int material) {
+// Adds a face of `count` corners, MAX_FAN at most. Where the piece shows its backs they are faces of their own. `places`
+// may be NULL.
+static void add_model_face(Sh3d *s, const Piece *p, const Vec3 *placed, const int *corner, const Vec2 *places,
+                           int count, int material) {
     int sides = p->both_sides ? 2 : 1;
     for (int side = 0; side < sides; side++) {
         bool turned = p->mirrored != side;
         Vec3 few[MAX_FAN];
-        for (int i = 0; i < count; i++) few[turned ? count - 1 - i : i] = placed[corner[i]];
-        building_add_polygon(s->arena, s->b, few, count, material);
+        Vec2 at[MAX_FAN];
+        for (int i = 0; i < count; i++) {
+            int to = turned ? count - 1 - i : i;
+            few[to] = placed[corner[i]];
+            if (places) at[to] = places[i];
+        }
+        building_add_textured(s->arena, s->b, few, places ? at : NULL, count, material);
     }
 }
 
 // The faces whose part is `which`; `part` [face_count], NULL: all.
 static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, const int *part,
                       int which, bool box) {
-    int *material = ARENA_ARRAY(s->arena, int, 2 * m->material_count);
-    for (int i = 0; i < 2 * m->material_count; i++) material[i] = -2;
+    Paint *paints = ARENA_ARRAY(s->arena, Paint, 4 * m->material_count);
+    int most = 0;
+    for (int i = 0; i < 4 * m->material_count; i++) paints[i].material = -2;
+    for (int i = 0; i < m->face_count; i++)
+        most = m->faces[i].corner_count > most ? m->faces[i].corner_count : most;
+    Vec2 *at = ARENA_ARRAY(s->arena, Vec2, most);
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
         if (part && part[i] != which) continue;
         bool pane = is_pane(m->groups[f->group]);
-        int *known = &material[2 * f->material + pane];
-        if (*known == -2) *known = piece_material(s, p, &m->materials[f->material], pane, box);
-        if (*known < 0) continue;
+        bool by_places = obj_places(m, f, at);
+        Paint *paint = &paints[4 * f->material + 2 * pane + by_places];
+        if (paint->material == -2)
+            *paint = piece_paint(s, p, m, &m->materials[f->material], pane, by_places, box);
+        if (paint->material < 0) continue;
         const int *corner = m->corners + f->first_corner;
+        const Vec2 *places = find_places(m, f, paint, at) ? at : NULL;
         if (f->corner_count <= MAX_FAN) {
-            add_model_face(s, p, placed, corner, f->corner_count, *known);
+            add_model_face(s, p, placed, corner, places, f->corner_count, paint->material);
             continue;
         }
-        for (int k = 1; k + 1 < f->corner_count; k++)
-            add_model_face(s, p, placed, (int[]){corner[0], corner[k], corner[k + 1]}, 3, *known);
+        for (int k = 1; k + 1 < f->corner_count; k++) {
+            const int three[3] = {corner[0], corner[k], corner[k + 1]};
+            Vec2 of_three[3] = {at[0], at[k], at[k + 1]};
+            add_model_face(s, p, placed, three, places ? of_three : NULL, 3, paint->material);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 // sh3d_walls.c - outlines of walls from their axes: offsets, arcs, mitres where two walls name each other; low
 // walls as objects; ceilings under sloped walls. Computed as Sweet Home 3D draws them (see sh3d.h for the mirrored
-// plan). Baseboards are not read: they are a centimetre of trim, and no light or sight depends on them.
+// plan).
 //
 // Source of the sloped ceilings: our own. The wall tops around a room give heights along its outline; among all
 // triangulations of the outline the one with the most room below it is taken (by the dynamic programme of
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "maps/sweethome/sh3d.h"
+#include "maps/sweethome/sh3d_walls.h"
 
 static const double MIN_WALL = 0.001;  // metres, of thickness and length: the grid of the plan
 static const double PARALLEL = 1e-6;   // sine of an angle below which two sides do not meet
@@ -16,28 +16,15 @@ static const double MITRE_LIMIT = 2;   // thicknesses a corner may move
 static const double HIGH_WALL = 1.8;   // metres: walls from here on show how high a storey is
 static const double CM_PER_M = 100;    // the file counts in cm; arcs get sqrt(length in cm) chords
 #define ARC_MAX_STEPS 256
-#define ARC_MOST_CHORDS 16000            // of all arcs together: beyond, each has its share, and 2 at least
-#define ROOF_MAX 96                      // corners of a room under sloped walls, for its ceiling
-static const double ROOF_REACH = 0.05;   // metres from a wall's side at which a room's corner belongs to it
-static const double ROOF_SLANT = 0.02;   // sine between a wall and the room's edge that it runs along
-static const double ROOF_OVERLAP = 0.1;  // metres that they share at least
+#define ARC_MOST_CHORDS 16000              // of all arcs together: beyond, each has its share, and 2 at least
+#define ROOF_MAX 96                        // corners of a room under sloped walls, for its ceiling
+static const double ROOF_REACH = 0.05;     // metres from a wall's side at which a room's corner belongs to it
+static const double ROOF_SLANT = 0.02;     // sine between a wall and the room's edge that it runs along
+static const double ROOF_OVERLAP = 0.1;    // metres that they share at least
+static const double OWN_REACH = 0.25;      // metres from a room's corner to the wall that carries its ceiling
+static const double OWN_MOST_LOOKS = 5e7;  // edges of walls that may be looked at for these walls
 
 // ---- reading
-
-typedef struct Sh3dWall {
-    const XmlNode *node;
-    const char *id, *place;
-    Vec2 start, end;  // of the axis
-    double arc;       // angle swept from start to end, counter-clockwise; 0: straight
-    double thickness;
-    double floor, top[2];  // absolute heights: foot, top at start and end
-    int storey;
-    int joined[2];  // the walls it joins at start and end, -1: none
-    int left_material, right_material, top_material;
-    Vec2 *left, *right;  // [side_count] from start to end; mitred at last
-    int side_count;
-    bool bounding;  // reaches the ceiling, or stands under a sloped one
-} Sh3dWall;
 
 static const char *wall_at(const XmlNode *node, int end) {
     return xml_get(node, end ? "wallAtEnd" : "wallAtStart");
@@ -55,9 +42,7 @@ static Sh3dWall read_wall(Sh3d *s, const XmlNode *node) {
     double height = sh3d_length(s, node, "height", s->wall_height * CM_PER_M);
     w.top[0] = w.floor + height;
     w.top[1] = w.floor + sh3d_length(s, node, "heightAtEnd", height * CM_PER_M);
-    w.left_material = sh3d_material(s, node, "leftSide", s->wall_material);
-    w.right_material = sh3d_material(s, node, "rightSide", s->wall_material);
-    w.top_material = sh3d_material(s, node, "top", s->wall_material);
+    w.top_material = sh3d_material(s, node, "top", s->wall_material, NULL);
     w.place = sh3d_place(s, node, "wall");
     return w;
 }
@@ -166,9 +151,11 @@ static void adjust_height(Sh3d *s, int storey) {
 
 // ---- outlines
 
+static double half_thickness(const Sh3dWall *w, bool left) { return w->thickness / 2 + w->beyond[left]; }
+
 static void add_side_points(Sh3dWall *w, int i, Vec2 on_axis, Vec2 to_left) {
-    w->left[i] = vec2_add(on_axis, vec2_scale(to_left, w->thickness / 2));
-    w->right[i] = vec2_sub(on_axis, vec2_scale(to_left, w->thickness / 2));
+    w->left[i] = vec2_add(on_axis, vec2_scale(to_left, half_thickness(w, true)));
+    w->right[i] = vec2_sub(on_axis, vec2_scale(to_left, half_thickness(w, false)));
 }
 
 // Centre on the chord's perpendicular, so that `arc` of a circle lies between the ends.
@@ -201,13 +188,12 @@ static double arc_share(Sh3d *s) {
     return (double)ARC_MOST_CHORDS / (double)chords;
 }
 
-static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
+static void make_outline(Sh3d *s, Sh3dWall *w, int steps) {
     Vec2 along = vec2_sub(w->end, w->start);
     double length = vec2_length(along);
     bool straight = is_straight(w);
     Vec2 centre = straight ? w->start : arc_centre(w), from = vec2_sub(w->start, centre);
-    double radius = vec2_length(from), outer = radius + w->thickness / 2;
-    int steps = straight ? 1 : share < 1 ? (int)fmax(2, floor(share * arc_steps(w))) : arc_steps(w);
+    double radius = vec2_length(from);
     w->side_count = steps + 1;
     w->left = ARENA_ARRAY(s->arena, Vec2, w->side_count);
     w->right = ARENA_ARRAY(s->arena, Vec2, w->side_count);
@@ -221,12 +207,18 @@ static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
         double a = w->arc * i / steps, c = cos(a), sn = sin(a);
         Vec2 out = vec2((c * from.x - sn * from.y) / radius, (sn * from.x + c * from.y) / radius);
         // Turning left, the centre lies to the left. A side that would pass the centre stops there.
-        double inner = fmin(w->thickness / 2, radius);
+        bool inner_left = w->arc > 0;
+        double inner = fmin(half_thickness(w, inner_left), radius), outer = half_thickness(w, !inner_left);
         Vec2 near = vec2_add(centre, vec2_scale(out, radius - inner)),
-             far = vec2_add(centre, vec2_scale(out, outer));
+             far = vec2_add(centre, vec2_scale(out, radius + outer));
         w->left[i] = w->arc > 0 ? near : far;
         w->right[i] = w->arc > 0 ? far : near;
     }
+}
+
+static void make_sides(Sh3d *s, Sh3dWall *w, double share) {
+    bool fewer = !is_straight(w) && share < 1;
+    make_outline(s, w, fewer ? (int)fmax(2, floor(share * arc_steps(w))) : arc_steps(w));
 }
 
 // Where the lines p q and r t meet; false when they are parallel.
@@ -275,7 +267,7 @@ static Vec2 mitred(const Sh3d *s, int i, int end, bool left) {
     return vec2_length(vec2_sub(at, mine.corner)) < limit ? at : mine.corner;
 }
 
-static void mitre_walls(Sh3d *s) {
+static void mitre_walls(const Sh3d *s) {
     Vec2(*corner)[4] = arena_alloc(s->arena, (size_t)s->wall_count, sizeof *corner);
     for (int i = 0; i < s->wall_count; i++)
         for (int k = 0; k < 4; k++) corner[i][k] = mitred(s, i, k >> 1, k & 1);
@@ -285,6 +277,79 @@ static void mitre_walls(Sh3d *s) {
         w->left[0] = corner[i][1];
         w->right[w->side_count - 1] = corner[i][2];
         w->left[w->side_count - 1] = corner[i][3];
+    }
+}
+
+Sh3dWall *sh3d_widened_walls(Sh3d *s) {
+    Sh3d wide = *s;
+    wide.walls = ARENA_ARRAY(s->arena, Sh3dWall, s->wall_count);
+    memcpy(wide.walls, s->walls, (size_t)s->wall_count * sizeof *s->walls);
+    for (int i = 0; i < s->wall_count; i++) {
+        Sh3dWall *w = &wide.walls[i];
+        w->beyond[false] = sh3d_board_thickness(s, w, false);
+        w->beyond[true] = sh3d_board_thickness(s, w, true);
+        make_outline(s, w, w->side_count - 1);
+    }
+    mitre_walls(&wide);
+    return wide.walls;
+}
+
+// ---- pictures on walls
+
+// A side's pictures count from where the side starts, along it, and in absolute heights. From the side into the wall they count on, so
+// that jambs have pictures too.
+Sh3dFrame sh3d_side_frame(const Sh3dWall *w, bool left) {
+    const Vec2 *side = left ? w->left : w->right;
+    Vec2 axis = vec2_sub(w->end, w->start), along = vec2_scale(axis, 1 / vec2_length(axis)),
+         inward = left ? vec2(along.y, -along.x) : vec2(-along.y, along.x), right = vec2_add(along, inward);
+    return (Sh3dFrame){.right = {right.x, right.y, 0},
+                       .up = {0, 0, 1},
+                       .right0 = -vec2_dot(right, side[0]),
+                       .left_side = left};
+}
+
+// The angle by which the side's point i lies on from its start, as the arc turns.
+static double turned(const Sh3dWall *w, const Vec2 *side, int i) {
+    Vec2 centre = arc_centre(w), a = vec2_sub(side[0], centre), b = vec2_sub(side[i], centre);
+    double angle = atan2(vec2_cross(a, b), vec2_dot(a, b));
+    if (i > 0 && angle * w->arc < 0) angle += w->arc > 0 ? 2 * M_PI : -2 * M_PI;
+    return angle;
+}
+
+// On arcs lengths are those of the axis, counted against the arc where it turns left: each chord has a map of its own.
+Sh3dFrame sh3d_chord_frame(const Sh3dWall *w, bool left, int i) {
+    const Vec2 *side = left ? w->left : w->right;
+    Vec2 chord = vec2_sub(side[i + 1], side[i]);
+    double radius = vec2_length(vec2_sub(w->start, arc_centre(w))), length = vec2_length(chord),
+           from = -turned(w, side, i) * radius, to = -turned(w, side, i + 1) * radius;
+    Vec2 right = vec2_scale(chord, length > 0 ? (to - from) / (length * length) : 0);
+    return (Sh3dFrame){.right = {right.x, right.y, 0},
+                       .up = {0, 0, 1},
+                       .right0 = from - vec2_dot(right, side[i]),
+                       .left_side = left};
+}
+
+static void paint_wall(Sh3d *s, Sh3dWall *w) {
+    for (int left = 0; left < 2; left++) {
+        Sh3dFrame frame = sh3d_side_frame(w, left);
+        int material = sh3d_material(s, w->node, left ? "leftSide" : "rightSide", s->wall_material, &frame);
+        int *chords = ARENA_ARRAY(s->arena, int, w->side_count);
+        const XmlNode *texture = sh3d_texture_of(s, w->node, left ? "leftSide" : "rightSide");
+        for (int i = 0; i < w->side_count; i++) {
+            Material m = s->b->materials[material];
+            chords[i] = material;
+            if (is_straight(w) || i + 1 == w->side_count || m.texture_map == 0) continue;
+            TextureMap map;
+            frame = sh3d_chord_frame(w, left, i);
+            if (sh3d_map(s, texture, &frame, &map)) {
+                m.texture_map = building_add_texture_map(s->arena, s->b, map);
+                chords[i] = sh3d_push_material(s, m);
+            }
+        }
+        if (left)
+            w->left_material = chords;
+        else
+            w->right_material = chords;
     }
 }
 
@@ -311,6 +376,11 @@ static bool under_slope(const Sh3d *s, int i) {
     return false;
 }
 
+// Whether maps_enclose is to judge the wall (see SketchWall).
+static bool may_bound(const Sh3dWall *w) {
+    return !is_sloped(w) && w->top[0] - w->floor >= SKETCH_LEAST_ROOM;
+}
+
 bool sh3d_read_walls(Sh3d *s) {
     for (const XmlNode *node = s->home->first; node && !s->failed; node = node->next) {
         if (!xml_is(node, "wall")) continue;
@@ -323,6 +393,7 @@ bool sh3d_read_walls(Sh3d *s) {
     double share = arc_share(s);
     for (int i = 0; i < s->wall_count; i++) make_sides(s, &s->walls[i], share);
     mitre_walls(s);
+    for (int i = 0; i < s->wall_count; i++) paint_wall(s, &s->walls[i]);
     for (int i = 0; i < s->wall_count; i++)
         s->walls[i].bounding = reaches_ceiling(s, &s->walls[i]) || under_slope(s, i);
     return !s->failed;
@@ -330,18 +401,20 @@ bool sh3d_read_walls(Sh3d *s) {
 
 // ---- into the sketch and the building
 
-static void add_bounding(Sh3d *s, const Sh3dWall *w) {
+// A wall that bounds rooms, or may bound them.
+static void add_to_sketch(Sh3d *s, const Sh3dWall *w) {
     Sketch *k = s->sketch;
     int n = w->side_count;
     Vec2 along = vec2_sub(w->end, w->start);
     // The room is a prism as high as its highest point, so the walls that bound it are as high, a knee wall too.
     const Storey *storey = &s->b->storeys[w->storey];
-    double top = fmax(storey->floor + storey->height, fmax(w->top[0], w->top[1]));
-    SketchWall wall = {w->storey, k->point_count, 2 * n, w->floor, top, atan2(along.y, along.x), w->place};
+    double top = fmax(w->bounding ? storey->floor + storey->height : w->floor, fmax(w->top[0], w->top[1]));
+    SketchWall wall = {w->storey, k->point_count,          2 * n,    w->floor,
+                       top,       atan2(along.y, along.x), w->place, w->top_material};
     // The ends take the left side's material; they show only where nothing is joined.
     for (int i = 0; i < n; i++)
-        sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material : w->left_material);
-    for (int i = n - 1; i >= 0; i--) sh3d_add_point(s, w->left[i], w->left_material);
+        sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material[i] : w->left_material[n - 1]);
+    for (int i = n - 1; i >= 0; i--) sh3d_add_point(s, w->left[i], w->left_material[i > 0 ? i - 1 : n - 1]);
     *ARENA_PUSH(s->arena, k->walls, k->wall_count, k->wall_capacity) = wall;
 }
 
@@ -371,15 +444,15 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
     int n = w->side_count;
     building_add_object(s->arena, s->b, OBJECT_LOW_WALL, w->place);
     for (int i = 0; i + 1 < n; i++) {
-        add_side(s, w, w->right[i], i, w->right[i + 1], i + 1, w->right_material);
-        add_side(s, w, w->left[i + 1], i + 1, w->left[i], i, w->left_material);
+        add_side(s, w, w->right[i], i, w->right[i + 1], i + 1, w->right_material[i]);
+        add_side(s, w, w->left[i + 1], i + 1, w->left[i], i, w->left_material[i]);
         add_quad(s, at_height(w->right[i], top_at(w, i, w->right[i])),
                  at_height(w->right[i + 1], top_at(w, i + 1, w->right[i + 1])),
                  at_height(w->left[i + 1], top_at(w, i + 1, w->left[i + 1])),
                  at_height(w->left[i], top_at(w, i, w->left[i])), w->top_material);
     }
-    add_side(s, w, w->right[n - 1], n - 1, w->left[n - 1], n - 1, w->left_material);
-    add_side(s, w, w->left[0], 0, w->right[0], 0, w->left_material);
+    add_side(s, w, w->right[n - 1], n - 1, w->left[n - 1], n - 1, w->left_material[n - 1]);
+    add_side(s, w, w->left[0], 0, w->right[0], 0, w->left_material[n - 1]);
     Vec2 along = vec2_sub(w->end, w->start);
     building_set_proxy(s->b, atan2(along.y, along.x));
 }
@@ -387,10 +460,70 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
 void sh3d_add_walls(Sh3d *s) {
     for (int i = 0; i < s->wall_count; i++) {
         const Sh3dWall *w = &s->walls[i];
-        if (w->bounding)
-            add_bounding(s, w);
+        if (w->bounding || may_bound(w))
+            add_to_sketch(s, w);
         else
             add_low(s, w);
+    }
+}
+
+// ---- ceilings of their own
+
+// Horizontal distance from p to the outline of a wall, metres.
+static double distance_to_wall(const Sh3dWall *w, Vec2 p) {
+    double best = INFINITY;
+    for (int i = 0; i + 1 < 2 * w->side_count; i++) {
+        int n = w->side_count;
+        Vec2 a = i < n ? w->right[i] : w->left[2 * n - 1 - i],
+             b = i + 1 < n ? w->right[i + 1] : w->left[2 * n - 2 - i];
+        Vec2 d = vec2_sub(b, a), to = vec2_sub(p, a);
+        double t = fmin(1, fmax(0, vec2_dot(to, d) / fmax(vec2_dot(d, d), MAPS_GRID * MAPS_GRID)));
+        best = fmin(best, vec2_length(vec2_sub(to, vec2_scale(d, t))));
+    }
+    return best;
+}
+
+// The top of the wall that is nearest to a corner of a room, absolute; the higher one of two that are equally near. NAN: none is near,
+// or it has no level top.
+static double nearest_top(const Sh3d *s, int storey, Vec2 corner) {
+    double nearest = OWN_REACH, top = NAN;
+    for (int i = 0; i < s->wall_count; i++) {
+        const Sh3dWall *w = &s->walls[i];
+        if (w->storey != storey) continue;
+        double away = distance_to_wall(w, corner);
+        if (away > nearest + MAPS_GRID) continue;
+        double here = is_sloped(w) ? NAN : w->top[0];
+        bool tie = away >= nearest - MAPS_GRID && !isnan(top);
+        top = tie ? fmax(top, here) : here;
+        nearest = fmin(nearest, away);
+    }
+    return top;
+}
+
+// Rooms of the highest storey have the ceiling that their walls have: the program draws it through the tops of the walls nearest to
+// their corners. Where these differ its ceiling slants between walls, and the room here is as high as its storey.
+void sh3d_find_ceilings(Sh3d *s) {
+    bool any = false;
+    double looks = 0;
+    for (int i = 0; i < s->wall_count; i++) {
+        any = any || (may_bound(&s->walls[i]) && !reaches_ceiling(s, &s->walls[i]));
+        looks += s->walls[i].side_count;
+    }
+    for (int i = 0; any && i < s->sketch->room_count; i++) {
+        SketchRoom *room = &s->sketch->rooms[i];
+        if (room->storey != s->b->storey_count - 1) continue;
+        const Storey *storey = &s->b->storeys[room->storey];
+        const Vec2 *p = s->sketch->points + room->first_point;
+        double low = INFINITY, high = -INFINITY;
+        if (looks * room->point_count * s->sketch->room_count > OWN_MOST_LOOKS) continue;
+        for (int k = 0; k < room->point_count && !isnan(high); k++) {
+            double top = nearest_top(s, room->storey, p[k]);
+            low = fmin(low, top);
+            high = isnan(top) ? NAN : fmax(high, top);
+        }
+        if (high - low <= SH3D_SAME_HEIGHT && low >= storey->floor + SKETCH_LEAST_ROOM &&
+            high < storey->floor + storey->height - SH3D_SAME_HEIGHT)
+            room->z1 = maps_snap(high);
     }
 }
 

@@ -64,9 +64,9 @@ static bool is_hair(const Vec3 *local, int count, double area) {
     return area < MESH_WELD * longest;
 }
 
-// Adds a face; `polygon` -1: a stand-in.
+// Adds a face; `polygon` -1: a stand-in. `open`: of its leaf.
 static void add_face(MeshBuilder *builder, FaceList *list, int object, int polygon, const Polygon *p,
-                     const Vec3 *vertices) {
+                     const Vec3 *vertices, double open) {
     Mesh *mesh = builder->mesh;
     int *corner = list->now;
     int count = weld_corners(builder, vertices + p->first_vertex, p->vertex_count, corner);
@@ -82,6 +82,8 @@ static void add_face(MeshBuilder *builder, FaceList *list, int object, int polyg
     *face = (Face){.polygon = polygon,
                    .object = object,
                    .material = p->material,
+                   .texture_map = p->texture_map,
+                   .open = open,
                    .plane = plane,
                    .first_vertex = list->corner_count,
                    .vertex_count = count};
@@ -102,10 +104,12 @@ static void add_stand_ins(MeshBuilder *builder, FaceList *list, int object) {
     const Proxies *proxies = builder->mesh->options.proxies;
     if (!proxies || builder->mesh->options.replaced) return;
     for (int p = proxies->first[object]; p < proxies->first[object + 1]; p++)
-        add_face(builder, list, object, -1, &proxies->polygons[p], proxies->vertices);
+        add_face(builder, list, object, -1, &proxies->polygons[p], proxies->vertices, 0);
 }
 
-static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices, const float *door_open) {
+// `posed`: doors stand as `door_open` says; else their leaves are closed.
+static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices, bool posed,
+                      const float *door_open) {
     Mesh *mesh = builder->mesh;
     const CellGraph *graph = mesh->graph;
     mesh->face_of = ARENA_ARRAY(builder->arena, int, graph->polygon_count);
@@ -119,8 +123,11 @@ static void add_faces(MeshBuilder *builder, FaceList *list, const Vec3 *vertices
     for (int o = 0; o < graph->object_count; o++) {
         const Object *object = &graph->objects[o];
         if (!vis_shown(object, door_open)) continue;
+        double open = 0;
+        if (posed && object->leaf >= 0)
+            open = door_open ? (double)door_open[graph->building->leaves[object->leaf].opening] : 1;
         for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++)
-            if (is_taken(mesh, p)) add_face(builder, list, o, p, &graph->polygons[p], vertices);
+            if (is_taken(mesh, p)) add_face(builder, list, o, p, &graph->polygons[p], vertices, open);
         add_stand_ins(builder, list, o);
     }
 }
@@ -180,7 +187,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
     MeshBuilder builder = {.mesh = out, .arena = arena};
     FaceList list = {0};
     places_start(&builder.places, arena);
-    add_faces(&builder, &list, vertices ? vertices : graph->vertices, door_open);
+    add_faces(&builder, &list, vertices ? vertices : graph->vertices, vertices != NULL, door_open);
     bool fits = list.elements <= MOST_ELEMENTS, few_cuts = true;
     if (fits && out->face_count > 0) {
         mesh_anchor_outlines(&builder, list.corner);
@@ -191,6 +198,7 @@ bool mesh_build(const CellGraph *graph, const Vec3 *vertices, const float *door_
         out->vertices = builder.places.points;
         out->vertex_count = builder.places.count;
         find_cells(out);
+        mesh_find_reflectances(out, arena);
         out->panes = panes_of(graph, door_open, arena);
     }
     arena_free(&builder.scratch);

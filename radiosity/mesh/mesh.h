@@ -6,6 +6,7 @@
 #ifndef RADIOSITY_MESH_H
 #define RADIOSITY_MESH_H
 
+#include "maps/building/texture.h"
 #include "radiosity/mesh/panes.h"
 #include "radiosity/mesh/proxy.h"
 
@@ -46,10 +47,12 @@ MeshOptions mesh_default_options(void);  // 0.33 m, 2, 0.05 m, PROXY_TOLERANCE b
 // A polygon that takes part in the exchange of light, with a grid of nx x ny squares (rectangles, stretched to fit): the point
 // p of its plane lies at x = dot(gx, p - origin), y = dot(gy, p - origin), in square (floor x, floor y).
 typedef struct Face {
-    int polygon;   // in CellGraph; -1: a stand-in
-    int object;    // in CellGraph
-    int material;  // in Building
-    Plane plane;   // pointing to the front
+    int polygon;      // in CellGraph; -1: a stand-in
+    int object;       // in CellGraph
+    int material;     // in Building
+    int texture_map;  // in Building; 0: that of the material
+    double open;      // how far the leaf that the object moves with is open, 0 .. 1
+    Plane plane;      // pointing to the front
     int first_vertex,
         vertex_count;     // in Mesh.outline: counter-clockwise from the front, with every vertex of another
                           // face that lies on an edge among them, so that neighbours share whole edges
@@ -97,6 +100,8 @@ typedef struct Mesh {
     int *outline;    // of faces, indices of vertices
     int *corners;    // of elements, indices of vertices
     int *squares, *shared;
+    // [element_count] mean reflectances, for mesh_reflectance; NULL: of every element that of its material
+    Rgb *reflectance;
     Panes panes;  // no faces: light passes them
     // [graph->polygon_count] the face a polygon became, or -1: glass, hidden by its door's state, no area, replaced
     int *face_of;
@@ -148,6 +153,34 @@ static inline int mesh_square(const Mesh *mesh, int square) {
 static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];
 }
+
+// Sets Mesh.reflectance, once the elements are made; mesh_build does.
+void mesh_find_reflectances(Mesh *mesh, Arena *arena);
+
+// Does light on a face depend on a picture?
+bool mesh_has_picture(const Mesh *mesh, int face);
+
+// The mean reflectance over an element: of the material's picture there, or else that of its material. What has a picture reflects a
+// thousandth of the material's mean at least, so that the light that arrives can be told from the light that leaves; what emits counts
+// by the material's mean.
+static inline Rgb mesh_reflectance(const Mesh *mesh, int element) {
+    return mesh->reflectance ? mesh->reflectance[element]
+                             : mesh_material(mesh, mesh->elements[element].face)->reflectance;
+}
+// The same of a patch, the mean of its elements by area.
+Rgb mesh_patch_reflectance(const Mesh *mesh, int patch);
+
+// What the material reflects in the mean, over what the element reflects; exactly 1 without a picture. Light that an element
+// reflects, times this, has no steps where the picture is uneven.
+static inline void mesh_even(const Mesh *mesh, int element, double out[3]) {
+    double mean[3], own[3];
+    rgb_doubles(mesh_material(mesh, mesh->elements[element].face)->reflectance, mean);
+    rgb_doubles(mesh_reflectance(mesh, element), own);
+    for (int c = 0; c < 3; c++) out[c] = own[c] > 0 ? mean[c] / own[c] : 1;
+}
+
+// The reflectance at a point of a face, averaged over about `width` metres (texture_at).
+Rgb mesh_reflectance_at(const Mesh *mesh, int face, Vec3 point, double width);
 
 // Does a face emit light?
 static inline bool mesh_emits(const Mesh *mesh, int face) {

@@ -477,7 +477,7 @@ static double emission_of(const Mesh *mesh, int element) {
 }
 
 static double reflectance_of(const Mesh *mesh, int element) {
-    Rgb rho = mesh_material(mesh, mesh->elements[element].face)->reflectance;
+    Rgb rho = mesh_reflectance(mesh, element);
     return (double)(rho.r + rho.g + rho.b) / 3;
 }
 
@@ -486,8 +486,9 @@ static double irradiance_of(const Mesh *mesh, int element, const double b[3]) {
     const Material *m = mesh_material(mesh, mesh->elements[element].face);
     const float rho[3] = {m->reflectance.r, m->reflectance.g, m->reflectance.b};
     const float e[3] = {m->emission.r, m->emission.g, m->emission.b};
-    double sum = 0;
-    for (int c = 0; c < 3; c++) sum += fmax(0, b[c] - (double)e[c]) / fmax((double)rho[c], BLACK);
+    double sum = 0, even[3];
+    mesh_even(mesh, element, even);
+    for (int c = 0; c < 3; c++) sum += even[c] * fmax(0, b[c] - (double)e[c]) / fmax((double)rho[c], BLACK);
     return sum;
 }
 

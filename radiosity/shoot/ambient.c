@@ -5,13 +5,6 @@
 // a lawn would make all rooms green.
 #include "radiosity/shoot/ambient.h"
 
-static void reflectance_of(const Mesh *mesh, int face, double out[3]) {
-    Rgb rho = mesh_material(mesh, face)->reflectance;
-    out[0] = (double)rho.r;
-    out[1] = (double)rho.g;
-    out[2] = (double)rho.b;
-}
-
 static bool takes_part(const Mesh *mesh, const Patch *patch) {
     return patch->cell >= 0 && vis_region(mesh->graph, patch->cell)->kind != REGION_OUTDOORS;
 }
@@ -22,7 +15,7 @@ void ambient_irradiance(const Mesh *mesh, const RadSolution *solution, double ou
         const Patch *patch = &mesh->patches[p];
         double rho[3];
         if (!takes_part(mesh, patch)) continue;
-        reflectance_of(mesh, patch->face, rho);
+        rgb_doubles(mesh_patch_reflectance(mesh, p), rho);
         area += patch->area;
         for (int c = 0; c < 3; c++) {
             unshot[c] += patch->area * solution->unshot[p][c];
@@ -38,10 +31,10 @@ void ambient_radiosities(const Mesh *mesh, const RadSolution *solution, double (
     ambient_irradiance(mesh, solution, ambient);
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
-        double rho[3];
         bool glows = takes_part(mesh, patch);
-        reflectance_of(mesh, patch->face, rho);
         for (int e = patch->first_element; e < patch->first_element + patch->element_count; e++) {
+            double rho[3];
+            rgb_doubles(mesh_reflectance(mesh, e), rho);
             for (int c = 0; c < 3; c++)
                 out[e][c] = solution->radiosity[e][c] + (glows ? rho[c] * ambient[c] : 0);
         }

@@ -2,7 +2,8 @@
 //
 // Layout: header (DerivedHead), state of each door, splits of the mesh, radiosities, direct radiosities, unshot, daylight, radiosities
 // of nodes if they were found, and the rest of these, splits of the mesh with these nodes if it is another. Meshes are not stored: they
-// are made again from the building and their splits, and `geometry`, the hash of the elements, says whether the mesh came out the same.
+// are made again from the building and their splits, and `geometry`, the hash of the elements and of the materials that their light
+// depends on, says whether the mesh came out the same.
 #include <string.h>
 
 #include "engine/core/file.h"
@@ -44,8 +45,16 @@ static uint64_t mesh_hash(const Mesh *mesh) {
     hash = file_hash(mesh->corners, (size_t)mesh->corner_count * sizeof *mesh->corners, hash);
     for (int e = 0; e < mesh->element_count; e++)
         hash = file_hash(&mesh->elements[e].patch, sizeof mesh->elements[e].patch, hash);
+    if (mesh->reflectance)
+        hash = file_hash(mesh->reflectance, (size_t)mesh->element_count * sizeof *mesh->reflectance, hash);
     for (int p = 0; p < mesh->panes.count; p++)
         hash = file_hash(&mesh->panes.panes[p].plane, sizeof mesh->panes.panes[p].plane, hash);
+    // Glass has no faces; mirrors and gloss count in stills alone.
+    for (int f = 0; f < mesh->face_count; f++) {
+        const Material *m = mesh_material(mesh, f);
+        hash = file_hash(&m->emission, sizeof m->emission,
+                         file_hash(&m->reflectance, sizeof m->reflectance, hash));
+    }
     return hash;
 }
 

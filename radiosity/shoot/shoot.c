@@ -159,6 +159,7 @@ static double looks_of(Looks *l, int patch) {
 typedef struct Receiver {
     Four unshot;  // W/m^2
     float reflectance[3];
+    bool uneven;  // its elements differ in reflectance
     double area, per_area;
 } Receiver;
 
@@ -219,9 +220,12 @@ static void start_shooter(Shooter *s, const Mesh *mesh, const StabForest *forest
     shoot_queue_start(&s->queue, mesh->patch_count, arena);
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
-        Rgb rho = mesh_material(mesh, patch->face)->reflectance;
-        s->receivers[p] =
-            (Receiver){channels_of(solution->unshot[p]), {rho.r, rho.g, rho.b}, patch->area, 1 / patch->area};
+        Rgb rho = mesh_patch_reflectance(mesh, p);
+        s->receivers[p] = (Receiver){.unshot = channels_of(solution->unshot[p]),
+                                     .reflectance = {rho.r, rho.g, rho.b},
+                                     .uneven = mesh_has_picture(mesh, patch->face),
+                                     .area = patch->area,
+                                     .per_area = 1 / patch->area};
     }
     queue_lamps(s, mesh);
 }
@@ -239,6 +243,20 @@ static void finish(const Shooter *s) {
 // Receivers lie all over memory, but it is known long before which come: runs ahead to fetch one.
 enum { RECEIVER_AHEAD = 12 };
 
+// What the elements of one run reflect, each of its share. `at`: the run's first element in the row.
+static Four run_reflectance(const Mesh *mesh, const ShootRow *row, int run, int at) {
+    const Patch *patch = &mesh->patches[row->runs[run].patch];
+    Four sum = {0};
+    double all = 0;
+    for (int i = at; i <= at + row->count[run]; i++) {
+        int e = patch->first_element + row->offset[i];
+        double share = (double)row->density[i] * mesh->elements[e].area;
+        sum += channels_of_rgb(mesh->reflectance[e]) * four_of(share);
+        all += share;
+    }
+    return all > 0 ? sum * four_of(1 / all) : sum;
+}
+
 static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) {
     Receiver *from = &s->receivers[patch];
     const bool direct = s->lamps_left > 0;
@@ -251,12 +269,15 @@ static void shoot(Shooter *s, const Mesh *mesh, int patch, const ShootRow *row) 
     from->unshot -= shot;
     shoot_queue_clear(&s->queue, patch);
     shoot_elements_tell(s->elements, row, power, direct);
+    int at = 0;  // elements so far, where that matters
     for (int r = 0; r < row->run_count; r++) {
         const ShootRun *run = &row->runs[r];
         Receiver *to = &s->receivers[run->patch];
         if (r + RECEIVER_AHEAD < row->run_count)
             __builtin_prefetch(&s->receivers[run[RECEIVER_AHEAD].patch], 1);
-        Four reflected = power * channels_of_floats(to->reflectance);
+        Four reflected =
+            power * (to->uneven ? run_reflectance(mesh, row, r, at) : channels_of_floats(to->reflectance));
+        if (mesh->reflectance) at += row->count[r] + 1;
         double share = (double)run->share;
         to->unshot += reflected * four_of(share * to->per_area);
         absorbed += (power - reflected) * four_of(share);
@@ -409,16 +430,17 @@ static void send_strong(Shooter *s, const Mesh *mesh) {
 
 static void take_shot(const Mesh *mesh, const RadSolution *s, int patch, double out[3]) {
     const Patch *p = &mesh->patches[patch];
-    double rho[3], emitted[3];
+    double rho[3], emitted[3], power[3] = {0, 0, 0};
     rgb_doubles(mesh_material(mesh, p->face)->reflectance, rho);
     rgb_doubles(mesh_material(mesh, p->face)->emission, emitted);
-    for (int c = 0; c < 3; c++) {
-        double power = 0;
-        for (int e = p->first_element; e < p->first_element + p->element_count; e++)
-            power +=
-                mesh->elements[e].area * (s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c]);
-        out[c] = rho[c] > 0 ? fmax(power, 0) / (rho[c] * p->area) : 0;
+    for (int e = p->first_element; e < p->first_element + p->element_count; e++) {
+        double even[3];
+        mesh_even(mesh, e, even);
+        for (int c = 0; c < 3; c++)
+            power[c] += even[c] * mesh->elements[e].area *
+                        (s->radiosity[e][c] - s->direct[e][c] - s->sun[e][c] - emitted[c]);
     }
+    for (int c = 0; c < 3; c++) out[c] = rho[c] > 0 ? fmax(power[c], 0) / (rho[c] * p->area) : 0;
 }
 
 // Gathers at `count` patches of g->patches, in rounds, whose rows are made where they are not there. False where progress asked to stop.
@@ -521,7 +543,7 @@ RadReport rad_shoot(const Mesh *mesh, const StabForest *forest, const float *doo
         shoot_rows_shot(s.rows, patch);
     }
     finish(&s);
-    report.residual = residual_of(&s);
+    report.residual = fmax(0, residual_of(&s));  // rounding takes it below 0 where all light is absorbed
     if (options->gather && !options->lamps_only && report.residual <= options->residual) {
         solution->gathered = gather_reflected(&s, mesh, progress);
         report.stopped = !solution->gathered;

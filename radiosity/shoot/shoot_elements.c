@@ -24,9 +24,10 @@ typedef struct Reflector {
 } Reflector;
 
 struct ShootElements {
-    Four *radiosity;        // [element_count]
-    Four *direct;           // [element_count] the part that came straight from lamps
-    Reflector *reflectors;  // [patch_count]
+    Four *radiosity;         // [element_count]
+    Four *direct;            // [element_count] the part that came straight from lamps
+    Reflector *reflectors;   // [patch_count]
+    const Rgb *reflectance;  // [element_count] NULL: those of their patches
     int element_count;
     ShotList lists[LISTS];  // list i % LISTS is the i-th; `written` is the one that is being written
     int written, told;      // lists so far
@@ -39,6 +40,16 @@ struct ShootElements {
 // Elements lie all over memory, but it is known long before which come: runs ahead to fetch those of a patch, two to a line of the
 // cache, and what is known of it.
 enum { REFLECTOR_AHEAD = 12, ELEMENTS_AHEAD = 6 };
+
+// Adds what the elements of one run reflect.
+static void add_run(const ShootElements *e, Four *sums, const Reflector *to, Four power, int count,
+                    const uint8_t *offset, const float *density) {
+    Four reflected = power * channels_of_floats(to->reflectance), *elements = sums + to->first_element;
+    const Rgb *own = e->reflectance ? e->reflectance + to->first_element : NULL;
+    for (int i = 0; i < count && !own; i++) elements[offset[i]] += reflected * four_of((double)density[i]);
+    for (int i = 0; i < count && own; i++)
+        elements[offset[i]] += power * channels_of_rgb(own[offset[i]]) * four_of((double)density[i]);
+}
 
 static void tell_shot(ShootElements *e, const Shot *shot) {
     const ShootRow *row = shot->row;
@@ -53,10 +64,9 @@ static void tell_shot(ShootElements *e, const Shot *shot) {
             __builtin_prefetch(soon, 1);
             __builtin_prefetch(soon + 2, 1);
         }
-        Four reflected = shot->power * channels_of_floats(to->reflectance);
-        Four *elements = e->radiosity + to->first_element;
-        for (int i = 0; i <= row->count[r]; i++)
-            elements[*offset++] += reflected * four_of((double)*density++);
+        add_run(e, e->radiosity, to, shot->power, row->count[r] + 1, offset, density);
+        offset += row->count[r] + 1;
+        density += row->count[r] + 1;
     }
 }
 
@@ -67,10 +77,9 @@ static void tell_direct(ShootElements *e, const Shot *shot) {
     const uint8_t *offset = row->offset;
     for (int r = 0; r < row->run_count; r++) {
         const Reflector *to = &e->reflectors[row->runs[r].patch];
-        Four reflected = shot->power * channels_of_floats(to->reflectance);
-        Four *elements = e->direct + to->first_element;
-        for (int i = 0; i <= row->count[r]; i++)
-            elements[*offset++] += reflected * four_of((double)*density++);
+        add_run(e, e->direct, to, shot->power, row->count[r] + 1, offset, density);
+        offset += row->count[r] + 1;
+        density += row->count[r] + 1;
     }
 }
 
@@ -123,9 +132,10 @@ ShootElements *shoot_elements_new(const Mesh *mesh, const RadSolution *solution,
     }
     e->reflectors = ARENA_ARRAY(arena, Reflector, mesh->patch_count);
     for (int p = 0; p < mesh->patch_count; p++) {
-        Rgb rho = mesh_material(mesh, mesh->patches[p].face)->reflectance;
+        Rgb rho = mesh_patch_reflectance(mesh, p);
         e->reflectors[p] = (Reflector){{rho.r, rho.g, rho.b}, mesh->patches[p].first_element};
     }
+    e->reflectance = mesh->reflectance;
     pthread_mutex_init(&e->mutex, NULL);
     pthread_cond_init(&e->changed, NULL);
     // A thread that cannot be started is done without.

@@ -11,6 +11,7 @@ static inline Four channels_of(const double v[3]) { return (Four){v[0], v[1], v[
 static inline Four channels_of_floats(const float v[3]) {
     return (Four){(double)v[0], (double)v[1], (double)v[2], 0};
 }
+static inline Four channels_of_rgb(Rgb v) { return (Four){(double)v.r, (double)v.g, (double)v.b, 0}; }
 static inline void channels_store(Four from, double out[3]) {
     for (int c = 0; c < 3; c++) out[c] = from[c];
 }

@@ -495,7 +495,7 @@ static void look_in(void *context, int index, int thread) {
 // Power on an element, for a radiance of 1.
 static void receive(const Mesh *mesh, int e, double power, const double radiance[3], RadSolution *solution) {
     const Element *element = &mesh->elements[e];
-    Rgb m = mesh_material(mesh, element->face)->reflectance;
+    Rgb m = mesh_reflectance(mesh, e);
     const double rho[3] = {(double)m.r, (double)m.g, (double)m.b};
     for (int c = 0; c < 3; c++) {
         double arrives = power * radiance[c], reflected = rho[c] * arrives;

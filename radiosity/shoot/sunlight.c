@@ -443,7 +443,7 @@ void sunlight_elements(const Mesh *mesh, const Daylight *day, int threads, doubl
     sunlight_shares(mesh, day->sun, true, threads, share);
     for (int e = 0; e < mesh->element_count; e++) {
         double rho[3], cosine = vec3_dot(mesh->faces[mesh->elements[e].face].plane.n, day->sun);
-        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
+        rgb_doubles(mesh_reflectance(mesh, e), rho);
         for (int c = 0; c < 3; c++) out[e][c] = share[e] > 0 ? rho[c] * share[e] * cosine * day->beam[c] : 0;
     }
     arena_free(&scratch);

@@ -30,7 +30,7 @@ static const double SAME_PLANE = 1e-6;  // 1 - cosine, as nodes have it
 enum { CLOSERS = 8 };
 // Patches of a group, which lie side by side on one face; groups of a batch, which belong to one object; and batches between two
 // looks at progress.
-enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 256 };
+enum { GROUP = 16, BATCH = 16, BATCHES_A_LOOK = 32 };
 // Patches for which what stands before lamps is found at a time.
 enum { TOGETHER = 4 };
 // Points of two meshes nearer than this are in one place, metres.
@@ -959,11 +959,12 @@ static RadSolution other_light(const Mesh *mesh, const RadSolution *solution, bo
 static double *light_besides(const Mesh *mesh, const RadSolution *rest, const RadSolution *whole,
                              Arena *arena) {
     double *out = ARENA_ARRAY(arena, double, mesh->element_count + 1), power = 0, area = 0;
+    RadSolution even_rest = reconstruct_even(mesh, rest, arena), even = reconstruct_even(mesh, whole, arena);
     for (int e = 0; e < mesh->element_count; e++) {
         double emitted[3];
         rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->emission, emitted);
-        out[e] = fmax(rgb_sum(rest->radiosity[e]) - rgb_sum(emitted), 0);
-        power += mesh->elements[e].area * (out[e] + rgb_sum(whole->direct[e]));
+        out[e] = fmax(rgb_sum(even_rest.radiosity[e]) - rgb_sum(emitted), 0);
+        power += mesh->elements[e].area * (out[e] + rgb_sum(even.direct[e]));
         area += mesh->elements[e].area;
     }
     for (int e = 0; e < mesh->element_count; e++) out[e] += DARK * power / area;

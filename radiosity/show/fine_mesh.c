@@ -147,7 +147,7 @@ static void reflected_by(const Lighting *l, int element, double out[3]) {
     const FineMesh *fine = l->fine;
     const FineSource *s = &fine->sources[-1 - fine->element[element]];
     double rho[3];
-    rgb_doubles(mesh_material(&fine->mesh, fine->mesh.elements[element].face)->reflectance, rho);
+    rgb_doubles(mesh_reflectance(&fine->mesh, element), rho);
     for (int c = 0; c < 3; c++) {
         out[c] = 0;
         for (int k = 0; k < FINE_SOURCES; k++)
@@ -184,7 +184,11 @@ static double (*unshot_at_nodes(const FineMesh *fine, const RadSolution *solutio
     double(*out)[3] = arena_alloc(arena, (size_t)nodes->count + 1, sizeof *out);
     for (int n = 0; n < nodes->count; n++) {
         int patch = fine->light->elements[nodes->element[nodes->first[n]]].patch;
-        memcpy(out[n], solution->unshot[patch], sizeof *out);
+        double own[3], mean[3];
+        rgb_doubles(mesh_patch_reflectance(fine->light, patch), own);
+        rgb_doubles(face_material(fine->light, nodes, n)->reflectance, mean);
+        for (int c = 0; c < 3; c++)
+            out[n][c] = solution->unshot[patch][c] * (own[c] > 0 ? mean[c] / own[c] : 1);
     }
     return out;
 }
@@ -404,6 +408,7 @@ static void join_meshes(FineMesh *fine, const Mesh *of_fine, Arena *arena) {
     join_vertices(out, join, arena, &scratch);
     for (int o = 0; o < out->graph->object_count; o++) take_object(join, o, at);
     CORE_ASSERT(at[0] == fine->light->face_count && at[1] == of_fine->face_count);
+    mesh_find_reflectances(out, arena);
     arena_free(&scratch);
 }
 

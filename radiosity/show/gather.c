@@ -214,7 +214,7 @@ static void walk_near(NearGatherer *self, const PathHit *hit, PathNumbers *numbe
                       const double u[PATH_NUMBERS], double light[3]) {
     const PathWorld *world = &self->world;
     double weight[3] = {1, 1, 1};
-    if (!path_reflect(mesh_material(world->mesh, hit->face), u[PATH_ROULETTE], weight)) return;
+    if (!path_reflect(path_reflectance(world, hit), u[PATH_ROULETTE], weight)) return;
     PathPlace place = {path_scene_before(world->scene, hit->face, hit->point),
                        world->mesh->faces[hit->face].plane.n};
     path_walk(world, place, numbers, 1, is_known, self, weight, light);
@@ -337,11 +337,14 @@ static void fit_slope(const Gatherer *self, int element, Leaving *out) {
             by[c] += self->scene.light->corner[i][c] * v;
         }
     }
-    double det = xx * yy - xy * xy;
+    double det = xx * yy - xy * xy, even[3];
     if (!(det > 0)) return;
-    for (int c = 0; c < 3; c++)
-        out->slope[c] = vec3_add(vec3_scale(x, (bx[c] * yy - by[c] * xy) / det),
-                                 vec3_scale(y, (by[c] * xx - bx[c] * xy) / det));
+    mesh_even(mesh, element, even);
+    for (int c = 0; c < 3; c++) {
+        double own = det * even[c];
+        out->slope[c] = vec3_add(vec3_scale(x, (bx[c] * yy - by[c] * xy) / own),
+                                 vec3_scale(y, (by[c] * xx - bx[c] * xy) / own));
+    }
     limit_slope(self, element, out);
 }
 

@@ -52,6 +52,29 @@ typedef struct Fit {
     Arena scratch;
 } Fit;
 
+// ---- pictures
+
+static double (*make_even(const Mesh *mesh, double (*light)[3], Arena *arena))[3] {
+    if (!light) return NULL;
+    double(*out)[3] = arena_alloc(arena, (size_t)mesh->element_count + 1, sizeof *out);
+    for (int e = 0; e < mesh->element_count; e++) {
+        double even[3];
+        mesh_even(mesh, e, even);
+        for (int c = 0; c < 3; c++) out[e][c] = even[c] * light[e][c];
+    }
+    return out;
+}
+
+RadSolution reconstruct_even(const Mesh *mesh, const RadSolution *solution, Arena *arena) {
+    RadSolution out = *solution;
+    if (!mesh->reflectance) return out;
+    out.radiosity = make_even(mesh, solution->radiosity, arena);
+    out.direct = make_even(mesh, solution->direct, arena);
+    out.daylight = make_even(mesh, solution->daylight, arena);
+    out.sun = make_even(mesh, solution->sun, arena);
+    return out;
+}
+
 // ---- slivers
 
 // Sums over an element and all that meet it smoothly, each once: their sums, of place and light by area.
@@ -244,7 +267,9 @@ static void leave_the_rest(Fit *fit, double (*node)[3]) {
 }
 
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]) {
-    Fit fit = {.mesh = mesh, .nodes = nodes, .solution = solution};
+    Fit fit = {.mesh = mesh, .nodes = nodes};
+    RadSolution even = reconstruct_even(mesh, solution, &fit.scratch);
+    fit.solution = &even;
     fit.centroid = ARENA_ARRAY(&fit.scratch, Vec3, mesh->element_count);
     fit.stamp = ARENA_ARRAY(&fit.scratch, int, mesh->element_count);
     fit.sliver = ARENA_ARRAY(&fit.scratch, bool, mesh->element_count);
@@ -287,7 +312,8 @@ VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Are
     }
     for (int i = 0; i < mesh->corner_count; i++)
         memcpy(out.corner[i], value[nodes.of_corner[i]], sizeof *value);
-    for (int f = 0; f < mesh->face_count; f++) fill_face(mesh, f, solution, out.face[f]);
+    RadSolution even = reconstruct_even(mesh, solution, &scratch);
+    for (int f = 0; f < mesh->face_count; f++) fill_face(mesh, f, &even, out.face[f]);
     arena_free(&scratch);
     return out;
 }

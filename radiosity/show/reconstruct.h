@@ -15,10 +15,15 @@ typedef struct VertexLight {
     int *triangle;
 } VertexLight;
 
-// The light of a solution at the corners. Where the solution was gathered at nodes, the gathered radiosities are used.
+// A solution as it would be if each element reflected what its material does in the mean: the light that is shown, for a shader or a
+// still to multiply by the picture over its mean. The same where no face has a picture; else `radiosity`, `direct`, `daylight` and `sun`
+// are new, in the arena.
+RadSolution reconstruct_even(const Mesh *mesh, const RadSolution *solution, Arena *arena);
+
+// The light of a solution at the corners, even as of reconstruct_even. Where the solution was gathered at nodes, the gathered radiosities are used.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
-// The radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
+// The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.
 void reconstruct_nodes(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, double (*out)[3]);
 
 // The same from values at the centres of patches, or at the centroids of elements. Linear light between the nodes passes through the values

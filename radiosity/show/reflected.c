@@ -30,7 +30,7 @@ enum { PARTS_A_LOOK = 1024 };
 // too few samples to tell anything; and where samples miscount the light by this share, steps between elements are theirs.
 static const double MOST_CHANGE = 0.5, SLIVER = 0.25, NOISY = 0.05;
 
-// Irradiances by reflected light of elements: that of their patch, and the step from it that shots tell.
+// Irradiances by reflected light of elements, from an even solution: that of their patch, and the step from it that shots tell.
 static void find_values(const Mesh *mesh, const RadSolution *s, double (*out)[3]) {
     for (int p = 0; p < mesh->patch_count; p++) {
         const Patch *patch = &mesh->patches[p];
@@ -128,11 +128,12 @@ static double count_parts(const Steps *s, double scale, MeshDepth *out) {
 
 MeshDepth *reflected_depths(const Mesh *mesh, const Nodes *nodes, const RadSolution *solution, Arena *arena) {
     Arena scratch = {0};
-    Steps s = {.mesh = mesh, .solution = solution};
+    RadSolution even = reconstruct_even(mesh, solution, &scratch);
+    Steps s = {.mesh = mesh, .solution = &even};
     MeshDepth *out = ARENA_ARRAY(arena, MeshDepth, mesh->element_count + 1);
     s.worst = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.worst);
     s.value = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.value);
-    find_values(mesh, solution, s.value);
+    find_values(mesh, &even, s.value);
     find_shown_light(&s, &scratch);
     double(*node)[3] = arena_alloc(&scratch, (size_t)nodes->count + 1, sizeof *node);
     s.rest = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *s.rest);
@@ -196,7 +197,8 @@ bool reflected_nodes(const GatherScene *scene, const MeshDepth *halved, const Me
     const Mesh *mesh = scene->mesh;
     Arena scratch = {0};
     double(*coarse)[3] = arena_alloc(&scratch, (size_t)mesh->element_count + 1, sizeof *coarse);
-    find_values(mesh, scene->solution, coarse);
+    RadSolution even = reconstruct_even(mesh, scene->solution, &scratch);
+    find_values(mesh, &even, coarse);
     if (shown == mesh) {
         reconstruct_values(mesh, nodes, false, coarse, NULL, out, NULL);
         arena_free(&scratch);

@@ -71,9 +71,12 @@ static void light_elements(const Mesh *mesh, const RadSolution *solution, const 
     for (int e = 0; e < shown->element_count; e++) {
         const Around *a = &around[in[e]];
         corner_mean(shown, nodes, solution->node, e, mean);
+        double from[3], to[3];
+        mesh_even(mesh, in[e], from);
+        mesh_even(shown, e, to);
         for (int c = 0; c < 3; c++) {
             bool even = a->count == 1 || !(a->power[c] > 0);
-            double share = even ? 1 : mean[c] * a->area / a->power[c];
+            double share = (even ? 1 : mean[c] * a->area / a->power[c]) * from[c] / to[c];
             out->radiosity[e][c] = share * solution->radiosity[in[e]][c];
             out->direct[e][c] = share * solution->direct[in[e]][c];
         }

@@ -728,7 +728,7 @@ static void ask_day(const PathWorld *world, const Stop *stop, double light[3], P
         PathPlace there = {path_scene_before(world->scene, hit.face, hit.point),
                            world->mesh->faces[hit.face].plane.n};
         if (!hit.front || !sun_at(world, &there, stop->u + PATH_DIRECTION, found)) return;
-        Rgb rho = mesh_material(world->mesh, hit.face)->reflectance;
+        Rgb rho = path_reflectance(world, &hit);
         found[0] *= (double)rho.r;
         found[1] *= (double)rho.g;
         found[2] *= (double)rho.b;
@@ -742,10 +742,14 @@ static void ask_day(const PathWorld *world, const Stop *stop, double light[3], P
     step->day[1] = (found[0] + found[1] + found[2]) / M_PI / (1 + density);
 }
 
-bool path_reflect(const Material *m, double u, double weight[3]) {
-    weight[0] *= (double)m->reflectance.r;
-    weight[1] *= (double)m->reflectance.g;
-    weight[2] *= (double)m->reflectance.b;
+Rgb path_reflectance(const PathWorld *world, const PathHit *hit) {
+    return mesh_reflectance_at(world->mesh, hit->face, vec3_add(hit->point, world->scene->origin), 0);
+}
+
+bool path_reflect(Rgb reflectance, double u, double weight[3]) {
+    weight[0] *= (double)reflectance.r;
+    weight[1] *= (double)reflectance.g;
+    weight[2] *= (double)reflectance.b;
     double goes_on = fmax(weight[0], fmax(weight[1], weight[2]));
     if (!(u < goes_on)) return false;
     for (int c = 0; c < 3; c++) weight[c] /= goes_on;
@@ -784,7 +788,7 @@ static bool follow_path(const PathWorld *world, Stop *stop,
         for (int c = 0; c < 3; c++) light[c] += weight[c] * reflected[c];
         return false;
     }
-    if (!path_reflect(m, stop->u[PATH_ROULETTE], weight)) return false;
+    if (!path_reflect(path_reflectance(world, &hit), stop->u[PATH_ROULETTE], weight)) return false;
     *place = (PathPlace){path_scene_before(world->scene, hit.face, hit.point), n};
     stop->sun_share = unasked;
     return true;

@@ -87,6 +87,8 @@ struct PathTrail;
 void path_walk_guided(const PathWorld *world, PathPlace place, PathNumbers *numbers,
                       const struct PathShares *own, struct PathTrail *trail, double light[3]);
 // Multiplies a walk's weight by the reflectance, with Russian roulette by `u`; false: the walk is absorbed.
-bool path_reflect(const Material *material, double u, double weight[3]);
+bool path_reflect(Rgb reflectance, double u, double weight[3]);
+// The reflectance where a ray met a face: of the material's picture there, to a texel, or else that of the material.
+Rgb path_reflectance(const PathWorld *world, const PathHit *hit);
 
 #endif

@@ -6,9 +6,20 @@
 # Light: the promised keys, the same bytes on any number of threads, with whatever memory, culled or not; the help's methods.
 bake() { expect "$1" "$program" bake $maps/two-rooms.plan --element 0.5 --resolution 50 --residual 0.05 "${@:2}"; }
 bake 0 -o "$work/1.rad" --threads 1 --json --probe 1,1,0,0,0,1
-for key in polygons patches elements shots residual elements_drawn_mean polygons_drawn_mean seconds seconds_visibility peak_mb
+for key in polygons patches elements shots residual_share emitted_w absorbed_w escaped_w unshot_w sky_w elements_drawn_mean polygons_drawn_mean seconds seconds_visibility peak_mb
 do says out "\"$key\": [0-9]"; done
 says out '"probes": \['
+# All power is in watts, and none is lost; tolerance: rounding of the nine digits that are printed.
+watts() { sed -n "s/.*\"$1_w\": \([-0-9.e]*\).*/\1/p" "$work/out"; }
+awk "BEGIN { lost = $(watts emitted) - $(watts absorbed) - $(watts escaped) - $(watts unshot)
+             exit !($(watts unshot) > 0 && lost * lost < 1e-14 * $(watts emitted) ^ 2) }" || fail "power is lost: $(grep _w "$work/out")"
+# Rounding makes no share of light negative: of this one it took a 10^16th part too much.
+printf 'quad a 0 .3 0 0 0 1 0 0 1 1 0 0 1 0\nquad b 0 .31 0 0 1 0 1 1 1 1 1 1 0 1\nquad c 0 .37 3 0 0 4 0 0 4 1 0 3 1 0\n' >"$work/black.quads"
+expect 0 "$program" bake "$work/black.quads" -o "$work/x.rad" --json && says out '"residual_share": 0.0,'
+# A file whose ending says something else is no .rad file.
+bake 2 -o "$work/x.obj" && says err 'x.obj. (allowed names that end in .rad or .glb, or have no ending'
+[ ! -e "$work/x.obj" ] || fail 'an .obj file of light'
+bake 0 -o "$work/light" && same "$work/light" "$work/1.rad" 'a name without an ending makes another .rad file'
 bake 0 -o "$work/2.rad" --threads 2 --row-memory 0
 bake 0 -o "$work/7.rad" --threads 7 --row-memory 1
 bake 0 -o "$work/none.rad" --no-cull
@@ -72,7 +83,7 @@ printf 'quad a .5 0 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/dark.quads"
 expect 1 "$program" bake "$work/dark.quads" -o "$work/x.rad" && says err 'nothing emits light'
 printf 'quad a .5 1 0 0 0 1 0 0 1 1 0 0 1 0\n' >"$work/open.quads"
 expect 0 "$program" bake "$work/open.quads" -o "$work/x.rad" && says err 'is open: 100 % of its light escaped'
-expect 0 "$program" bake "$work/dark.quads" --sky 5 -o "$work/x.rad" && says out 'sky  *[1-9]'
+expect 0 "$program" bake "$work/dark.quads" --sky 5 -o "$work/x.rad" && says out 'sky_w  *[1-9]'
 printf 'PRT1\n2\n1\n4 0 1 (0 0 9) (0 0 0) (0 9 0) (0 9 9)\n' >"$work/two.prt"
 expect 1 "$program" bake "$work/two.prt" -o "$work/x.rad" && says err 'without walls'
 # Surfaces that cannot be, each with its line; those that are mended are told of.
@@ -103,7 +114,7 @@ bad_plan 'emission is .-1.' 'material a #ffffff emission -1'
 expect 1 "$program" bake $maps/office.plan --element 0.01 -o "$work/x.rad" && says err 'give --element'
 # Whatever happens, an earlier file is kept: no folder, a full disk, killed at any moment.
 bake 1 -o "$work/no/such/folder/x.rad" && says err 'cannot be written'
-bake 1 -o "$work" && says err 'Is a directory'
+bake 1 -o "$work/cache" && says err 'Is a directory'
 bake 1 -o /dev/full && says err 'No space left'
 [ -c /dev/full ] || fail 'a device was replaced by a file'
 full_disk 1 "$program" bake $maps/two-rooms.plan -o "$work/1.rad"
@@ -134,9 +145,18 @@ rm -f "$work"/1.rad.??????
 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --json >"$work/out" 2>"$work/err" &
 sleep 1.5
 kill -INT $!
-wait $! || fail 'an interrupted bake fails'
-says out '"stopped": '
-expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01
+wait $!
+[ $? -eq 3 ] || fail 'an interrupted bake has not its own status'
+says out '"stopped": true' && says err 'stopped: this is the light of [0-9]* shots, from which --resume goes on'
+expect 0 "$program" bake $maps/office-plain.plan -o "$work/early.rad" --resume --seconds 0.01 && says out 'stopped  *no'
+# A limit of time is one of the whole bake: here elements that follow the light and shadows take longer, and are left out. Tolerance: what is
+# not cut short, on a machine that is busy. Daylight is whole or not at all.
+expect 0 "$program" bake $maps/house.plan -o "$work/brief.rad" --seconds 2 --json
+says err '2 s are too few for elements that follow the light' && says err 'after 2 s the light straight from lamps was not found anew'
+says out '"stopped": false' && seconds=$(sed -n 's/.*"seconds": \([0-9]*\).*/\1/p' "$work/out")
+[ "$seconds" -lt 8 ] || fail "a bake of 2 seconds took $seconds"
+expect 0 "$program" render $maps/house.plan --light "$work/brief.rad" --view still --size 32x18 --samples 1 --direct baked -o "$work/brief.png"
+expect 1 "$program" bake $maps/house.plan --day -o "$work/none.rad" --seconds 0.01 && says err 'all daylight was not in after 0.01 s: nothing is stored'
 # At any moment: what there is goes on to the same end; before there is any, Ctrl-C ends it as any program, and leaves nothing.
 RANDOM=${ENFILADE_SEED:-$(date +%s)}
 for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
@@ -147,7 +167,7 @@ for ((i = 0; i < ${ENFILADE_SOAK:+14}+6; i++)); do
     kill -INT $! 2>/dev/null
     wait $!
     case $? in
-    0) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;;
+    0 | 3) bake 0 -o "$work/early.rad" --resume && same "$work/early.rad" "$work/2.rad" "interrupted after $wait hundredths, it ends otherwise" ;;
     130) [ ! -e "$work/early.rad" ] || fail "interrupted after $wait hundredths, before there was light, it leaves a file" ;;
     *) fail "interrupted after $wait hundredths it ends with $?: $(head -2 "$work/err")" ;;
     esac

@@ -14,6 +14,16 @@ done
 # Wrong use: exit 2, what is wrong, and where help is.
 expect 2 "$program"
 expect 2 "$program" nonsense && says err 'there is no command `nonsense`'
+for typo in wlak:walk rendr:render bkae:bake pln:plan; do
+    expect 2 "$program" "${typo%:*}" && says err "there is no command .${typo%:*}.; .${typo#*:}. may be meant"
+done
+for word in nonsense w x; do
+    expect 2 "$program" $word
+    grep -q meant "$work/err" && fail "$word is taken for a command: $(head -1 "$work/err")"
+done
+for wrong in "vis -o x.rad" "plan -o x.png"; do
+    expect 2 "$program" ${wrong%% *} $maps/two-rooms.plan -o "$work/${wrong##* }" && says err 'allowed names that end in'
+done
 expect 2 "$program" info && says err '--help'
 expect 2 "$program" info --nonsense $maps/two-rooms.plan && says err '`--nonsense`'
 expect 2 "$program" vis --threads 0 $maps/two-rooms.plan && says err 'allowed 1 to 256'
@@ -287,6 +297,7 @@ expect 0 bash -c "cat $two | $program info /dev/stdin; [ \$? -eq 1 ]" && says er
 
 # Where nothing can be written, that is said before the work: missing and unwritable folders, folders for files, what is read itself.
 cp $two "$work/own.plan"
+ln -s own.plan "$work/own"
 while read -r said command; do
     expect 1 "$program" ${command//OUT/$work} && says err "${said//_/ }" && sentence
 done <<END
@@ -297,12 +308,12 @@ No_such_file walk $two --offscreen OUT/x --stats OUT/no/x.csv
 No_such_file walk $two --offscreen OUT/x --video OUT/no/x.mp4
 No_such_file bench visibility $two --csv OUT/no/x.csv
 Not_a_directory walk $maps/office.plan --bake --offscreen OUT/file/frames
-Is_a_directory bake $maps/office.plan -o OUT
+Is_a_directory bake $maps/office.plan -o OUT/side
 Is_a_directory vis $two -o OUT/side
-is_read,_and_would bake OUT/own.plan -o OUT/own.plan
-is_read,_and_would plan OUT/own.plan -o OUT/own.plan
-is_read,_and_would vis OUT/own.plan -o OUT/own.plan
-is_read,_and_would render OUT/own.plan -o OUT/own.plan
+is_read,_and_would bake OUT/own.plan -o OUT/own
+is_read,_and_would plan OUT/own.plan -o OUT/own
+is_read,_and_would vis OUT/own.plan -o OUT/own
+is_read,_and_would render OUT/own.plan -o OUT/own
 is_read,_and_would vis OUT/own.plan --pairs OUT/1.seen --against OUT/1.seen
 is_read,_and_would walk OUT/own.plan --offscreen OUT/x --stats OUT/own.plan
 written_twice walk OUT/own.plan --offscreen OUT/x --stats OUT/x.mp4 --video OUT/x.mp4
@@ -337,13 +348,13 @@ while read -r out command; do
     expect 1 "$program" ${command//MODEL/$work/model} "$work/$out" && sentence
     says err "^enfilade: $work/$out.*: is read, and would be overwritten (allowed: another file)\$"
 done <<END
-model/own.mtl bake MODEL/a.obj -o
+frames/soft bake MODEL/a.obj -o
 frames/hard.glb bake MODEL/a.obj -o
 frames/soft vis MODEL/a.obj -o
 model/own.png vis MODEL/a.obj --pairs
 frames/soft plan MODEL/a.obj -o
-model/own.mtl render MODEL/a.obj -o
-model/own.bin bake MODEL/b.gltf -o
+model/own.png render MODEL/a.obj -o
+frames/hard bake MODEL/b.gltf -o
 model/own.png render MODEL/b.gltf -o
 frames/hard bench visibility MODEL/b.gltf --csv
 model/own.bin walk MODEL/b.gltf --offscreen $work/frames --stats
@@ -370,6 +381,15 @@ expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --sky 6 -
 rm -rf "$work/cache"
 expect 1 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off --night -o "$work/day.png" && says err 'nothing emits light: it has no lamps (--fill'
 expect 0 "$program" render "$work/unlit.plan" --size 32x18 --samples 1 --fill-lamps off -o "$work/day.png"
+# Night that is asked for is baked, too, where the light that is stored is of a day.
+printf 'plan 1\nmaterial m #808080\nmaterial l #ffffff emission 9\nstorey s floor 0 height 3\nroom r 0,0 4,0 4,3 0,3 wall 0.2\n' >"$work/night.plan"
+printf 'inlay l ceiling 1,1 2,1 2,2 1,2\nwindow w 4.1,1.5 angle 90 width 1 sill 0.9 height 1\n' >>"$work/night.plan"
+walk_night() { expect 0 "$program" walk "$work/night.plan" --offscreen "$work/$1" --step 10 --turn 60 --size 64x36 "${@:2}"; }
+walk_night by-day --sky 5
+walk_night by-night --night && says err 'passed over.*a sky of 5,5,5'
+expect 0 "$program" bake "$work/night.plan" --night -o "$work/night.rad"
+walk_night again --light "$work/night.rad" --night
+same "$work/by-night/frame-00000.png" "$work/again/frame-00000.png" 'a walk at night shows no light of the lamps'
 expect 2 "$program" render $two --night --time 9:00 -o "$work/day.png" && says err '--night is without daylight'
 rm -rf "$work/cache"
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'

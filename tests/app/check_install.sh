@@ -58,6 +58,11 @@ awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' README.md >"$work/example.
 lines=$(wc -l <"$work/example.c")
 [ "$lines" -ge 10 ] && [ "$lines" -le 40 ] || die "the README's example in C has $lines lines (10 to 40 are allowed)"
 compile "$work/example.c" example
+# It is C++ as well, in every version that compilers still take, with their warnings.
+for version in c++11 c++17 c++20; do
+    g++ -std=$version -Wall -Wpedantic -Werror -fsyntax-only -I"$root/usr/include" -x c++ "$work/example.c" 2>"$work/cpp" ||
+        die "the README's example is no ${version^^}: $(grep -m1 error "$work/cpp")"
+done
 grep -q '^visible: [1-9]' "$work/example.out" || die "the example says: $(cat "$work/example.out")"
 loaded=$(LD_LIBRARY_PATH=$root/usr/lib ldd "$work/example.shared" | wc -l)
 [ "$loaded" -le 14 ] || die "the README's example loads $loaded libraries (14 are allowed)"

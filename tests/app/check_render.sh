@@ -23,6 +23,19 @@ expect 1 "$program" render $maps/two-rooms.plan -o "$out" --light "$work/absent.
 printf 'plan 1\nmaterial m #808080\nstorey s floor 0 height 3\nroom r 0,0 4,0 4,3 0,3\n' >"$work/dark.plan"
 expect 1 "$program" render "$work/dark.plan" --fill-lamps off --night -o "$out" && says err 'nothing emits light'
 [ ! -e "$out" ] || fail 'a picture where there was none to draw'
+for name in x.jpg x.PNG.bak; do
+    expect 2 "$program" render $maps/two-rooms.plan -o "$work/$name" && says err "$name. (allowed names that end in .png, or have no ending)"
+done
+# A black picture says why: a room that no light reaches, an eye in a wall of it. The room beside it is lit, and nothing is said.
+printf 'material l #ffffff emission 30\nroom lit 5,0 9,0 9,3 5,3 wall 0.1\ninlay l ceiling 6,1 7,1 7,2 6,2\n' >"$work/lit"
+cat "$work/dark.plan" "$work/lit" | awk '/^material/ { m = m $0 "\n"; next } /^plan/ { print; next } { r = r $0 "\n" } END { printf "%s%s", m, r }' >"$work/half.plan"
+black() { expect 0 "$program" render "$work/half.plan" --fill-lamps off --night --size 32x18 --samples 1 -o "$out" --eye "$1" --look "$2"; }
+black 1,1,1.5 2,2,1
+says err 'is black: its eye is at (1.00, 1.00, 1.50), and no light reaches what is seen from there (--day'
+black 2,-0.05,1.5 2,2,1
+says err 'is black: its eye is at (2.00, -0.05, 1.50), and that is in no room'
+black 6,1,1.5 8,2,1
+quiet
 
 # Quick bakes. One of another building, and one that is damaged, are refused; beside the building they are passed over.
 quick="--element 1 --close 0 --reach 0 --refine 0 --residual 0.05 --resolution 50"
@@ -47,7 +60,7 @@ child=$!
 sleep 2
 kill -INT $child
 wait $child
-[ $? -eq 1 ] || fail 'Ctrl-C: exit status'
+[ $? -eq 3 ] || fail 'Ctrl-C: exit status'
 grep -q 'was not written' "$work/err" || fail "Ctrl-C says $(cat "$work/err")"
 [ "$(ls "$work" | grep -c 'x.png')" -eq 0 ] || fail 'Ctrl-C left a file'
 

@@ -15,6 +15,7 @@ seeds() {
     sh3d) ls tests/seeds/home* tests/seeds/*.sh3d* ;;
     soup_obj) ls tests/seeds/*.obj ;;
     gltf) ls tests/seeds/*.gl* ;;
+    foreign) ls tests/seeds/*.dae tests/seeds/*.3ds ;;
     recording) ls tests/seeds/*.path ;;
     pipeline) ls tests/seeds/s*.plan tests/seeds/room* tests/seeds/*.{prt,files} ;;
     *) ls tests/seeds/*."$1" 2>/dev/null ;;

@@ -46,7 +46,7 @@ Test(sun_stills, penumbra_in_closed_form) {
         StillNumbers numbers = {{0.1, 0.2, 0.3}, 0};
         Ray ray = {vec3(0.3 + u * radius, 0.11, 1), vec3(0, 0, -1), 0, INFINITY};
         SurfaceHit hit = still_rays_first(scene->all, &ray);
-        still_light_at(&light, &ray, &hit, 4096, &numbers, out);
+        still_light_at(&light, &ray, &hit, 0, 4096, &numbers, out);
         worst = fmax(worst, fabs((out[1] - 7) / 50 - share_beyond(u)));
     }
     printf("off by %.2g of the sun's light\n", worst);
@@ -85,7 +85,7 @@ Test(sun_stills, light_through_a_pane) {
             StillNumbers numbers = {{0.1, 0.2, 0.3}, 0};
             Ray ray = {vec3_add(at, vec3(0, 0, 0.5)), vec3(0, 0, -1), 0, INFINITY};
             SurfaceHit hit = still_rays_first(scene->all, &ray);
-            still_light_at(&still, &ray, &hit, 4096, &numbers, light[i][by_sun]);
+            still_light_at(&still, &ray, &hit, 0, 4096, &numbers, light[i][by_sun]);
             still_lamps_end(lamps);
         }
     }

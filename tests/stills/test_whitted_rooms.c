@@ -223,7 +223,7 @@ Test(whitted, shadows_are_sharp) {
         SurfaceHit hit = still_rays_first(scene->all, &ray);
         StillNumbers numbers = {{0.1, 0.2, 0.3}, 0};
         double out[3];
-        still_light_at(&light, &ray, &hit, 16, &numbers, out);
+        still_light_at(&light, &ray, &hit, 0, 16, &numbers, out);
         // A unit square 2.5 m above: 4 times that of one of half the side from below a corner.
         double x = 0.5 / 2.5, r = sqrt(1 + x * x),
                want = 4 * (2 * x / r * atan(x / r)) / (2 * M_PI) * 12 * 0.5;

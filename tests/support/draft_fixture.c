@@ -47,7 +47,8 @@ void draft_wall_shape(Draft *d, int storey, const Vec2 *p, int count, double ang
                      z,
                      z + height,
                      angle + d->turn,
-                     arena_format(&d->arena, "wall-%d", d->s.wall_count)};
+                     arena_format(&d->arena, "wall-%d", d->s.wall_count),
+                     0};
 }
 
 void draft_wall(Draft *d, int storey, double x0, double y0, double x1, double y1, double thickness,
@@ -79,7 +80,8 @@ void draft_room_shape(Draft *d, int storey, const Vec2 *p, int count) {
                      NAN,
                      NAN,
                      0,
-                     3};
+                     3,
+                     false};
 }
 
 void draft_room(Draft *d, int storey, double x0, double y0, double x1, double y1) {

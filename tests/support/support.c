@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <criterion/criterion.h>
+#include <png.h>
 
 enum { READ_LIMIT = 1 << 30, MAX_FOLDERS = 64, OPEN_FOLDERS = 16 };
 
@@ -64,6 +65,18 @@ char *support_folder(Arena *arena) {
     cr_assert_not_null(mkdtemp(path), "no temporary folder");
     folder_count++;
     return arena_string(arena, path);
+}
+
+Bytes support_png(Arena *arena, int width, int height, const uint8_t *pixels) {
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = (png_uint_32)width,
+                       .height = (png_uint_32)height,
+                       .format = PNG_FORMAT_RGBA};
+    png_alloc_size_t size = 0;
+    cr_assert(png_image_write_to_memory(&image, NULL, &size, 0, pixels, 0, NULL));
+    Bytes out = {arena_alloc(arena, size, 1), size};
+    cr_assert(png_image_write_to_memory(&image, out.data, &size, 0, pixels, 0, NULL));
+    return out;
 }
 
 Bytes support_read(Arena *arena, const char *path) {

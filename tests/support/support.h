@@ -22,6 +22,9 @@ int support_count(int quick, int at_soak);  // how many cases to try
 // A new folder, removed with all it holds when the test's process ends. In `arena`.
 char *support_folder(Arena *arena);
 
+// A PNG image of pixels [height * width * 4], red, green, blue and opacity.
+Bytes support_png(Arena *arena, int width, int height, const uint8_t *pixels);
+
 // The whole file; fails the running test when it cannot be read.
 Bytes support_read(Arena *arena, const char *path);
 

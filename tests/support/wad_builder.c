@@ -127,6 +127,16 @@ static void add_lump(Output *o, const char *name, const unsigned char *data, int
     if (size > 0) memcpy(put(o->arena, &o->data, &o->size, &o->capacity, size), data, (size_t)size);
 }
 
+static Bytes finish_file(Output *o) {
+    int directory = o->size;
+    memcpy(put(o->arena, &o->data, &o->size, &o->capacity, o->entry_size), o->entries, (size_t)o->entry_size);
+    put32(o->data + 4, o->entry_size / 16);
+    put32(o->data + 8, directory);
+    // A byte more, which is not counted: see Bytes.
+    put(o->arena, &o->data, &o->size, &o->capacity, 1);
+    return (Bytes){o->data, (size_t)o->size - 1};
+}
+
 Bytes wad_file(const WadMaker *maps, const char *const *names, int count, const char *with) {
     Output o = {.arena = maps->arena};
     memcpy(put(o.arena, &o.data, &o.size, &o.capacity, 12), "PWAD", 4);
@@ -140,13 +150,7 @@ Bytes wad_file(const WadMaker *maps, const char *const *names, int count, const 
         add_lump(&o, "SECTORS", w->sectors, w->sector_size);
     }
     if (with) add_lump(&o, with, NULL, 0);
-    int directory = o.size;
-    memcpy(put(o.arena, &o.data, &o.size, &o.capacity, o.entry_size), o.entries, (size_t)o.entry_size);
-    put32(o.data + 4, o.entry_size / 16);
-    put32(o.data + 8, directory);
-    // A byte more, which is not counted: see Bytes.
-    put(o.arena, &o.data, &o.size, &o.capacity, 1);
-    return (Bytes){o.data, (size_t)o.size - 1};
+    return finish_file(&o);
 }
 
 static long get32(const unsigned char *at) { return at[0] | at[1] << 8 | at[2] << 16 | (long)at[3] << 24; }
@@ -163,11 +167,77 @@ long wad_lump(Bytes file, const char *name, long *size) {
     return -1;
 }
 
+// ---- pictures
+
+enum { PATCH_WIDTH = 32, PATCH_HEIGHT = 128, FLAT_SIDE = 64 };
+
+static void add_patch(Output *o) {
+    enum { COLUMN = 3 + PATCH_HEIGHT + 2 };
+    unsigned char lump[8 + 4 * PATCH_WIDTH + PATCH_WIDTH * COLUMN] = {0};
+    put16(lump, PATCH_WIDTH);
+    put16(lump + 2, PATCH_HEIGHT);
+    for (int x = 0; x < PATCH_WIDTH; x++) {
+        int at = 8 + 4 * PATCH_WIDTH + x * COLUMN;
+        put32(lump + 8 + 4 * x, at);
+        lump[at + 1] = PATCH_HEIGHT;
+        for (int y = 0; y < PATCH_HEIGHT; y++) lump[at + 3 + y] = (unsigned char)(x + y);
+        lump[at + COLUMN - 1] = 255;
+    }
+    add_lump(o, "PATCH", lump, sizeof lump);
+}
+
+static void add_walls(Output *o) {
+    static const struct {
+        const char *name;
+        int width, height, patches;
+    } WALLS[] = {{"MIDDLE", 64, 96, 2}, {"LOWER", 64, 64, 1}, {"UPPER", 64, 72, 1}, {"SKY1", 256, 128, 8}};
+    enum { COUNT = sizeof WALLS / sizeof *WALLS };
+    unsigned char lump[1024] = {0};
+    int at = 4 + 4 * COUNT;
+    put32(lump, COUNT);
+    for (int i = 0; i < COUNT; i++) {
+        put32(lump + 4 + 4 * i, at);
+        memcpy(lump + at, WALLS[i].name, strlen(WALLS[i].name));
+        put16(lump + at + 12, WALLS[i].width);
+        put16(lump + at + 14, WALLS[i].height);
+        put16(lump + at + 20, WALLS[i].patches);
+        for (int p = 0; p < WALLS[i].patches; p++) put16(lump + at + 22 + 10 * p, PATCH_WIDTH * p);
+        at += 22 + 10 * WALLS[i].patches;
+    }
+    add_lump(o, "TEXTURE1", lump, at);
+}
+
+Bytes wad_with_pictures(Arena *arena, Bytes file) {
+    Output o = {.arena = arena};
+    memcpy(put(arena, &o.data, &o.size, &o.capacity, 12), "IWAD", 4);
+    const unsigned char *entry = file.data + get32(file.data + 8);
+    for (long i = 0; i < get32(file.data + 4); i++, entry += 16) {
+        char name[9] = "";
+        memcpy(name, entry + 8, 8);
+        add_lump(&o, name, file.data + get32(entry), (int)get32(entry + 4));
+    }
+    unsigned char palette[768], flat[FLAT_SIDE * FLAT_SIDE];
+    for (int i = 0; i < 256; i++)
+        palette[3 * i] = (unsigned char)i, palette[3 * i + 1] = (unsigned char)(255 - i),
+                    palette[3 * i + 2] = (unsigned char)(i / 2);
+    for (int i = 0; i < FLAT_SIDE * FLAT_SIDE; i++)
+        flat[i] = (unsigned char)(i % FLAT_SIDE + 2 * (i / FLAT_SIDE));
+    add_lump(&o, "PLAYPAL", palette, sizeof palette);
+    add_lump(&o, "F_START", NULL, 0);
+    add_lump(&o, "FLAT", flat, sizeof flat);
+    add_lump(&o, "CEIL", flat, sizeof flat);
+    add_lump(&o, "F_END", NULL, 0);
+    add_lump(&o, "PNAMES", (const unsigned char *)"\1\0\0\0PATCH\0\0\0", 12);
+    add_walls(&o);
+    add_patch(&o);
+    return finish_file(&o);
+}
+
 Bytes wad_spoilt(Arena *arena, const unsigned char *data, size_t size) {
     static const char *const NAMES[] = {"MAP01"};
     WadMaker maker = {.arena = arena};
     wad_two_rooms(&maker);
-    Bytes file = wad_file(&maker, NAMES, 1, NULL);
+    Bytes file = wad_with_pictures(arena, wad_file(&maker, NAMES, 1, NULL));
     for (size_t i = 0; i + 4 <= size; i += 4) {
         size_t at = (size_t)(data[i] | data[i + 1] << 8) % (file.size - 1);
         memcpy(file.data + at, data + i + 2, 2);

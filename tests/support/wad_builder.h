@@ -25,10 +25,14 @@ void wad_two_rooms(WadMaker *w);
 
 // A file of maps with these names; `with` (or NULL): one more lump after the last.
 Bytes wad_file(const WadMaker *maps, const char *const *names, int count, const char *with);
+// The same file with pictures: a palette whose colour i is (i, 255 - i, i / 2); flats FLAT and CEIL, whose texel (x, y) has colour
+// x + 2 y; wall textures MIDDLE, 64 x 96, of two patches side by side, LOWER, 64 x 64, and UPPER, 64 x 72, of one patch, and the sky
+// SKY1, 256 x 128. A patch is 32 x 128; its texel (x, y) has colour x + y.
+Bytes wad_with_pictures(Arena *arena, Bytes file);
 // The place of a lump's data in such a file, -1 without.
 long wad_lump(Bytes file, const char *name, long *size);
 
-// The file of those two rooms, in which each four bytes put two others somewhere.
+// The file of those two rooms, with pictures, in which each four bytes put two others somewhere.
 Bytes wad_spoilt(Arena *arena, const unsigned char *data, size_t size);
 
 #endif

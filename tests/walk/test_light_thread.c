@@ -44,7 +44,7 @@ static bool pull(void *context, const LightHooks *hooks, Arena *arena, WalkLight
 
 static LightThread *begin(Puppet *puppet, Arena *arena) {
     LightBaker baker = {.bake = pull, .context = puppet};
-    LightThread *thread = light_thread_start(&baker, arena);
+    LightThread *thread = light_thread_start(&baker, NULL, NULL, arena);
     cr_assert(thread);
     return thread;
 }

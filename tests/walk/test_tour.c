@@ -109,7 +109,7 @@ Test(walk, video, .timeout = 60) {
                            arena_format(&arena, "%s.%d.part", path, (int)getpid())};
     cr_assert(file_write(others, "mine", 4, &error), "%s", error.text);
     for (int i = 0; i < 2; i++) cr_assert_eq(symlink(others, traps[i]), 0);
-    Video *video = video_begin(path, WIDTH, HEIGHT, 10, &arena, &error);
+    Video *video = video_begin(path, WIDTH, HEIGHT, 10, 1, &arena, &error);
     cr_assert(video, "%s", error.text);
     for (int i = 0; i < 5; i++) {
         memset(rgb, 50 * i, sizeof rgb);
@@ -122,12 +122,12 @@ Test(walk, video, .timeout = 60) {
     cr_assert(unlink(traps[0]) == 0 && unlink(traps[1]) == 0 && unlink(others) == 0);
 
     setenv("PATH", folder, 1);
-    cr_assert_null(video_begin(path, WIDTH, HEIGHT, 10, &arena, &error));
+    cr_assert_null(video_begin(path, WIDTH, HEIGHT, 10, 1, &arena, &error));
     cr_assert(strstr(error.text, "ffmpeg cannot be started"), "%s", error.text);
     char *program = arena_format(&arena, "%s/ffmpeg", folder);
     cr_assert(file_write(program, fake, sizeof fake - 1, &error), "%s", error.text);
     chmod(program, 0755);
-    video = video_begin(path, WIDTH, HEIGHT, 10, &arena, &error);
+    video = video_begin(path, WIDTH, HEIGHT, 10, 1, &arena, &error);
     cr_assert(video, "%s", error.text);
     bool good = true;
     for (int i = 0; i < 100 && good; i++) good = video_add(video, rgb, &error);

@@ -34,6 +34,11 @@ static void add_edge(CellBuilder *builder, const Region *region, int point, int 
     *ARENA_PUSH(builder->scratch, builder->edge_material, count, builder->edge_capacity) =
         edge >= 0 ? b->edge_material[edge] : -1;
     count = graph->plan_count;
+    *ARENA_PUSH(builder->scratch, builder->edge_upper, count, builder->upper_capacity) =
+        edge < 0        ? -1
+        : b->edge_upper ? b->edge_upper[edge]
+                        : b->edge_material[edge];
+    count = graph->plan_count;
     *ARENA_PUSH(builder->scratch, builder->edge_outer, count, builder->outer_capacity) =
         region->kind == REGION_OUTDOORS && on_border(&b->world, a, end);
     *ARENA_PUSH(builder->arena, graph->plan, graph->plan_count, builder->plan_capacity) = a;

@@ -101,14 +101,16 @@ static void add_walls(CellBuilder *builder, int c) {
         int edge = cell->first_edge + i;
         if (builder->edge_outer[edge]) continue;
         Vec2 a = graph->plan[edge], b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
-        int count = portal_spans(graph, cell, a, b, spans), material = builder->edge_material[edge];
+        int count = portal_spans(graph, cell, a, b, spans), material = builder->edge_material[edge],
+            upper = builder->edge_upper[edge];
         if (material < 0) material = 0;
+        if (upper < 0) upper = 0;
         double from = cell->z0;
         for (int s = 0; s < count; s++) {
             add_wall(builder, c, a, b, from, spans[s].z0, material);
             from = spans[s].z1;
         }
-        add_wall(builder, c, a, b, from, cell->z1, material);
+        add_wall(builder, c, a, b, from, cell->z1, count > 0 ? upper : material);
     }
 }
 

@@ -1,6 +1,5 @@
 // test_gltf_scene.c - nodes, lights, cameras, materials and textures of a glTF file.
 #include <criterion/criterion.h>
-#include <png.h>
 
 #include "engine/core/text.h"
 #include "tests/support/gltf_fixture.h"
@@ -94,17 +93,7 @@ Test(gltf, lights_and_cameras) {
     arena_free(&arena);
 }
 
-static Bytes chequer(Arena *arena) {
-    static const unsigned char PIXELS[] = {0, 0, 0, 255, 255, 255, 255, 255};
-    png_image image = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 1, .format = PNG_FORMAT_RGBA};
-    png_alloc_size_t size = 0;
-    cr_assert(png_image_write_to_memory(&image, NULL, &size, 0, PIXELS, 0, NULL));
-    Bytes out = {arena_alloc(arena, size, 1), size};
-    cr_assert(png_image_write_to_memory(&image, out.data, &size, 0, PIXELS, 0, NULL));
-    return out;
-}
-
-// Colours, what is seen through, what shines, and textures by their mean.
+// Colours, what is seen through, what shines, and the means of textures.
 Test(gltf, materials) {
     static const struct {
         const char *material;
@@ -121,7 +110,14 @@ Test(gltf, materials) {
         {"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"baseColorFactor\":[0.8,1,1,1]}",
          0.8f * MAPS_MAX_COLOUR / 2, 1, 0},
         {"\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}",
-         MAPS_MAX_COLOUR / 2, 0.5f, 0},
+         MAPS_MAX_COLOUR / 2, 1, 0},
+        {"\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":2}}", 0, 0.5f, 0},
+        {"\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":2},"
+         "\"baseColorFactor\":[1,1,1,0.5]}",
+         0, 0.25f, 0},
+        {"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":2}}", MAPS_MAX_COLOUR / 2, 1, 0},
+        {"\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":1}}",
+         MAPS_MAX_COLOUR, 0.5f, 0},
         {"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":1},\"baseColorFactor\":[0.4,1,1,1]}",
          0.4f, 1, 0},
         {"\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}},"
@@ -135,14 +131,17 @@ Test(gltf, materials) {
          0, 1, (float)M_PI},
     };
     Arena arena = {0};
-    Bytes png = chequer(&arena);
+    Bytes png = support_png(&arena, 2, 1, (const uint8_t[]){0, 0, 0, 255, 255, 255, 255, 255}),
+          half = support_png(&arena, 2, 1, (const uint8_t[]){0, 0, 0, 255, 255, 255, 255, 0});
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         GltfDocument d = gltf_usual();
-        d.head = arena_format(
-            &arena,
-            "\"materials\":[{\"name\":\"paint\",%s}],\"textures\":[{\"source\":0},{\"source\":1}],"
-            "\"images\":[{\"uri\":\"data:image/png;base64,%s\"},{\"bufferView\":0}],",
-            CASES[i].material, gltf_base64(&arena, png.data, png.size));
+        d.head = arena_format(&arena,
+                              "\"materials\":[{\"name\":\"paint\",%s}],\"textures\":[{\"source\":0},{"
+                              "\"source\":1},{\"source\":2}],"
+                              "\"images\":[{\"uri\":\"data:image/png;base64,%s\"},{\"bufferView\":0},"
+                              "{\"uri\":\"data:image/png;base64,%s\"}],",
+                              CASES[i].material, gltf_base64(&arena, png.data, png.size),
+                              gltf_base64(&arena, half.data, half.size));
         d.mesh = "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}";
         Building b;
         gltf_accept(&arena, &d, &b);

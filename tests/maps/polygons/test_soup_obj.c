@@ -220,8 +220,9 @@ Test(soup_merge, joins_what_is_convex) {
         for (int i = 0; i < n * n; i++) {
             int a = i / n * (n + 1) + i % n, corner[6] = {a, a + 1, a + n + 2, a, a + n + 2, a + n + 1};
             for (int k = 0; k < 2; k++)
-                mesh.faces[mesh.face_count++] = (SoupFace){
-                    6 * i + 3 * k, 3, k == 0 ? random_index(&random, materials) : mesh.faces[2 * i].material};
+                mesh.faces[mesh.face_count++] =
+                    (SoupFace){6 * i + 3 * k, 3,
+                               k == 0 ? random_index(&random, materials) : mesh.faces[2 * i].material, 0};
             memcpy(mesh.corners + 6 * i, corner, sizeof corner);
         }
         mesh.corner_count = 6 * n * n;
@@ -249,8 +250,14 @@ static int merged_count(const Vec3 *v, int vertices, const int *corners, int tri
     memcpy(copy, corners, sizeof(int) * 3 * (size_t)triangles);
     Vec3 points[12];
     memcpy(points, v, sizeof(Vec3) * (size_t)vertices);
-    for (int i = 0; i < triangles; i++) faces[i] = (SoupFace){3 * i, 3, materials ? materials[i] : 0};
-    SoupMesh mesh = {points, copy, faces, vertices, 3 * triangles, triangles}, merged;
+    for (int i = 0; i < triangles; i++) faces[i] = (SoupFace){3 * i, 3, materials ? materials[i] : 0, 0};
+    SoupMesh mesh = {.vertices = points,
+                     .corners = copy,
+                     .faces = faces,
+                     .vertex_count = vertices,
+                     .corner_count = 3 * triangles,
+                     .face_count = triangles};
+    SoupMesh merged;
     soup_merge(&mesh, &arena, &merged);
     int count = merged.face_count;
     arena_free(&arena);
@@ -276,6 +283,43 @@ Test(soup_merge, leaves_the_rest) {
     const Vec3 blunt[] = {{0, 0, 0}, {4, 0, 0}, {2, 1, 0}};
     const int both[] = {0, 1, 2, 1, 0, 2};
     cr_expect_eq(merged_count(blunt, 3, both, 2, NULL), 2);
+}
+
+// Two triangles of a square with a texture of 100 x 10 texels become one where one map fits both to half a texel, 0.005 across and
+// 0.05 down, and keep the places of their corners; a seam, another scale beyond the edge or a texture beside none keeps them apart.
+Test(soup_merge, joins_textures_that_go_on) {
+    static const struct {
+        const char *what;
+        double du, dv, seam;  // added to the place of corner 5, alone; to those of the second triangle
+        int textures[2], faces;
+    } CASES[] = {{"one map", 0, 0, 0, {1, 1}, 1},
+                 {"within half a texel", 0.004, 0.04, 0, {1, 1}, 1},
+                 {"stretched across", 0.04, 0, 0, {1, 1}, 2},
+                 {"stretched down", 0, 0.4, 0, {1, 1}, 2},
+                 {"a seam", 0, 0, 0.25, {1, 1}, 2},
+                 {"no texture", 3, 3, 3, {0, 0}, 1}};
+    const Texture textures[] = {{0}, {.width = 100, .height = 10}};
+    for (size_t c = 0; c < sizeof CASES / sizeof *CASES; c++) {
+        Arena arena = {0};
+        Vec3 v[] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+        int corners[] = {0, 1, 2, 0, 2, 3};
+        Vec2 places[6];
+        for (int i = 0; i < 6; i++)
+            places[i] = vec2(v[corners[i]].x + (i < 3 ? 0 : CASES[c].seam), 3 * v[corners[i]].y);
+        places[5] = vec2_add(places[5], vec2(CASES[c].du, CASES[c].dv));
+        SoupFace faces[] = {{0, 3, 7, CASES[c].textures[0]}, {3, 3, 7, CASES[c].textures[1]}};
+        SoupMesh mesh = {v, corners, faces, places, textures, 4, 6, 2}, merged;
+        soup_merge(&mesh, &arena, &merged);
+        cr_expect_eq(merged.face_count, CASES[c].faces, "%s", CASES[c].what);
+        for (int i = 0; i < merged.corner_count && CASES[c].seam == 0; i++) {
+            Vec3 p = merged.vertices[merged.corners[i]];
+            Vec2 off = vec2_sub(merged.places[i], vec2(p.x, 3 * p.y));
+            // Tolerance: rounding of places up to 4.
+            cr_expect(fabs(off.x) <= CASES[c].du + 1e-12 && fabs(off.y) <= CASES[c].dv + 1e-12, "%s",
+                      CASES[c].what);
+        }
+        arena_free(&arena);
+    }
 }
 
 // Names that nobody knows are told once, with their count and the names; a name of Sweet Home 3D's table is known.

@@ -189,3 +189,58 @@ Test(sh3d, levels) {
     cr_assert_geq(home_note(&h, "read as one storey"), 0);
     home_free(&h);
 }
+
+// A home without levels, 3.66 m high: a hall with outer walls as high, and two rooms in it that walls of 2.44 m enclose, with a gap in
+// the wall between them; one of these has a corner at the outer wall.
+#define CEILINGS                                                                                             \
+    "<wall xStart='-5' yStart='-5' xEnd='1205' yEnd='-5' thickness='10' height='366'/>"                      \
+    "<wall xStart='-5' yStart='805' xEnd='1205' yEnd='805' thickness='10' height='366'/>"                    \
+    "<wall xStart='-5' yStart='-5' xEnd='-5' yEnd='805' thickness='10' height='366'/>"                       \
+    "<wall xStart='1205' yStart='-5' xEnd='1205' yEnd='805' thickness='10' height='366'/>"                   \
+    "<wall xStart='200' yStart='195' xEnd='800' yEnd='195' thickness='10' height='244'/>"                    \
+    "<wall xStart='200' yStart='605' xEnd='800' yEnd='605' thickness='10' height='244'/>"                    \
+    "<wall xStart='195' yStart='190' xEnd='195' yEnd='610' thickness='10' height='244'/>"                    \
+    "<wall xStart='805' yStart='190' xEnd='805' yEnd='610' thickness='10' height='244'/>"                    \
+    "<wall xStart='500' yStart='200' xEnd='500' yEnd='500' thickness='10' height='244'/>"                    \
+    "<room name='hall'><point x='0' y='0'/><point x='1200' y='0'/><point x='1200' y='190'/>"                 \
+    "<point x='0' y='190'/></room>"                                                                          \
+    "<room name='one' ceilingVisible='%s'><point x='200' y='200'/><point x='495' y='200'/>"                  \
+    "<point x='495' y='600'/><point x='200' y='600'/></room>"                                                \
+    "<room name='two'><point x='505' y='200'/><point x='800' y='200'/><point x='800' y='600'/>"              \
+    "<point x='505' y='600'/></room>"
+
+// On the highest level rooms have the ceilings of the walls around them; not in a storey below, whose ceilings the program draws at
+// the level's height. Where walls as high as these ceilings part rooms, they bound, gap or not.
+Test(sh3d, ceilings_of_their_own) {
+    Home h = home_of(CEILINGS, "false");
+    cr_assert(h.good, "%s", h.error.text);
+    cr_assert_eq(h.sketch.wall_count, 9, "low walls are left to maps_enclose");
+    cr_expect(isnan(h.sketch.rooms[0].z1));
+    cr_expect_float_eq(h.sketch.rooms[1].z1, 2.44, CLOSE);
+    cr_expect_float_eq(h.sketch.rooms[2].z1, 2.44, CLOSE);
+    cr_expect(h.sketch.rooms[1].open_above && !h.sketch.rooms[2].open_above);
+    cr_assert(maps_enclose(&h.sketch, &h.b, &h.arena, &h.error), "%s", h.error.text);
+    int low = 0, rooms = 0;
+    for (int i = 0; i < h.b.object_count; i++) low += h.b.objects[i].kind == OBJECT_LOW_WALL;
+    for (int i = 0; i < h.b.region_count; i++) {
+        const Region *r = &h.b.regions[i];
+        if (r->kind != REGION_ROOM) continue;
+        rooms++;
+        bool own = strcmp(r->name, "one") == 0 || strcmp(r->name, "two") == 0;
+        cr_expect_float_eq(r->z1, own ? 2.44 : 3.66, CLOSE, "%s ends at %g m", r->name, r->z1);
+    }
+    cr_expect_eq(low, 0);
+    cr_expect_eq(rooms, 4, "hall, the rest of it, one and two: %d", rooms);
+    home_free(&h);
+    h = home_of(
+        "<level id='up' name='Up' elevation='400' floorThickness='12' height='250'/>"
+        "<level id='low' name='Low' elevation='0' floorThickness='12' height='366'/>"
+        "<wall level='up' xStart='0' yStart='0' xEnd='400' yEnd='0' thickness='20' height='250'/>"
+        "<wall level='low' xStart='0' yStart='0' xEnd='900' yEnd='0' thickness='20' height='366'/>"
+        "<wall level='low' xStart='0' yStart='300' xEnd='400' yEnd='300' thickness='20' height='244'/>"
+        "<room level='low'><point x='10' y='310'/><point x='390' y='310'/><point x='390' y='320'/>"
+        "<point x='10' y='320'/></room>");
+    cr_assert(h.good, "%s", h.error.text);
+    cr_expect(isnan(h.sketch.rooms[0].z1));
+    home_free(&h);
+}

@@ -107,6 +107,26 @@ Test(rad_file, refuses_another_state) {
     lit_free(other.lit);
 }
 
+// Proves that light of other colours or lamps than a face has now is refused, and that a name, a mirror or a gloss, on which no light
+// depends, may change.
+Test(rad_file, refuses_other_materials) {
+    Saved s = save(3);
+    Mesh *mesh = &s.lit->mesh;
+    RadSolution back;
+    Error error = {""};
+    Material *m = (Material *)mesh_material(mesh, 0), kept = *m;  // the test's own building
+    m->reflectance.g += 1e-3f;
+    refuse(&s, mesh, s.doors, "its elements are not those of this program's version");
+    *m = kept;
+    m->emission.b += 1e-3f;
+    refuse(&s, mesh, s.doors, "its elements are not those of this program's version");
+    *m = kept;
+    m->name = "other";
+    m->mirror = m->gloss = 0.5f;
+    cr_expect(rad_load(s.path, mesh, s.doors, &s.lit->arena, &back, &error), "%s", error.text);
+    lit_free(s.lit);
+}
+
 // Proves that splits are refused that would make patches of more elements than a shot can tell apart, checksums right or not.
 Test(rad_file, refuses_forged_splits) {
     static const MeshSplits TOO_DEEP = {.even = MESH_IN_PATCH + 1}, FITS = {.even = MESH_IN_PATCH};

@@ -1,0 +1,251 @@
+// first_view.c - candidates for the first view are drawn small by the z-buffer, and judged by how far one sees: the share of the picture
+// that one polygon fills, and the distance in the middle. The first picture is drawn by the same z-buffer: it needs no OpenGL, whose
+// shaders take longer to compile than the building takes to read.
+#include "engine/walk/first_view.h"
+
+#include <stdlib.h>
+
+#include "engine/draw/view.h"
+#include "engine/draw/walk_bake.h"
+
+// The picture by which a view is judged, pixels.
+enum { JUDGE_WIDTH = 48, JUDGE_HEIGHT = 27 };
+// A view looks at a wall where its middle is nearer than this, metres, or one polygon fills more than this share of it; it is
+// obstructed where more than this share is nearer than an arm's length.
+static const double MIDDLE_NEAREST = 1.5, ONE_POLYGON = 0.6, ARM = 0.6, ARM_SHARE = 0.3;
+// All around a place: four square views.
+enum { SIDES = 4, SIDE_WIDTH = 32, AROUND = SIDES * SIDE_WIDTH };
+// At most so many places of a room are tried. They lie this far from a corner of a cell, metres: there one sees most of the room.
+enum { PLACES = 12 };
+static const double FROM_CORNER = 0.9;
+// Farther than this counts as this far, metres: a garden behind a window is not the room.
+static const double FAR = 12;
+// A place counts as free where a body that is put there moves less than this, metres.
+static const double MOVED = 0.3;
+
+// ---- what is seen
+
+// The polygons of these objects that a camera at `eye` may see: surfaces by their front alone, and no glass.
+static int list_polygons(const CellGraph *graph, Vec3 eye, const int *objects, int count, int *list) {
+    int listed = 0;
+    for (int k = 0; k < count; k++) {
+        const Object *o = &graph->objects[objects[k]];
+        for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
+            const Polygon *polygon = &graph->polygons[p];
+            if (vis_is_glass(graph, p)) continue;
+            if (o->kind == OBJECT_SURFACE) {
+                Plane plane =
+                    plane_of_polygon(graph->vertices + polygon->first_vertex, polygon->vertex_count);
+                if (plane_distance(plane, eye) <= 0) continue;
+            }
+            list[listed++] = p;
+        }
+    }
+    return listed;
+}
+
+static bool draw_items(const FirstScene *scene, const Camera *camera, const Vec3 *vertices, Arena *scratch,
+                       ItemBuffer *out, Error *error) {
+    const CellGraph *graph = scene->graph;
+    Eye eye = walk_eye(camera);
+    VisResult seen =
+        vis_query(scene->query, &eye, vis_locate(graph, camera->eye, -1), scene->door_open, CULL_STAB);
+    int *list = ARENA_ARRAY(scratch, int, seen.polygon_count + 1);
+    Scene items = {graph->polygons, vertices, list,
+                   list_polygons(graph, camera->eye, seen.objects, seen.object_count, list)};
+    const HiddenMethod *method = hidden_find("zbuffer");
+    void *prepared = method->begin(&items, scratch, error);
+    if (!prepared) return false;
+    *out = item_buffer_new(scratch, camera->width, camera->height);
+    bool good = hidden_draw(method, prepared, camera, out, NULL, error);
+    if (method->end) method->end(prepared);
+    return good;
+}
+
+// ---- judging views
+
+static bool looks_into_room(const FirstScene *scene, const Viewpoint *v, double fov, const Vec3 *vertices) {
+    const CellGraph *graph = scene->graph;
+    Arena scratch = {0};
+    ItemBuffer seen;
+    int cell = vis_locate(graph, v->eye, -1);
+    Camera camera = camera_look(v->eye, v->yaw, v->pitch, fov, JUDGE_WIDTH, JUDGE_HEIGHT);
+    bool rooms = graph->building->form == FORM_REGIONS;
+    bool good = cell >= 0 && (!rooms || vis_region(graph, cell)->kind == REGION_ROOM) &&
+                draw_items(scene, &camera, vertices, &scratch, &seen, NULL);
+    if (good) {
+        int *pixels = ARENA_ARRAY(&scratch, int, graph->polygon_count + 1), most = 0, near = 0;
+        double middle = 0;
+        int middles = 0;
+        for (int y = 0; y < JUDGE_HEIGHT; y++) {
+            for (int x = 0; x < JUDGE_WIDTH; x++) {
+                int i = y * JUDGE_WIDTH + x, item = seen.item[i];
+                double depth = fmin((double)seen.depth[i], FAR);
+                near += depth < ARM;
+                if (item >= 0 && ++pixels[item] > most) most = pixels[item];
+                if (abs(2 * x - JUDGE_WIDTH) > JUDGE_WIDTH / 4 ||
+                    abs(2 * y - JUDGE_HEIGHT) > JUDGE_HEIGHT / 4)
+                    continue;
+                middle += depth;
+                middles++;
+            }
+        }
+        const double all = JUDGE_WIDTH * JUDGE_HEIGHT;
+        good = middle / middles >= MIDDLE_NEAREST && most <= ONE_POLYGON * all && near <= ARM_SHARE * all;
+    }
+    arena_free(&scratch);
+    return good;
+}
+
+// ---- the largest room
+
+static double plan_area(const CellGraph *graph, const Cell *cell) {
+    double area = 0;
+    for (int i = 0; i < cell->edge_count; i++)
+        area += vec2_cross(graph->plan[cell->first_edge + i],
+                           graph->plan[cell->first_edge + (i + 1) % cell->edge_count]) /
+                2;
+    return area;
+}
+
+static int largest_room(const CellGraph *graph, Arena *scratch) {
+    const Building *b = graph->building;
+    double *area = ARENA_ARRAY(scratch, double, b->region_count + 1);
+    int best = -1;
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Cell *cell = &graph->cells[c];
+        int r = cell->region;
+        if (r < 0 || b->regions[r].kind != REGION_ROOM || cell->z1 - cell->z0 < BODY_EYE + BODY_RADIUS)
+            continue;
+        area[r] += plan_area(graph, cell);
+        if (best < 0 || area[r] > area[best]) best = r;
+    }
+    return best;
+}
+
+// The distances seen all around, column by column from yaw 0 on, each the mean over a quarter of the height.
+static bool look_around(const FirstScene *scene, Vec3 eye, const Vec3 *vertices, Arena *scratch,
+                        double *out) {
+    enum { HEIGHT = SIDE_WIDTH / 2 };
+    for (int side = 0; side < SIDES; side++) {
+        ItemBuffer seen;
+        Camera camera = camera_look(eye, (side + 0.5) * M_PI / 2, 0, M_PI / 2, SIDE_WIDTH, HEIGHT);
+        if (!draw_items(scene, &camera, vertices, scratch, &seen, NULL)) return false;
+        for (int x = 0; x < SIDE_WIDTH; x++) {
+            double sum = 0, across = (2 * (x + 0.5) / SIDE_WIDTH - 1) * camera.tan_x;
+            for (int y = HEIGHT / 4; y < HEIGHT - HEIGHT / 4; y++)
+                sum += fmin((double)seen.depth[y * SIDE_WIDTH + x] * sqrt(1 + across * across), FAR);
+            // Columns go clockwise, yaws counter-clockwise.
+            out[side * SIDE_WIDTH + SIDE_WIDTH - 1 - x] = sum / (HEIGHT / 2);
+        }
+    }
+    return true;
+}
+
+// The direction in which a view of this width sees farthest; the middle counts twice, and what is within an arm's reach against it.
+static double best_yaw(const double *around, double fov, double *score) {
+    int half = (int)(fov / 2 / (2 * M_PI) * AROUND), best = 0;
+    *score = -INFINITY;
+    for (int c = 0; c < AROUND; c++) {
+        double sum = 0;
+        for (int k = -half; k <= half; k++) {
+            double far = around[(c + k + AROUND) % AROUND];
+            sum += (far < ARM ? -FAR : far) * (2 * abs(k) < half ? 2 : 1);
+        }
+        if (sum > *score) *score = sum, best = c;
+    }
+    // Columns are equally wide on a screen of four sides, not in angle.
+    double across = 2 * (best % SIDE_WIDTH + 0.5) / SIDE_WIDTH - 1;
+    return (best / SIDE_WIDTH + 0.5) * M_PI / 2 + atan(across);
+}
+
+// Places in the cells of a room near their corners, at the height of an eye.
+static int places_in(const CellGraph *graph, int region, Vec3 *out, int most) {
+    int count = 0;
+    for (int c = 0; c < graph->cell_count; c++) {
+        const Cell *cell = &graph->cells[c];
+        if (cell->region != region) continue;
+        Vec2 middle = {0, 0};
+        for (int i = 0; i < cell->edge_count; i++)
+            middle = vec2_add(middle, vec2_scale(graph->plan[cell->first_edge + i], 1.0 / cell->edge_count));
+        for (int i = 0; i <= cell->edge_count && count < most; i++) {
+            Vec2 at = middle;
+            if (i < cell->edge_count) {
+                Vec2 corner = graph->plan[cell->first_edge + i], way = vec2_sub(middle, corner);
+                double length = vec2_length(way);
+                if (length < FROM_CORNER) continue;
+                at = vec2_add(corner, vec2_scale(way, FROM_CORNER / length));
+            }
+            out[count++] = vec3(at.x, at.y, cell->z0 + BODY_EYE);
+        }
+    }
+    return count;
+}
+
+static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3 *vertices, Arena *scratch,
+                                 Viewpoint *out) {
+    const CellGraph *graph = scene->graph;
+    int region = graph->building->form == FORM_REGIONS ? largest_room(graph, scratch) : -1;
+    if (region < 0) return false;
+    int most = 0;
+    for (int c = 0; c < graph->cell_count; c++)
+        if (graph->cells[c].region == region) most += graph->cells[c].edge_count + 1;
+    Vec3 *places = ARENA_ARRAY(scratch, Vec3, most + 1);
+    int count = places_in(graph, region, places, most), step = (count + PLACES - 1) / PLACES;
+    double best = -INFINITY;
+    for (int i = 0; i < count; i += step) {
+        Arena around = {0};
+        Body body = {.cell = -1};
+        double far[AROUND], score;
+        Vec3 foot = vec3_sub(places[i], vec3(0, 0, BODY_EYE));
+        if (body_place_near(&body, scene->world, foot) && vec3_length(vec3_sub(body.foot, foot)) <= MOVED &&
+            look_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), vertices, &around, far)) {
+            double yaw = best_yaw(far, fov, &score);
+            if (score > best) {
+                best = score;
+                out->eye = vec3_add(body.foot, vec3(0, 0, body_eye(&body)));
+                out->yaw = remainder(yaw, 2 * M_PI);
+            }
+        }
+        arena_free(&around);
+    }
+    return best > -INFINITY;
+}
+
+Viewpoint first_view(const FirstScene *scene, double fov, Arena *scratch) {
+    const Building *b = scene->graph->building;
+    const Vec3 *vertices = vis_posed(scene->graph, scene->door_open, scratch);
+    Viewpoint start = {.name = "", .eye = b->start, .yaw = b->start_yaw, .fov = fov}, room = start;
+    if (looks_into_room(scene, &start, fov, vertices)) return start;
+    for (int i = 0; i < b->viewpoint_count; i++)
+        if (looks_into_room(scene, &b->viewpoints[i], fov, vertices)) return b->viewpoints[i];
+    return view_of_largest_room(scene, fov, vertices, scratch, &room) ? room : start;
+}
+
+// ---- the first picture
+
+static uint32_t pack(Rgba8 c) { return 0xff000000u | (uint32_t)c.r << 16 | (uint32_t)c.g << 8 | c.b; }
+
+bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch, uint32_t *out,
+                   Error *error) {
+    const CellGraph *graph = scene->graph;
+    const Vec3 *vertices = vis_posed(graph, scene->door_open, scratch);
+    ItemBuffer seen;
+    if (!draw_items(scene, camera, vertices, scratch, &seen, error)) return false;
+    uint32_t *colour = ARENA_ARRAY(scratch, uint32_t, graph->polygon_count + 1);
+    const uint32_t sky = pack(walk_bake_sky());
+    for (int y = 0; y < camera->height; y++) {
+        uint32_t *row = out + (size_t)(camera->height - 1 - y) * (size_t)camera->width;
+        for (int x = 0; x < camera->width; x++) {
+            int p = seen.item[(size_t)y * (size_t)camera->width + (size_t)x];
+            if (p >= 0 && colour[p] == 0) {
+                const Polygon *polygon = &graph->polygons[p];
+                Plane plane = plane_of_polygon(vertices + polygon->first_vertex, polygon->vertex_count);
+                if (plane_distance(plane, camera->eye) < 0) plane.n = vec3_scale(plane.n, -1);
+                colour[p] = pack(walk_bake_plain(&graph->building->materials[polygon->material], plane.n));
+            }
+            row[x] = p < 0 ? sky : colour[p];
+        }
+    }
+    return true;
+}

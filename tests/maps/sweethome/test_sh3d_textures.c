@@ -1,0 +1,179 @@
+// test_sh3d_textures.c - pictures of homes lie where Sweet Home 3D lays them.
+//
+// The figures in FILE.corners come from the program itself, version 7.0.2 of Debian: SweetHomeCorners.java beside them asks it for the
+// triangles of walls, rooms, pieces and the ground that it draws with a picture, and for the places of their corners in the picture.
+#include <criterion/criterion.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "engine/core/polygon.h"
+#include "maps/building/texture.h"
+#include "maps/maps.h"
+#include "tests/support/support.h"
+
+// The bar of the project: texture corners within 2 cm of the program's.
+static const double NEAR = 0.02;
+// Ends of walls, jambs and ends of baseboards, metres wide at most: there the program starts pictures anew at each half of the wall's
+// thickness, while ours go on round the corner.
+static const double NARROW = 0.075;
+
+typedef struct Triangle {
+    char kind[16];
+    int width, height;  // of the picture
+    Vec3 p[3];
+    Vec2 place[3];
+} Triangle;
+
+// A surface of the building and how far it is from the triangle.
+typedef struct Surface {
+    int material, map;
+    double off;
+} Surface;
+
+typedef struct Search {
+    const Building *b;
+    const Triangle *t;
+    Vec3 middle, n;
+    bool sized;  // the picture has the sides that the figures say
+    Surface best;
+    double worst;  // of the best
+} Search;
+
+static bool read_triangle(FILE *file, Triangle *t) {
+    char line[512];
+    if (!fgets(line, sizeof line, file)) return false;
+    double v[15];
+    int used = 0;
+    cr_assert_eq(sscanf(line, "%15s %dx%d%n", t->kind, &t->width, &t->height, &used), 3, "%s", line);
+    for (int i = 0, at = used, more; i < 15; i++, at += more)
+        cr_assert_eq(sscanf(line + at, "%lf%n", &v[i], &more), 1, "%s", line);
+    for (int i = 0; i < 3; i++) {
+        t->p[i] = vec3(v[5 * i], v[5 * i + 1], v[5 * i + 2]);
+        t->place[i] = vec2(v[5 * i + 3], v[5 * i + 4]);
+    }
+    return true;
+}
+
+// The gradient of a quantity known at the corners, in the triangle's plane.
+static Vec3 gradient(const Triangle *t, double a, double b, double c) {
+    Vec3 x = vec3_sub(t->p[1], t->p[0]), y = vec3_sub(t->p[2], t->p[0]);
+    double xx = vec3_dot(x, x), xy = vec3_dot(x, y), yy = vec3_dot(y, y), det = xx * yy - xy * xy;
+    return vec3_add(vec3_scale(x, ((b - a) * yy - (c - a) * xy) / det),
+                    vec3_scale(y, ((c - a) * xx - (b - a) * xy) / det));
+}
+
+// How far apart two places in a picture that repeats are.
+static double apart(double a, double b) { return fabs(a - b - nearbyint(a - b)); }
+
+// The farthest that our picture lies from the program's at a corner, metres.
+static double error_of(const Building *b, const Triangle *t, int map) {
+    double along_u = vec3_length(gradient(t, t->place[0].x, t->place[1].x, t->place[2].x)),
+           along_v = vec3_length(gradient(t, t->place[0].y, t->place[1].y, t->place[2].y)), worst = 0;
+    const TextureMap *m = &b->texture_maps[map];
+    for (int i = 0; i < 3; i++) {
+        double u = vec3_dot(m->u, t->p[i]) + m->u0, v = vec3_dot(m->v, t->p[i]) + m->v0;
+        worst = fmax(worst, hypot(apart(u, t->place[i].x) / along_u, apart(v, t->place[i].y) / along_v));
+    }
+    return worst;
+}
+
+static void consider(Search *s, int material, int map, double off) {
+    if (material < 0) return;
+    const Material *m = &s->b->materials[material];
+    if (map == 0) map = m->texture_map;
+    if (m->texture == 0 || map == 0) return;
+    const Texture *texture = &s->b->textures[m->texture];
+    if (s->sized && (texture->width != s->t->width || texture->height != s->t->height)) return;
+    double worst = error_of(s->b, s->t, map);
+    // The nearest; of those in one place the best.
+    if (off > s->best.off + 1e-3 || (off > s->best.off - 1e-3 && worst >= s->worst)) return;
+    s->best = (Surface){material, map, off};
+    s->worst = worst;
+}
+
+static void search_regions(Search *s) {
+    const Building *b = s->b;
+    Vec3 c = s->middle;
+    for (int i = 0; i < b->region_count; i++) {
+        const Region *r = &b->regions[i];
+        bool inside = false;
+        for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
+            const Ring *ring = &b->rings[k];
+            const Vec2 *p = &b->points[ring->first_point];
+            inside ^= ring_contains(p, ring->point_count, vec2(c.x, c.y));
+            for (int e = 0; e < ring->point_count && fabs(s->n.z) < 0.1 && c.z > r->z0 && c.z < r->z1; e++) {
+                Vec2 a = p[e], along = vec2_sub(p[(e + 1) % ring->point_count], a), to = vec2_sub(vec2(c.x, c.y), a);
+                double length = vec2_length(along), t = vec2_dot(to, along) / length;
+                if (fabs(along.x * s->n.x + along.y * s->n.y) > 0.05 * length || t < 0 || t > length) continue;
+                consider(s, b->edge_material[ring->first_point + e], 0, fabs(vec2_cross(along, to)) / length);
+            }
+        }
+        bool ground = strcmp(s->t->kind, "ground") == 0;
+        if (ground ? r->kind != REGION_OUTDOORS : !inside || fabs(s->n.z) < 0.9) continue;
+        consider(s, r->floor_material, 0, ground ? 0 : fabs(c.z - r->z0));
+        if (!ground) consider(s, r->ceiling_material, 0, fabs(c.z - r->z1));
+    }
+}
+
+static void search_polygons(Search *s) {
+    const Building *b = s->b;
+    for (int i = 0; i < b->polygon_count; i++) {
+        const Polygon *p = &b->polygons[i];
+        const Vec3 *v = &b->vertices[p->first_vertex];
+        Plane plane = plane_of_polygon(v, p->vertex_count);
+        double off = fabs(vec3_dot(plane.n, s->middle) - plane.d);
+        bool inside = off < NEAR && fabs(vec3_dot(plane.n, s->n)) > 0.99;
+        for (int k = 0; inside && k < p->vertex_count; k++) {
+            Vec3 edge = vec3_sub(v[(k + 1) % p->vertex_count], v[k]);
+            inside = vec3_dot(vec3_cross(plane.n, edge), vec3_sub(s->middle, v[k])) > -1e-6;
+        }
+        if (inside) consider(s, p->material, p->texture_map, off);
+    }
+}
+
+// Compares a home with figures of it. Returns how many triangles of `kind` have a surface of ours; `*missing` have none.
+static int compare(const char *home, const char *figures, bool sized, const char *kind, int *missing) {
+    Arena arena = {0};
+    Building b = {0};
+    Error error;
+    cr_assert(maps_read(home, NULL, &arena, &b, &error), "%s", error.text);
+    FILE *file = fopen(figures, "r");
+    cr_assert(file, "%s", figures);
+    int found = 0;
+    Triangle t;
+    *missing = 0;
+    while (read_triangle(file, &t)) {
+        Vec3 n = vec3_cross(vec3_sub(t.p[1], t.p[0]), vec3_sub(t.p[2], t.p[0]));
+        double size = vec3_length(n), wide = 0;
+        for (int i = 0; i < 3; i++)
+            wide = fmax(wide, hypot(t.p[i].x - t.p[(i + 1) % 3].x, t.p[i].y - t.p[(i + 1) % 3].y));
+        bool wall = strcmp(t.kind, "wall") == 0;
+        if (strcmp(t.kind, kind) != 0 || size < 1e-5 || (wall && wide < NARROW)) continue;
+        Search s = {.b = &b, .t = &t, .n = vec3_scale(n, 1 / size), .sized = sized, .best = {-1, 0, NEAR}};
+        s.middle = vec3_scale(vec3_add(vec3_add(t.p[0], t.p[1]), t.p[2]), 1.0 / 3);
+        s.worst = INFINITY;
+        search_regions(&s);
+        search_polygons(&s);
+        if (s.best.material < 0) {
+            ++*missing;
+            if (*missing < 5) fprintf(stderr, "%s: no surface at %.2f %.2f %.2f (%dx%d)\n", kind, s.middle.x, s.middle.y, s.middle.z, t.width, t.height);
+            continue;
+        }
+        found++;
+        cr_expect(s.worst < NEAR, "%s: %s with a picture of %d x %d at (%.2f, %.2f, %.2f) lies %.3f m off", home,
+                  kind, t.width, t.height, s.middle.x, s.middle.y, s.middle.z, s.worst);
+    }
+    fclose(file);
+    arena_free(&arena);
+    return found;
+}
+
+Test(sh3d_textures, debug) {
+    const char *home = getenv("HOME_FILE"), *figures = getenv("HOME_CORNERS");
+    if (!home || !figures) cr_skip("no home");
+    static const char *const KINDS[] = {"wall", "room", "piece", "ground"};
+    for (int i = 0; i < 4; i++) {
+        int missing, found = compare(home, figures, getenv("HOME_SIZED") != NULL, KINDS[i], &missing);
+        fprintf(stderr, "%s: %d found, %d missing\n", KINDS[i], found, missing);
+    }
+}

@@ -138,14 +138,13 @@ const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS PICTURE_FRAGME
     "#ifdef CUT_OUT\n"
     "    float alpha = min(vColour.a * texel.a, 1.0);\n"
     "    if (alpha < CUT_OUT_LEAST) discard;\n"
-    "    result = vec4(display(out_light), alpha);\n"
-    "    return;\n"
-    "#endif\n"
+    "#else\n"
     "    float alpha = vColour.a;\n"
     "    if (alpha < 1.0) {\n"
     "        alpha = glass(alpha, n, view);\n"
     "        out_light = mix(out_light, PANE, PANE_SHARE);\n"
     "    }\n"
+    "#endif\n"
     "    result = vec4(display(out_light), alpha);\n"
     "}\n";
 

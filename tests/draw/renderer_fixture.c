@@ -15,9 +15,14 @@
 
 void renderer_check_open_stage(Stage *s, const char *path) {
     Error error;
-    VisOptions options = vis_default_options();
     *s = (Stage){0};
     cr_assert(maps_read(path, &s->arena, &s->building, &error), "%s", error.text);
+    renderer_check_open_building(s);
+}
+
+void renderer_check_open_building(Stage *s) {
+    Error error;
+    VisOptions options = vis_default_options();
     cr_assert(vis_build_cells(&s->building, &options, &s->arena, &s->graph, &error), "%s", error.text);
     cr_assert(vis_build_forest(&s->graph, &options, NULL, &s->arena, &s->forest));
     s->query = vis_query_new(&s->graph, &s->forest, &s->arena);

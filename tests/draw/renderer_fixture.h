@@ -22,6 +22,7 @@ typedef struct Stage {
 } Stage;
 
 void renderer_check_open_stage(Stage *s, const char *path);
+void renderer_check_open_building(Stage *s);  // of the stage, which holds nothing else yet
 
 void renderer_check_close_stage(Stage *s);
 

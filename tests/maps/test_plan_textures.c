@@ -5,6 +5,7 @@
 #include "maps/maps.h"
 #include "tests/support/soups.h"
 #include "tests/support/support.h"
+#include "visibility/vis.h"
 
 static const char PLAN[] =
     "plan 1\n"
@@ -82,6 +83,25 @@ Test(plan_textures, lie_as_stated) {
     cr_expect_eq(b.polygon_count - round, 6);
     cr_expect(fabsf(b.materials[room->floor_material].reflectance.g - MAPS_MAX_COLOUR) < 1e-6f,
               "the picture's mean");
+    arena_free(&arena);
+}
+
+// Proves that polygons of furniture keep their maps when a building is cut into cells.
+Test(plan_textures, cells_keep_maps) {
+    Arena arena = {0};
+    Building b;
+    CellGraph graph;
+    Error error = {""};
+    VisOptions options = vis_default_options();
+    read_plan(&arena, PLAN, picture_of_4_by_2(&arena), &b);
+    cr_assert(vis_build_cells(&b, &options, &arena, &graph, &error), "%s", error.text);
+    cr_assert_geq(graph.polygon_count, b.polygon_count);
+    int laid = 0;
+    for (int i = 0; i < b.polygon_count; i++) {
+        cr_expect_eq(graph.polygons[i].texture_map, b.polygons[i].texture_map);
+        laid += b.polygons[i].texture_map > 0;
+    }
+    cr_expect_eq(laid, 6);
     arena_free(&arena);
 }
 

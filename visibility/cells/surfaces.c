@@ -48,6 +48,8 @@ static void copy_building(CellBuilder *builder) {
         for (int p = from->first_polygon; p < from->first_polygon + from->polygon_count; p++) {
             add_graph_polygon(builder, b->vertices + b->polygons[p].first_vertex, b->polygons[p].vertex_count,
                               b->polygons[p].material);
+            builder->graph->polygons[builder->graph->polygon_count - 1].texture_map =
+                b->polygons[p].texture_map;
         }
     }
 }

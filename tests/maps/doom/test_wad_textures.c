@@ -98,6 +98,37 @@ Test(wad_textures, pegging) {
     }
 }
 
+// Proves that cells have another wall above an opening than below it: between the hall and the lift, whose ceiling is lowered for this.
+Test(wad_textures, cells_have_both) {
+    Arena arena = {0};
+    Building b;
+    CellGraph graph;
+    Error error = {""};
+    VisOptions options = vis_default_options();
+    Bytes file = two_rooms_with_pictures(&arena);
+    unsigned char *lift = file.data + wad_lump(file, "SECTORS", NULL) + 26 * WAD_LIFT_SECTOR;
+    lift[2] = 150;  // its ceiling
+    // No special, so that it stays.
+    file.data[wad_lump(file, "LINEDEFS", NULL) + 14 * TO_LIFT + 6] = 0;
+    read_file(&arena, file, &b);
+    cr_assert(vis_build_cells(&b, &options, &arena, &graph, &error), "%s", error.text);
+    int below = 0, above = 0;
+    for (int i = 0; i < graph.polygon_count; i++) {
+        const Polygon *p = &graph.polygons[i];
+        Vec3 middle = vec3(0, 0, 0);
+        for (int k = 0; k < p->vertex_count; k++)
+            middle = vec3_add(middle,
+                              vec3_scale(graph.vertices[p->first_vertex + k], 1 / (UNIT * p->vertex_count)));
+        if (fabs(middle.x - 528) > 1e-6 || fabs(middle.y - 128) > 1e-6) continue;
+        const char *name = b.textures[b.materials[p->material].texture].name;
+        below += fabs(middle.z - 32) < 1e-6 && strcmp(name, "LOWER") == 0;
+        above += fabs(middle.z - 155) < 1e-6 && strcmp(name, "UPPER") == 0;
+    }
+    cr_expect_eq(below, 1);
+    cr_expect_eq(above, 1);
+    arena_free(&arena);
+}
+
 // Proves that flats lie on the world's grid, their rows from north to south, that pictures have the palette's colours and patches their
 // places, that materials have the mean as a sector lights it, and that the sky is there.
 Test(wad_textures, pictures) {

@@ -91,6 +91,7 @@ static Rgb lamp_light(const WalkLights *lights, int object, Vec3 place, Vec3 n) 
 static float screen(float light) {
     float x = light * WALK_EXPOSURE;
     x = x * (1 + x * WALK_SHOULDER_TOP) / (1 + x * WALK_SHOULDER_BOTTOM);
+    if (x > WALK_KNEE) x = WALK_KNEE + (1 - WALK_KNEE) * (1 - expf((WALK_KNEE - x) / (1 - WALK_KNEE)));
     return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f;
 }
 

@@ -58,9 +58,11 @@
 #define WALK_NIGHT_GROUND 0.0010, 0.0010, 0.0012
 #define WALK_NIGHT_PANE 0.15
 
-// Light becomes a screen's value by a factor a little above 1, a shoulder, then the curve of IEC 61966-2-1 (sRGB).
+// Light becomes a screen's value by a factor a little above 1, a bend, then the curve of IEC 61966-2-1 (sRGB). Up to the knee that is
+// all; above it the value nears 1 without reaching it, so that what a lamp shines on keeps its shading and its hue.
 #define WALK_EXPOSURE 1.08f
 #define WALK_SHOULDER_TOP 0.18f
 #define WALK_SHOULDER_BOTTOM 0.45f
+#define WALK_KNEE 0.7f
 
 #endif

@@ -43,12 +43,15 @@
     NUMBER(GLARE)                                                                                            \
     NUMBER(EXPOSURE)                                                                                         \
     NUMBER(SHOULDER_TOP)                                                                                     \
-    NUMBER(SHOULDER_BOTTOM)
+    NUMBER(SHOULDER_BOTTOM)                                                                                  \
+    NUMBER(KNEE)
 
 #define DISPLAY                                                                                              \
     "vec3 display(vec3 light) {\n"                                                                           \
     "    light *= EXPOSURE;\n"                                                                               \
     "    light *= (1.0 + light * SHOULDER_TOP) / (1.0 + light * SHOULDER_BOTTOM);\n"                         \
+    "    vec3 over = max(light - KNEE, 0.0) / (1.0 - KNEE);\n"                                               \
+    "    light = min(light, KNEE) + (1.0 - KNEE) * (1.0 - exp(-over));\n"                                    \
     "    return mix(12.92 * light, 1.055 * pow(max(light, 0.0031), vec3(1.0 / 2.4)) - 0.055,\n"              \
     "               step(vec3(0.0031308), light));\n"                                                        \
     "}\n"

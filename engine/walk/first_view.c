@@ -18,7 +18,7 @@ enum { SIDES = 4, SIDE_WIDTH = 32, AROUND = SIDES * SIDE_WIDTH };
 // At most so many places of a room are tried. They lie this far from a corner of a cell, metres: there one sees most of the room.
 enum { PLACES = 12 };
 static const double FROM_CORNER = 0.9;
-// Farther than this counts as this far, metres: a garden behind a window is not the room.
+// Farther than this counts as this far, metres.
 static const double FAR = 12;
 // A place counts as free where a body that is put there moves less than this, metres.
 static const double MOVED = 0.3;
@@ -123,8 +123,16 @@ static int largest_room(const CellGraph *graph, Arena *scratch) {
     return best;
 }
 
-// The distances seen all around, column by column from yaw 0 on, each the mean over a quarter of the height.
-static bool look_around(const FirstScene *scene, Vec3 eye, const Vec3 *vertices, Arena *scratch,
+// How far it is from a place to the border of a box in plan, metres.
+static double way_out(Box box, Vec3 from, Vec3 way) {
+    double x = way.x > 0 ? box.max.x - from.x : from.x - box.min.x,
+           y = way.y > 0 ? box.max.y - from.y : from.y - box.min.y;
+    return fmin(way.x != 0 ? x / fabs(way.x) : INFINITY, way.y != 0 ? y / fabs(way.y) : INFINITY);
+}
+
+// The distances seen all around, column by column from yaw 0 on, each the mean over a quarter of the height. What lies outside the room,
+// behind windows and doors, is no farther than its border.
+static bool look_around(const FirstScene *scene, Vec3 eye, Box room, const Vec3 *vertices, Arena *scratch,
                         double *out) {
     enum { HEIGHT = SIDE_WIDTH / 2 };
     for (int side = 0; side < SIDES; side++) {
@@ -132,9 +140,10 @@ static bool look_around(const FirstScene *scene, Vec3 eye, const Vec3 *vertices,
         Camera camera = camera_look(eye, (side + 0.5) * M_PI / 2, 0, M_PI / 2, SIDE_WIDTH, HEIGHT);
         if (!draw_items(scene, &camera, vertices, scratch, &seen, NULL)) return false;
         for (int x = 0; x < SIDE_WIDTH; x++) {
-            double sum = 0, across = (2 * (x + 0.5) / SIDE_WIDTH - 1) * camera.tan_x;
+            Vec3 ray = camera_ray(&camera, x + 0.5, HEIGHT / 2);
+            double sum = 0, most = way_out(room, eye, ray);
             for (int y = HEIGHT / 4; y < HEIGHT - HEIGHT / 4; y++)
-                sum += fmin((double)seen.depth[y * SIDE_WIDTH + x] * sqrt(1 + across * across), FAR);
+                sum += fmin((double)seen.depth[y * SIDE_WIDTH + x], most) * hypot(ray.x, ray.y);
             // Columns go clockwise, yaws counter-clockwise.
             out[side * SIDE_WIDTH + SIDE_WIDTH - 1 - x] = sum / (HEIGHT / 2);
         }
@@ -154,7 +163,7 @@ static double best_yaw(const double *around, double fov, double *score) {
         }
         if (sum > *score) *score = sum, best = c;
     }
-    // Columns are equally wide on a screen of four sides, not in angle.
+    // Columns are equally wide on the screen of a side, not in angle.
     double across = 2 * (best % SIDE_WIDTH + 0.5) / SIDE_WIDTH - 1;
     return (best / SIDE_WIDTH + 0.5) * M_PI / 2 + atan(across);
 }
@@ -188,8 +197,12 @@ static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3
     int region = graph->building->form == FORM_REGIONS ? largest_room(graph, scratch) : -1;
     if (region < 0) return false;
     int most = 0;
-    for (int c = 0; c < graph->cell_count; c++)
-        if (graph->cells[c].region == region) most += graph->cells[c].edge_count + 1;
+    Box room = box_empty();
+    for (int c = 0; c < graph->cell_count; c++) {
+        if (graph->cells[c].region != region) continue;
+        most += graph->cells[c].edge_count + 1;
+        room = box_union(room, graph->cells[c].box);
+    }
     Vec3 *places = ARENA_ARRAY(scratch, Vec3, most + 1);
     int count = places_in(graph, region, places, most), step = (count + PLACES - 1) / PLACES;
     double best = -INFINITY;
@@ -199,7 +212,8 @@ static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3
         double far[AROUND], score;
         Vec3 foot = vec3_sub(places[i], vec3(0, 0, BODY_EYE));
         if (body_place_near(&body, scene->world, foot) && vec3_length(vec3_sub(body.foot, foot)) <= MOVED &&
-            look_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), vertices, &around, far)) {
+            look_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), room, vertices, &around,
+                        far)) {
             double yaw = best_yaw(far, fov, &score);
             if (score > best) {
                 best = score;

@@ -5,7 +5,7 @@
 #include "engine/walk/session_state.h"
 
 // A sleeping walk looks at its file this often, seconds.
-static const double LOOK_AT_FILE = 0.25;
+static const double LOOK_AT_FILE = 0.5;
 // How often a walk that is recorded, replayed or moved by a held key goes on while its window is not to be seen, seconds.
 static const double UNSEEN = 1.0 / 30;
 // An eye that went less far has not moved, metres: a hundredth of a millimetre is no pixel.
@@ -88,10 +88,10 @@ static bool walk_goes_on(const Session *s) {
     return s->moved || s->replay || s->recording || doors_move(&s->shown->doors);
 }
 
-// Until something that is shown from `since` on begins to fade.
+// Until something that is shown from `since` on begins to fade, or fades by another step.
 static void until_fade(const Session *s, double since, double shown, double *pause) {
     double left = since + shown - 1 - s->now;
-    if (left > -1) *pause = fmin(*pause, fmax(left, 0));
+    if (left > -1) *pause = fmin(*pause, fmax(left, 1 / FADE_STEPS));
 }
 
 double session_pause(const Session *s, bool unseen) {

@@ -344,13 +344,12 @@ def screen_shows_the_frame(v):
     """What is on the screen is what the screenshot has, upright."""
     w = v.walker
     jump(v, "lookout")       # no door in reach: no word about one
-    v.press_all(["i", "Escape"])   # no figures that change, no crosshair
+    v.press_all(["Escape"])  # no crosshair
     v.hands.send("mousemove 1390 890")
     w.wait(MESSAGE_SECONDS)
     screen = read_screen(v)
     found = difference(screen, read_png(v.screenshot()), levels=8)
     v.expect(found is not None and found[0] == 0, f"screen and screenshot differ: {found} (pixels, most levels)")
-    v.press_all("i")
     v.take_mouse()
 
 
@@ -386,7 +385,7 @@ def pictures(v):
     w = v.walker
     v.resize(*PICTURE_SIZE)
     open_all_doors(v)
-    v.press_all("im")
+    v.press_all("m")
     for name in VIEWS:
         jump(v, name)
         hold_against(v, name)
@@ -414,7 +413,7 @@ def culling_loses_nothing(v):
         v.press_all("b")
         found = difference(read_png(culled), read_png(whole), levels=0)
         v.expect(found[0] == 0, f"`{name}` without culling: {found[0]} pixels differ, by {found[1]} levels at most")
-    v.press_all("im")
+    v.press_all("m")
     v.resize(*SIZE)
 
 
@@ -488,7 +487,7 @@ def lit_pictures(v):
     w = v.walker
     v.resize(*PICTURE_SIZE)
     open_all_doors(v)
-    v.press_all("im")
+    v.press_all("m")
     for name in LIT_VIEWS:
         jump(v, name)
         w.wait(2)            # the eye adapts
@@ -498,7 +497,7 @@ def lit_pictures(v):
         w.wait(0.3)
         v.expect(w.now["light"]["false_colour"] == name, f"false colours are {w.now['light']['false_colour']}")
     hold_against(v, LIT_VIEWS[-1] + "-illuminance")
-    v.press_all("kim")
+    v.press_all("km")
 
 
 PARTS = [ground_floor, out_of_one_window_in_at_another, courtyard, closed_door, upstairs, debug_views, panels, flight,

@@ -75,8 +75,9 @@ static const Option ROWS[] = {
      .at = AT(walk.doors),
      .names = WALK_DOORS_NAMES,
      .name_count = WALK_DOORS,
-     .help = "@ (default: in the window drawn; off-screen open, in the tour `auto` opened and closed on the "
-             "way)"},
+     .help =
+         "@ (default: in the window drawn, off-screen open, but with no leaf before a stored viewpoint; the "
+         "tour `auto` opens and closes them on its way)"},
     {.name = "replay",
      .value = "PATH",
      .type = OPTION_TEXT,

@@ -13,8 +13,7 @@ static const double LEAVE_SECONDS = 0.01;
 static const double USUAL_FOV = 75 * M_PI / 180;
 
 SessionOptions session_default_options(void) {
-    return (SessionOptions){
-        .pictures = ".", .doors = WALK_DOORS_DRAWN, .culling = CULL_STAB, .look = WALK_LOOKS};
+    return (SessionOptions){.pictures = ".", .doors = WALK_DOORS, .culling = CULL_STAB, .look = WALK_LOOKS};
 }
 
 // The best look that OpenGL draws in time: in software the fine look takes a tenth of a second.

@@ -21,7 +21,7 @@ typedef struct SessionOptions {
     const char *replay;    // a recorded path to follow from the start, or NULL
     const char *pictures;  // folder for screenshots and recorded paths, made with the first of them
     const char *trace;     // a file that gets a JSON line ten times a second, or NULL
-    WalkDoors doors;
+    WalkDoors doors;       // WALK_DOORS: as drawn, but clear of stored views
     Culling culling;
     WalkLook look;  // WALK_LOOKS: the best that OpenGL draws in time, and baked once there is light
     FalseColour false_colour;

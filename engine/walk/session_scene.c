@@ -8,7 +8,11 @@ static const double NEAR_ENOUGH = 0.3;
 
 static void set_doors(Doors *doors, const Building *b, WalkDoors state) {
     Random random = {1};
-    for (int i = 0; i < b->opening_count; i++) doors_set(doors, i, walk_door_share(b, i, state, &random));
+    WalkDoors stand = state == WALK_DOORS ? WALK_DOORS_DRAWN : state;
+    for (int i = 0; i < b->opening_count; i++) doors_set(doors, i, walk_door_share(b, i, stand, &random));
+    if (state != WALK_DOORS) return;
+    walk_clear_views(b, doors->open);
+    for (int i = 0; i < b->opening_count; i++) doors_set(doors, i, doors->open[i]);
 }
 
 Shown *shown_load(const Session *s, Error *error) {

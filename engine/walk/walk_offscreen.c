@@ -254,6 +254,7 @@ static void set_doors(Walk *w) {
     const Building *b = w->graph->building;
     for (int i = 0; i < b->opening_count; i++)
         w->door_open[i] = walk_door_share(b, i, w->options->doors, &random);
+    if (w->options->doors == WALK_DOORS) walk_clear_views(b, w->door_open);
 }
 
 static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {

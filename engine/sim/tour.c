@@ -53,9 +53,13 @@ static void add_note(Arena *arena, TourPath *out, const char *text) {
 }
 
 static void count_rooms(const TourRoute *route, Arena *arena, TourPath *out) {
+    // Rooms count by where the eye is, not by the plan of the route.
+    unsigned char *seen = ARENA_ARRAY(arena, unsigned char, route->room_count + 1);
+    for (int i = 0; i < out->film.moment_count; i++)
+        if (out->film.moments[i].room >= 0) seen[out->film.moments[i].room] = 1;
     for (int i = 0; i < route->room_count; i++) {
         out->rooms_enterable += route->room_state[i] != ROOM_SHUT;
-        out->rooms_entered += route->room_state[i] == ROOM_ENTERED;
+        out->rooms_entered += seen[i];
     }
     if (route->moved)
         add_note(arena, out,

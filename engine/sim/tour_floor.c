@@ -81,6 +81,8 @@ static unsigned unfit_of(const Flood *w, const Body *body) {
     double eye = body->foot.z + body_eye(body);
     for (int i = 0; i < w->thing_count; i++) {
         const Object *o = &graph->building->objects[w->things[i]];
+        Box reach = box_grow(graph->object_boxes[w->things[i]], BODY_RADIUS);
+        if (at.x < reach.min.x || at.x > reach.max.x || at.y < reach.min.y || at.y > reach.max.y) continue;
         if (o->proxy_z0 > eye + EYE_CLEAR || o->proxy_z1 < body->foot.z - LEVEL) continue;
         if (eye < o->proxy_z1 + EYE_CLEAR) {
             if (!(unfit & FLOOR_IN_THINGS) && in_prism(o, at, EYE_CLEAR)) unfit |= FLOOR_IN_THINGS;

@@ -18,11 +18,13 @@ static const double STEADY = 0.5;
 typedef struct LinePoint {
     Vec3 foot;
     double clearance;  // to keep
-    bool fixed;        // of a loop: it moves by smoothing only
+    bool fixed;        // of a loop, or in a room that the line stays in: no cut goes past it
+    int room;          // in which it stays, -1: in any
 } LinePoint;
 
 typedef struct Line {
     const TourFloor *floor;
+    const int *room_of;
     Arena *arena;
     LinePoint *points;
     int count, capacity;
@@ -30,18 +32,19 @@ typedef struct Line {
 
 static double plan_apart(Vec3 a, Vec3 b) { return hypot(a.x - b.x, a.y - b.y); }
 
-static void add(Line *l, Vec3 foot, double clearance, bool fixed) {
-    *ARENA_PUSH(l->arena, l->points, l->count, l->capacity) = (LinePoint){foot, fmin(clearance, KEEP), fixed};
+static void add(Line *l, Vec3 foot, double clearance, bool fixed, int room) {
+    *ARENA_PUSH(l->arena, l->points, l->count, l->capacity) =
+        (LinePoint){foot, fmin(clearance, KEEP), fixed, room};
 }
 
 // ---- loops
 
-static double turn_at(const TourFloor *f, const int *way, int count, int i) {
+static double turn_at(const TourFloor *f, const WayPlace *way, int count, int i) {
     int before = i, after = i;
-    Vec3 at = f->places[way[i]].foot;
-    while (before > 0 && plan_apart(at, f->places[way[before]].foot) < TURN_ARM) before--;
-    while (after + 1 < count && plan_apart(at, f->places[way[after]].foot) < TURN_ARM) after++;
-    Vec3 a = f->places[way[before]].foot, b = f->places[way[after]].foot;
+    Vec3 at = f->places[way[i].place].foot;
+    while (before > 0 && plan_apart(at, f->places[way[before].place].foot) < TURN_ARM) before--;
+    while (after + 1 < count && plan_apart(at, f->places[way[after].place].foot) < TURN_ARM) after++;
+    Vec3 a = f->places[way[before].place].foot, b = f->places[way[after].place].foot;
     if (plan_apart(a, at) < TURN_ARM / 2 || plan_apart(b, at) < TURN_ARM / 2) return 0;
     double in = atan2(at.y - a.y, at.x - a.x), out = atan2(b.y - at.y, b.x - at.x);
     return fabs(remainder(out - in, 2 * M_PI));
@@ -53,28 +56,30 @@ static void add_loop(Line *l, Vec3 middle, Vec3 from, double radius) {
     int steps = (int)ceil(2 * M_PI * radius / l->floor->apart);
     for (int i = 0; i <= steps; i++) {
         double angle = start + 2 * M_PI * i / steps;
-        add(l, vec3(middle.x + radius * cos(angle), middle.y + radius * sin(angle), middle.z), 0, true);
+        add(l, vec3(middle.x + radius * cos(angle), middle.y + radius * sin(angle), middle.z), 0, true, -1);
     }
 }
 
 // The points of the way, with a loop at each turn back.
-static void lay_points(Line *l, const int *way, int count) {
+static void lay_points(Line *l, const WayPlace *way, int count) {
     const TourFloor *f = l->floor;
     for (int i = 0; i < count; i++) {
-        const FloorPlace *p = &f->places[way[i]];
-        bool back = i > 0 && i + 1 < count && way[i - 1] == way[i + 1] && turn_at(f, way, count, i) > TURN;
+        const FloorPlace *p = &f->places[way[i].place];
+        bool back = i > 0 && i + 1 < count && way[i - 1].place == way[i + 1].place &&
+                    turn_at(f, way, count, i) > TURN;
         double radius = fmin((double)p->clearance - 0.5 * f->apart, LOOP_MOST);
         if (!back || radius < LOOP_LEAST) {
-            add(l, p->foot, (double)p->clearance, back);
+            int room = way[i].stays ? l->room_of[way[i].place] : -1;
+            add(l, p->foot, (double)p->clearance, back || room >= 0, room);
             continue;
         }
         int skip = 0;
         while (l->count > 0 && plan_apart(l->points[l->count - 1].foot, p->foot) < radius) l->count--;
-        while (i + 1 + skip < count && plan_apart(f->places[way[i + 1 + skip]].foot, p->foot) < radius)
+        while (i + 1 + skip < count && plan_apart(f->places[way[i + 1 + skip].place].foot, p->foot) < radius)
             skip++;
         int before = i;
-        while (before > 0 && plan_apart(f->places[way[before]].foot, p->foot) < radius) before--;
-        add_loop(l, p->foot, f->places[way[before]].foot, radius);
+        while (before > 0 && plan_apart(f->places[way[before].place].foot, p->foot) < radius) before--;
+        add_loop(l, p->foot, f->places[way[before].place].foot, radius);
         i += skip;
     }
 }
@@ -93,7 +98,7 @@ static bool can_cut(const Line *l, int from, int to) {
 
 // The same line with points `ROUTE_APART` apart, and with straight sections where it made detours.
 static Line cut_short(const Line *l) {
-    Line out = {.floor = l->floor, .arena = l->arena};
+    Line out = {.floor = l->floor, .room_of = l->room_of, .arena = l->arena};
     int reach = (int)(CUT / l->floor->apart);
     for (int i = 0; i + 1 < l->count;) {
         int end = i + 1, step = 1;
@@ -106,10 +111,11 @@ static Line cut_short(const Line *l) {
         double keep = fmin(l->points[i].clearance, l->points[end].clearance);
         int pieces = (int)fmax(1, round(plan_apart(a, b) / ROUTE_APART));
         for (int k = 0; k < pieces; k++)
-            add(&out, vec3_lerp(a, b, (double)k / pieces), keep, k == 0 && l->points[i].fixed);
+            add(&out, vec3_lerp(a, b, (double)k / pieces), keep, k == 0 && l->points[i].fixed,
+                k == 0 ? l->points[i].room : -1);
         i = end;
     }
-    if (l->count > 0) add(&out, l->points[l->count - 1].foot, 0, true);
+    if (l->count > 0) add(&out, l->points[l->count - 1].foot, 0, true, -1);
     return out;
 }
 
@@ -133,23 +139,24 @@ static void smooth(Line *l) {
             Vec3 to = vec3((a.x + b.x + 2 * p->foot.x) / 4, (a.y + b.y + 2 * p->foot.y) / 4, p->foot.z);
             int now = tour_floor_at(l->floor, p->foot);
             double clear = now >= 0 ? (double)l->floor->places[now].clearance : 0;
-            if (is_free(l->floor, &to, fmin(p->clearance, clear))) p->foot = to;
+            if (!is_free(l->floor, &to, fmin(p->clearance, clear))) continue;
+            if (p->room < 0 || l->room_of[tour_floor_at(l->floor, to)] == p->room) p->foot = to;
         }
     }
 }
 
 // Points at even distances in plan.
 static Line even(const Line *l) {
-    Line out = {.floor = l->floor, .arena = l->arena};
+    Line out = {.floor = l->floor, .room_of = l->room_of, .arena = l->arena};
     double left = 0;
     for (int i = 0; i + 1 < l->count; i++) {
         Vec3 a = l->points[i].foot, b = l->points[i + 1].foot;
         double length = plan_apart(a, b);
         for (; left < length; left += ROUTE_APART)
-            add(&out, vec3_lerp(a, b, left / length), l->points[i].clearance, false);
+            add(&out, vec3_lerp(a, b, left / length), l->points[i].clearance, false, -1);
         left -= length;
     }
-    if (l->count > 0) add(&out, l->points[l->count - 1].foot, 0, true);
+    if (l->count > 0) add(&out, l->points[l->count - 1].foot, 0, true, -1);
     return out;
 }
 
@@ -185,10 +192,10 @@ static void add_eyes(const Line *l, const int *room_of, Arena *arena, TourRoute 
     arena_free(&scratch);
 }
 
-void tour_line_add(const TourFloor *floor, const int *room_of, const int *way, int count, Arena *arena,
+void tour_line_add(const TourFloor *floor, const int *room_of, const WayPlace *way, int count, Arena *arena,
                    TourRoute *out) {
     Arena scratch = {0};
-    Line line = {.floor = floor, .arena = &scratch};
+    Line line = {.floor = floor, .room_of = room_of, .arena = &scratch};
     lay_points(&line, way, count);
     if (line.count > 1) {
         line = cut_short(&line);

@@ -11,7 +11,7 @@
 
 // People keep this far from walls where they can: body and this much, metres; hugging the wall costs so many times more.
 static const double ROOMY = 0.6, HUGGING = 2.5;
-// The start is left when another part has so many times more rooms.
+// The start is left when another part has so many times more rooms, or it has one only.
 static const int FEW = 4;
 enum { MATRIX = 40 };
 // A room is entered when the way goes so far through it, metres.
@@ -30,9 +30,9 @@ typedef struct Router {
     Arena *arena;
     TourRoute *out;
     Search search;
-    int *room_of;  // [place_count]
-    int *target;   // [room_count] the place of a room to which the way leads, in the part at hand; -1: none
-    int *way;      // places of the leg
+    int *room_of;   // [place_count]
+    int *target;    // [room_count] the place of a room to which the way leads, in the part at hand; -1: none
+    WayPlace *way;  // of the leg
     int way_count, way_capacity;
 } Router;
 
@@ -85,16 +85,19 @@ static int search_from(Router *r, int start, bool stop) {
 
 // Adds the path to `end` to the way, and marks the rooms that it enters.
 static void follow(Router *r, int end) {
-    int count = 0, first = r->way_count;
+    int count = 0, first = r->way_count, run = 0;
     for (int p = end; r->search.from[p] >= 0; p = r->search.from[p]) count++;
-    for (int i = 0; i < count; i++) *ARENA_PUSH(r->arena, r->way, r->way_count, r->way_capacity) = -1;
-    for (int p = end, i = first + count - 1; i >= first; i--, p = r->search.from[p]) r->way[i] = p;
-    int run = 0;
+    for (int i = 0; i < count; i++)
+        *ARENA_PUSH(r->arena, r->way, r->way_count, r->way_capacity) = (WayPlace){-1, false};
+    for (int p = end, i = first + count - 1; i >= first; i--, p = r->search.from[p]) r->way[i].place = p;
     for (int i = first; i < r->way_count; i++) {
-        int room = r->room_of[r->way[i]];
-        run = i > first && room == r->room_of[r->way[i - 1]] ? run + 1 : 1;
-        if (room >= 0 && run * r->floor->apart >= ENTERED) r->out->room_state[room] = ROOM_ENTERED;
+        int room = r->room_of[r->way[i].place];
+        run = i > first && room == r->room_of[r->way[i - 1].place] ? run + 1 : 1;
+        if (room < 0 || run * r->floor->apart < ENTERED || r->out->room_state[room] != ROOM_OPEN) continue;
+        r->out->room_state[room] = ROOM_ENTERED;
+        r->way[i - run / 2].stays = true;
     }
+    r->way[r->way_count - 1].stays = true;
     r->out->room_state[r->room_of[end]] = ROOM_ENTERED;
 }
 
@@ -213,7 +216,7 @@ static void visit_in_order(Router *r, int start, int targets) {
 // The way through a part from `start`.
 static void walk_part(Router *r, int start) {
     r->way_count = 0;
-    *ARENA_PUSH(r->arena, r->way, r->way_count, r->way_capacity) = start;
+    *ARENA_PUSH(r->arena, r->way, r->way_count, r->way_capacity) = (WayPlace){start, true};
     int targets = find_targets(r, r->floor->places[start].part);
     if (targets <= MATRIX) {
         visit_in_order(r, start, targets);
@@ -303,8 +306,8 @@ void tour_route_make(const TourFloor *f, Arena *arena, TourRoute *out) {
         if (part < 0) break;
         int entry = -1;
         if (first && start >= 0) {
-            bool stays =
-                rooms[f->places[start].part] * FEW >= rooms[part] && rooms[f->places[start].part] > 0;
+            int around = rooms[f->places[start].part];
+            bool stays = f->places[start].part == part || (around > 1 && around * FEW >= rooms[part]);
             if (stays) entry = start;
             out->moved = !stays;
         }

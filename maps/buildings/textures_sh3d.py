@@ -125,7 +125,10 @@ def pieces():
         piece("coloured", color="FF3366AA", model="crate/box.obj", x=480, y=440, **at) + \
         piece("leaves", model="leaf/box.obj", x=600, y=440, **at) + \
         tag("doorOrWindow", id="door", name="Door", model="plain/box.obj", x=400, y=250, angle=1.5707964, width=91.5, depth=12,
-            height=208)
+            height=208) + \
+        tag("doorOrWindow", id="front", name="Front door", model="plain/box.obj", x=250, y=500, width=91.5, depth=12, height=208) + \
+        tag("doorOrWindow", id="window", name="Window", model="plain/box.obj", x=700, y=300, angle=1.5707964, elevation=90, width=120,
+            depth=12, height=110)
 
 
 def main():

@@ -60,7 +60,7 @@ Test(obj, reads_materials) {
     Error error;
     char library[] =
         "newmtl pane\nKd 0.5 1 0\nd 0.25\nnewmtl tr\nTr 0.75\nKd 2 -1 nan\nnewmtl wild\nd x\nKd\n";
-    ObjFiles files = {read_library, library, NULL};
+    ObjFiles files = {.read = read_library, .context = library};
     const char *text =
         "mtllib my colours.mtl\nmtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
         "usemtl pane\nf 1 2 3\nusemtl tr\nf 1 2 3\nusemtl dkgrey\nf 1 2 3\nusemtl my glass\nf 1 2 3\n";

@@ -128,7 +128,7 @@ Test(obj_materials, shininess_of_libraries) {
         char library[200];
         snprintf(library, sizeof library, "newmtl other\nillum 0\nKs 0 0 0\nnewmtl amber\n%s",
                  CASES[i].lines);
-        ObjFiles files = {read_library, library, NULL};
+        ObjFiles files = {.read = read_library, .context = library};
         ObjModel m =
             read_text(&arena, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl amber\nf 1 2 3\n", &files);
         const ObjMaterial *got = &m.materials[m.faces[0].material];

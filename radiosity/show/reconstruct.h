@@ -20,7 +20,8 @@ typedef struct VertexLight {
 // new, in the arena.
 RadSolution reconstruct_even(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
-// The light of a solution at the corners, even as of reconstruct_even. Where the solution was gathered at nodes, the gathered radiosities are used.
+// The light of a solution at the corners, even as of reconstruct_even. Where the solution was gathered at nodes, the gathered radiosities
+// are used.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
 // The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.

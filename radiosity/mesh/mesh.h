@@ -170,8 +170,8 @@ static inline Rgb mesh_reflectance(const Mesh *mesh, int element) {
 // The same of a patch, the mean of its elements by area.
 Rgb mesh_patch_reflectance(const Mesh *mesh, int patch);
 
-// What the material reflects in the mean, over what the element reflects; exactly 1 without a picture. Light that an element
-// reflects, times this, has no steps where the picture is uneven.
+// The ratio of the material's mean reflectance to the element's; exactly 1 without a picture. Light that an element reflects, times
+// this ratio, has no steps where the picture is uneven.
 static inline void mesh_even(const Mesh *mesh, int element, double out[3]) {
     double mean[3], own[3];
     rgb_doubles(mesh_material(mesh, mesh->elements[element].face)->reflectance, mean);

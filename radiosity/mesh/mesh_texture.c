@@ -63,7 +63,10 @@ static Rgb mean_over(const Mesh *mesh, int element, Arena *scratch) {
         for (int c = 0; c < 3; c++) sum[c] += channels[c];
         count++;
     }
-    if (count == 0) return mesh_reflectance_at(mesh, e->face, element_centroid(mesh, element), sqrt(e->area));
+    if (count == 0) {
+        Vec3 p = mesh->vertices[mesh->corners[e->first_corner]];
+        return mesh_reflectance_at(mesh, e->face, p, sqrt(e->area));
+    }
     return (Rgb){(float)(sum[0] / count), (float)(sum[1] / count), (float)(sum[2] / count)};
 }
 

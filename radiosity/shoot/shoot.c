@@ -243,7 +243,7 @@ static void finish(const Shooter *s) {
 // Receivers lie all over memory, but it is known long before which come: runs ahead to fetch one.
 enum { RECEIVER_AHEAD = 12 };
 
-// What the elements of one run reflect, each of its share. `at`: the run's first element in the row.
+// The mean reflectance of the elements of one run, by their shares. `at`: the run's first element in the row.
 static Four run_reflectance(const Mesh *mesh, const ShootRow *row, int run, int at) {
     const Patch *patch = &mesh->patches[row->runs[run].patch];
     Four sum = {0};

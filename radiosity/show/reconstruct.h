@@ -15,12 +15,13 @@ typedef struct VertexLight {
     int *triangle;
 } VertexLight;
 
-// A solution as it would be if each element reflected what its material does in the mean: the light that is shown, for a shader or a
-// still to multiply by the picture over its mean. The same where no face has a picture; else `radiosity`, `direct`, `daylight` and `sun`
-// are new, in the arena.
+// The solution if each element reflected what its material reflects in the mean: light to show, which a shader or a still multiplies by
+// the picture over its mean. Where no face has a picture it is the solution itself; else `radiosity`, `direct`, `daylight` and `sun` are
+// new, in the arena.
 RadSolution reconstruct_even(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
-// The light of a solution at the corners, even as of reconstruct_even. Where the solution was gathered at nodes, the gathered radiosities are used.
+// The light of a solution at the corners, even as of reconstruct_even. Where the solution was gathered at nodes, the gathered radiosities
+// are used.
 VertexLight reconstruct_light(const Mesh *mesh, const RadSolution *solution, Arena *arena);
 
 // The even radiosity at each node from those of the elements, into `out` [nodes->count], W/m^2 a channel.

@@ -63,8 +63,8 @@ Test(textured_light, no_light_is_lost) {
     lit_free(lit);
 }
 
-// Proves that elements together reflect the mean of a picture that a face shows as a whole, as walls do here. Tolerance: four points a side and levels that
-// straddle the sides of elements miscount each element by some of its neighbours' light, at random.
+// Proves that elements together reflect the mean of a picture that a face shows as a whole, as walls do here. Tolerance: four points a
+// side, of levels that straddle the sides of elements, miscount each element by some of its neighbours' light, at random.
 Test(textured_light, elements_have_the_mean_of_the_picture) {
     Lit *lit = papered_room(4);
     const Mesh *mesh = &lit->mesh;

@@ -395,7 +395,7 @@ rm -rf "$work/cache"
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --sky 5 && says err 'sky is not for --verify'
 expect 2 "$program" walk $two --offscreen "$work/day" --verify --day && says err 'daylight is not for --verify'
 # A day with a sun: `--day` alone is the usual one, another hour another day; a home has a day of its own.
-expect 0 "$program" bake "$work/unlit.plan" --day -o "$work/usual.rad" && says out 'sky  *[1-9]'
+expect 0 "$program" bake "$work/unlit.plan" --day -o "$work/usual.rad" && says out 'sky_w  *[1-9]'
 expect 0 "$program" bake "$work/unlit.plan" --date 2026-06-21 --time 10:00 --place 50,0 --north 0 --weather clear -o "$work/said.rad"
 same "$work/usual.rad" "$work/said.rad" '--day alone is not the usual day'
 expect 0 "$program" bake "$work/unlit.plan" --time 11:00+1 -o "$work/zone.rad"

@@ -158,6 +158,11 @@ static Line even(const Line *l) {
     for (int i = 0; i + 1 < l->count; i++) {
         Vec3 a = l->points[i].foot, b = l->points[i + 1].foot;
         double length = plan_apart(a, b);
+        if (l->points[i].room >= 0) {
+            // A small room may lie between two points.
+            add(&out, a, l->points[i].clearance, false, l->points[i].room);
+            left = ROUTE_APART;
+        }
         for (; left < length; left += ROUTE_APART)
             add(&out, vec3_lerp(a, b, left / length), l->points[i].clearance, false, -1);
         left -= length;

@@ -256,7 +256,7 @@ static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     json_object_set_new(o, "quickest_turn_deg_s", json_real(f->quickest * 180 / M_PI));
     json_object_set_new(o, "turning_share", json_real(f->turning / frames));
     json_object_set_new(o, "frames_in_furniture", json_integer(f->in_furniture));
-    // What is seen is known of verified frames only.
+    // These two are known of verified frames only.
     json_object_set_new(o, "near_share", f->views ? json_real(f->near / views) : json_null());
     json_object_set_new(o, "one_polygon_share", f->views ? json_real(f->one_polygon / views) : json_null());
     json_object_set_new(o, "cells_visited", json_integer(t->visited_cells));

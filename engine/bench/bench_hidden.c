@@ -14,7 +14,7 @@
 #include "engine/core/file.h"
 #include "engine/core/random.h"
 #include "engine/draw/view.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "visibility/hidden/curved_scene.h"
 #include "visibility/hidden/hidden.h"
 

@@ -7,7 +7,7 @@
 #include "engine/draw/view.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/gl/gl_context.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 
 typedef struct Sums {
     double polygons, cells, query, frame, portals, objects;

@@ -9,12 +9,18 @@
 #define WALK_RECORDING_H
 
 #include "engine/core/file.h"
-#include "engine/sim/tour.h"
+#include "visibility/vis.h"
 
 // Frames per second of a recorded path.
 #define RECORDING_TICKS 60
 // The most frames of one path: four hours, up to 90 MB in memory.
 #define RECORDING_LONGEST (4 * 3600 * RECORDING_TICKS)
+
+// Where an eye is and looks in a frame.
+typedef struct TourFrame {
+    Vec3 eye;
+    double yaw, pitch, fov;  // radians, see Viewpoint
+} TourFrame;
 
 typedef struct Recording {
     Arena *arena;

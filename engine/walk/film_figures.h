@@ -2,7 +2,7 @@
 #ifndef WALK_FILM_FIGURES_H
 #define WALK_FILM_FIGURES_H
 
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "visibility/hidden/hidden.h"
 
 // A frame is near when the polygon in its middle is nearer than this, metres; it is of one polygon when one fills more than this

@@ -9,7 +9,8 @@
 
 typedef struct Video Video;
 
-// A second of the film has frames / seconds frames. The file appears when video_end has completed it: an earlier file of the name survives any failure.
+// The film shows `frames` frames in `seconds` seconds.
+// The file appears when video_end has completed it: an earlier file of the name survives any failure.
 Video *video_begin(const char *path, int width, int height, int frames, int seconds, Arena *arena,
                    Error *error);
 bool video_add(Video *video, const uint8_t *rgb,

@@ -4,7 +4,7 @@
 
 #include "engine/draw/walk_renderer.h"
 #include "engine/sim/door_states.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "engine/walk/film_figures.h"
 
 typedef struct WalkOptions {

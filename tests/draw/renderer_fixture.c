@@ -9,7 +9,7 @@
 #include "engine/draw/walk_occlusion.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/gl/gl_context.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "maps/maps.h"
 #include "tests/support/support.h"
 

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "engine/draw/image.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "engine/walk/video.h"
 #include "engine/walk/walk_offscreen.h"
 #include "tests/support/support.h"
@@ -15,7 +15,7 @@
 Test(tour, visits_every_room, .timeout = 120) {
     static const char *const paths[] = {"build/maps/two-rooms.plan", "build/maps/house.plan",
                                         "build/maps/office.plan"};
-    // Of the house one room is a shower too small to take a step in.
+    // One room of the house is a shower too small to take a step in.
     static const int rooms[] = {2, 10, 83};
     for (int k = 0; k < 3; k++) {
         Walked w;

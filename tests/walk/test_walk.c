@@ -2,7 +2,7 @@
 // against ray casting and Embree; tours that reach every cell; pictures and videos that arrive whole.
 #include <criterion/criterion.h>
 
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "engine/walk/verify.h"
 #include "tests/support/support.h"
 #include "tests/walk/walk_fixture.h"

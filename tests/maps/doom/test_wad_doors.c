@@ -2,7 +2,7 @@
 #include <criterion/criterion.h>
 
 #include "engine/sim/doors.h"
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 #include "engine/walk/verify.h"
 #include "tests/maps/doom/wad_fixture.h"
 #include "tests/support/support.h"

@@ -1,7 +1,7 @@
 // tour_line.c - the line of a tour from the places of its way: a turn back becomes a loop where there is room, detours of the grid are
 // cut short where the floor allows, and corners are rounded by moving each point towards the middle of its neighbours (Laplacian
 // smoothing), as long as it keeps the room around it that the way had.
-#include "engine/sim/tour_line.h"
+#include "engine/tour/tour_line.h"
 
 // A turn back is a turn by more than this over TURN_ARM metres on both sides, radians.
 static const double TURN = 2.2, TURN_ARM = 0.7;
@@ -51,12 +51,14 @@ static double turn_at(const TourFloor *f, const WayPlace *way, int count, int i)
 }
 
 // A circle around the place at which the way turns back, from the side on which the way comes.
-static void add_loop(Line *l, Vec3 middle, Vec3 from, double radius) {
+static void add_loop(Line *l, Vec3 middle, Vec3 from, double radius, int room) {
     double start = atan2(from.y - middle.y, from.x - middle.x);
     int steps = (int)ceil(2 * M_PI * radius / l->floor->apart);
     for (int i = 0; i <= steps; i++) {
         double angle = start + 2 * M_PI * i / steps;
-        add(l, vec3(middle.x + radius * cos(angle), middle.y + radius * sin(angle), middle.z), 0, true, -1);
+        Vec3 at = vec3(middle.x + radius * cos(angle), middle.y + radius * sin(angle), middle.z);
+        int place = tour_floor_at(l->floor, at);
+        add(l, at, 0, true, place >= 0 && l->room_of[place] == room ? room : -1);
     }
 }
 
@@ -74,12 +76,16 @@ static void lay_points(Line *l, const WayPlace *way, int count) {
             continue;
         }
         int skip = 0;
-        while (l->count > 0 && plan_apart(l->points[l->count - 1].foot, p->foot) < radius) l->count--;
-        while (i + 1 + skip < count && plan_apart(f->places[way[i + 1 + skip].place].foot, p->foot) < radius)
+        while (l->count > 0 && l->points[l->count - 1].room < 0 &&
+               plan_apart(l->points[l->count - 1].foot, p->foot) < radius)
+            l->count--;
+        while (i + 1 + skip < count && !way[i + 1 + skip].stays &&
+               plan_apart(f->places[way[i + 1 + skip].place].foot, p->foot) < radius)
             skip++;
         int before = i;
         while (before > 0 && plan_apart(f->places[way[before].place].foot, p->foot) < radius) before--;
-        add_loop(l, p->foot, f->places[way[before].place].foot, radius);
+        add_loop(l, p->foot, f->places[way[before].place].foot, radius,
+                 way[i].stays ? l->room_of[way[i].place] : -1);
         i += skip;
     }
 }
@@ -122,7 +128,7 @@ static Line cut_short(const Line *l) {
 // ---- smoothing
 
 // May the line pass here? The height is that of the place.
-static bool is_free(const TourFloor *f, Vec3 *foot, double clearance) {
+static bool may_pass(const TourFloor *f, Vec3 *foot, double clearance) {
     int p = tour_floor_at(f, *foot);
     if (p < 0) return false;
     const FloorPlace *place = &f->places[p];
@@ -139,7 +145,7 @@ static void smooth(Line *l) {
             Vec3 to = vec3((a.x + b.x + 2 * p->foot.x) / 4, (a.y + b.y + 2 * p->foot.y) / 4, p->foot.z);
             int now = tour_floor_at(l->floor, p->foot);
             double clear = now >= 0 ? (double)l->floor->places[now].clearance : 0;
-            if (!is_free(l->floor, &to, fmin(p->clearance, clear))) continue;
+            if (!may_pass(l->floor, &to, fmin(p->clearance, clear))) continue;
             if (p->room < 0 || l->room_of[tour_floor_at(l->floor, to)] == p->room) p->foot = to;
         }
     }
@@ -152,6 +158,11 @@ static Line even(const Line *l) {
     for (int i = 0; i + 1 < l->count; i++) {
         Vec3 a = l->points[i].foot, b = l->points[i + 1].foot;
         double length = plan_apart(a, b);
+        if (l->points[i].room >= 0) {
+            // A small room may lie between two points.
+            add(&out, a, l->points[i].clearance, false, l->points[i].room);
+            left = ROUTE_APART;
+        }
         for (; left < length; left += ROUTE_APART)
             add(&out, vec3_lerp(a, b, left / length), l->points[i].clearance, false, -1);
         left -= length;

@@ -1,6 +1,6 @@
 // tour_floor.c - the floors on which a body walks, found by walking: from a free place the body steps to the four neighbouring
 // columns of a grid and stays where it arrives; then the same from there.
-#include "engine/sim/tour_floor.h"
+#include "engine/tour/tour_floor.h"
 
 #include <string.h>
 
@@ -143,7 +143,7 @@ static int step_to(Flood *w, int from, int k) {
     return same ? there : -1;
 }
 
-static void spread(Flood *w, int from) {
+static void step_around(Flood *w, int from) {
     TourFloor *f = w->floor;
     for (int k = 0; k < 8; k += 2) {
         if (f->places[from].link[k] >= 0) continue;
@@ -284,7 +284,7 @@ static void seed_cell(Flood *w, int c) {
                 continue;
             int first = f->place_count;
             add_place(w, column, &body);
-            for (int p = first; p < f->place_count; p++) spread(w, p);
+            for (int p = first; p < f->place_count; p++) step_around(w, p);
         }
     }
 }

@@ -2,9 +2,9 @@
 #ifndef WALK_TOUR_FILM_H
 #define WALK_TOUR_FILM_H
 
-#include "engine/sim/tour_route.h"
+#include "engine/tour/tour_route.h"
 
-// Of a person who shows a house: metres a second, and radians a second.
+// The speed and turn of a person who shows a house: metres a second, and radians a second.
 #define TOUR_SPEED 1.4
 #define TOUR_TURN (M_PI / 3)
 // A film is computed at moments so far apart, seconds; frames lie between them.

@@ -1,13 +1,13 @@
 // tour_route.c - the order of rooms and the way between them. The way follows Dijkstra's shortest paths over the places of the
 // floor, on which places near walls and furniture cost more. Of up to MATRIX rooms the order is improved by moving and reversing runs
 // (2-opt and or-opt; G. A. Croes 1958, I. Or 1976); of more, the next room is always the nearest.
-#include "engine/sim/tour_route.h"
+#include "engine/tour/tour_route.h"
 
 #include <string.h>
 
 #include "engine/core/heap.h"
-#include "engine/sim/tour_line.h"
-#include "engine/sim/tour_rooms.h"
+#include "engine/tour/tour_line.h"
+#include "engine/tour/tour_rooms.h"
 
 // People keep this far from walls where they can: body and this much, metres; hugging the wall costs so many times more.
 static const double ROOMY = 0.6, HUGGING = 2.5;

@@ -2,12 +2,8 @@
 #ifndef WALK_TOUR_H
 #define WALK_TOUR_H
 
-#include "engine/sim/tour_film.h"
-
-typedef struct TourFrame {
-    Vec3 eye;
-    double yaw, pitch, fov;  // radians, see Viewpoint
-} TourFrame;
+#include "engine/sim/recording.h"
+#include "engine/tour/tour_film.h"
 
 typedef struct TourOptions {
     double step;            // of a stored tour: greatest distance between two frames, metres, 0.01 .. 10

@@ -2,7 +2,7 @@
 #ifndef WALK_TOUR_ROOMS_H
 #define WALK_TOUR_ROOMS_H
 
-#include "engine/sim/tour_route.h"
+#include "engine/tour/tour_route.h"
 
 // Fills the rooms of `out`, all shut or open, and returns [place_count] the room of each place, -1 in none. A place on furniture is
 // in no room, nor is one of a part too small to walk in.

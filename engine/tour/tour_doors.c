@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "engine/sim/door_part.h"
-#include "engine/sim/tour_film.h"
+#include "engine/tour/tour_film.h"
 
 // A door stands open so long before the eye comes, and begins to close so long after it has gone, seconds: at TOUR_SPEED, two metres
 // and one.

@@ -2,7 +2,7 @@
 #ifndef WALK_TOUR_ROUTE_H
 #define WALK_TOUR_ROUTE_H
 
-#include "engine/sim/tour_floor.h"
+#include "engine/tour/tour_floor.h"
 
 // A point of the line on which the eye goes.
 typedef struct RoutePoint {

@@ -1,5 +1,5 @@
 // tour.c - tours frame by frame: the automatic one from the film of tour_film.h, stored ones from their viewpoints.
-#include "engine/sim/tour.h"
+#include "engine/tour/tour.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // tour_rooms.c - rooms as people count them: regions of one name that touch are one room.
-#include "engine/sim/tour_rooms.h"
+#include "engine/tour/tour_rooms.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 // tour_film.c - the pace of a tour. The speed at each point of the line is as high as the turn of the line, the speed before and the
 // speed after allow; then places in time are smoothed by a Gaussian, so that the speed has no corners.
-#include "engine/sim/tour_film.h"
+#include "engine/tour/tour_film.h"
 
 // The line turns no faster than this, radians a second; the speed changes by at most PUSH, m/s^2.
 static const double LINE_TURN = 0.75, PUSH = 0.7;
@@ -10,7 +10,7 @@ static const double SLOWEST = 0.3, CUSP = 0.15;
 enum { ARM = 3 };
 // The film stands still at the beginning and the end of each leg, seconds.
 static const double STILL = 0.8;
-// Of the Gaussian over places, seconds.
+// The width of the Gaussian over places, seconds.
 static const double EASE = 0.15;
 
 static double limit_at(const RoutePoint *p, int count, int i) {

@@ -6,7 +6,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/sim/door_part.h"
-#include "engine/sim/tour_film.h"
+#include "engine/tour/tour_film.h"
 #include "visibility/rays/ray_surfaces.h"
 
 // Looks are LOOK_TICKS moments apart, and the eye turns by up to QUICKEST directions in between: 50 degrees a second.
@@ -21,7 +21,7 @@ static const double SLOPE = 0.6;
 static const double LONGEST = 15;
 // The way ahead is where the eye is after it went so far, metres.
 static const double AHEAD = 1.0;
-// Of the Gaussian over directions, seconds.
+// The width of the Gaussian over directions, seconds.
 static const double EASE = 0.35;
 
 typedef struct Look {
@@ -92,8 +92,8 @@ static double to_shut_door(const Gaze *g, const float *door_open, const Ray *ray
     return nearest;
 }
 
-// What a ray meets first, a pane of glass included: its distance, metres, and a number that tells polygons and shut doors apart; and
-// how far the view goes, through glass.
+// The first thing that a ray meets, a pane of glass included: its distance, metres, and a number that tells polygons and shut
+// doors apart; and how far the view goes, through glass.
 static double look_along(const Gaze *g, const float *door_open, Ray ray, int *item, double *view) {
     int door = -1;
     double shut = to_shut_door(g, door_open, &ray, &door), first = fmin(ray.far, shut);
@@ -184,7 +184,7 @@ static double turning_cost(const Look *look, int by) {
 }
 
 // Writes the yaw of each look, continuous.
-static void choose(const Gaze *g, double *yaw) {
+static void choose_directions(const Gaze *g, double *yaw) {
     Arena scratch = {0};
     int n = g->look_count;
     double now[DIRECTIONS], next[DIRECTIONS];
@@ -272,7 +272,7 @@ void tour_film_gaze(const CellGraph *graph, TourFilm *film) {
         g.looks = ARENA_ARRAY(&scratch, Look, g.look_count + 1);
         double *yaw = ARENA_ARRAY(&scratch, double, g.look_count + 1);
         parallel_for(parallel_threads(0), g.look_count, weigh, &g);
-        choose(&g, yaw);
+        choose_directions(&g, yaw);
         turn(&g, yaw);
     }
     arena_free(&scratch);

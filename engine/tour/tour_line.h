@@ -2,7 +2,7 @@
 #ifndef WALK_TOUR_LINE_H
 #define WALK_TOUR_LINE_H
 
-#include "engine/sim/tour_route.h"
+#include "engine/tour/tour_route.h"
 
 typedef struct WayPlace {
     int place;

@@ -21,7 +21,7 @@ void smooth_free(Smoother *s) {
     *s = (Smoother){.width = 0};
 }
 
-static void make_room(Smoother *s, int width, int height) {
+static void fit_picture(Smoother *s, int width, int height) {
     if (s->width == width && s->height == height) return;
     size_t count = (size_t)width * (size_t)height;
     smooth_free(s);
@@ -68,8 +68,8 @@ static int follow(const uint8_t *at, ptrdiff_t along, ptrdiff_t across, int room
     }
 }
 
-// Of the neighbour `across`, the share that belongs to this pixel, of 256; 0: none.
-static int share_of(const uint8_t *b, int x, int y, int width, int height, ptrdiff_t *across) {
+// The share of the neighbour `across` that belongs to this pixel, of 256; 0: none.
+static int covered_share(const uint8_t *b, int x, int y, int width, int height, ptrdiff_t *across) {
     const ptrdiff_t row = width;
     int m = b[0], n = b[-row], s = b[row], w = b[-1], e = b[1];
     int nw = b[-row - 1], ne = b[-row + 1], sw = b[row - 1], se = b[row + 1];
@@ -114,7 +114,7 @@ static uint32_t mix(uint32_t a, uint32_t b, uint32_t share) {
 
 void smooth_edges(Smoother *s, uint32_t *pixels, int width, int height) {
     if (width < 3 || height < 3) return;
-    make_room(s, width, height);
+    fit_picture(s, width, height);
     find_brightness(pixels, s->bright, width * height);
     int count = 0;
     for (int y = 1; y < height - 1; y++) {
@@ -126,7 +126,7 @@ void smooth_edges(Smoother *s, uint32_t *pixels, int width, int height) {
             if (any == 0) continue;
             for (int x = x0; x < x0 + (int)sizeof any && x < width - 1; x++) {
                 ptrdiff_t across;
-                int share = s->edge[x] ? share_of(row + x, x, y, width, height, &across) : 0;
+                int share = s->edge[x] ? covered_share(row + x, x, y, width, height, &across) : 0;
                 if (share == 0) continue;
                 ptrdiff_t i = (ptrdiff_t)y * width + x;
                 s->changed[count] = (uint32_t)i;

@@ -8,8 +8,8 @@ static const char RECORDING[] = "recording";
 static const double TEXT = 12, SMALL = 10, LINE = 17, PAD = 10, MARGIN = 12, GAP = 8, ROUND = 6;
 static const double FIGURES_WIDTH = 232, LABEL_WIDTH = 64, MESSAGE_WIDTH = 560, HELP_GAP = 14, HELP_LINE = 19;
 static const double KEY_PAD = 5, KEY_ROUND = 3;
-// Help shrinks in steps of this factor, down to this share of its size, and never below letters of so many pixels.
-static const double HELP_SHRINK = 0.95, HELP_LEAST = 0.25, HELP_LEAST_PIXELS = 8;
+// Help shrinks in steps of this factor, down to letters of so many pixels.
+static const double HELP_SHRINK = 0.95, HELP_LEAST_PIXELS = 8;
 // How far down the prompt stands, as a share of the window: below the point that is looked at.
 static const double PROMPT_DOWN = 0.7;
 // The plan's longer side is the first of these that fits into the window and is less than PLAN_SHARE of it.
@@ -224,7 +224,7 @@ static bool place_help_of(Hud *hud, HelpTable *t, double size) {
 // The largest letters with which the whole table has room. False where not even the smallest have.
 static bool place_help(Hud *hud, HelpTable *t) {
     if (!hud->state->help) return false;
-    double least = fmax(HELP_LEAST_PIXELS / (overlay_scale(hud->overlay) * TEXT), HELP_LEAST);
+    double least = HELP_LEAST_PIXELS / (overlay_scale(hud->overlay) * TEXT);
     for (double size = 1; size >= least; size *= HELP_SHRINK)
         if (place_help_of(hud, t, size)) return true;
     return false;

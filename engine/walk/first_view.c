@@ -132,8 +132,8 @@ static double way_out(Box box, Vec3 from, Vec3 way) {
 
 // The distances seen all around, column by column from yaw 0 on, each the mean over a quarter of the height. What lies outside the room,
 // behind windows and doors, is no farther than its border.
-static bool look_around(const FirstScene *scene, Vec3 eye, Box room, const Vec3 *vertices, Arena *scratch,
-                        double *out) {
+static bool see_all_around(const FirstScene *scene, Vec3 eye, Box room, const Vec3 *vertices, Arena *scratch,
+                           double *out) {
     enum { HEIGHT = SIDE_WIDTH / 2 };
     for (int side = 0; side < SIDES; side++) {
         ItemBuffer seen;
@@ -212,8 +212,8 @@ static bool view_of_largest_room(const FirstScene *scene, double fov, const Vec3
         double far[AROUND], score;
         Vec3 foot = vec3_sub(places[i], vec3(0, 0, BODY_EYE));
         if (body_place_near(&body, scene->world, foot) && vec3_length(vec3_sub(body.foot, foot)) <= MOVED &&
-            look_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), room, vertices, &around,
-                        far)) {
+            see_all_around(scene, vec3_add(body.foot, vec3(0, 0, body_eye(&body))), room, vertices, &around,
+                           far)) {
             double yaw = best_yaw(far, fov, &score);
             if (score > best) {
                 best = score;

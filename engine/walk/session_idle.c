@@ -15,7 +15,7 @@ static const double FADE_STEPS = 64;
 
 static int steps(double opacity) { return (int)lrint(FADE_STEPS * opacity); }
 
-static SessionSeen see(const Session *s, int width, int height, double scale) {
+static SessionSeen take_note(const Session *s, int width, int height, double scale) {
     SessionSeen seen;
     // With its padding, so that two can be compared as bytes.
     memset(&seen, 0, sizeof seen);
@@ -59,7 +59,7 @@ static bool picture_moves(const Session *s) {
 
 bool session_changed(Session *s, int width, int height, double scale) {
     const int doors = s->shown->scene.graph->building->opening_count;
-    SessionSeen now = see(s, width, height, scale);
+    SessionSeen now = take_note(s, width, height, scale);
     s->changed = s->frames == 0 || s->exposed || picture_moves(s) ||
                  memcmp(&now, &s->seen, sizeof now) != 0 ||
                  vec3_length(vec3_sub(s->person.eye, s->seen_eye)) > STAYED ||
@@ -73,7 +73,7 @@ bool session_changed(Session *s, int width, int height, double scale) {
 
 void session_note_seen(Session *s, int width, int height, double scale) {
     const int doors = s->shown->scene.graph->building->opening_count;
-    s->seen = see(s, width, height, scale);
+    s->seen = take_note(s, width, height, scale);
     s->seen_eye = s->person.eye;
     s->exposed = false;
     s->frames++;

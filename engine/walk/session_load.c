@@ -3,7 +3,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "engine/walk/first_view.h"
 #include "engine/walk/session_state.h"
 
 struct SessionLoad {
@@ -22,13 +21,6 @@ static const Viewpoint *named_view(const Session *s, const Building *b) {
     return NULL;
 }
 
-void session_choose_first(const Session *s, Shown *shown) {
-    Arena scratch = {0};
-    FirstScene scene = {shown->scene.graph, shown->query, shown->doors.open, &shown->world};
-    shown->first = first_view(&scene, s->fov, &scratch);
-    arena_free(&scratch);
-}
-
 static void draw_first(SessionLoad *load) {
     const Session *s = load->session;
     Shown *shown = load->shown;
@@ -36,14 +28,14 @@ static void draw_first(SessionLoad *load) {
     const Viewpoint *from = named_view(s, shown->scene.graph->building);
     if (!from) from = &shown->first;
     Arena scratch = {0};
-    FirstScene scene = {shown->scene.graph, shown->query, shown->doors.open, &shown->world};
+    FirstScene scene = shown_first_scene(shown);
     Camera camera = camera_look(from->eye, from->yaw, from->pitch, s->fov, p->width, p->height);
     uint32_t *pixels = arena_alloc(&load->arena, (size_t)p->width * (size_t)p->height, sizeof *pixels);
     if (first_picture(&scene, &camera, &scratch, pixels, NULL)) p->pixels = pixels;
     arena_free(&scratch);
 }
 
-static void *work(void *context) {
+static void *read_building_in_thread(void *context) {
     SessionLoad *load = context;
     const Session *s = load->session;
     load->shown = shown_load(s, &load->error);
@@ -57,7 +49,7 @@ SessionLoad *session_load_begin(const Session *s, int width, int height, Arena *
     SessionLoad *load = ARENA_ARRAY(arena, SessionLoad, 1);
     load->session = s;
     load->picture = (SessionPicture){NULL, width, height};
-    return pthread_create(&load->handle, NULL, work, load) == 0 ? load : NULL;
+    return pthread_create(&load->handle, NULL, read_building_in_thread, load) == 0 ? load : NULL;
 }
 
 bool session_loaded(const Session *s) { return !s->load || atomic_load(&s->load->done); }

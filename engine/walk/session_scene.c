@@ -15,6 +15,10 @@ static void set_doors(Doors *doors, const Building *b, WalkDoors state) {
     for (int i = 0; i < b->opening_count; i++) doors_set(doors, i, doors->open[i]);
 }
 
+FirstScene shown_first_scene(Shown *shown) {
+    return (FirstScene){shown->scene.graph, shown->query, shown->doors.open, &shown->world};
+}
+
 Shown *shown_load(const Session *s, Error *error) {
     Arena arena = {0};
     Shown *shown = ARENA_ARRAY(&arena, Shown, 1);
@@ -32,7 +36,10 @@ Shown *shown_load(const Session *s, Error *error) {
     set_doors(&shown->doors, graph->building, s->options.doors);
     // From here on the arena is stored in the object that it holds.
     shown->arena = arena;
-    session_choose_first(s, shown);
+    Arena scratch = {0};
+    FirstScene scene = shown_first_scene(shown);
+    shown->first = first_view(&scene, s->fov, &scratch);
+    arena_free(&scratch);
     return shown;
 }
 

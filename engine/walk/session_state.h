@@ -7,6 +7,7 @@
 #include "engine/sim/person.h"
 #include "engine/sim/recording.h"
 #include "engine/walk/file_watch.h"
+#include "engine/walk/first_view.h"
 #include "engine/walk/light_thread.h"
 #include "engine/walk/session.h"
 
@@ -50,7 +51,7 @@ typedef struct Shown {
     struct Shown *next;   // in the list of those no longer shown whose light is still being baked
 } Shown;
 
-// What a frame shows besides the eye's place and the doors: two that are the same byte for byte show the same picture.
+// Contents of a frame besides the eye's place and the doors: two that are the same byte for byte show the same picture.
 typedef struct SessionSeen {
     const void *shown, *light, *recording, *replay;
     double yaw, pitch, fov, scale, stops, message_since;
@@ -119,10 +120,10 @@ struct Session {
 // NULL: no thread can be started.
 SessionLoad *session_load_begin(const Session *s, int width, int height, Arena *arena);
 Shown *session_load_end(Session *s, Error *error);
-void session_choose_first(const Session *s, Shown *shown);
 
 // ---- session_scene.c
 Shown *shown_load(const Session *s, Error *error);  // without OpenGL, in any thread
+FirstScene shown_first_scene(Shown *shown);
 // Uploads it, and begins its light. False after a failure, with which the building is freed.
 bool shown_upload(const Session *s, Shown *shown, Error *error);
 // Frees it after waiting at most so many seconds for a bake under way to end. False: the bake has not ended, and its data stays.
@@ -171,9 +172,9 @@ int session_storey(const Session *s);
 int session_door(const Session *s);
 // Has a bake in the background not yet ended?
 bool session_light_arriving(const Session *s);
-// What the person is asked to do about a door: open it, close it, or step out of its way.
+// The words about a door that is looked at: open it, close it, or step out of its way.
 const char *session_door_prompt(const Session *s, int door, Arena *arena);
-// Of the hint of the first keys, 0 .. 1: it fades in the walk's first seconds.
+// The opacity of the hint of the first keys, 0 .. 1: it fades in the walk's first seconds.
 double session_hint_opacity(const Session *s);
 enum { SESSION_FLAGS = 10 };
 // Writes a word for each state that is not as usual; returns how many.

@@ -116,3 +116,55 @@ Test(hud, messages_are_wrapped, .timeout = 60) {
     arena_free(&scratch);
     overlay_check_canvas_close(&c);
 }
+
+static const HudKey HINT[] = {{"click", "to look around"}, {"E", "open a door"}, {"H", "all keys"}};
+
+// The hint is there, fades, and stays within the window, in which it is broken into rows.
+Test(hud, hint_fades_and_fits) {
+    static const int WIDTHS[] = {640, 220};
+    for (int k = 0; k < 2; k++) {
+        Canvas c;
+        overlay_check_canvas_open(&c, WIDTHS[k], 300);
+        double seen[3];
+        for (int i = 0; i < 3; i++) {
+            Arena scratch = {0};
+            HudState state = {
+                .hint = HINT, .hint_count = 3, .hint_opacity = 1 - i / 2.0, .scratch = &scratch};
+            overlay_check_canvas_begin(&c, 1);
+            hud_draw(c.overlay, &state);
+            overlay_check_canvas_end(&c);
+            seen[i] = overlay_check_covered(&c);
+            Ink ink = overlay_check_ink_of(&c);
+            if (i == 0)
+                cr_expect(ink.x0 >= 12 && ink.x1 < WIDTHS[k] - 12 && ink.y1 < 300 - 12, "%d..%d, ..%d",
+                          ink.x0, ink.x1, ink.y1);
+            arena_free(&scratch);
+        }
+        cr_expect(seen[0] > 1.5 * seen[1] && seen[1] > 20 && seen[2] == 0, "%d: %g, %g, %g", WIDTHS[k],
+                  seen[0], seen[1], seen[2]);
+        overlay_check_canvas_close(&c);
+    }
+}
+
+// Proves that the whole help shows at every scale of text: twenty long rows in a window of 1280 x 720 cover at least what they cover
+// where letters are at least eight pixels high, and stay within the window.
+Test(hud, help_fits_every_scale) {
+    static const double SCALES[] = {0.5, 1, 1.5, 2, 3, 4, 6};
+    HudKey rows[20];
+    for (int i = 0; i < 20; i++)
+        rows[i] = (HudKey){"Page up, down", "light in false colours: radiosity, irradiance, illuminance"};
+    for (size_t i = 0; i < sizeof SCALES / sizeof *SCALES; i++) {
+        Canvas c;
+        Arena scratch = {0};
+        overlay_check_canvas_open(&c, 1280, 720);
+        HudState state = {.help = rows, .help_count = 20, .scratch = &scratch};
+        overlay_check_canvas_begin(&c, SCALES[i]);
+        hud_draw(c.overlay, &state);
+        overlay_check_canvas_end(&c);
+        Ink ink = overlay_check_ink_of(&c);
+        cr_expect_gt(overlay_check_covered(&c), 1000, "scale %g: %g", SCALES[i], overlay_check_covered(&c));
+        cr_expect(ink.x0 > 0 && ink.y0 > 0 && ink.x1 < 1280 && ink.y1 < 720, "scale %g", SCALES[i]);
+        arena_free(&scratch);
+        overlay_check_canvas_close(&c);
+    }
+}

@@ -182,7 +182,7 @@ static bool load_counted(void *context, const char *path, Arena *arena, WalkScen
     Counted *c = context;
     if (!walk_loader_lit(NULL, path, arena, out, error)) return false;
     c->baker = out->baker;
-    out->baker = (LightBaker){bake_counted, c, out->baker.keeps};
+    out->baker = (LightBaker){bake_counted, c, .keeps = out->baker.keeps};
     return true;
 }
 

@@ -288,10 +288,10 @@ typedef struct Building {
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
-        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity,
-        polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
-        viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
-        control_capacity, trim_capacity, ball_capacity, beside_capacity;
+        ring_capacity, point_capacity, edge_capacity, opening_capacity, leaf_capacity, polygon_capacity,
+        vertex_capacity, object_capacity, inlay_capacity, light_capacity, viewpoint_capacity,
+        tour_point_capacity, tour_capacity, note_capacity, shape_capacity, control_capacity, trim_capacity,
+        ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
     Vec3 start;  // where a walk begins: an eye in a room
     double start_yaw;

@@ -141,6 +141,7 @@ build/maps/%: maps/buildings/%
 house:
 	maps/buildings/house_sh3d.py maps/buildings/house.plan maps/buildings/house.sh3d
 	maps/buildings/homes.py maps/buildings
+	maps/buildings/textures_sh3d.py maps/buildings/textures.sh3d
 
 walk:
 	$(call install,$(to_build) $(to_walk))

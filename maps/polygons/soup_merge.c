@@ -195,8 +195,7 @@ void soup_merge(const SoupMesh *mesh, Arena *arena, SoupMesh *out) {
     for (int i = 0; i < mesh->corner_count; i++) {
         const Side *side = &sides[i];
         if (side->twin < 0 || side->gone || side->face == sides[side->twin].face) continue;
-        const SoupFace *mine = &mesh->faces[side->face], *other = &mesh->faces[sides[side->twin].face];
-        if (mine->material != other->material || mine->texture != other->texture) continue;
+        if (mesh->faces[side->face].material != mesh->faces[sides[side->twin].face].material) continue;
         if (joinable(mesh, sides, place, i, FLAT * largest)) join_faces(sides, head, i);
     }
     list_faces(mesh, sides, head, arena, out);

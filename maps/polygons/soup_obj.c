@@ -162,10 +162,10 @@ static bool make_mesh(SoupObj *o) {
         for (int k = 0; pictured && k < f->corner_count; k++)
             places[k] = vec2(places[k].x * material->scale.x + material->offset.x,
                              1 - (places[k].y * material->scale.y + material->offset.y));
-        // Faces of one group only are joined, so that objects keep their polygons.
-        o->mesh.faces[i] =
-            (SoupFace){f->first_corner, f->corner_count, f->group * m->material_count + f->material,
-                       pictured ? material->texture : 0};
+        // Faces of one group only are joined, so that objects keep their polygons, and only with a picture or only without.
+        o->mesh.faces[i] = (SoupFace){f->first_corner, f->corner_count,
+                                      2 * (f->group * m->material_count + f->material) + pictured,
+                                      pictured ? material->texture : 0};
     }
     if (m->corner_count - 2 * m->face_count <= SOUP_MAX_POLYGONS) return true;
     return error_set(o->error, "%s: its faces make %d triangles (allowed: %d)", o->path,
@@ -187,7 +187,7 @@ static int material_of(SoupObj *o, int index) {
 
 // Faces by group, in the file's order within each: [face_count], and where each group begins, [group_count + 1].
 static int *sort_by_group(const SoupObj *o, const SoupMesh *mesh, int **first) {
-    int groups = o->model.group_count, kinds = o->model.material_count;
+    int groups = o->model.group_count, kinds = 2 * o->model.material_count;
     int *begin = ARENA_ARRAY(o->arena, int, groups + 2),
         *order = ARENA_ARRAY(o->arena, int, mesh->face_count);
     for (int i = 0; i < mesh->face_count; i++) begin[mesh->faces[i].material / kinds + 2]++;
@@ -209,7 +209,7 @@ static int add_objects(SoupObj *o) {
             Vec3 ring[SOUP_MAX_CORNERS];
             for (int k = 0; k < f->corner_count; k++)
                 ring[k] = merged.vertices[merged.corners[f->first_corner + k]];
-            int material = material_of(o, f->material % o->model.material_count);
+            int material = material_of(o, f->material / 2 % o->model.material_count);
             const Vec2 *places = f->texture > 0 ? &merged.places[f->first_corner] : NULL;
             lost += building_add_textured(o->arena, o->b, ring, places, f->corner_count, material) == 0;
         }

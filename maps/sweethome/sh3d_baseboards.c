@@ -22,18 +22,6 @@ typedef struct Cut {
     double low, high, from;
 } Cut;
 
-static const XmlNode *board_node(const Sh3dWall *w, bool left) {
-    const char *side = left ? "leftSideBaseboard" : "rightSideBaseboard";
-    for (const XmlNode *child = w->node->first; child; child = child->next)
-        if (xml_is(child, "baseboard") && strcmp(sh3d_text(child, "attribute"), side) == 0) return child;
-    return NULL;
-}
-
-double sh3d_board_thickness(Sh3d *s, const Sh3dWall *w, bool left) {
-    const XmlNode *node = board_node(w, left);
-    return node ? sh3d_length(s, node, "thickness", NAN) : 0;
-}
-
 static Vec3 at(Vec2 p, double z) { return vec3(p.x, p.y, z); }
 
 // A quadrilateral given counter-clockwise as seen from the right of the wall.
@@ -142,7 +130,7 @@ static void add_arc(const Board *b, const int *materials) {
     }
 }
 
-// What a board looks like along each chord: [side_count - 1].
+// The material of a board along each chord: [side_count - 1].
 static int *board_materials(const Board *b) {
     Sh3d *s = b->s;
     const Sh3dWall *w = b->wall;
@@ -160,14 +148,14 @@ static int *board_materials(const Board *b) {
 void sh3d_add_baseboards(Sh3d *s) {
     bool any = false;
     for (int i = 0; i < s->wall_count; i++)
-        any = any || board_node(&s->walls[i], true) || board_node(&s->walls[i], false);
+        any = any || sh3d_board(&s->walls[i], true) || sh3d_board(&s->walls[i], false);
     if (!any) return;
     const Sh3dWall *wide = sh3d_widened_walls(s);
     double tries = 0;
     for (int i = 0; i < s->wall_count && !s->failed; i++) {
         for (int left = 0; left < 2; left++) {
             const Sh3dWall *w = &s->walls[i];
-            Board b = {s, w, &wide[i], board_node(w, left), left, w->floor};
+            Board b = {s, w, &wide[i], sh3d_board(w, left), left, w->floor};
             if (!b.node || wide[i].beyond[left] < MAPS_GRID) continue;
             b.top += fmin(sh3d_length(s, b.node, "height", NAN), fmin(w->top[0], w->top[1]) - w->floor);
             if (s->failed || b.top < w->floor + MAPS_GRID) continue;

@@ -280,14 +280,26 @@ static void mitre_walls(const Sh3d *s) {
     }
 }
 
+const XmlNode *sh3d_board(const Sh3dWall *w, bool left) {
+    const char *side = left ? "leftSideBaseboard" : "rightSideBaseboard";
+    for (const XmlNode *child = w->node->first; child; child = child->next)
+        if (xml_is(child, "baseboard") && strcmp(sh3d_text(child, "attribute"), side) == 0) return child;
+    return NULL;
+}
+
+static double board_thickness(Sh3d *s, const Sh3dWall *w, bool left) {
+    const XmlNode *node = sh3d_board(w, left);
+    return node ? sh3d_length(s, node, "thickness", NAN) : 0;
+}
+
 Sh3dWall *sh3d_widened_walls(Sh3d *s) {
     Sh3d wide = *s;
     wide.walls = ARENA_ARRAY(s->arena, Sh3dWall, s->wall_count);
     memcpy(wide.walls, s->walls, (size_t)s->wall_count * sizeof *s->walls);
     for (int i = 0; i < s->wall_count; i++) {
         Sh3dWall *w = &wide.walls[i];
-        w->beyond[false] = sh3d_board_thickness(s, w, false);
-        w->beyond[true] = sh3d_board_thickness(s, w, true);
+        w->beyond[false] = board_thickness(s, w, false);
+        w->beyond[true] = board_thickness(s, w, true);
         make_outline(s, w, w->side_count - 1);
     }
     mitre_walls(&wide);

@@ -27,13 +27,14 @@ typedef struct Sh3dWall {
 
 // The walls as thick as they are with their baseboards, mitred: [wall_count], of as many points as s->walls.
 Sh3dWall *sh3d_widened_walls(Sh3d *s);
+// The element of the baseboard on a side; NULL: it has none.
+const XmlNode *sh3d_board(const Sh3dWall *w, bool left);
 // How pictures count along a side of a straight wall, and along chord i of an arc.
 Sh3dFrame sh3d_side_frame(const Sh3dWall *w, bool left);
 Sh3dFrame sh3d_chord_frame(const Sh3dWall *w, bool left, int i);
 
 // ---- sh3d_baseboards.c
 
-double sh3d_board_thickness(Sh3d *s, const Sh3dWall *w, bool left);  // metres, 0: no baseboard
 void sh3d_add_baseboards(Sh3d *s);  // into the building; call after the openings are read
 
 #endif

@@ -180,3 +180,59 @@ Test(texture, claims_of_gigabytes_are_not_believed) {
     cr_assert_lt(peak_memory() - before, 900LL << 20);
     arena_free(&arena);
 }
+
+typedef struct Beside {
+    char *library;
+    Bytes image, mask;
+} Beside;
+
+static bool read_beside(void *context, const char *name, Arena *arena, Bytes *out) {
+    const Beside *beside = context;
+    (void)arena;
+    if (strcmp(name, "lib.mtl") == 0)
+        *out = (Bytes){(unsigned char *)beside->library, strlen(beside->library)};
+    if (strcmp(name, "a picture.png") == 0) *out = beside->image;
+    if (strcmp(name, "mask.png") == 0) *out = beside->mask;
+    if (strcmp(name, "broken.png") == 0) *out = (Bytes){beside->image.data, 40};
+    return strcmp(name, "missing.png") != 0;
+}
+
+// Pictures of a library: options before a name with blanks, a mask in map_d, whatever the order of the lines; broken and missing pictures
+// cost their colours and are counted. Texture coordinates by all ways to write a corner. Tolerance: a code of 255.
+Test(obj, reads_pictures) {
+    Arena arena = {0};
+    Building b = {0};
+    const unsigned char grey[] = {128, 128, 128, 255, 128, 128, 128, 255},
+                        half[] = {255, 255, 255, 255, 0, 0, 0, 255};
+    char library[] =
+        "newmtl one\nmap_Kd -s 2 3 -clamp on -o 0.5 0.25 0 a picture.png\nKd 1 0 0\nd 0.5\n"
+        "newmtl holes\nmap_d mask.png\nmap_Kd a picture.png\n"
+        "newmtl cut\nmap_d mask.png\nKd 0 1 0\n"
+        "newmtl lost\nKd 0 0 1\nmap_Kd missing.png\nnewmtl broken\nKd 0 0 1\nmap_Kd -o 1 broken.png\n";
+    Beside beside = {library, make_png(&arena, 2, 1, grey), make_png(&arena, 2, 1, half)};
+    ObjFiles files = {.read = read_beside, .context = &beside, .b = &b};
+    ObjModel m;
+    Error error;
+    cr_assert(read_text(&arena,
+                        "mtllib lib.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvt 0 x\nusemtl one\n"
+                        "f 1/1 2/2 3/3\nf 1/-3/1 2/-2/1 3/1\nf 1/1 2 3/3\nf 1/1 2/4 3/1\n",
+                        &files, &m, &error),
+              "%s", error.text);
+    Vec2 at[3];
+    cr_expect(obj_places(&m, &m.faces[0], at) && at[1].x == 1 && at[1].y == 0);
+    cr_expect(obj_places(&m, &m.faces[1], at) && at[1].x == 1 && at[2].x == 0);
+    cr_expect_not(obj_places(&m, &m.faces[2], at), "a corner has none");
+    cr_expect_not(obj_places(&m, &m.faces[3], at), "a corner's is beyond");
+    const ObjMaterial *one = &m.materials[1], *holes = one + 1, *cut = one + 2, *lost = one + 3,
+                      *broken = one + 4;
+    cr_expect(one->texture == 1 && one->alpha == 0.5f);
+    cr_expect(one->scale.x == 2 && one->scale.y == 3 && one->offset.x == 0.5 && one->offset.y == 0.25);
+    cr_expect_float_eq((double)one->colour.r, (double)maps_linear(128), 1e-6);
+    cr_expect_eq(b.textures[holes->texture].opacity, 0.5f, "half of it is a hole");
+    cr_expect_eq(b.textures[cut->texture].opacity, 0.5f);
+    cr_expect_float_eq((double)cut->colour.g, (double)MAPS_MAX_COLOUR, 0.01);
+    cr_expect_eq(lost->texture + broken->texture, 0);
+    cr_expect_float_eq((double)lost->colour.b, (double)MAPS_MAX_COLOUR, 1e-6);
+    cr_expect_eq(m.skipped, 2);
+    arena_free(&arena);
+}

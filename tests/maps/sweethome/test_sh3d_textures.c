@@ -11,6 +11,7 @@
 #include "engine/core/polygon.h"
 #include "maps/building/texture.h"
 #include "maps/maps.h"
+#include "tests/support/home_fixture.h"
 
 // The bar of the project: texture corners within 2 cm of the program's.
 static const double NEAR = 0.02;
@@ -220,6 +221,80 @@ Test(sh3d_textures, lie_so_in_a_real_home) {
     cr_expect_geq(tallies[0].found, 60);
     cr_expect_eq(tallies[1].found, 4);
     cr_expect_geq(tallies[2].found, 20);
+}
+
+// Proves that images that are missing, cut short or too large in their header cost one sentence and leave the colour that the home states,
+// and that seventy textures stay within the texels of a building. The sample's own pictures are taken; a quarter of what is left
+// each is above their sides, so none is halved.
+Test(sh3d_textures, broken_and_many) {
+    static const unsigned char CUT[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x20\0\0\0\x20\x08\x06\0\0\0",
+                               HUGE[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\0\0\0\x40\0\x08\x06\0\0\0";
+    Arena arena = {0};
+    Error error;
+    Bytes sample, image;
+    Archive *archive;
+    cr_assert(file_read("maps/buildings/textures.sh3d", SIZE_MAX, &arena, &sample, &error), "%s", error.text);
+    cr_assert(archive_open(sample, "sample", &arena, &archive, &error));
+    cr_assert(archive_read(archive, "crate", ARCHIVE_MAX_ENTRY, &arena, &image, &error));
+    archive_close(archive);
+    enum { MANY = 70 };
+    HomeEntry entries[MANY + 3];
+    char *xml = arena_format(&arena, "<home>" HOME_ROOM);
+    static const char *const BAD[] = {"missing", "cut", "huge"};
+    for (int i = 0; i < MANY + 3; i++)
+        xml = arena_format(
+            &arena,
+            "%s<room floorColor='FF0000FF'><texture attribute='floorTexture' name='t%d' width='%d' "
+            "height='20' "
+            "image='%s'/><point x='%d' y='0'/><point x='%d' y='0'/><point x='%d' y='300'/></room>",
+            xml, i, 10 + i, i < MANY ? arena_format(&arena, "i%d", i) : BAD[i - MANY], 500 * (i + 1),
+            500 * (i + 1) + 400, 500 * (i + 1) + 400);
+    xml = arena_format(&arena, "%s</home>", xml);
+    entries[0] = (HomeEntry){"Home.xml", xml, strlen(xml)};
+    for (int i = 0; i < MANY; i++)
+        entries[i + 1] = (HomeEntry){arena_format(&arena, "i%d", i), image.data, image.size};
+    entries[MANY + 1] = (HomeEntry){"cut", CUT, sizeof CUT - 1};
+    entries[MANY + 2] = (HomeEntry){"huge", HUGE, sizeof HUGE - 1};
+    Home h = home_of_zip(entries, MANY + 3);
+    cr_assert(h.good, "%s", h.error.text);
+    cr_expect_eq(h.b.texture_count, MANY + 1);
+    cr_expect_eq(h.b.texture_map_count, MANY + 1);
+    cr_expect_geq(home_note(&h, "3 textures are missing or could not be decoded"), 0);
+    double texels = 0;
+    for (int i = 1; i < h.b.texture_count; i++) texels += h.b.textures[i].width * h.b.textures[i].height;
+    cr_expect_eq(texels, MANY * 64.0 * 64, "of %d allowed", TEXTURE_MOST_TEXELS);
+    const SketchRoom *last = &h.sketch.rooms[h.sketch.room_count - 1];
+    const Material *floor = &h.b.materials[last->floor_material];
+    cr_expect(floor->texture == 0 && floor->reflectance.r == 0 && floor->reflectance.b > 0.8f);
+    home_free(&h);
+    arena_free(&arena);
+}
+
+// Proves that what is seen through a picture's holes is never an occluder, that a wall stays one, and that a colour of a piece
+// replaces its picture.
+Test(sh3d_textures, holes) {
+    Arena arena = {0};
+    Building b = {0};
+    Error error;
+    cr_assert(maps_read("maps/buildings/textures.sh3d", &arena, &b, &error), "%s", error.text);
+    int leaves = 0, coloured = 0;
+    for (int i = 0; i < b.object_count; i++) {
+        const Material *m = &b.materials[b.polygons[b.objects[i].first_polygon].material];
+        if (strcmp(b.objects[i].name, "leaves") == 0) {
+            // Half the squares are holes, without two of the three marked ones among them.
+            cr_expect_float_eq((double)m->alpha, 1 - 30.0 / 64, 1e-6, "%g", (double)m->alpha);
+            leaves++;
+        }
+        if (strcmp(b.objects[i].name, "coloured") != 0) continue;
+        cr_expect_eq(m->texture, 0);
+        coloured++;
+    }
+    cr_expect(leaves == 1 && coloured == 1);
+    cr_expect_gt(b.sky_texture, 0);
+    cr_expect_float_eq(b.sky_start, -2 * M_PI * 0.1, 1e-12);
+    for (int i = 0; i < b.point_count; i++)
+        if (b.edge_material[i] >= 0) cr_expect_eq(b.materials[b.edge_material[i]].alpha, 1.0f);
+    arena_free(&arena);
 }
 
 // Any home: HOME_FILE with figures HOME_CORNERS.

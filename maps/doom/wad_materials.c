@@ -159,7 +159,8 @@ static int sky_number(const char *map) {
 }
 
 // Doom draws a sky texture four times around, a column for each of 1,024 directions counter-clockwise, as flat as a wall 160 texels
-// away whose row 100 is at the horizon. Here its rows are those of equal steps of elevation, and above its first row is its mean.
+// away whose row 100 is at the horizon: to who turns to the right its columns run backwards, as here from +x on. Rows are here those of
+// equal steps of elevation; above the texture's first row is the row's mean.
 void wad_add_sky(WadBuilder *w) {
     enum { ROWS = 256, HORIZON = 100, AWAY = 160, TURNS = 4, MOST_WIDTH = 1024 };
     Building *b = w->building;
@@ -181,7 +182,10 @@ void wad_add_sky(WadBuilder *w) {
             for (int c = 0; c < 3; c++) out[c] = (uint8_t)(sum[c] + 0.5);
             out[3] = 255;
             if (row >= 0 && from < t->height)
-                memcpy(out, t->texels + 4 * ((size_t)from * (size_t)t->width + (size_t)(i % t->width)), 3);
+                memcpy(out,
+                       t->texels +
+                           4 * ((size_t)from * (size_t)t->width + (size_t)(t->width - 1 - i % t->width)),
+                       3);
         }
     }
     b->sky_texture = texture_add_pixels(w->arena, b, "sky", wide, ROWS, texels);

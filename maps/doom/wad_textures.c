@@ -3,6 +3,7 @@
 // Lumps (id Software 1993): PLAYPAL, whose first 256 colours count; flats between F_START and F_END; PNAMES and TEXTURE1, TEXTURE2, which
 // say where patches lie on a texture; a patch is columns of posts. Of two lumps of one name the last counts, of two textures the first. A
 // WAD without a palette has no pictures here. Damaged pictures are left out and counted; where patches leave a texture open it is black.
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "maps/building/texture.h"
@@ -52,7 +53,7 @@ static int lump_order(const void *p, const void *q) {
 static Bytes find_lump(const WadPictures *w, const char *name, bool flat) {
     int low = 0, high = w->entry_count;
     Entry key = {.flat = flat, .lump = w->map->lump_count};
-    memcpy(key.name, name, NAME);
+    snprintf(key.name, sizeof key.name, "%s", name);
     while (low < high) {
         int middle = (low + high) / 2;
         if (lump_order(&w->entries[middle], &key) < 0)
@@ -197,7 +198,7 @@ int wad_texture(WadPictures *w, const char *name, bool flat, int *width, int *he
         return m->texture;
     }
     Made made = {.flat = flat};
-    memcpy(made.name, name, NAME);
+    snprintf(made.name, sizeof made.name, "%s", name);
     uint8_t *texels =
         flat ? make_flat(w, name, &made.width, &made.height) : make_wall(w, name, &made.width, &made.height);
     if (texels) made.texture = texture_add_pixels(w->arena, w->b, name, made.width, made.height, texels);

@@ -31,7 +31,8 @@ static bool read_image(Gltf *g, int index, Bytes *out) {
 static const char *name_of_image(Gltf *g, int index) {
     GltfItem item = gltf_item(g, "images", index);
     const char *uri = gltf_text(g, &item, "uri", item.place);
-    return gltf_text(g, &item, "name", strncmp(uri, "data:", 5) == 0 ? item.place : uri);
+    return arena_string(g->scratch,
+                        gltf_text(g, &item, "name", strncmp(uri, "data:", 5) == 0 ? item.place : uri));
 }
 
 static bool use_image(Gltf *g, int index, GltfUse use, GltfPicture *out) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "engine/app/app.h"
+#include "engine/app/export_pictures.h"
 #include "engine/core/file.h"
 #include "engine/core/memory.h"
 #include "engine/core/polygon.h"
@@ -140,7 +141,14 @@ static ExportTree export_tree(const CellGraph *graph, const bool *wanted, Arena 
 }
 
 // How a polygon is drawn: walls from their front alone, things from both sides, glass as it lets light through.
-typedef enum ExportLook { EXPORT_WALL, EXPORT_THING, EXPORT_GLASS, EXPORT_LOOKS } ExportLook;
+// With EXPORT_PICTURED it shows its picture.
+typedef enum ExportLook {
+    EXPORT_WALL,
+    EXPORT_THING,
+    EXPORT_GLASS,
+    EXPORT_PICTURED = 4,
+    EXPORT_LOOKS = 8
+} ExportLook;
 
 typedef struct Export {
     const Mesh *mesh;
@@ -153,19 +161,21 @@ typedef struct Export {
     Arena arena;
     json_t *materials, *meshes, *accessors;
     int *material;  // [material_count * EXPORT_LOOKS] in `materials`, -1: not yet there
+    ExportPictures pictures;
     // The binary part, each with its own view.
     float (*position)[3];
     uint16_t (*colour)[4];
     float (*radiant)[3];  // exitance, W/m^2, without an end
+    float (*place)[2];    // in the picture; 0, 0 without one
     uint32_t *index;
     int position_count, position_capacity, colour_count, colour_capacity, radiant_count, radiant_capacity,
-        index_count, index_capacity;
+        place_count, place_capacity, index_count, index_capacity;
     // The vertex that a node of light became in the primitive at hand.
     int *vertex, *stamp, now;  // [nodes.count]
 } Export;
 
 // Views of the binary part.
-enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_RADIANT, EXPORT_INDICES, EXPORT_VIEWS };
+enum { EXPORT_POSITIONS, EXPORT_COLOURS, EXPORT_RADIANT, EXPORT_INDICES, EXPORT_PLACES, EXPORT_VIEWS };
 
 // A place of middling brightness becomes this in linear light, as in a walk behind its curve.
 static const double MIDDLE = 0.52;
@@ -188,20 +198,30 @@ static bool material_emits(const Material *m) { return m->emission.r + m->emissi
 
 static json_t *rgb(Rgb c) { return json_pack("[f f f]", (double)c.r, (double)c.g, (double)c.b); }
 
-// The light is in the vertices, so the material is unlit and white. `extras` holds the reflectance and emission of the surface.
+// The light is in the vertices, so the material is unlit and white, or has its picture. `extras` holds the reflectance and emission of the surface.
 static int export_material(Export *e, int index, ExportLook look) {
     int *known = &e->material[index * EXPORT_LOOKS + (int)look];
     if (*known >= 0) return *known;
     const Material *m = &e->graph->building->materials[index];
-    Rgb base = look == EXPORT_GLASS ? m->reflectance : (Rgb){1, 1, 1};
+    bool glass = (look & ~EXPORT_PICTURED) == EXPORT_GLASS;
+    Rgb base = glass ? m->reflectance : (Rgb){1, 1, 1};
     json_t *json =
         json_pack("{s:o s:{s:[f f f f] s:f s:f} s:{s:{}} s:{s:o s:o}}", "name", export_text(m->name),
                   "pbrMetallicRoughness", "baseColorFactor", fmin((double)base.r, 1), fmin((double)base.g, 1),
-                  fmin((double)base.b, 1), look == EXPORT_GLASS ? (double)m->alpha : 1.0, "metallicFactor",
-                  0.0, "roughnessFactor", 1.0, "extensions", "KHR_materials_unlit", "extras", "reflectance",
+                  fmin((double)base.b, 1), glass ? (double)m->alpha : 1.0, "metallicFactor", 0.0,
+                  "roughnessFactor", 1.0, "extensions", "KHR_materials_unlit", "extras", "reflectance",
                   rgb(m->reflectance), "emission_W_per_m2", rgb(m->emission));
-    if (look != EXPORT_WALL) json_object_set_new(json, "doubleSided", json_true());
-    if (look == EXPORT_GLASS) json_object_set_new(json, "alphaMode", json_string("BLEND"));
+    if (look & EXPORT_PICTURED) {
+        json_t *pbr = json_object_get(json, "pbrMetallicRoughness");
+        json_object_set_new(pbr, "baseColorTexture",
+                            json_pack("{s:i}", "index", export_picture(&e->pictures, index)));
+        double opacity = (double)e->graph->building->textures[m->texture].opacity;
+        if (glass)
+            json_object_set_new(pbr, "baseColorFactor",
+                                json_pack("[f f f f]", 1.0, 1.0, 1.0, fmin((double)m->alpha / opacity, 1)));
+    }
+    if ((look & ~EXPORT_PICTURED) != EXPORT_WALL) json_object_set_new(json, "doubleSided", json_true());
+    if (glass) json_object_set_new(json, "alphaMode", json_string("BLEND"));
     json_array_append_new(e->materials, json);
     return *known = (int)json_array_size(e->materials) - 1;
 }
@@ -211,8 +231,9 @@ static int export_material(Export *e, int index, ExportLook look) {
 enum { FULL = 65535 };  // of a normalized unsigned short
 
 static int look_of(const Export *e, int object, int polygon) {
-    if (vis_is_glass(e->graph, polygon)) return EXPORT_GLASS;
-    return e->graph->objects[object].kind == OBJECT_SURFACE ? EXPORT_WALL : EXPORT_THING;
+    int pictured = export_pictured(e->graph->building, &e->graph->polygons[polygon]) ? EXPORT_PICTURED : 0;
+    if (vis_is_glass(e->graph, polygon)) return EXPORT_GLASS | pictured;
+    return (e->graph->objects[object].kind == OBJECT_SURFACE ? EXPORT_WALL : EXPORT_THING) | pictured;
 }
 
 // Does the polygon have anything to draw?
@@ -269,11 +290,21 @@ static void add_position(Export *e, Vec3 p) {
     at[2] = (float)p.z;
 }
 
-// The colour ends at the exposure, as glTF demands of COLOR_0; the radiant exitance does not.
-static void add_colour(Export *e, const double b[3]) {
+// The colour ends at the exposure, as glTF demands of COLOR_0; the radiant exitance does not. `closed`: the place, of leaves as when
+// closed. The light on a picture is that on its mean, over the mean.
+static void add_colour(Export *e, const double b[3], int polygon, Vec3 closed) {
+    const Building *building = e->graph->building;
+    const Polygon *p = &e->graph->polygons[polygon];
+    double factor[3] = {1, 1, 1};
+    float *place = *ARENA_PUSH(&e->arena, e->place, e->place_count, e->place_capacity);
+    place[0] = place[1] = 0;
+    if (export_pictured(building, p)) {
+        export_picture_place(building, p, e->graph->vertices[p->first_vertex], closed, place);
+        if (!vis_is_glass(e->graph, polygon)) export_picture_factor(building, p->material, factor);
+    }
     float *radiant = *ARENA_PUSH(&e->arena, e->radiant, e->radiant_count, e->radiant_capacity);
     uint16_t *at = *ARENA_PUSH(&e->arena, e->colour, e->colour_count, e->colour_capacity);
-    for (int c = 0; c < 3; c++) at[c] = (uint16_t)lrint(FULL * fmin(b[c] * e->exposure, 1));
+    for (int c = 0; c < 3; c++) at[c] = (uint16_t)lrint(FULL * fmin(b[c] * factor[c] * e->exposure, 1));
     for (int c = 0; c < 3; c++) radiant[c] = (float)b[c];
     at[3] = FULL;
 }
@@ -288,7 +319,15 @@ static void export_triangles(Export *e, const Vec3 *v, const int *vertex, int co
     arena_free(&scratch);
 }
 
-static void export_element(Export *e, const ExportNode *node, const Element *element, int first_vertex) {
+// The point that positions of a node are relative to, the leaf as when closed.
+static Vec3 node_origin(const Export *e, const ExportNode *node) {
+    if (node->leaf < 0) return e->origin;
+    const Leaf *leaf = &e->graph->building->leaves[node->leaf];
+    return vec3(leaf->pivot.x, leaf->pivot.y, e->origin.z);
+}
+
+static void export_element(Export *e, const ExportNode *node, int polygon, const Element *element,
+                           int first_vertex) {
     Arena scratch = {0};
     Vec3 *v = ARENA_ARRAY(&scratch, Vec3, element->corner_count);
     int *vertex = ARENA_ARRAY(&scratch, int, element->corner_count);
@@ -298,8 +337,9 @@ static void export_element(Export *e, const ExportNode *node, const Element *ele
         if (e->stamp[at] != e->now) {
             e->stamp[at] = e->now;
             e->vertex[at] = e->position_count - first_vertex;
-            add_position(e, to_node(e, node, v[i]));
-            add_colour(e, e->light.corner[corner]);
+            Vec3 p = to_node(e, node, v[i]);
+            add_position(e, p);
+            add_colour(e, e->light.corner[corner], polygon, vec3_add(p, node_origin(e, node)));
         }
         vertex[i] = e->vertex[at];
     }
@@ -309,8 +349,10 @@ static void export_element(Export *e, const ExportNode *node, const Element *ele
 
 static void export_face(Export *e, const ExportNode *node, int polygon, int first_vertex) {
     const Face *face = &e->mesh->faces[e->mesh->face_of[polygon]];
+    // A vertex may lie elsewhere in the picture of the next polygon.
+    if (export_pictured(e->graph->building, &e->graph->polygons[polygon])) e->now++;
     for (int i = 0; i < face->element_count; i++)
-        export_element(e, node, &e->mesh->elements[face->first_element + i], first_vertex);
+        export_element(e, node, polygon, &e->mesh->elements[face->first_element + i], first_vertex);
 }
 
 // Glass has no light of its own. Of leaves it is as when closed, which is how nodes of leaves have it.
@@ -320,15 +362,11 @@ static void add_pane(Export *e, const ExportNode *node, int polygon, int first_v
     Arena scratch = {0};
     int *vertex = ARENA_ARRAY(&scratch, int, p->vertex_count);
     const double bright[3] = {1 / e->exposure, 1 / e->exposure, 1 / e->exposure};
-    Vec3 from = e->origin;
-    if (node->leaf >= 0) {
-        const Leaf *leaf = &e->graph->building->leaves[node->leaf];
-        from = vec3(leaf->pivot.x, leaf->pivot.y, e->origin.z);
-    }
+    Vec3 from = node_origin(e, node);
     for (int i = 0; i < p->vertex_count; i++) {
         vertex[i] = e->position_count - first_vertex;
         add_position(e, vec3_sub(v[i], from));
-        add_colour(e, bright);
+        add_colour(e, bright, polygon, v[i]);
         memset(e->radiant[e->radiant_count - 1], 0, sizeof *e->radiant);
     }
     export_triangles(e, v, vertex, p->vertex_count);
@@ -385,9 +423,17 @@ static json_t *add_primitive(Export *e, const ExportNode *node, const Shown *sho
         add_accessor(e, json_pack("{s:i s:I s:i s:i s:s}", "bufferView", EXPORT_INDICES, "byteOffset",
                                   (json_int_t)index * (json_int_t)sizeof *e->index, "componentType",
                                   UNSIGNED_INT, "count", e->index_count - index, "type", "SCALAR"));
+    int places =
+        shown->key % EXPORT_LOOKS & EXPORT_PICTURED
+            ? add_accessor(e, json_pack("{s:i s:I s:i s:i s:s}", "bufferView", EXPORT_PLACES, "byteOffset",
+                                        (json_int_t)vertex * (json_int_t)sizeof *e->place, "componentType",
+                                        FLOAT, "count", e->place_count - vertex, "type", "VEC2"))
+            : -1;
     int material = export_material(e, shown->key / EXPORT_LOOKS, (ExportLook)(shown->key % EXPORT_LOOKS));
-    return json_pack("{s:{s:i s:i s:i} s:i s:i}", "attributes", "POSITION", positions, "COLOR_0", colours,
-                     "_RADIANT_EXITANCE", radiant, "indices", indices, "material", material);
+    json_t *attributes =
+        json_pack("{s:i s:i s:i}", "POSITION", positions, "COLOR_0", colours, "_RADIANT_EXITANCE", radiant);
+    if (places >= 0) json_object_set_new(attributes, "TEXCOORD_0", json_integer(places));
+    return json_pack("{s:o s:i s:i}", "attributes", attributes, "indices", indices, "material", material);
 }
 
 // The mesh of a node's objects, as index in the document.
@@ -498,6 +544,7 @@ static void start_export(Export *e, const Mesh *mesh, const RadSolution *solutio
     // Positions are floats: whole metres from the middle, lest those of georeferenced buildings lose their digits.
     e->origin = vec3(round((box.min.x + box.max.x) / 2), round((box.min.y + box.max.y) / 2), 0);
     e->materials = json_array();
+    e->pictures = export_pictures(mesh->graph->building, EXPORT_VIEWS);
     e->meshes = json_array();
     e->accessors = json_array();
     e->vertex = ARENA_ARRAY(&e->arena, int, e->nodes.count);
@@ -524,29 +571,43 @@ static size_t view_size(const Export *e, int view) {
     return view == EXPORT_POSITIONS ? (size_t)e->position_count * sizeof *e->position
            : view == EXPORT_COLOURS ? (size_t)e->colour_count * sizeof *e->colour
            : view == EXPORT_RADIANT ? (size_t)e->radiant_count * sizeof *e->radiant
+           : view == EXPORT_PLACES  ? (size_t)e->place_count * sizeof *e->place
                                     : (size_t)e->index_count * sizeof *e->index;
 }
 
+// Those of places and of images are there only where something shows a picture.
 static json_t *views_of(const Export *e, size_t *total) {
     enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER = 34963 };
+    static const int STRIDES[EXPORT_VIEWS] = {[EXPORT_POSITIONS] = sizeof *e->position,
+                                              [EXPORT_COLOURS] = sizeof *e->colour,
+                                              [EXPORT_RADIANT] = sizeof *e->radiant,
+                                              [EXPORT_PLACES] = sizeof *e->place};
+    const ExportPictures *pictures = &e->pictures;
     json_t *views = json_array();
     *total = 0;
-    for (int v = 0; v < EXPORT_VIEWS; v++) {
+    for (int v = 0; v < (pictures->end_count > 0 ? EXPORT_VIEWS : EXPORT_PLACES); v++) {
         json_t *view = json_pack("{s:i s:I s:I s:i}", "buffer", 0, "byteOffset", (json_int_t)*total,
                                  "byteLength", (json_int_t)view_size(e, v), "target",
                                  v == EXPORT_INDICES ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
-        int stride = v == EXPORT_COLOURS ? sizeof *e->colour : sizeof *e->position;
-        if (v != EXPORT_INDICES) json_object_set_new(view, "byteStride", json_integer(stride));
+        if (STRIDES[v] > 0) json_object_set_new(view, "byteStride", json_integer(STRIDES[v]));
         json_array_append_new(views, view);
         *total += view_size(e, v);
     }
+    for (int i = 0; i < pictures->end_count; i++) {
+        size_t start = i > 0 ? (pictures->end[i - 1] + 3) / 4 * 4 : 0;
+        json_array_append_new(views, json_pack("{s:i s:I s:I}", "buffer", 0, "byteOffset",
+                                               (json_int_t)(*total + start), "byteLength",
+                                               (json_int_t)(pictures->end[i] - start)));
+    }
+    *total += pictures->size;
     return views;
 }
 
 static json_t *extras_of(const Export *e) {
     return json_pack(
         "{s:f s:f s:s}", "exposure_m2_per_W", e->exposure, "W_per_m2_per_unit", 1 / e->exposure, "light",
-        "COLOR_0, linear, is radiant exitance times the exposure, cut off at 1; _RADIANT_EXITANCE, "
+        "COLOR_0, linear, is radiant exitance times the exposure, where there is a picture over its mean, "
+        "cut off at 1; _RADIANT_EXITANCE, "
         "W/m2, is all of it, of lamps and of surfaces close to them, too");
 }
 
@@ -562,6 +623,10 @@ static json_t *document_of(Export *e, size_t *binary) {
                              nodes, "meshes", e->meshes, "materials", e->materials, "accessors", e->accessors,
                              "bufferViews", views, "buffers", "byteLength", (json_int_t)*binary);
     CORE_ASSERT(json);
+    if (e->pictures.end_count > 0) {
+        json_object_set(json, "images", e->pictures.images);
+        json_object_set(json, "textures", e->pictures.textures);
+    }
     if (json_array_size(cameras) > 0)
         json_object_set_new(json, "cameras", cameras);
     else
@@ -601,7 +666,12 @@ static bool write_container(const char *path, const Export *e, const char *text,
     at = put_bytes(at, e->position, view_size(e, EXPORT_POSITIONS));
     at = put_bytes(at, e->colour, view_size(e, EXPORT_COLOURS));
     at = put_bytes(at, e->radiant, view_size(e, EXPORT_RADIANT));
-    put_bytes(at, e->index, view_size(e, EXPORT_INDICES));
+    at = put_bytes(at, e->index, view_size(e, EXPORT_INDICES));
+    if (e->pictures.end_count > 0) {
+        at = put_bytes(at, e->place, view_size(e, EXPORT_PLACES));
+        at = put_bytes(at, e->pictures.bytes, e->pictures.size);
+    }
+    memset(at, 0, whole(binary) - binary);
     bool good = file_write(path, file, total, error);
     memory_free(file);
     return good;
@@ -620,6 +690,7 @@ bool export_glb(const char *path, const Mesh *mesh, const RadSolution *solution,
     json_free_t give_back;
     json_get_alloc_funcs(NULL, &give_back);
     give_back(text);
+    export_pictures_free(&e.pictures);
     arena_free(&e.arena);
     return good;
 }

@@ -16,6 +16,7 @@
 #include "engine/draw/walk_mesh.h"
 #include "engine/draw/walk_shade.h"
 #include "engine/draw/walk_shaders.h"
+#include "engine/draw/walk_targets.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
 
@@ -30,24 +31,6 @@ typedef struct LitTone {
     double exposure;       // the factor of radiosities, m^2/W
     FalseColour quantity;  // shown instead, unless it is FALSE_COLOUR_OFF
 } LitTone;
-
-// The frames that looks draw to. Each is made when it is first needed in a size.
-typedef enum WalkTarget {
-    WALK_TARGET_FINAL,      // colour alone: the frame that is shown and read
-    WALK_TARGET_FAST,       // colour, a texture, and depth, one sample a pixel
-    WALK_TARGET_FINE,       // colour and depth, several samples a pixel
-    WALK_TARGET_DEPTH,      // depth alone, a texture
-    WALK_TARGET_OCCLUSION,  // open share and distance, a texture, coarser
-    WALK_TARGET_BLUR,       // the open share smoothed, a texture, as coarse
-    WALK_TARGETS
-} WalkTarget;
-
-typedef struct WalkTargets {
-    unsigned frame[WALK_TARGETS];    // framebuffer objects, 0: not made
-    unsigned texture[WALK_TARGETS];  // of the targets that are textures
-    unsigned fast_depth, fine_colour, fine_depth;
-    int width, height;
-} WalkTargets;
 
 // ---- programs, their uniforms, and the scale of false colours as a texture.
 
@@ -123,123 +106,6 @@ static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange ra
     set_number(program, "octaves", log2(range.high / range.low));
     glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
     glBindTexture(GL_TEXTURE_2D, look->scale);
-}
-
-// ---- framebuffer objects, made when needed: a window in the fast look never pays for the fine look's samples.
-
-#define FINE_SAMPLES 4
-// Ambient occlusion is smooth: it is computed for every second pixel each way.
-#define COARSE 2
-
-static int coarse(int pixels) { return (pixels + COARSE - 1) / COARSE; }
-
-static void walk_targets_free(WalkTargets *t) {
-    unsigned buffers[] = {t->fast_depth, t->fine_colour, t->fine_depth};
-    glDeleteFramebuffers(WALK_TARGETS, t->frame);
-    glDeleteTextures(WALK_TARGETS, t->texture);
-    glDeleteRenderbuffers(3, buffers);
-    *t = (WalkTargets){0};
-}
-
-// Drops the frames when the size has changed; they are made again when needed.
-static bool walk_targets_resize(WalkTargets *t, int width, int height, Error *error) {
-    if (t->width == width && t->height == height) return true;
-    walk_targets_free(t);
-    int most = 0;
-    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
-    if (width < 1 || height < 1 || width > most || height > most)
-        return error_set(error, "OpenGL: an image of %d x %d pixels (1 to %d each)", width, height, most);
-    t->width = width;
-    t->height = height;
-    return true;
-}
-
-typedef struct TextureKind {
-    int internal;
-    unsigned format, type, attachment;
-    int filter;
-    bool coarse;
-} TextureKind;
-
-static const TextureKind TEXTURES[WALK_TARGETS] = {
-    // This format is a software window's own order of bytes: showing the frame is then a plain copy there, in a sixth of the time.
-    // A sized format would be laid out in the order of its name.
-    [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
-                           false},
-    [WALK_TARGET_FAST] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
-                          false},
-    [WALK_TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT,
-                           GL_NEAREST, false},
-    [WALK_TARGET_OCCLUSION] = {GL_RG32F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_NEAREST, true},
-    [WALK_TARGET_BLUR] = {GL_R32F, GL_RED, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_LINEAR, true},
-};
-
-static void make_texture(WalkTargets *t, WalkTarget which) {
-    const TextureKind *kind = &TEXTURES[which];
-    glGenTextures(1, &t->texture[which]);
-    glBindTexture(GL_TEXTURE_2D, t->texture[which]);
-    glTexImage2D(GL_TEXTURE_2D, 0, kind->internal, kind->coarse ? coarse(t->width) : t->width,
-                 kind->coarse ? coarse(t->height) : t->height, 0, kind->format, kind->type, NULL);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, kind->filter);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, kind->filter);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
-static void attach_buffer(unsigned *buffer, unsigned attachment, unsigned format, int samples,
-                          const WalkTargets *t) {
-    glGenRenderbuffers(1, buffer);
-    glBindRenderbuffer(GL_RENDERBUFFER, *buffer);
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, t->width, t->height);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, *buffer);
-}
-
-static void attach_texture(const WalkTargets *t, WalkTarget which) {
-    glFramebufferTexture2D(GL_FRAMEBUFFER, TEXTURES[which].attachment, GL_TEXTURE_2D, t->texture[which], 0);
-}
-
-static void attach(WalkTargets *t, WalkTarget which) {
-    int samples = 0;
-    switch (which) {
-    case WALK_TARGET_FAST:
-        attach_texture(t, WALK_TARGET_FAST);
-        attach_buffer(&t->fast_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, 0, t);
-        break;
-    case WALK_TARGET_FINE:
-        glGetIntegerv(GL_MAX_SAMPLES, &samples);
-        if (samples > FINE_SAMPLES) samples = FINE_SAMPLES;
-        attach_buffer(&t->fine_colour, GL_COLOR_ATTACHMENT0, GL_RGBA8, samples, t);
-        attach_buffer(&t->fine_depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples, t);
-        break;
-    default:
-        attach_texture(t, which);
-    }
-    if (which == WALK_TARGET_DEPTH) {
-        glDrawBuffer(GL_NONE);
-        glReadBuffer(GL_NONE);
-    }
-}
-
-static bool make(WalkTargets *t, WalkTarget which, Error *error) {
-    if (which != WALK_TARGET_FINE) make_texture(t, which);
-    glGenFramebuffers(1, &t->frame[which]);
-    glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
-    attach(t, which);
-    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
-        return gl_check("making a frame", error);
-    error_set(error, "OpenGL: no frame of %d x %d pixels", t->width, t->height);
-    // The frame must not pass for a complete one the next time.
-    walk_targets_free(t);
-    return false;
-}
-
-// Binds a frame for drawing, with its viewport; makes the frame first if there is none.
-static bool walk_targets_bind(WalkTargets *t, WalkTarget which, Error *error) {
-    if (!t->frame[which] && !make(t, which, error)) return false;
-    bool is_coarse = TEXTURES[which].coarse;
-    glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
-    glViewport(0, 0, is_coarse ? coarse(t->width) : t->width, is_coarse ? coarse(t->height) : t->height);
-    return true;
 }
 
 // Nothing nearer than this is drawn, metres: it is less than a head's distance from any wall; depth, a float of 1 - near/z,

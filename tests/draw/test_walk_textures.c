@@ -129,7 +129,7 @@ static Vec2 place_of(const Stage *s, const Hit *hit) {
     return vec2(vec3_dot(map->u, hit->point) + map->u0, vec3_dot(map->v, hit->point) + map->v0);
 }
 
-// What the pixel and those beside it show, one pixel away each way: false where that is not one tile of one polygon.
+// Finds the hit of a pixel. False unless it and the pixels one away each way show one tile of one polygon.
 static bool one_tile(const Stage *s, const Camera *camera, int x, int y, Hit *out) {
     static const int AWAY[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     for (int k = 0; k < 5; k++) {

@@ -198,7 +198,7 @@ static bool material_emits(const Material *m) { return m->emission.r + m->emissi
 
 static json_t *rgb(Rgb c) { return json_pack("[f f f]", (double)c.r, (double)c.g, (double)c.b); }
 
-// The light is in the vertices, so the material is unlit and white, or has its picture. `extras` holds the reflectance and emission of the surface.
+// The light is in the vertices, so the material is unlit, and white or its picture. `extras` holds the surface's reflectance and emission.
 static int export_material(Export *e, int index, ExportLook look) {
     int *known = &e->material[index * EXPORT_LOOKS + (int)look];
     if (*known >= 0) return *known;

@@ -48,6 +48,10 @@ static inline bool lit_outdoors(const Mesh *mesh, int element) {
     return cell >= 0 && vis_region(mesh->graph, cell)->kind == REGION_OUTDOORS;
 }
 
+// [face_count] For each face: does a face of a lower number lie in the same place, at least in part, and look the same way? Form factors
+// give the light there to the lower face (radiosity/factors/view.h), and the other face stays dark.
+bool *lit_twins(const Mesh *mesh, Arena *arena);
+
 LitLight lit_light_new(const LitMesh *lit, Arena *arena);
 void lit_light_fill(const LitMesh *lit, const RadSolution *solution, LitLight *out);
 

@@ -2,7 +2,6 @@
 #include <criterion/criterion.h>
 
 #include "engine/draw/lit_mesh.h"
-#include "engine/draw/lit_twins.h"
 #include "tests/support/lit_fixture.h"
 
 static void top(Lit *lit, double x, double y, double side, double z) {

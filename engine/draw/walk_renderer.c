@@ -590,6 +590,9 @@ static void smooth_frame(WalkRenderer *w) {
         arena_free(&w->frame_arena);
         w->frame = ARENA_ARRAY(&w->frame_arena, uint32_t, (size_t)t->width * (size_t)t->height);
     }
+    // Rows follow one another without gaps.
+    glPixelStorei(GL_PACK_ALIGNMENT, sizeof *w->frame);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, sizeof *w->frame);
     glReadBuffer(GL_COLOR_ATTACHMENT0);
     glReadPixels(0, 0, t->width, t->height, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, w->frame);
     smooth_edges(&w->smoother, w->frame, t->width, t->height);

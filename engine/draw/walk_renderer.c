@@ -155,7 +155,7 @@ typedef enum SkyPlace {
 
 typedef struct SkyProgram {
     unsigned program;
-    int forward, right, up, day, strength, north, lit[SKY_PLACES];
+    int forward, right, up, day, strength, start, lit[SKY_PLACES];
 } SkyProgram;
 
 struct WalkRenderer {
@@ -241,7 +241,7 @@ static bool make_sky_program(SkyProgram *out, unsigned program) {
                         .up = glGetUniformLocation(program, "up"),
                         .day = glGetUniformLocation(program, "day"),
                         .strength = glGetUniformLocation(program, "strength"),
-                        .north = glGetUniformLocation(program, "north")};
+                        .start = glGetUniformLocation(program, "start")};
     for (int i = 0; i < SKY_PLACES; i++) out->lit[i] = glGetUniformLocation(program, LIT[i]);
     return program != 0;
 }
@@ -460,7 +460,7 @@ static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, cons
     if (shines) set_day(w, sky, lit);
     if (picture) {
         double strength[3];
-        glUniform1f(sky->north, walk_textures_bind_sky(w->textures, strength));
+        glUniform1f(sky->start, walk_textures_bind_sky(w->textures, strength));
         set_three(sky->strength, strength, sky_luminance(w, shines ? lit : NULL));
     }
     set_vector(sky->forward, camera->forward);

@@ -302,9 +302,9 @@ const char WALK_SKY_FRAGMENT[] = VERSION CONSTANTS DISPLAY
     "#ifdef PICTURES\n"
     "uniform sampler2D pictures;\n"
     "uniform vec3 strength;\n"  // of its texels, squared
-    "uniform float north;\n"
+    "uniform float start;\n"
     "vec3 picture(vec3 ray, float rise) {\n"
-    "    vec2 place = vec2(atan(ray.y, ray.x) - north, acos(clamp(rise, 0.0, 1.0)) * 4.0) / 6.2831853;\n"
+    "    vec2 place = vec2(start - atan(ray.y, ray.x), acos(clamp(rise, 0.0, 1.0)) * 4.0) / 6.2831853;\n"
     "    vec3 texel = textureLod(pictures, place, 0.0).rgb;\n"
     "    return strength * texel * texel;\n"
     "}\n"

@@ -319,7 +319,7 @@ float walk_textures_bind_sky(const WalkTextures *t, double strength[3]) {
     glActiveTexture(GL_TEXTURE0 + WALK_UNIT_PICTURES);
     glBindTexture(GL_TEXTURE_2D, t->sky);
     for (int k = 0; k < 3; k++) strength[k] = (double)t->sky_strength[k];
-    return (float)(M_PI / 2 - t->building->site.north);
+    return (float)t->building->sky_start;
 }
 
 unsigned walk_textures_program(const char *vertex, const char *fragment, bool cut_out, Error *error) {

@@ -42,7 +42,7 @@ void walk_textures_describe(unsigned buffer);
 void walk_textures_bind(const WalkTextures *textures, int run);
 bool walk_textures_has_sky(const WalkTextures *textures);
 // Binds the picture of the sky there. `strength` of its texels, squared, gives a sky of the mean luminance 1; returns the direction of its
-// left edge, north, in radians counter-clockwise from +x.
+// left edge, Building.sky_start.
 float walk_textures_bind_sky(const WalkTextures *textures, double strength[3]);
 
 // A program of these shaders with `#define PICTURES`, and with `#define CUT_OUT` where it drops transparent texels; 0 on failure.

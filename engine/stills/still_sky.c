@@ -9,11 +9,10 @@ static double smooth_step(double low, double high, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// The picture of the sky along a direction above the horizon: once around counter-clockwise from north, from the zenith down.
+// The picture of the sky along a direction above the horizon: as Building.sky_texture says.
 static void picture_at(const Building *b, Vec3 w, double texels, double out[3]) {
     const Texture *picture = &b->textures[b->sky_texture];
-    double around = atan2(w.y, w.x) - (M_PI / 2 - b->site.north),
-           down = 1 - 2 * asin(fmin(fmax(w.z, 0), 1)) / M_PI;
+    double around = b->sky_start - atan2(w.y, w.x), down = 1 - 2 * asin(fmin(fmax(w.z, 0), 1)) / M_PI;
     // A picture repeats: the zenith must not be mixed with the horizon.
     double edge = fmin(fmax(texels, 1) / picture->height, 0.5);
     Texel texel = texture_read(picture, around / (2 * M_PI), fmin(fmax(down, edge), 1 - edge), texels);

@@ -66,7 +66,7 @@ static void light_evenly(Stage *s, double irradiance, Mesh *mesh, RadSolution *s
     cr_assert(rad_start_dark(mesh, &s->arena, solution, &error), "%s", error.text);
     for (int e = 0; e < mesh->element_count; e++) {
         double rho[3];
-        rgb_doubles(mesh_material(mesh, mesh->elements[e].face)->reflectance, rho);
+        rgb_doubles(mesh_reflectance(mesh, e), rho);
         for (int c = 0; c < 3; c++) solution->radiosity[e][c] = rho[c] * irradiance;
     }
     WalkLight light = {.mesh = mesh, .solution = solution};
@@ -215,7 +215,8 @@ Test(walk_textures, lie_where_maps_have_them, .timeout = 300) {
                     if (fabs(u - 0.5) > 0.2 || fabs(v - 0.5) > 0.2) continue;
                     for (int c = 0; c < 3; c++)
                         cr_assert_float_eq(p[c], 255 * exposure_on_screen(1.5 * (double)reflectance[c]), 4,
-                                           "pixel (%d, %d), channel %d: %d", x, y, c, p[c]);
+                                           "pixel (%d, %d), channel %d: %d for %g", x, y, c, p[c],
+                                           255 * exposure_on_screen(1.5 * (double)reflectance[c]));
                 }
                 checked++;
                 leaves += leaf;

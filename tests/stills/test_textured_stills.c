@@ -139,8 +139,8 @@ Test(textured_stills, holes_are_seen_through) {
     lit_free(lit);
 }
 
-// Proves that a picture of the sky begins where the building says and goes to the right, has its top at the zenith, lights level ground as much as the sky of the day, and
-// leaves the ground below the horizon as it was. Tolerance: rings and texels are finite, 2 %.
+// Proves that a picture of the sky begins where the building says and goes to the right, has its top at the zenith, lights level ground
+// as much as the sky of the day, and leaves the ground below the horizon as it was. Tolerance: rings and texels are finite, 2 %.
 Test(textured_stills, picture_of_the_sky) {
     enum { WIDTH = 64, HEIGHT = 32 };
     static uint8_t texels[WIDTH * HEIGHT * 4];

@@ -9,6 +9,12 @@ for view in living kitchen courtyard study; do
 done
 montage build/pictures/living/frame-00000.png build/pictures/kitchen/frame-00000.png build/pictures/courtyard/frame-00000.png build/pictures/study/frame-00000.png -tile 2x2 -geometry 600x338+3+3 \
     -depth 8 -colors 200 tests/pictures/house.png
+"$build/enfilade" render maps/buildings/studio.plan --size 600x338 -o build/pictures/day-studio.png
+for view in living kitchen bedroom; do
+    "$build/enfilade" render build/maps/house.plan --view $view --size 600x338 -o build/pictures/day-$view.png
+done
+montage build/pictures/day-studio.png build/pictures/day-living.png build/pictures/day-kitchen.png build/pictures/day-bedroom.png \
+    -tile 2x2 -geometry 600x338+3+3 -depth 8 -colors 200 tests/pictures/homes.png
 "$build/enfilade" plan build/maps/two-rooms.plan --from 1,1,1.5 --width 800 -o build/pictures/plan.svg
 rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
 # The film replays a recorded path, which holds for house.plan as it is: after a change record another in the window.

@@ -59,3 +59,12 @@ int renderer_check_differing(const uint8_t *a, const uint8_t *b, int pixels) {
     for (int i = 0; i < pixels; i++) count += memcmp(a + 3 * i, b + 3 * i, 3) != 0;
     return count;
 }
+
+Camera renderer_check_door(const Stage *s, int width, int height) {
+    const Leaf *leaf = &s->building.leaves[0];
+    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
+    Vec2 middle = vec2_scale(vec2_add(leaf->axis[0], leaf->axis[1]), 0.5);
+    double angle = atan2(along.y, along.x) + M_PI / 2;
+    Vec3 eye = vec3(middle.x - 2 * cos(angle), middle.y - 2 * sin(angle), (leaf->z0 + leaf->z1) / 2);
+    return camera_look(eye, angle, 0, 1.2, width, height);
+}

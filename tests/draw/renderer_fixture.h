@@ -31,4 +31,7 @@ uint8_t *renderer_check_picture(Stage *s, const Camera *camera, Culling culling,
 
 int renderer_check_differing(const uint8_t *a, const uint8_t *b, int pixels);
 
+// Looks at the first door with a leaf, from two metres in front of it; the picture has so many pixels.
+Camera renderer_check_door(const Stage *s, int width, int height);
+
 #endif

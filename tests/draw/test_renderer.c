@@ -124,23 +124,13 @@ Test(renderer, any_size, .timeout = 120) {
     renderer_check_close_stage(&s);
 }
 
-// Looks at the first door with a leaf, from two metres in front of it.
-static Camera door_camera(const Stage *s) {
-    const Leaf *leaf = &s->building.leaves[0];
-    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
-    Vec2 middle = vec2_scale(vec2_add(leaf->axis[0], leaf->axis[1]), 0.5);
-    double angle = atan2(along.y, along.x) + M_PI / 2;
-    Vec3 eye = vec3(middle.x - 2 * cos(angle), middle.y - 2 * sin(angle), (leaf->z0 + leaf->z1) / 2);
-    return camera_look(eye, angle, 0, 1.2, WIDTH, HEIGHT);
-}
-
 // Proves that leaves are drawn, and lit, where leaf_point has them: as a building in which they stand there for good.
 // And that they come back: a state shown again is the same picture. Without light the baked look is the fast one.
 Test(renderer, doors_move, .timeout = 120) {
     Stage s;
     Error error;
     renderer_check_open_stage(&s, "build/maps/house.plan");
-    Camera camera = door_camera(&s);
+    Camera camera = renderer_check_door(&s, WIDTH, HEIGHT);
     CellGraph still = s.graph;
     still.objects = ARENA_ARRAY(&s.arena, Object, still.object_count);
     still.vertices = ARENA_ARRAY(&s.arena, Vec3, still.vertex_count);

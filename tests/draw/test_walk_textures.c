@@ -159,16 +159,6 @@ static void keep(const char *name, const uint8_t *rgb, const Camera *camera) {
     cr_assert(image_write_png(path, rgb, camera->width, camera->height, &error), "%s", error.text);
 }
 
-// Looks at the first door with a leaf, from two metres in front of it.
-static Camera door_camera(const Stage *s) {
-    const Leaf *leaf = &s->building.leaves[0];
-    Vec2 along = vec2_sub(leaf->axis[1], leaf->axis[0]);
-    Vec2 middle = vec2_scale(vec2_add(leaf->axis[0], leaf->axis[1]), 0.5);
-    double angle = atan2(along.y, along.x) + M_PI / 2;
-    Vec3 eye = vec3(middle.x - 2 * cos(angle), middle.y - 2 * sin(angle), (leaf->z0 + leaf->z1) / 2);
-    return camera_look(eye, angle, 0, 1.2, WIDE, HIGH);
-}
-
 // Proves that every look draws each texel where the map has it, to a pixel: each pixel that shows one tile, as do the pixels beside it, is
 // brightest in the tile's channel; leaves of doors take their pictures along. And that the baked look is as bright as texture_at
 // says in an even light. Tolerance of that: a texel's root is rounded to 8 bits, and the curve of the screen to a 256th.
@@ -184,7 +174,7 @@ Test(walk_textures, lie_where_maps_have_them, .timeout = 300) {
     for (int d = 0; d < 6; d++) {
         int share = d / 2, leaves = 0;
         Camera camera = d % 2 ? camera_look(s.building.start, s.building.start_yaw, -0.3, 1.2, WIDE, HIGH)
-                              : door_camera(&s);
+                              : renderer_check_door(&s, WIDE, HIGH);
         for (int i = 0; i < s.building.opening_count; i++) s.doors[i] = OPEN[share];
         const uint8_t *rgb[WALK_LOOKS];
         for (int look = 0; look < WALK_LOOKS; look++) {

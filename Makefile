@@ -32,7 +32,7 @@ layers := engine/core engine/gl maps/building maps/curved maps/enclose maps/poly
           maps/doom maps visibility visibility/cells visibility/soup visibility/trees visibility/query \
           visibility/pairs visibility/prepare visibility/bezier visibility/rays visibility/hidden radiosity/daylight radiosity/mesh \
           radiosity/factors radiosity/methods radiosity/shoot radiosity/truth radiosity/show engine/sim engine/tour \
-          engine/library engine/scene engine/draw engine/overlay engine/walk engine/stills engine/app engine/bench
+          engine/library engine/scene engine/shade engine/draw engine/overlay engine/walk engine/stills engine/app engine/bench
 strict := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # Where the processor has no vectors as wide as ours, the compiler warns that others may pass them otherwise: all files here agree.
 # One set of machine flags for all files: the alignment of cglm's types depends on it. No contraction of

@@ -5,7 +5,7 @@
 // The exposure comes from the elements, not from the frame before: no pixels are read back, and the same view has the same exposure.
 #include "engine/draw/exposure.h"
 
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 
 // A place of middling brightness gets this value before the curve of the screen; it is high because rooms are mostly light paint.
 static const double MIDDLE = 0.65;

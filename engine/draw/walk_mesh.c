@@ -7,7 +7,7 @@
 
 #include "engine/core/polygon.h"
 #include "engine/draw/lit_mesh.h"
-#include "engine/draw/walk_bake.h"
+#include "engine/shade/walk_bake.h"
 
 typedef struct WalkVertex {
     float position[3], normal[3];

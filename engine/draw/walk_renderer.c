@@ -14,11 +14,11 @@
 #include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
-#include "engine/draw/walk_shade.h"
 #include "engine/draw/walk_shaders.h"
 #include "engine/draw/walk_targets.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
+#include "engine/shade/walk_shade.h"
 
 typedef struct LitLook {
     unsigned lit, numbers;  // programs

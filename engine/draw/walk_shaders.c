@@ -4,7 +4,7 @@
 // which darkens corners and the floor under furniture. In the fast look all of that is baked, and its shaders only show it.
 #include "engine/draw/walk_shaders.h"
 
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 #include "radiosity/daylight/daylight.h"
 
 #define VERSION "#version 330 core\n"

@@ -6,7 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/draw/view.h"
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 #include "engine/stills/still_sky.h"
 
 const char *const STILL_DIRECT_NAMES[STILL_DIRECTS] = {"baked", "rays"};

@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 
 #include "engine/draw/false_colour.h"
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 #include "radiosity/factors/analytic.h"
 #include "radiosity/show/gather.h"
 

@@ -2,7 +2,7 @@
 #include "engine/stills/still_sky.h"
 
 #include "engine/draw/exposure.h"
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 
 static double smooth_step(double low, double high, double x) {
     double t = fmin(fmax((x - low) / (high - low), 0), 1);

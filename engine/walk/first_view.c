@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "engine/draw/view.h"
-#include "engine/draw/walk_bake.h"
+#include "engine/shade/walk_bake.h"
 
 // The picture by which a view is judged, pixels.
 enum { JUDGE_WIDTH = 48, JUDGE_HEIGHT = 27 };

@@ -4,10 +4,10 @@
 #include <glad/gl.h>
 
 #include "engine/draw/view.h"
-#include "engine/draw/walk_bake.h"
-#include "engine/draw/walk_occlusion.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/gl/gl_context.h"
+#include "engine/shade/walk_bake.h"
+#include "engine/shade/walk_occlusion.h"
 #include "engine/tour/tour.h"
 #include "maps/maps.h"
 #include "tests/draw/renderer_fixture.h"

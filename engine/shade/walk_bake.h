@@ -3,7 +3,7 @@
 #ifndef WALK_BAKE_H
 #define WALK_BAKE_H
 
-#include "engine/draw/walk_lights.h"
+#include "engine/shade/walk_lights.h"
 
 typedef struct Rgba8 {
     uint8_t r, g, b, a;

@@ -1,6 +1,6 @@
 // walk_lights.c - collects the lamps of each room. This is no light transport: there are no shadows and no bounces, and strengths make a
 // room of any size pleasantly bright, so that a plan can be looked at before its light is computed.
-#include "engine/draw/walk_lights.h"
+#include "engine/shade/walk_lights.h"
 
 #include "engine/core/polygon.h"
 

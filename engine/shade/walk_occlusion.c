@@ -2,9 +2,9 @@
 // scenes, 2006): steps are taken from the point along its normal, and where something is nearer to a step's end than the step is
 // long, part of the light is blocked. Distances are to upright boxes: walls are boxes without thickness, furniture has its
 // proxies; floors and ceilings are planes.
-#include "engine/draw/walk_occlusion.h"
+#include "engine/shade/walk_occlusion.h"
 
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_shade.h"
 
 // Furniture larger than this in plan both ways is hollow (a pergola, a roof): its box darkens nothing, metres.
 #define OCCLUDER_MOST 2.6

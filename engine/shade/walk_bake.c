@@ -6,12 +6,12 @@
 //
 // The texels of all surfaces in one plane lie on one grid through the origin, and reach past the surface's edge: two
 // surfaces that meet there have the same texels on both sides, so that no seam shows between them.
-#include "engine/draw/walk_bake.h"
+#include "engine/shade/walk_bake.h"
 
 #include <stdlib.h>
 
-#include "engine/draw/walk_occlusion.h"
-#include "engine/draw/walk_shade.h"
+#include "engine/shade/walk_occlusion.h"
+#include "engine/shade/walk_shade.h"
 
 // The sides of texels, metres: indoors they show the occlusion of corners, outdoors that of houses.
 #define TEXEL_INDOORS 0.125

@@ -203,6 +203,10 @@ typedef struct Eye {
     // A point of a surface, exactly: it is before that surface however near. Otherwise an eye too near a wall for a
     // rasteriser to tell its sides sees all.
     bool on_surface;
+    // Of the image of an eye in a mirror, which lies behind it: the cells that the mirror touches, in which its view begins,
+    // [start_count]. 0: the view begins at the eye, in the eye's cell. The frustum keeps what lies before the mirror.
+    const int *start;
+    int start_count;
 } Eye;
 
 // A cell that may be seen.
@@ -230,7 +234,7 @@ typedef struct VisResult {
 // `door_open` [opening_count]: how far each door is open, 0 closed .. 1 wide open (see Leaf), or NULL for all wide open.
 // A door that is not quite closed blocks nothing. An eye on a portal, to a rasteriser's precision, is in the cells on both
 // sides: it sees all that is seen from either. Allocates nothing. The result stays valid until the next query. `cell` is the eye's
-// cell, from vis_locate, or -1.
+// cell, from vis_locate, or -1; of an eye with `start` it is not asked.
 VisResult vis_query(VisQuery *query, const Eye *eye, int cell, const float *door_open, Culling culling);
 
 #endif

@@ -19,6 +19,7 @@ typedef struct Watch {
     LoadedScene scene;
     TourPath path;
     VisQuery *query;
+    Mirrors *mirrors;  // or NULL
     WalkRenderer *renderer;
     int cell;  // of the last eye
 } Watch;
@@ -32,6 +33,9 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling
     double start = clock_seconds();
     VisResult v = vis_query(w->query, &eye, w->cell, NULL, culling);
     double asked = clock_seconds();
+    const MirrorView *mirrors;
+    int mirror_count = mirrors_look(w->mirrors, &camera, v.objects, v.object_count, NULL, culling, &mirrors);
+    walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
     if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||
         !walk_renderer_finish_scene(w->renderer, error))
         return false;
@@ -71,6 +75,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
     const CellGraph *graph = &watch.scene.graph;
     if (!tour_make(graph, "auto", &options, arena, &watch.path, error)) return false;
     watch.query = vis_query_new(graph, &watch.scene.forest, arena);
+    watch.mirrors = mirrors_new(graph, &watch.scene.forest, arena);
     if (!gl_context_use(context, error)) return false;
     watch.renderer = walk_renderer_new(graph, arena, error);
     if (!watch.renderer) return false;
@@ -86,6 +91,7 @@ static bool bench_building(const char *file, const BenchArguments *a, GlContext 
         fflush(stdout);
     }
     walk_renderer_free(watch.renderer);
+    mirrors_free(watch.mirrors);
     return good;
 }
 

@@ -43,7 +43,7 @@ struct WalkMesh {
     unsigned *list;                   // the frame's indices, as uploaded
     int end[WALK_PARTS * WALK_RUNS];  // in `list`: where each run of each part ends and the next begins
     unsigned picture_buffer;          // 0: nothing has a picture
-    unsigned array, vertex_buffer, list_buffer, line_buffer, lamp_buffer, lamp_texture, atlas_texture;
+    unsigned array, vertex_buffer, list_buffer, once_buffer, lamp_buffer, lamp_texture, atlas_texture;
 };
 
 Vec3 walk_mesh_origin(const WalkMesh *mesh) { return mesh->origin; }
@@ -217,7 +217,7 @@ static void upload_vertices(WalkMesh *mesh) {
     describe_vertices();
     upload_pictures(mesh, &scratch);
     glGenBuffers(1, &mesh->list_buffer);
-    glGenBuffers(1, &mesh->line_buffer);
+    glGenBuffers(1, &mesh->once_buffer);
     arena_free(&scratch);
 }
 
@@ -286,7 +286,7 @@ WalkMesh *walk_mesh_new(const CellGraph *graph, const WalkTextures *textures, Ar
 
 void walk_mesh_free(WalkMesh *mesh) {
     if (!mesh) return;
-    unsigned buffers[] = {mesh->vertex_buffer, mesh->list_buffer, mesh->line_buffer, mesh->lamp_buffer,
+    unsigned buffers[] = {mesh->vertex_buffer, mesh->list_buffer, mesh->once_buffer, mesh->lamp_buffer,
                           mesh->picture_buffer};
     unsigned textures[] = {mesh->lamp_texture, mesh->atlas_texture};
     glDeleteVertexArrays(1, &mesh->array);
@@ -374,6 +374,22 @@ void walk_mesh_draw(const WalkMesh *mesh, int part, int run) {
     glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, (const void *)((size_t)first * sizeof *mesh->list));
 }
 
+// Draws the first `count` indices of mesh->list, beside the draw list that was uploaded.
+static void draw_once(const WalkMesh *mesh, int count, unsigned primitive) {
+    glBindVertexArray(mesh->array);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->once_buffer);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)count * sizeof *mesh->list), mesh->list,
+                 GL_STREAM_DRAW);
+    glDrawElements(primitive, count, GL_UNSIGNED_INT, NULL);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
+}
+
+void walk_mesh_draw_polygons(WalkMesh *mesh, const int *polygons, int count) {
+    int at = 0;
+    for (int i = 0; i < count; i++) at = mesh_polygon(mesh, polygons[i], at);
+    draw_once(mesh, at, GL_TRIANGLES);
+}
+
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count) {
     const CellGraph *graph = mesh->graph;
     int count = 0;
@@ -388,10 +404,5 @@ void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count) 
             }
         }
     }
-    glBindVertexArray(mesh->array);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->line_buffer);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)count * sizeof *mesh->list), mesh->list,
-                 GL_STREAM_DRAW);
-    glDrawElements(GL_LINES, count, GL_UNSIGNED_INT, NULL);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);
+    draw_once(mesh, count, GL_LINES);
 }

@@ -34,6 +34,8 @@ void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_cou
 void walk_mesh_bind(const WalkMesh *mesh);  // binds its vertices and textures
 // `run` as in walk_textures.h.
 void walk_mesh_draw(const WalkMesh *mesh, int part, int run);
+// Draws these polygons of the graph; leaves the draw list alone.
+void walk_mesh_draw_polygons(WalkMesh *mesh, const int *polygons, int count);
 // Draws the edges of these objects' polygons as lines; leaves the draw list alone.
 void walk_mesh_draw_edges(WalkMesh *mesh, const int *objects, int object_count);
 

@@ -56,11 +56,12 @@ static unsigned make_scale(void) {
     return texture;
 }
 
-static bool lit_look_new(LitLook *out, bool pictures, Error *error) {
-    *out = (LitLook){.lit = gl_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, error)};
-    if (out->lit) out->numbers = gl_program(WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT, error);
+// `flags` as for walk_program, of programs without pictures.
+static bool lit_look_new(LitLook *out, bool pictures, int flags, Error *error) {
+    *out = (LitLook){.lit = walk_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, flags, error)};
+    if (out->lit) out->numbers = walk_program(WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT, flags, error);
     if (out->numbers && pictures)
-        out->pictured = walk_textures_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, false, error);
+        out->pictured = walk_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, flags | SHADER_PICTURES, error);
     if (!out->numbers || (pictures && !out->pictured)) return false;
     glUseProgram(out->numbers);
     glUniform1i(glGetUniformLocation(out->numbers, "materials"), WALK_UNIT_LAMPS);
@@ -84,10 +85,10 @@ static void set_named_vector(unsigned program, const char *name, double x, doubl
     glUniform3f(glGetUniformLocation(program, name), (float)x, (float)y, (float)z);
 }
 
-// Everything drawn from here on is shaded by this look. `clip` [16] by columns; `eye` relative to the mesh's origin; `fade` as in
-// walk_lit.h; `range` of the quantity; `pictures`: so is everything drawn that has a picture.
-static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange range, const float *clip,
-                         Vec3 eye, double fade, bool pictures) {
+// Everything drawn from here on is shaded by this look: returns the program. `clip` [16] by columns; `eye` relative to the mesh's
+// origin; `fade` as in walk_lit.h; `range` of the quantity; `pictures`: so is everything drawn that has a picture.
+static unsigned lit_look_use(const LitLook *look, const LitTone *tone, LightRange range, const float *clip,
+                             Vec3 eye, double fade, bool pictures) {
     bool numbers = tone->quantity != FALSE_COLOUR_OFF;
     unsigned program = numbers ? look->numbers : pictures ? look->pictured : look->lit;
     glUseProgram(program);
@@ -96,7 +97,7 @@ static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange ra
     set_number(program, "fade", fade);
     if (!numbers) {
         set_number(program, "exposure", tone->exposure);
-        return;
+        return program;
     }
     double weights[3];
     false_colour_weights(tone->quantity, weights);
@@ -106,13 +107,15 @@ static void lit_look_use(const LitLook *look, const LitTone *tone, LightRange ra
     set_number(program, "octaves", log2(range.high / range.low));
     glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
     glBindTexture(GL_TEXTURE_2D, look->scale);
+    return program;
 }
 
 // Nothing nearer than this is drawn, metres: it is less than a head's distance from any wall; depth, a float of 1 - near/z,
 // is then good to a fifth of a millimetre at 10 m.
 #define WALK_NEAR 0.05
 // Surfaces of cells are drawn a trifle farther than they lie, so that things on them, or let into them, show: by this
-// share of their slope a pixel (a rasteriser rounds vertices to a 256th) and this many roundings of depth.
+// share of their slope a pixel (a rasteriser rounds vertices to a 256th) and this many roundings of depth. Pictures in mirrors are drawn
+// nearer than the mirror by as much.
 #define WALK_OFFSET_SLOPE (1.0f / 64)
 #define WALK_OFFSET_UNITS 8.0f
 
@@ -132,13 +135,14 @@ typedef enum SceneShader {
     SCENE_FINE,
     SCENE_FINE_PANES,
     SCENE_LINES,
+    SCENE_MIRROR,  // what is seen in a mirror
     SCENE_SHADERS
 } SceneShader;
 
 // A program that draws the building, and the locations of its uniforms; -1 for uniforms that it lacks.
 typedef struct SceneProgram {
     unsigned program;
-    int clip, eye, size, colour, day;
+    int clip, eye, size, colour, day, before, share;
 } SceneProgram;
 
 // Places of what tells the sky of baked light.
@@ -177,8 +181,12 @@ struct WalkRenderer {
     bool software;  // OpenGL draws with the processor
     Smoother smoother;
     Arena frame_arena;
-    uint32_t *frame;       // as large as the smoother's
-    unsigned no_vertices;  // the vertex array for programs that make their own vertices
+    uint32_t *frame;            // as large as the smoother's
+    unsigned no_vertices;       // the vertex array for programs that make their own vertices
+    int flags;                  // of all programs that draw the building, as for walk_program
+    const MirrorView *mirrors;  // [mirror_count] of the frame
+    int mirror_count;
+    const MirrorView *inside;  // the mirror whose picture is being drawn; NULL: the frame itself is
 };
 
 // ---- set-up
@@ -190,11 +198,14 @@ static bool make_scene_program(SceneProgram *out, unsigned program) {
                           glGetUniformLocation(program, "eye"),
                           glGetUniformLocation(program, "size"),
                           glGetUniformLocation(program, "colour"),
-                          glGetUniformLocation(program, "day")};
+                          glGetUniformLocation(program, "day"),
+                          glGetUniformLocation(program, "mirror"),
+                          glGetUniformLocation(program, "share")};
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
     glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
     glUniform1i(glGetUniformLocation(program, "occlusion"), WALK_UNIT_FREE);
+    glUniform1i(glGetUniformLocation(program, "image"), WALK_UNIT_FREE);
     return true;
 }
 
@@ -209,10 +220,12 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
         [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
         [SCENE_FINE_PANES] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
         [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
+        [SCENE_MIRROR] = {WALK_LINE_VERTEX, WALK_MIRROR_FRAGMENT},
     };
     for (int i = 0; i < SCENE_SHADERS; i++) {
         const char *vertex = SHADERS[i].vertex, *fragment = SHADERS[i].fragment;
-        if (!make_scene_program(&w->scene[i], gl_program(vertex, fragment, error))) return false;
+        if (i == SCENE_MIRROR && !(w->flags & SHADER_MIRRORS)) continue;
+        if (!make_scene_program(&w->scene[i], walk_program(vertex, fragment, w->flags, error))) return false;
     }
     // The programs of polygons with pictures. Pictures with holes are among the panes.
     static const struct {
@@ -225,8 +238,8 @@ static bool make_scene_programs(WalkRenderer *w, Error *error) {
                     {SCENE_FINE, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, false},
                     {SCENE_FINE_PANES, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, true}};
     for (size_t i = 0; i < sizeof PICTURED / sizeof *PICTURED && walk_textures_runs(w->textures) > 1; i++) {
-        unsigned program =
-            walk_textures_program(PICTURED[i].vertex, PICTURED[i].fragment, PICTURED[i].cut_out, error);
+        int flags = w->flags | SHADER_PICTURES | (PICTURED[i].cut_out ? SHADER_CUT_OUT : 0);
+        unsigned program = walk_program(PICTURED[i].vertex, PICTURED[i].fragment, flags, error);
         if (!make_scene_program(&w->pictured[PICTURED[i].shader], program)) return false;
     }
     return true;
@@ -251,7 +264,7 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     unsigned sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
     if (!sky || !make_sky_program(&w->sky, sky)) return false;
     if (walk_textures_has_sky(w->textures)) {
-        sky = walk_textures_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, false, error);
+        sky = walk_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, SHADER_PICTURES, error);
         if (!sky || !make_sky_program(&w->pictured_sky, sky)) return false;
     }
     w->occlusion = gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error);
@@ -264,12 +277,13 @@ static bool make_programs(WalkRenderer *w, Error *error) {
     glUseProgram(w->blur);
     glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
     glGenVertexArrays(1, &w->no_vertices);
-    return lit_look_new(&w->lit_look, walk_textures_runs(w->textures) > 1, error);
+    return lit_look_new(&w->lit_look, walk_textures_runs(w->textures) > 1, w->flags, error);
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
     w->software = gl_is_software();
+    w->flags = mirrors_in(graph->building) ? SHADER_MIRRORS : 0;
     w->textures = walk_textures_new(graph->building, arena, error);
     if (w->textures && make_programs(w, error)) w->mesh = walk_mesh_new(graph, w->textures, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
@@ -350,6 +364,16 @@ void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
 
 static void set_vector(int place, Vec3 v) { glUniform3f(place, (float)v.x, (float)v.y, (float)v.z); }
 
+// Draws from here on what lies before the plane of the mirror whose picture is being drawn, everything where there is none: some OpenGL
+// (Mesa 22) clips by a program's distance even while that is off. `place` of the uniform `mirror` of the program in use.
+static void keep_before(const WalkRenderer *w, int place) {
+    if (!(w->flags & SHADER_MIRRORS)) return;
+    Plane plane = w->inside ? w->inside->before : (Plane){{0, 0, 0}, -1};
+    double offset = vec3_dot(plane.n, walk_mesh_origin(w->mesh)) - plane.d;
+    glUniform4f(place, (float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)offset);
+    if (w->inside) glEnable(GL_CLIP_DISTANCE0);
+}
+
 // `run` as in walk_textures.h.
 static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, int run,
                                      const Camera *camera) {
@@ -360,6 +384,7 @@ static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, 
     glUniformMatrix4fv(program->clip, 1, GL_FALSE, &clip[0][0]);
     set_vector(program->eye, vec3_sub(camera->eye, walk_mesh_origin(w->mesh)));
     glUniform2f(program->size, (float)camera->width, (float)camera->height);
+    keep_before(w, program->before);
     return program;
 }
 
@@ -390,6 +415,7 @@ static void draw_solid(const WalkRenderer *w, SceneShader things, SceneShader su
 }
 
 static void draw_screen(const WalkRenderer *w, unsigned program) {
+    glDisable(GL_CLIP_DISTANCE0);
     glUseProgram(program);
     glBindVertexArray(w->no_vertices);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -400,11 +426,21 @@ static void use_texture(unsigned texture) {
     glBindTexture(GL_TEXTURE_2D, texture);
 }
 
+// Inside a mirror only its pixels are drawn. `share`: pixels of the frame for one of the target.
+static void set_scissor(const WalkRenderer *w, int share) {
+    const MirrorView *m = w->inside;
+    if (!m) return;
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(m->left / share, m->top / share, (m->right - m->left) / share + 2,
+              (m->bottom - m->top) / share + 2);
+}
+
 // Draws the depth of the solid surfaces, then the open share of each pixel.
 static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) {
     WalkTargets *t = &w->targets;
     if (!walk_targets_bind(t, WALK_TARGET_DEPTH, error)) return false;
-    glClear(GL_DEPTH_BUFFER_BIT);
+    glClear(GL_DEPTH_BUFFER_BIT);  // all of it: a pixel asks for those around it
+    set_scissor(w, 1);
     walk_mesh_bind(w->mesh);
     use_scene(w, SCENE_DEPTH, 0, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS, WALK_ALL_RUNS);
@@ -412,6 +448,7 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     walk_mesh_draw(w->mesh, WALK_SURFACES, WALK_ALL_RUNS);
     set_offset(false);
     glDisable(GL_DEPTH_TEST);
+    set_scissor(w, WALK_COARSE);
     if (!walk_targets_bind(t, WALK_TARGET_OCCLUSION, error)) return false;
     use_texture(t->texture[WALK_TARGET_DEPTH]);
     glUseProgram(w->occlusion);
@@ -486,9 +523,27 @@ static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *
     glDisable(GL_BLEND);
 }
 
+// Draws over the mirrors what is seen in them. A mirror seen in a mirror shows its own colour.
+static void draw_mirrors(const WalkRenderer *w, const Camera *camera) {
+    if (w->inside || w->mirror_count == 0) return;
+    const SceneProgram *program = use_scene(w, SCENE_MIRROR, 0, camera);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(-WALK_OFFSET_SLOPE, -WALK_OFFSET_UNITS);
+    for (int i = 0; i < w->mirror_count; i++) {
+        use_texture(w->targets.texture[WALK_TARGET_MIRROR + i]);
+        glUniform1f(program->share, w->mirrors[i].share);
+        walk_mesh_draw_polygons(w->mesh, w->mirrors[i].polygons, w->mirrors[i].polygon_count);
+    }
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_BLEND);
+}
+
 static bool begin_frame(WalkRenderer *w, WalkTarget target, Error *error) {
     w->drawn = target;
     if (!walk_targets_bind(&w->targets, target, error)) return false;
+    set_scissor(w, 1);
     glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
     walk_mesh_bind(w->mesh);
     return true;
@@ -498,6 +553,7 @@ static bool draw_fast(WalkRenderer *w, const Camera *camera, Error *error) {
     if (!begin_frame(w, WALK_TARGET_FAST, error)) return false;
     draw_solid(w, SCENE_THINGS, SCENE_SURFACES, camera);
     draw_sky(w, camera, true, NULL);
+    draw_mirrors(w, camera);
     draw_panes(w, SCENE_PANES, camera, true);
     return true;
 }
@@ -507,6 +563,7 @@ static bool draw_fine(WalkRenderer *w, const Camera *camera, Error *error) {
     use_texture(w->targets.texture[WALK_TARGET_BLUR]);
     draw_solid(w, SCENE_FINE, SCENE_FINE, camera);
     draw_sky(w, camera, true, NULL);
+    draw_mirrors(w, camera);
     draw_panes(w, SCENE_FINE_PANES, camera, true);
     return true;
 }
@@ -516,8 +573,10 @@ static void draw_lit(const WalkRenderer *w, const Camera *camera, bool surfaces)
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
     walk_lit_bind(w->lit);
     for (int run = 0; run < walk_textures_runs(w->textures); run++) {
-        lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
-                     vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit), run > 0);
+        unsigned program =
+            lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+                         vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit), run > 0);
+        keep_before(w, glGetUniformLocation(program, "mirror"));
         if (run > 0) walk_textures_bind(w->textures, run);
         walk_lit_draw(w->lit, surfaces, run);
     }
@@ -533,14 +592,15 @@ static bool draw_baked(WalkRenderer *w, const Camera *camera, Error *error) {
     set_offset(false);
     if (numbers) return true;
     draw_sky(w, camera, false, &w->light->day);
+    draw_mirrors(w, camera);
     draw_panes(w, SCENE_PANES, camera, daylight_shines(&w->light->day));
     return true;
 }
 
 // Sets all the state that drawing here relies on, since others draw in the same context.
 static void set_state(void) {
-    static const unsigned OFF[] = {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST,
-                                   GL_POLYGON_OFFSET_FILL};
+    static const unsigned OFF[] = {GL_BLEND,        GL_CULL_FACE,           GL_SCISSOR_TEST,
+                                   GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0};
     for (size_t i = 0; i < sizeof OFF / sizeof *OFF; i++) glDisable(OFF[i]);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_MULTISAMPLE);
@@ -551,10 +611,8 @@ static void set_state(void) {
     glClearColor(0, 0, 0, 1);
 }
 
-bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
-                        WalkLook look, Error *error) {
-    CORE_ASSERT(look < WALK_LOOKS);
-    if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
+static bool draw_objects(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
+                         WalkLook look, Error *error) {
     set_state();
     walk_mesh_list(w->mesh, camera->eye, objects, object_count);
     bool baked = look == WALK_BAKED && w->light, good;
@@ -565,6 +623,37 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
         good = look == WALK_FINE ? draw_fine(w, camera, error) : draw_fast(w, camera, error);
     }
     return good && gl_check("drawing", error);
+}
+
+// Draws what is seen in the mirror as a frame of its own, of which the mirror's pixels are kept as the mirror's picture.
+static bool draw_inside(WalkRenderer *w, int mirror, WalkLook look, Error *error) {
+    const MirrorView *m = w->inside = &w->mirrors[mirror];
+    bool good = draw_objects(w, &m->camera, m->objects, m->object_count, look, error);
+    w->inside = NULL;
+    if (!good || !walk_targets_bind(&w->targets, WALK_TARGET_MIRROR + (WalkTarget)mirror, error))
+        return false;
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_CLIP_DISTANCE0);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, w->targets.frame[w->drawn]);
+    glBlitFramebuffer(m->left, m->top, m->right, m->bottom, m->left, m->top, m->right, m->bottom,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    return gl_check("drawing a mirror", error);
+}
+
+void walk_renderer_mirrors(WalkRenderer *w, const MirrorView *views, int count) {
+    w->mirrors = views;
+    w->mirror_count = count;
+}
+
+bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
+                        WalkLook look, Error *error) {
+    CORE_ASSERT(look < WALK_LOOKS);
+    if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
+    if (look == WALK_BAKED && w->light && w->tone.quantity != FALSE_COLOUR_OFF) w->mirror_count = 0;
+    for (int i = 0; i < w->mirror_count; i++) {
+        if (!draw_inside(w, i, look, error)) return false;
+    }
+    return draw_objects(w, camera, objects, object_count, look, error);
 }
 
 bool walk_renderer_wireframe(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,

@@ -6,6 +6,7 @@
 #define WALK_RENDERER_H
 
 #include "engine/draw/exposure.h"
+#include "engine/draw/mirrors.h"
 #include "visibility/hidden/hidden.h"
 #include "visibility/vis.h"
 
@@ -44,6 +45,10 @@ void walk_renderer_free(WalkRenderer *renderer);  // NULL is allowed
 // Puts the leaves of doors where `door_open` has them, as for vis_query; before the first call all are wide open.
 // Costs next to nothing when no door has moved since the last call.
 void walk_renderer_pose(WalkRenderer *renderer, const float *door_open);
+
+// The frames drawn from now on show these mirrors of the camera that they are drawn from (mirrors_look), which must stay valid. False
+// colours show none.
+void walk_renderer_mirrors(WalkRenderer *renderer, const MirrorView *views, int count);
 
 // Draws these objects, each at most once, to the renderer's own frame, which is as large as the camera's. The caller leaves out objects
 // that the door state hides. Allocates only when the size or the look is new.

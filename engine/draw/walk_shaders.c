@@ -4,6 +4,12 @@
 // which darkens corners and the floor under furniture. In the fast look all of that is baked, and its shaders only show it.
 #include "engine/draw/walk_shaders.h"
 
+#include <glad/gl.h>
+#include <string.h>
+
+#include "engine/core/arena.h"
+#include "engine/draw/walk_mesh.h"
+#include "engine/gl/gl_context.h"
 #include "engine/shade/walk_shade.h"
 #include "radiosity/daylight/daylight.h"
 
@@ -74,6 +80,15 @@
     "vec4 picture_strength() { return vec4(1.0); }\n"                                                        \
     "#endif\n"
 
+// Where a program is made with MIRRORS, what is seen in a mirror lies before its plane: n . p + d >= 0.
+#define BEFORE_VERTEX                                                                                        \
+    "#ifdef MIRRORS\n"                                                                                       \
+    "uniform vec4 mirror;\n"                                                                                 \
+    "void keep_before(vec3 p) { gl_ClipDistance[0] = dot(mirror, vec4(p, 1.0)); }\n"                         \
+    "#else\n"                                                                                                \
+    "void keep_before(vec3 p) {}\n"                                                                          \
+    "#endif\n"
+
 // The root of the picture's colour, and its opacity.
 #define PICTURE_FRAGMENT                                                                                     \
     "#ifdef PICTURES\n"                                                                                      \
@@ -84,7 +99,7 @@
     "vec4 picture_texel() { return vec4(1.0); }\n"                                                           \
     "#endif\n"
 
-const char WALK_FINE_VERTEX[] = VERSION PICTURE_VERTEX
+const char WALK_FINE_VERTEX[] = VERSION PICTURE_VERTEX BEFORE_VERTEX
     "layout(location = 0) in vec3 position;\n"
     "layout(location = 1) in vec3 normal;\n"
     "layout(location = 2) in vec4 colour;\n"    // square root of the reflectance, alpha
@@ -97,7 +112,7 @@ const char WALK_FINE_VERTEX[] = VERSION PICTURE_VERTEX
     "flat out vec4 vColour, vEmission;\n"
     "flat out ivec2 vLamps;\n"
     "void main() {\n"
-    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
     "    vPosition = position; vNormal = normal; vLamps = lamps;\n"
     "    vColour = vec4(colour.rgb * colour.rgb, colour.a) * picture_strength(); vEmission = emission;\n"
     "}\n";
@@ -153,18 +168,18 @@ const char WALK_FINE_FRAGMENT[] = VERSION CONSTANTS DISPLAY GLASS PICTURE_FRAGME
 
 const char WALK_DEPTH_FRAGMENT[] = VERSION "void main() {}\n";
 
-const char WALK_BAKED_VERTEX[] =
-    VERSION PICTURE_VERTEX "layout(location = 0) in vec3 position;\n"
-                           "layout(location = 5) in vec4 front;\n"
-                           "layout(location = 7) in vec2 place;\n"
-                           "uniform mat4 clip;\n"
-                           "uniform vec3 eye;\n"
-                           "flat out vec3 vColour;\n"
-                           "out vec2 vPlace;\n"
-                           "void main() {\n"
-                           "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-                           "    vColour = front.rgb * sqrt(picture_strength().rgb); vPlace = place;\n"
-                           "}\n";
+const char WALK_BAKED_VERTEX[] = VERSION PICTURE_VERTEX BEFORE_VERTEX
+    "layout(location = 0) in vec3 position;\n"
+    "layout(location = 5) in vec4 front;\n"
+    "layout(location = 7) in vec2 place;\n"
+    "uniform mat4 clip;\n"
+    "uniform vec3 eye;\n"
+    "flat out vec3 vColour;\n"
+    "out vec2 vPlace;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
+    "    vColour = front.rgb * sqrt(picture_strength().rgb); vPlace = place;\n"
+    "}\n";
 
 const char WALK_BAKED_FRAGMENT[] = VERSION PICTURE_FRAGMENT
     "flat in vec3 vColour;\n"
@@ -174,23 +189,23 @@ const char WALK_BAKED_FRAGMENT[] = VERSION PICTURE_FRAGMENT
     "void main() { result = vec4(vColour * texture(atlas, vPlace).r * picture_texel().rgb, 1.0); }\n";
 
 // Polygons have colours for both sides; all corners of a polygon choose the same side, since it is flat.
-const char WALK_THING_VERTEX[] =
-    VERSION PICTURE_VERTEX "layout(location = 0) in vec3 position;\n"
-                           "layout(location = 1) in vec3 normal;\n"
-                           "layout(location = 5) in vec4 front;\n"
-                           "layout(location = 6) in vec4 back;\n"
-                           "uniform mat4 clip;\n"
-                           "uniform vec3 eye;\n"
-                           "out vec4 vColour;\n"
-                           "out vec3 vView;\n"
-                           "flat out vec3 vNormal;\n"
-                           "void main() {\n"
-                           "    gl_Position = clip * vec4(position - eye, 1.0);\n"
-                           "    vView = eye - position; vNormal = normal;\n"
-                           "    vec4 shown = picture_strength();\n"
-                           "    vColour = (dot(normal, vView) < 0.0 ? back : front) *\n"
-                           "              vec4(sqrt(shown.rgb), shown.a);\n"
-                           "}\n";
+const char WALK_THING_VERTEX[] = VERSION PICTURE_VERTEX BEFORE_VERTEX
+    "layout(location = 0) in vec3 position;\n"
+    "layout(location = 1) in vec3 normal;\n"
+    "layout(location = 5) in vec4 front;\n"
+    "layout(location = 6) in vec4 back;\n"
+    "uniform mat4 clip;\n"
+    "uniform vec3 eye;\n"
+    "out vec4 vColour;\n"
+    "out vec3 vView;\n"
+    "flat out vec3 vNormal;\n"
+    "void main() {\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
+    "    vView = eye - position; vNormal = normal;\n"
+    "    vec4 shown = picture_strength();\n"
+    "    vColour = (dot(normal, vView) < 0.0 ? back : front) *\n"
+    "              vec4(sqrt(shown.rgb), shown.a);\n"
+    "}\n";
 
 const char WALK_THING_FRAGMENT[] =
     VERSION CONSTANTS PICTURE_FRAGMENT "in vec4 vColour;\n"
@@ -224,11 +239,11 @@ const char WALK_PANE_FRAGMENT[] = VERSION CONSTANTS GLASS
 
 // Light is computed as if the back of a face reflected nothing. But curtains and leaves are single polygons: their backs show
 // some of their front's light. Lamps stay bright however low the exposure is.
-const char WALK_LIT_VERTEX[] = VERSION CONSTANTS PICTURE_VERTEX LIT_PLACES
+const char WALK_LIT_VERTEX[] = VERSION CONSTANTS PICTURE_VERTEX BEFORE_VERTEX LIT_PLACES
     "uniform float exposure;\n"
     "centroid out vec3 vLight;\n"
     "void main() {\n"
-    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
     "    vLight = mix(before, light, fade) * exposure * picture_strength().rgb;\n"
     "    bool front = dot(normal, eye - position) >= 0.0;\n"
     "    if (!front) vLight *= BACK_SHARE;\n"
@@ -253,13 +268,13 @@ const char WALK_LIT_FRAGMENT[] = VERSION CONSTANTS PICTURE_FRAGMENT
 
 // The arriving light is the leaving light less the emission, divided by the reflectance; -1 where nothing is reflected, since it is then
 // unknown.
-const char WALK_FALSE_VERTEX[] = VERSION LIT_PLACES
+const char WALK_FALSE_VERTEX[] = VERSION BEFORE_VERTEX LIT_PLACES
     "uniform samplerBuffer materials;\n"
     "uniform vec3 weights;\n"
     "uniform bool arriving;\n"
     "centroid out float vValue;\n"
     "void main() {\n"
-    "    gl_Position = clip * vec4(position - eye, 1.0);\n"
+    "    gl_Position = clip * vec4(position - eye, 1.0); keep_before(position);\n"
     "    vec3 value = mix(before, light, fade);\n"
     "    if (arriving) {\n"
     "        vec3 rho = texelFetch(materials, 2 * kind.x).rgb;\n"
@@ -279,14 +294,25 @@ const char WALK_FALSE_FRAGMENT[] = VERSION "centroid in float vValue;\n"
                                            "    result = vec4(vValue < 0.0 ? vec3(0.35) : colour, 1.0);\n"
                                            "}\n";
 
-const char WALK_LINE_VERTEX[] = VERSION "layout(location = 0) in vec3 position;\n"
-                                        "uniform mat4 clip;\n"
-                                        "uniform vec3 eye;\n"
-                                        "void main() { gl_Position = clip * vec4(position - eye, 1.0); }\n";
+const char WALK_LINE_VERTEX[] = VERSION BEFORE_VERTEX
+    "layout(location = 0) in vec3 position;\n"
+    "uniform mat4 clip;\n"
+    "uniform vec3 eye;\n"
+    "void main() { gl_Position = clip * vec4(position - eye, 1.0); keep_before(position); }\n";
 
 const char WALK_LINE_FRAGMENT[] = VERSION "uniform vec4 colour;\n"
                                           "out vec4 result;\n"
                                           "void main() { result = colour; }\n";
+
+// The mirror's picture has the pixels of the frame. Light times the share is shown, near a screen's curve, by its root; what the mirror
+// scatters itself stays in the rest (blending GL_ONE, GL_ONE_MINUS_SRC_ALPHA).
+const char WALK_MIRROR_FRAGMENT[] =
+    VERSION "uniform sampler2D image;\n"
+            "uniform float share;\n"
+            "out vec4 result;\n"
+            "void main() {\n"
+            "    result = vec4(sqrt(share) * texelFetch(image, ivec2(gl_FragCoord.xy), 0).rgb, share);\n"
+            "}\n";
 
 const char WALK_SCREEN_VERTEX[] =
     VERSION "out vec2 at;\n"
@@ -437,3 +463,24 @@ const char WALK_BLUR_FRAGMENT[] =
             "    }\n"
             "    result = weights > 0.0 ? sum / weights : here.r;\n"
             "}\n";
+
+unsigned walk_program(const char *vertex, const char *fragment, int flags, Error *error) {
+    Arena scratch = {0};
+    const char *source[2] = {vertex, fragment};
+    char *text[2];
+    for (int i = 0; i < 2; i++) {
+        // The first line is the version, which no other line may come before.
+        int version = (int)(strchr(source[i], '\n') - source[i]) + 1;
+        text[i] = arena_format(&scratch, "%.*s%s%s%s%s", version, source[i],
+                               flags & SHADER_PICTURES ? "#define PICTURES\n" : "",
+                               flags & SHADER_CUT_OUT ? "#define CUT_OUT\n" : "",
+                               flags & SHADER_MIRRORS ? "#define MIRRORS\n" : "", source[i] + version);
+    }
+    unsigned program = gl_program(text[0], text[1], error);
+    if (program && flags & SHADER_PICTURES) {
+        glUseProgram(program);
+        glUniform1i(glGetUniformLocation(program, "pictures"), WALK_UNIT_PICTURES);
+    }
+    arena_free(&scratch);
+    return program;
+}

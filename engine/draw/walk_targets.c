@@ -6,10 +6,8 @@
 #include "engine/gl/gl_context.h"
 
 #define FINE_SAMPLES 4
-// Ambient occlusion is smooth: it is computed for every second pixel each way.
-#define COARSE 2
 
-static int coarse(int pixels) { return (pixels + COARSE - 1) / COARSE; }
+static int coarse(int pixels) { return (pixels + WALK_COARSE - 1) / WALK_COARSE; }
 
 void walk_targets_free(WalkTargets *t) {
     unsigned buffers[] = {t->fast_depth, t->fine_colour, t->fine_depth};
@@ -38,7 +36,8 @@ typedef struct TextureKind {
     bool coarse;
 } TextureKind;
 
-static const TextureKind TEXTURES[WALK_TARGETS] = {
+// Of mirrors that of the first.
+static const TextureKind TEXTURES[] = {
     // This format is a software window's own order of bytes: showing the frame is then a plain copy there, in a sixth of the time.
     // A sized format would be laid out in the order of its name.
     [WALK_TARGET_FINAL] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
@@ -48,11 +47,17 @@ static const TextureKind TEXTURES[WALK_TARGETS] = {
     [WALK_TARGET_DEPTH] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT,
                            GL_NEAREST, false},
     [WALK_TARGET_OCCLUSION] = {GL_RG32F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_NEAREST, true},
+    [WALK_TARGET_MIRROR] = {GL_RGBA, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, GL_COLOR_ATTACHMENT0, GL_NEAREST,
+                            false},
     [WALK_TARGET_BLUR] = {GL_R32F, GL_RED, GL_FLOAT, GL_COLOR_ATTACHMENT0, GL_LINEAR, true},
 };
 
+static const TextureKind *kind_of(WalkTarget which) {
+    return &TEXTURES[which < WALK_TARGET_MIRROR ? which : WALK_TARGET_MIRROR];
+}
+
 static void make_texture(WalkTargets *t, WalkTarget which) {
-    const TextureKind *kind = &TEXTURES[which];
+    const TextureKind *kind = kind_of(which);
     glGenTextures(1, &t->texture[which]);
     glBindTexture(GL_TEXTURE_2D, t->texture[which]);
     glTexImage2D(GL_TEXTURE_2D, 0, kind->internal, kind->coarse ? coarse(t->width) : t->width,
@@ -72,7 +77,7 @@ static void attach_buffer(unsigned *buffer, unsigned attachment, unsigned format
 }
 
 static void attach_texture(const WalkTargets *t, WalkTarget which) {
-    glFramebufferTexture2D(GL_FRAMEBUFFER, TEXTURES[which].attachment, GL_TEXTURE_2D, t->texture[which], 0);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, kind_of(which)->attachment, GL_TEXTURE_2D, t->texture[which], 0);
 }
 
 static void attach(WalkTargets *t, WalkTarget which) {
@@ -112,7 +117,7 @@ static bool make(WalkTargets *t, WalkTarget which, Error *error) {
 
 bool walk_targets_bind(WalkTargets *t, WalkTarget which, Error *error) {
     if (!t->frame[which] && !make(t, which, error)) return false;
-    bool is_coarse = TEXTURES[which].coarse;
+    bool is_coarse = kind_of(which)->coarse;
     glBindFramebuffer(GL_FRAMEBUFFER, t->frame[which]);
     glViewport(0, 0, is_coarse ? coarse(t->width) : t->width, is_coarse ? coarse(t->height) : t->height);
     return true;

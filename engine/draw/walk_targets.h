@@ -6,6 +6,10 @@
 #include <stdbool.h>
 
 #include "engine/core/error.h"
+#include "engine/draw/mirrors.h"
+
+// Ambient occlusion is smooth: it is computed for every second pixel each way.
+#define WALK_COARSE 2
 
 typedef enum WalkTarget {
     WALK_TARGET_FINAL,      // colour alone: the frame that is shown and read
@@ -14,7 +18,8 @@ typedef enum WalkTarget {
     WALK_TARGET_DEPTH,      // depth alone, a texture
     WALK_TARGET_OCCLUSION,  // open share and distance, a texture, coarser
     WALK_TARGET_BLUR,       // the open share smoothed, a texture, as coarse
-    WALK_TARGETS
+    WALK_TARGET_MIRROR,     // colour alone, a texture: what is seen in the first mirror; the others follow
+    WALK_TARGETS = WALK_TARGET_MIRROR + MIRRORS_SHOWN
 } WalkTarget;
 
 typedef struct WalkTargets {

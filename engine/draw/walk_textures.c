@@ -321,24 +321,3 @@ float walk_textures_bind_sky(const WalkTextures *t, double strength[3]) {
     for (int k = 0; k < 3; k++) strength[k] = (double)t->sky_strength[k];
     return (float)t->building->sky_start;
 }
-
-unsigned walk_textures_program(const char *vertex, const char *fragment, bool cut_out, Error *error) {
-    Arena scratch = {0};
-    const char *source[2] = {vertex, fragment};
-    char *text[2];
-    for (int i = 0; i < 2; i++) {
-        // The first line is the version, which no other line may come before.
-        int version = (int)(strchr(source[i], '\n') - source[i]) + 1;
-        size_t size = strlen(source[i]) + 64;
-        text[i] = ARENA_ARRAY(&scratch, char, size);
-        snprintf(text[i], size, "%.*s#define PICTURES\n%s%s", version, source[i],
-                 cut_out ? "#define CUT_OUT\n" : "", source[i] + version);
-    }
-    unsigned program = gl_program(text[0], text[1], error);
-    if (program) {
-        glUseProgram(program);
-        glUniform1i(glGetUniformLocation(program, "pictures"), WALK_UNIT_PICTURES);
-    }
-    arena_free(&scratch);
-    return program;
-}

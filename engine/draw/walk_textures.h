@@ -45,7 +45,4 @@ bool walk_textures_has_sky(const WalkTextures *textures);
 // left edge, Building.sky_start.
 float walk_textures_bind_sky(const WalkTextures *textures, double strength[3]);
 
-// A program of these shaders with `#define PICTURES`, and with `#define CUT_OUT` where it drops transparent texels; 0 on failure.
-unsigned walk_textures_program(const char *vertex, const char *fragment, bool cut_out, Error *error);
-
 #endif

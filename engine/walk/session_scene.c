@@ -29,6 +29,7 @@ Shown *shown_load(const Session *s, Error *error) {
     }
     const CellGraph *graph = shown->scene.graph;
     shown->query = vis_query_new(graph, shown->scene.forest, &arena);
+    shown->mirrors = mirrors_new(graph, shown->scene.forest, &arena);
     shown->doors = doors_new(graph, &arena);
     shown->world = body_world(graph, shown->doors.open, &arena);
     shown->drawn_open = ARENA_ARRAY(&arena, float, graph->building->opening_count + 1);
@@ -64,6 +65,7 @@ bool shown_free(Shown *shown, double seconds) {
         light_thread_stop(shown->baking);
         if (!light_thread_free(shown->baking, seconds)) return false;
     }
+    mirrors_free(shown->mirrors);
     Arena arena = shown->arena;
     arena_free(&arena);
     return true;

@@ -40,6 +40,7 @@ typedef struct Shown {
     Arena arena;
     WalkScene scene;
     VisQuery *query;
+    Mirrors *mirrors;  // or NULL
     WalkRenderer *renderer;
     Doors doors;
     BodyWorld world;

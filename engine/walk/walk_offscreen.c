@@ -43,6 +43,7 @@ typedef struct Walk {
     Arena *arena;
     WalkTotals *totals;
     VisQuery *query;
+    Mirrors *mirrors;        // or NULL
     GlContext *context;      // of the renderer
     WalkRenderer *renderer;  // NULL when verifying
     Overlay *overlay;        // for a legend, or NULL
@@ -160,6 +161,10 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
                    .missing = -1};
     double asked = clock_seconds();
     walk_renderer_pose(w->renderer, w->door_open);
+    const MirrorView *mirrors;
+    int mirror_count = mirrors_look(w->mirrors, camera, out->visible.objects, out->visible.object_count,
+                                    w->door_open, w->options->culling, &mirrors);
+    walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
     expose(w, camera, &out->visible);
     if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count,
                             w->options->look, error) ||
@@ -265,6 +270,7 @@ static bool open_drawing(Walk *w, const StabForest *forest, Error *error) {
         if (!w->verify) return false;
     } else {
         w->query = vis_query_new(w->graph, forest, w->arena);
+        w->mirrors = mirrors_new(w->graph, forest, w->arena);
         w->context = gl_context_open(w->arena, error);
         if (!w->context) return false;
         w->renderer = walk_renderer_new(w->graph, w->arena, error);
@@ -287,6 +293,7 @@ static void close_drawing(Walk *w) {
         walk_renderer_free(w->renderer);
     }
     gl_context_close(w->context);
+    mirrors_free(w->mirrors);
     arena_free(&w->rays);
 }
 

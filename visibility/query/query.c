@@ -199,16 +199,26 @@ static void prefetch_last(const VisQuery *q) {
     for (int i = 0; i < q->result.object_count; i++) __builtin_prefetch(&q->traits[q->objects[i]]);
 }
 
-static void walk(VisQuery *q, const int *around, int count) {
-    int cell = around[0];
+// From a cell, by its stab tree where `trees` says so and it has one.
+static void walk_from(VisQuery *q, int cell, bool trees) {
     query_first_cone(q, &q->cones[0]);
     query_visit_cell(q, cell, 0, &q->cones[0]);
-    bool trees = q->culling != CULL_PORTALS;
-    q->limit = trees ? visible_set(q, around, count) : q->every_cell;
-    if (trees && count == 1 && !q->forest->bounded[cell]) {
+    if (trees && !q->forest->bounded[cell]) {
         walk_tree(q, q->forest->root[cell], 0);
     } else {
         query_walk(q, cell);
+    }
+}
+
+// A line from an eye at a portal may begin in another cell than the eye's, where the eye's tree does not hold it. A line that a mirror
+// sends on begins in one of the cells that the mirror touches, each of which is walked from.
+static void walk(VisQuery *q, const int *around, int count) {
+    bool trees = q->culling != CULL_PORTALS;
+    q->limit = trees ? visible_set(q, around, count) : q->every_cell;
+    if (q->eye->start_count > 0) {
+        for (int i = 0; i < count; i++) walk_from(q, around[i], trees);
+    } else {
+        walk_from(q, around[0], trees && count == 1);
     }
 }
 
@@ -228,14 +238,17 @@ VisResult vis_query(VisQuery *q, const Eye *eye, int cell, const float *door_ope
         q->frame = 1;
         q->cone_serial = 0;
     }
+    if (eye->start_count > 0) cell = q->result.eye_cell = eye->start[0];
     if (cell >= 0) prefetch_start(q, cell);
-    int around[MOST_AROUND] = {cell}, count = 1;
-    if (cell >= 0) count = query_eye_cells(q->graph, cell, eye, around);
-    if (count == 0) q->result.eye_cell = cell = -1;
+    int around[MOST_AROUND] = {cell}, count = eye->start_count;
+    if (cell >= 0 && count == 0) {
+        count = query_eye_cells(q->graph, cell, eye, around);
+        if (count == 0) q->result.eye_cell = cell = -1;
+    }
     if (culling == CULL_NONE || culling == CULL_FRUSTUM || cell < 0) {
         draw_all(q, culling == CULL_FRUSTUM);
     } else {
-        walk(q, around, count);
+        walk(q, eye->start_count > 0 ? eye->start : around, count);
     }
     collect_objects(q);
     sort_cells(q);

@@ -268,6 +268,8 @@ static void print_json(const LoadedScene *scene, const WalkTotals *t) {
     json_object_set_new(o, "frame_ms_mean", json_real(t->frame_ms_mean));
     json_object_set_new(o, "mismatched_pixels", json_integer(t->mismatched_pixels));
     json_object_set_new(o, "missing_polygons", json_integer(t->missing_polygons));
+    json_object_set_new(o, "mirrors", json_integer(t->mirrors));
+    json_object_set_new(o, "mirror_pixels", json_integer(t->mirror_pixels));
     json_object_set_new(o, "raycast_frames", json_integer(t->raycast_frames));
     json_object_set_new(o, "raycast_missing", json_integer(t->raycast_missing));
     app_print_json(o);
@@ -295,6 +297,8 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
         printf("verified    %d frames and %d random views: %ld pixels differ, %ld polygons are missing\n",
                t->frames, t->random_frames, t->mismatched_pixels, t->missing_polygons);
     }
+    if (t->mirrors > 0)
+        printf("mirrors     %ld views in them, %ld pixels, among these\n", t->mirrors, t->mirror_pixels);
     if (t->raycast_frames > 0) {
         printf("rays        %d frames: %ld polygons seen that are not drawn\n", t->raycast_frames,
                t->raycast_missing);

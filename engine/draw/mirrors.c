@@ -12,7 +12,7 @@
 // Only planes whose distances from the building's middle differ by less are compared, metres: far more than coplanar polygons' do.
 #define NEAR_PLANES 1e-2
 // An eye nearer than this to a mirror's plane sees nothing in it, metres.
-#define EYE_CLEARANCE (2 * MIRROR_CLEARANCE)
+#define EYE_CLEARANCE 1e-3
 // What is nearer to the eye than this along its direction is behind it, metres.
 #define NEAREST 1e-6
 
@@ -246,7 +246,7 @@ static bool see_mirror(Mirrors *m, const Mirror *mirror, const Camera *camera, c
     Plane plane = plane_of_polygon(m->corners, count);
     if (mirror->cell_count == 0 || plane_distance(plane, camera->eye) < EYE_CLEARANCE) return false;
     *out = (MirrorView){.camera = *camera,
-                        .before = {plane.n, plane.d + MIRROR_CLEARANCE},
+                        .before = {plane.n, plane.d - MIRROR_SLACK},
                         .left = camera->width,
                         .top = camera->height,
                         .polygons = ahead,

@@ -12,9 +12,9 @@
 #define MIRROR_LEAST 0.2f
 // A mirror of less area shows no picture, m^2: a facet of something round, or less than a shaving mirror.
 #define MIRROR_SMALLEST 0.02
-// Things nearer than this to a mirror's plane are not seen in it, metres: the mirror itself lies there. Floats of a building a kilometre
-// long are good to a sixteenth of it.
-#define MIRROR_CLEARANCE 1e-3
+// What lies no farther than this behind a mirror's plane is seen in it, metres, so that no gap shows along walls that the mirror touches.
+// Floats are good to it in a building a kilometre long.
+#define MIRROR_SLACK 1e-4
 // Mirrors shown at the same time: those that are largest in the picture. Others are drawn as if their share were 0.
 enum { MIRRORS_SHOWN = 4 };
 
@@ -26,8 +26,8 @@ typedef struct Mirrors Mirrors;
 
 // What a camera sees in one mirror.
 typedef struct MirrorView {
-    Camera camera;                 // the image of the camera: left-handed, with the same pixels
-    Plane before;                  // what is seen lies on its positive side
+    Camera camera;  // the image of the camera: left-handed, with the same pixels
+    Plane before;   // what is seen lies on its positive side, but for the mirror's own polygons
     int left, top, right, bottom;  // all pixels of the mirror lie in [left, right) x [top, bottom)
     const int *polygons;           // [polygon_count] of the graph: the mirror's own that the camera is before
     const int *objects;            // [object_count] to draw, increasing

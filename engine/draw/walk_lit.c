@@ -230,8 +230,8 @@ void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open) 
     for (int i = 0; i < b->leaf_count; i++) lit->share[i] = door_open ? door_open[b->leaves[i].opening] : 1;
 }
 
-static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bool surfaces, int run,
-                       int at) {
+static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, const unsigned char *left_out,
+                       bool surfaces, int run, int at) {
     const LitMesh *mesh = lit->mesh;
     const CellGraph *graph = mesh->mesh->graph;
     for (int k = 0; k < count; k++) {
@@ -239,6 +239,7 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bo
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
             // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
+            if (left_out && left_out[p]) continue;
             if (lit->run[p] != run || (surfaces && plane_distance(mesh->plane[p], eye) <= 0)) continue;
             int indices = mesh->first_index[p + 1] - mesh->first_index[p];
             memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);
@@ -248,12 +249,13 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, bo
     return at;
 }
 
-void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count) {
+void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count,
+                   const unsigned char *left_out) {
     int all = 0;
     for (int i = 0; i < 2 * WALK_RUNS; i++) {
         int run = i % WALK_RUNS;
         if (run < walk_textures_runs(lit->textures))
-            all = add_objects(lit, eye, objects, object_count, i >= WALK_RUNS, run, all);
+            all = add_objects(lit, eye, objects, object_count, left_out, i >= WALK_RUNS, run, all);
         lit->end[i] = all;
     }
     glBindVertexArray(lit->array);

@@ -24,8 +24,9 @@ double walk_lit_faded(const WalkLit *lit);
 // Puts the leaves of doors where `door_open` has them, as for vis_query, in the light of lit_leaf.h: `light` is the one uploaded last,
 // unchanged, or NULL before there is any.
 void walk_lit_pose(WalkLit *lit, const LitLight *light, const float *door_open);
-// Makes the draw list of these objects for an eye: things first, then the surfaces that face the eye.
-void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count);
+// Makes the draw list of these objects for an eye: things first, then the surfaces that face the eye. `left_out` as for walk_mesh_list.
+void walk_lit_list(WalkLit *lit, Vec3 eye, const int *objects, int object_count,
+                   const unsigned char *left_out);
 void walk_lit_bind(const WalkLit *lit);                          // binds the table of materials
 void walk_lit_draw(const WalkLit *lit, bool surfaces, int run);  // `run` as in walk_textures.h
 

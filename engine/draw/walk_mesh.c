@@ -28,16 +28,17 @@ struct WalkMesh {
     Vec3 origin;
     WalkLights lights;
     WalkBake *bake;
-    WalkAtlas atlas;           // its texels are in OpenGL's memory
-    int *first_vertex;         // [polygon_count + 1] in the vertex buffer
-    int *first_index;          // [polygon_count + 1] in `index`
-    unsigned *index;           // triangles of all polygons
-    Plane *plane;              // [polygon_count]
-    unsigned char *has_glass;  // [object_count]
-    unsigned char *run;        // [polygon_count] as in walk_textures.h
-    unsigned char *runs;       // [object_count] bit i: some polygon is of run i
-    float *share;              // [leaf_count] how far leaves are open; NAN before the first pose
-    WalkVertex *moved;         // room for the vertices of any one leaf, and for its corners
+    WalkAtlas atlas;                // its texels are in OpenGL's memory
+    int *first_vertex;              // [polygon_count + 1] in the vertex buffer
+    int *first_index;               // [polygon_count + 1] in `index`
+    unsigned *index;                // triangles of all polygons
+    Plane *plane;                   // [polygon_count]
+    unsigned char *has_glass;       // [object_count]
+    unsigned char *run;             // [polygon_count] as in walk_textures.h
+    unsigned char *runs;            // [object_count] bit i: some polygon is of run i
+    const unsigned char *left_out;  // of the list being made
+    float *share;                   // [leaf_count] how far leaves are open; NAN before the first pose
+    WalkVertex *moved;              // room for the vertices of any one leaf, and for its corners
     Vec3 *corners;
     Ordered *order;                   // [object_count] of the list being made
     unsigned *list;                   // the frame's indices, as uploaded
@@ -319,7 +320,7 @@ static int add_object(WalkMesh *mesh, int object, int part, int run, Vec3 eye, i
     const Object *o = &mesh->graph->objects[object];
     if (!(mesh->runs[object] & 1 << run)) return at;
     for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-        if (mesh->run[p] != run) continue;
+        if (mesh->run[p] != run || (mesh->left_out && mesh->left_out[p])) continue;
         if (mesh->has_glass[object] && vis_is_glass(mesh->graph, p) != (part == WALK_PANES)) continue;
         // Where two surfaces lie back to back, neither may hide the other: each is seen only from inside its own cell.
         if (part == WALK_SURFACES && plane_distance(mesh->plane[p], eye) <= 0) continue;
@@ -349,8 +350,9 @@ static int list_part(WalkMesh *mesh, int part, Vec3 eye, const int *objects, int
     return at;
 }
 
-void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count) {
+void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int count, const unsigned char *left_out) {
     int at = 0;
+    mesh->left_out = left_out;
     for (int part = 0; part < WALK_PARTS; part++) at = list_part(mesh, part, eye, objects, count, at);
     glBindVertexArray(mesh->array);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh->list_buffer);

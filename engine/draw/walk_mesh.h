@@ -29,8 +29,10 @@ enum {
     WALK_PARTS
 };
 
-// Makes the draw list of these objects for an eye. After that, each part can be drawn any number of times.
-void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_count);
+// Makes the draw list of these objects for an eye. After that, each part can be drawn any number of times. `left_out` [polygon_count] of
+// the graph: polygons that are not drawn; NULL: none.
+void walk_mesh_list(WalkMesh *mesh, Vec3 eye, const int *objects, int object_count,
+                    const unsigned char *left_out);
 void walk_mesh_bind(const WalkMesh *mesh);  // binds its vertices and textures
 // `run` as in walk_textures.h.
 void walk_mesh_draw(const WalkMesh *mesh, int part, int run);

@@ -186,6 +186,7 @@ struct WalkRenderer {
     int flags;                  // of all programs that draw the building, as for walk_program
     const MirrorView *mirrors;  // [mirror_count] of the frame
     int mirror_count;
+    unsigned char *left_out;   // [polygon_count] the polygons of `inside`
     const MirrorView *inside;  // the mirror whose picture is being drawn; NULL: the frame itself is
 };
 
@@ -284,6 +285,7 @@ WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *err
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
     w->software = gl_is_software();
     w->flags = mirrors_in(graph->building) ? SHADER_MIRRORS : 0;
+    w->left_out = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
     w->textures = walk_textures_new(graph->building, arena, error);
     if (w->textures && make_programs(w, error)) w->mesh = walk_mesh_new(graph, w->textures, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
@@ -614,10 +616,11 @@ static void set_state(void) {
 static bool draw_objects(WalkRenderer *w, const Camera *camera, const int *objects, int object_count,
                          WalkLook look, Error *error) {
     set_state();
-    walk_mesh_list(w->mesh, camera->eye, objects, object_count);
+    const unsigned char *left_out = w->inside ? w->left_out : NULL;
+    walk_mesh_list(w->mesh, camera->eye, objects, object_count, left_out);
     bool baked = look == WALK_BAKED && w->light, good;
     if (baked) {
-        walk_lit_list(w->lit, camera->eye, objects, object_count);
+        walk_lit_list(w->lit, camera->eye, objects, object_count, left_out);
         good = draw_baked(w, camera, error);
     } else {
         good = look == WALK_FINE ? draw_fine(w, camera, error) : draw_fast(w, camera, error);
@@ -628,7 +631,9 @@ static bool draw_objects(WalkRenderer *w, const Camera *camera, const int *objec
 // Draws what is seen in the mirror as a frame of its own, of which the mirror's pixels are kept as the mirror's picture.
 static bool draw_inside(WalkRenderer *w, int mirror, WalkLook look, Error *error) {
     const MirrorView *m = w->inside = &w->mirrors[mirror];
+    for (int i = 0; i < m->polygon_count; i++) w->left_out[m->polygons[i]] = 1;
     bool good = draw_objects(w, &m->camera, m->objects, m->object_count, look, error);
+    for (int i = 0; i < m->polygon_count; i++) w->left_out[m->polygons[i]] = 0;
     w->inside = NULL;
     if (!good || !walk_targets_bind(&w->targets, WALK_TARGET_MIRROR + (WalkTarget)mirror, error))
         return false;

@@ -13,7 +13,11 @@ struct WalkVerify {
     GlContext *context;
     GlItems *items;
     Arena images;  // of the present frame size
-    ItemBuffer culled, unculled, with_glass;
+    ItemBuffer culled, unculled, with_glass, in_mirror;
+    int32_t *mirror_items[MIRRORS_SHOWN];
+    Mirrors *mirrors;  // or NULL
+    const MirrorView *views;
+    int view_count;
     uint32_t *culled_colour, *unculled_colour;
     int *object_of;       // [polygon_count]
     int *opaque, *glass;  // [object_count + 1] where each object's polygons begin in the items' list
@@ -74,6 +78,7 @@ WalkVerify *walk_verify_new(const CellGraph *graph, const StabForest *forest, Ar
     WalkVerify *v = ARENA_ARRAY(arena, WalkVerify, 1);
     v->graph = graph;
     v->query = vis_query_new(graph, forest, arena);
+    v->mirrors = mirrors_new(graph, forest, arena);
     v->object_of = ARENA_ARRAY(arena, int, graph->polygon_count + 1);
     v->opaque = ARENA_ARRAY(arena, int, graph->object_count + 1);
     v->glass = ARENA_ARRAY(arena, int, graph->object_count + 1);
@@ -90,6 +95,7 @@ void walk_verify_free(WalkVerify *v) {
     if (!v) return;
     if (gl_context_use(v->context, NULL)) gl_items_free(v->items);
     gl_context_close(v->context);
+    mirrors_free(v->mirrors);
     arena_free(&v->images);
 }
 
@@ -100,6 +106,8 @@ static void make_images(WalkVerify *v, int width, int height) {
     v->culled = item_buffer_new(&v->images, width, height);
     v->unculled = item_buffer_new(&v->images, width, height);
     v->with_glass = item_buffer_new(&v->images, width, height);
+    v->in_mirror = item_buffer_new(&v->images, width, height);
+    for (int i = 0; i < MIRRORS_SHOWN; i++) v->mirror_items[i] = ARENA_ARRAY(&v->images, int32_t, pixels);
     v->culled_colour = ARENA_ARRAY(&v->images, uint32_t, pixels);
     v->unculled_colour = ARENA_ARRAY(&v->images, uint32_t, pixels);
 }
@@ -124,6 +132,12 @@ int walk_verify_missing(WalkVerify *v, const ItemBuffer *items, int *missing) {
         count++;
     }
     return count;
+}
+
+// The draw list of the frame or mirror under way.
+static void mark_drawn(WalkVerify *v, const int *objects, int count) {
+    v->frame++;
+    for (int i = 0; i < count; i++) v->drawn[objects[i]] = v->frame;
 }
 
 static void pose(WalkVerify *v) {
@@ -152,7 +166,8 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
     }
     out->missing_polygons += walk_verify_missing(v, &v->with_glass, &out->missing);
     double start = clock_seconds();
-    if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, false, error)) return false;
+    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, false, error))
+        return false;
     if (!gl_items_read(v->items, &v->culled, NULL, error)) return false;
     out->mismatched_pixels += count_mismatches(&v->culled, &v->unculled, NULL, NULL);
     if (!draw_objects(v, v->glass, false, error) ||
@@ -165,26 +180,92 @@ static bool compare_glass(WalkVerify *v, const Camera *camera, VerifyFrame *out,
     return true;
 }
 
+// Draws what is seen in a mirror, with or without culling, and with glass as if it were opaque, if wanted.
+static bool draw_mirror(WalkVerify *v, const MirrorView *view, bool all, bool glass, ItemBuffer *out,
+                        Error *error) {
+    return gl_items_look(v->items, &view->camera, &view->before, error) &&
+           draw_objects(v, v->opaque, all, error) && (!glass || draw_objects(v, v->glass, all, error)) &&
+           gl_items_read(v->items, out, NULL, error);
+}
+
+// Does the frame show one of the polygons counted last at pixel (x, y) and all around it? At a border a rasteriser, which rounds corners
+// to a 256th of a pixel, may see the mirror where a ray passes beside it.
+static bool shows_counted(const WalkVerify *v, int x, int y) {
+    const ItemBuffer *b = &v->unculled;
+    for (int j = y - 1; j <= y + 1; j++) {
+        for (int i = x - 1; i <= x + 1; i++) {
+            if (i < 0 || j < 0 || i >= b->width || j >= b->height) return false;
+            int polygon = b->item[j * b->width + i];
+            if (polygon < 0 || v->counted[polygon] != v->count) return false;
+        }
+    }
+    return true;
+}
+
+// Keeps the items at the pixels where the frame shows the mirror.
+static void keep_mirror(WalkVerify *v, const MirrorView *view, const ItemBuffer *seen, int32_t *kept) {
+    v->count++;
+    for (int i = 0; i < view->polygon_count; i++) v->counted[view->polygons[i]] = v->count;
+    for (int y = 0; y < seen->height; y++) {
+        for (int x = 0; x < seen->width; x++) {
+            int at = y * seen->width + x;
+            kept[at] = shows_counted(v, x, y) ? seen->item[at] : -1;
+        }
+    }
+}
+
+// Compares what is seen in a mirror culled with what is seen there unculled. Keeps the opaque polygons of the latter.
+static bool compare_mirror(WalkVerify *v, int index, VerifyFrame *out, Error *error) {
+    const MirrorView *view = &v->views[index];
+    int pixels = view->camera.width * view->camera.height;
+    ItemBuffer kept = {view->camera.width, view->camera.height, v->mirror_items[index], NULL};
+    mark_drawn(v, view->objects, view->object_count);
+    for (int glass = 1; glass >= 0; glass--) {
+        if (!draw_mirror(v, view, true, glass, &v->in_mirror, error)) return false;
+        keep_mirror(v, view, &v->in_mirror, kept.item);
+        out->missing_polygons += walk_verify_missing(v, &kept, &out->missing);
+        if (!draw_mirror(v, view, false, glass, &v->in_mirror, error)) return false;
+        keep_mirror(v, view, &v->in_mirror, v->culled.item);
+        out->mismatched_pixels += count_mismatches(&kept, &v->culled, NULL, NULL);
+    }
+    out->mirrors++;
+    for (int p = 0; p < pixels; p++) out->mirror_pixels += kept.item[p] >= 0;
+    return true;
+}
+
 bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const float *door_open, Culling culling,
                        VerifyFrame *out, Error *error) {
     *out = (VerifyFrame){.missing = -1};
     if (!gl_context_use(v->context, error)) return false;
     make_images(v, camera->width, camera->height);
-    v->frame++;
     v->door_open = door_open;
     pose(v);
     Eye eye = walk_eye(camera);
     double start = clock_seconds();
     out->visible = vis_query(v->query, &eye, cell, door_open, culling);
     out->query_seconds = clock_seconds() - start;
-    for (int i = 0; i < out->visible.object_count; i++) v->drawn[out->visible.objects[i]] = v->frame;
-    if (!gl_items_look(v->items, camera, error) || !draw_objects(v, v->opaque, true, error) ||
+    mark_drawn(v, out->visible.objects, out->visible.object_count);
+    if (!gl_items_look(v->items, camera, NULL, error) || !draw_objects(v, v->opaque, true, error) ||
         !gl_items_read(v->items, &v->unculled, NULL, error)) {
         return false;
     }
     out->missing_polygons = walk_verify_missing(v, &v->unculled, &out->missing);
-    return compare_glass(v, camera, out, error);
+    v->view_count = mirrors_look(v->mirrors, camera, out->visible.objects, out->visible.object_count,
+                                 door_open, culling, &v->views);
+    if (!compare_glass(v, camera, out, error)) return false;
+    for (int i = 0; i < v->view_count; i++) {
+        if (!compare_mirror(v, i, out, error)) return false;
+    }
+    mark_drawn(v, out->visible.objects, out->visible.object_count);
+    return true;
 }
+
+int walk_verify_mirrors(const WalkVerify *v, const MirrorView **views) {
+    *views = v->views;
+    return v->view_count;
+}
+
+const int32_t *walk_verify_mirror_items(const WalkVerify *v, int mirror) { return v->mirror_items[mirror]; }
 
 void walk_verify_image(const WalkVerify *v, uint8_t *rgb) {
     for (int p = 0; p < v->culled.width * v->culled.height; p++) {

@@ -4,6 +4,7 @@
 #define WALK_VERIFY_H
 
 #include "engine/core/random.h"
+#include "engine/draw/mirrors.h"
 #include "engine/draw/view.h"
 
 typedef struct WalkVerify WalkVerify;
@@ -18,9 +19,11 @@ typedef struct VerifyFrame {
     int mismatched_pixels;               // in the item buffers or the colour images
     int missing_polygons;                // polygons seen in the unculled frame that the draw list lacks
     int missing;                         // one of them, or -1
+    int mirrors, mirror_pixels;  // what is seen in so many mirrors, at so many pixels, was compared, too
 } VerifyFrame;
 
-// First the opaque polygons are compared; then glass, drawn over them as if it were opaque.
+// First the opaque polygons are compared; then glass, drawn over them as if it were opaque; then the same in each mirror that the camera
+// sees (at most MIRRORS_SHOWN), at the mirror's pixels but those at its borders. Its faults count with the others.
 // `door_open` as for vis_query.
 bool walk_verify_frame(WalkVerify *verify, const Camera *camera, int cell, const float *door_open,
                        Culling culling, VerifyFrame *out, Error *error);
@@ -30,6 +33,11 @@ const Vec3 *walk_verify_vertices(const WalkVerify *verify);
 
 // The polygons seen in the last frame drawn without culling, glass as if it were opaque; valid until the next frame.
 const ItemBuffer *walk_verify_items(const WalkVerify *verify);
+
+// What the last frame's camera sees in mirrors, and [view->camera.height * view->camera.width] the opaque polygons seen there without
+// culling, -1 where the frame does not show the mirror or a border of it; valid until the next frame. Returns the number of mirrors.
+int walk_verify_mirrors(const WalkVerify *verify, const MirrorView **views);
+const int32_t *walk_verify_mirror_items(const WalkVerify *verify, int mirror);
 
 // The culled image of the last frame, [height * width * 3] sRGB.
 void walk_verify_image(const WalkVerify *verify, uint8_t *rgb);

@@ -34,6 +34,7 @@ typedef struct Frame {
     VisResult visible;
     double query_seconds, draw_seconds;
     int mismatched_pixels, missing_polygons, missing, raycast_missing;
+    int mirrors, mirror_pixels;
     double one_polygon;  // see film_figures_view; 0 unless verified
 } Frame;
 
@@ -64,6 +65,8 @@ static void add_to_totals(Walk *w, int index, const char *kind, const Camera *ca
     t->mismatched_pixels += f->mismatched_pixels;
     t->missing_polygons += f->missing_polygons;
     t->raycast_missing += f->raycast_missing;
+    t->mirrors += f->mirrors;
+    t->mirror_pixels += f->mirror_pixels;
     if (f->mismatched_pixels == 0 && f->missing_polygons == 0 && f->raycast_missing == 0) return;
     t->bad_frames++;
     if (t->first_fault) return;
@@ -124,8 +127,14 @@ static bool verify_frame(Walk *w, const Camera *camera, int cell, const float *d
                          Error *error) {
     VerifyFrame v;
     if (!walk_verify_frame(w->verify, camera, cell, door_open, w->options->culling, &v, error)) return false;
-    *out = (Frame){
-        v.visible, v.query_seconds, v.draw_seconds, v.mismatched_pixels, v.missing_polygons, v.missing, 0, 0};
+    *out = (Frame){.visible = v.visible,
+                   .query_seconds = v.query_seconds,
+                   .draw_seconds = v.draw_seconds,
+                   .mismatched_pixels = v.mismatched_pixels,
+                   .missing_polygons = v.missing_polygons,
+                   .missing = v.missing,
+                   .mirrors = v.mirrors,
+                   .mirror_pixels = v.mirror_pixels};
     long done = w->totals->frames + w->totals->random_frames, rays = w->options->raycast;
     // A frame is chosen each time the line through (0, 0) and (planned, rays) passes a whole number.
     bool chosen = done * rays / w->planned != (done + 1) * rays / w->planned;

@@ -44,6 +44,7 @@ typedef struct WalkTotals {
     double query_us_mean, query_us_max, frame_ms_mean;
     double portals_tested_mean, objects_tested_mean;
     long mismatched_pixels, missing_polygons;  // over all frames; 0 unless verified
+    long mirrors, mirror_pixels;               // in how many views of mirrors, and at how many pixels of them
     int raycast_frames;
     long raycast_missing;  // polygons that rays see and the draw list lacks
     int bad_frames;

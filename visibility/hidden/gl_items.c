@@ -41,7 +41,7 @@ struct GlItems {
     int count, run_total, run_end;
     unsigned program, array, position_buffer, fixed_buffer, index_buffer, plane_buffer, plane_texture;
     unsigned frame, item_target, depth_target, colour_target;
-    int clip, corner, along_x, along_y;  // uniforms
+    int clip, corner, along_x, along_y, before, has_before;  // uniforms
     int width, height;
     bool coloured;
 };
@@ -68,6 +68,8 @@ static const char FRAGMENT_SHADER[] =
     "uniform samplerBuffer planes;\n"
     "uniform vec3 corner, along_x, along_y;\n"
     "uniform float near;\n"
+    "uniform vec3 before;\n"
+    "uniform bool has_before;\n"
     "layout(location = 0) out int item;\n"
     "layout(location = 1) out vec4 colour;\n"
     "void main() {\n"
@@ -77,6 +79,7 @@ static const char FRAGMENT_SHADER[] =
     // Vertices are rounded to a 256th of a pixel: a fragment just off the polygon stays within its reach.
     "    float inverse = dot(plane.xyz, ray);\n"
     "    if (reach.z > 0.0) inverse = max(reach.z * length(ray.xy), max(ray.z * plane.x, ray.z * plane.y));\n"
+    "    if (has_before && inverse >= dot(before, ray)) discard;\n"
     "    gl_FragDepth = min(near * clamp(inverse, reach.x, reach.y), 1.0);\n"
     "    item = vIds.y;\n"
     "    colour = vColour;\n"
@@ -157,6 +160,8 @@ static bool make_program(GlItems *items, Error *error) {
     items->corner = glGetUniformLocation(items->program, "corner");
     items->along_x = glGetUniformLocation(items->program, "along_x");
     items->along_y = glGetUniformLocation(items->program, "along_y");
+    items->before = glGetUniformLocation(items->program, "before");
+    items->has_before = glGetUniformLocation(items->program, "has_before");
     glUseProgram(items->program);
     glUniform1i(glGetUniformLocation(items->program, "planes"), 0);
     glUniform1f(glGetUniformLocation(items->program, "near"), (float)GL_ITEMS_NEAR);
@@ -269,12 +274,13 @@ static bool is_edge_on(const GlItems *items, int k, double height, Vec3 eye) {
 }
 
 // The planes and the vertices as this eye sees them.
-static void place_gl_view(GlItems *items, const Camera *camera) {
+static void place_gl_view(GlItems *items, const Camera *camera, const Plane *before) {
     for (int k = 0; k < items->count; k++) {
         const Polygon *polygon = &items->polygons[items->polygon[k]];
         const Vec3 *v = items->vertices + polygon->first_vertex;
         float(*position)[3] = items->position + items->first_vertex[k];
         double farthest = 0, nearest = INFINITY, far_in_plan = 0, top = -INFINITY, bottom = INFINITY;
+        double reach_before = before ? -INFINITY : INFINITY;
         for (int i = 0; i < polygon->vertex_count; i++) {
             Vec3 at = vec3_sub(v[i], camera->eye);
             position[i][0] = (float)at.x;
@@ -285,6 +291,7 @@ static void place_gl_view(GlItems *items, const Camera *camera) {
             top = fmax(top, at.z);
             bottom = fmin(bottom, at.z);
             far_in_plan = fmax(far_in_plan, at.x * at.x + at.y * at.y);
+            if (before) reach_before = fmax(reach_before, plane_distance(*before, v[i]));
         }
         Vec3 n = items->normal[k];
         double height = vec3_dot(n, vec3_sub(items->centre[k], camera->eye));
@@ -292,7 +299,8 @@ static void place_gl_view(GlItems *items, const Camera *camera) {
         // between its neighbours: there it is taken to lie where a ray along it leaves the box around it.
         bool surface = items->one_sided && items->one_sided[k];
         bool edge_on = is_edge_on(items, k, height, camera->eye);
-        bool seen = farthest > 0 && (surface ? edge_on || height < 0 : !edge_on);
+        bool seen =
+            farthest > 0 && reach_before > GL_ITEMS_REACH && (surface ? edge_on || height < 0 : !edge_on);
         float *plane = items->planes[k].plane, *reach = items->planes[k].reach;
         plane[0] = edge_on ? (top > EDGE_ON ? (float)(1 / top) : 0) : (float)(n.x / height);
         plane[1] = edge_on ? (bottom < -EDGE_ON ? (float)(1 / bottom) : 0) : (float)(n.y / height);
@@ -312,7 +320,13 @@ static void upload(const GlItems *items) {
                     items->planes);
 }
 
-static void set_uniforms(const GlItems *items, const Camera *camera) {
+static void set_uniforms(const GlItems *items, const Camera *camera, const Plane *before) {
+    glUniform1i(items->has_before, before != NULL);
+    if (before) {
+        // 1/z of the plane along a ray, as for polygons.
+        Vec3 n = vec3_scale(before->n, -1 / plane_distance(*before, camera->eye));
+        glUniform3f(items->before, (float)n.x, (float)n.y, (float)n.z);
+    }
     mat4 clip = GLM_MAT4_ZERO_INIT;
     gl_clip_matrix(camera, GL_ITEMS_NEAR, true, clip);
     glUniformMatrix4fv(items->clip, 1, GL_FALSE, &clip[0][0]);
@@ -340,15 +354,15 @@ static void bind(const GlItems *items) {
     glDisable(GL_MULTISAMPLE);
 }
 
-bool gl_items_look(GlItems *items, const Camera *camera, Error *error) {
+bool gl_items_look(GlItems *items, const Camera *camera, const Plane *before, Error *error) {
     if ((items->width != camera->width || items->height != camera->height) &&
         !make_targets(items, camera->width, camera->height, error)) {
         return false;
     }
     bind(items);
-    place_gl_view(items, camera);
+    place_gl_view(items, camera, before);
     upload(items);
-    set_uniforms(items, camera);
+    set_uniforms(items, camera, before);
     static const int nothing[4] = {-1, -1, -1, -1};
     static const float black[4] = {0, 0, 0, 1}, farthest = 0;
     glClearBufferiv(GL_COLOR, 0, nothing);

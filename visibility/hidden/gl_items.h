@@ -10,6 +10,8 @@
 // Nearer than this nothing is drawn, metres: an eye that almost touches a wall must not look through it. Depth does
 // not suffer, it is a float of 1/z.
 #define GL_ITEMS_NEAR 1e-6
+// Metres.
+#define GL_ITEMS_REACH 2e-4
 
 typedef struct GlItems GlItems;
 
@@ -23,8 +25,9 @@ void gl_items_free(GlItems *items);  // the objects that OpenGL holds
 // The vertices of a run of the scene's list were changed by their owner; they must stay in one plane.
 void gl_items_moved(GlItems *items, int first, int count);
 
-// Clears the buffers and takes up the camera. Allocates only when the size of the image changes (in OpenGL).
-bool gl_items_look(GlItems *items, const Camera *camera, Error *error);
+// Clears the buffers and takes up the camera. If `before` is not NULL, the eye lies behind that plane, and only what lies on its
+// positive side is drawn, of polygons that reach farther than GL_ITEMS_REACH from it. Allocates only when the size of the image changes (in OpenGL).
+bool gl_items_look(GlItems *items, const Camera *camera, const Plane *before, Error *error);
 // A run of the scene's list to be drawn by the next gl_items_draw; in increasing order.
 void gl_items_add(GlItems *items, int first, int count);
 bool gl_items_draw(GlItems *items, Error *error);

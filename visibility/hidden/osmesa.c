@@ -35,7 +35,7 @@ static void *osmesa_begin(const Scene *scene, Arena *arena, Error *error) {
 static bool osmesa_draw(void *prepared, const Camera *camera, ItemBuffer *out, HiddenWork *work,
                         Error *error) {
     Prepared *p = prepared;
-    if (!gl_context_use(p->context, error) || !gl_items_look(p->items, camera, error)) return false;
+    if (!gl_context_use(p->context, error) || !gl_items_look(p->items, camera, NULL, error)) return false;
     gl_items_add(p->items, 0, p->facets.count);
     if (!gl_items_draw(p->items, error) || !gl_items_read(p->items, out, NULL, error)) return false;
     size_t pixels = (size_t)out->width * (size_t)out->height;

@@ -203,8 +203,8 @@ typedef struct Eye {
     // A point of a surface, exactly: it is before that surface however near. Otherwise an eye too near a wall for a
     // rasteriser to tell its sides sees all.
     bool on_surface;
-    // Of the image of an eye in a mirror, which lies behind it: the cells that the mirror touches, in which its view begins,
-    // [start_count]. 0: the view begins at the eye, in the eye's cell. The frustum keeps what lies before the mirror.
+    // [start_count] Where the eye is the image of an eye in a mirror, behind that mirror: the cells that the mirror touches, in which
+    // the view begins; the frustum keeps what lies before the mirror. 0: the view begins at the eye, in the eye's cell.
     const int *start;
     int start_count;
 } Eye;

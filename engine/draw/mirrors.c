@@ -13,7 +13,7 @@
 #define NEAR_PLANES 1e-2
 // An eye nearer than this to a mirror's plane sees nothing in it, metres.
 #define EYE_CLEARANCE 1e-3
-// What is nearer to the eye than this along its direction is behind it, metres.
+// A point nearer to the eye than this, along the eye's direction, counts as behind it, metres.
 #define NEAREST 1e-6
 
 typedef struct Mirror {

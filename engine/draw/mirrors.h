@@ -12,7 +12,7 @@
 #define MIRROR_LEAST 0.2f
 // A mirror of less area shows no picture, m^2: a facet of something round, or less than a shaving mirror.
 #define MIRROR_SMALLEST 0.02
-// What lies no farther than this behind a mirror's plane is seen in it, metres, so that no gap shows along walls that the mirror touches.
+// A mirror also shows things up to this far behind its plane, metres, so that no gap shows along walls that the mirror touches.
 // Floats are good to it in a building a kilometre long.
 #define MIRROR_SLACK 1e-4
 // Mirrors shown at the same time: those that are largest in the picture. Others are drawn as if their share were 0.
@@ -24,7 +24,7 @@ bool mirrors_in(const Building *building);
 // The mirrors of a building. One thread's at a time.
 typedef struct Mirrors Mirrors;
 
-// What a camera sees in one mirror.
+// A mirror as a camera sees it.
 typedef struct MirrorView {
     Camera camera;  // the image of the camera: left-handed, with the same pixels
     Plane before;   // what is seen lies on its positive side, but for the mirror's own polygons

@@ -36,7 +36,7 @@ typedef struct TextureKind {
     bool coarse;
 } TextureKind;
 
-// Of mirrors that of the first.
+// All mirrors have that of the first.
 static const TextureKind TEXTURES[] = {
     // This format is a software window's own order of bytes: showing the frame is then a plain copy there, in a sixth of the time.
     // A sized format would be laid out in the order of its name.

@@ -34,7 +34,7 @@ const Vec3 *walk_verify_vertices(const WalkVerify *verify);
 // The polygons seen in the last frame drawn without culling, glass as if it were opaque; valid until the next frame.
 const ItemBuffer *walk_verify_items(const WalkVerify *verify);
 
-// What the last frame's camera sees in mirrors, and [view->camera.height * view->camera.width] the opaque polygons seen there without
+// The mirrors that the last frame's camera sees, and [view->camera.height * view->camera.width] the opaque polygons seen there without
 // culling, -1 where the frame does not show the mirror or a border of it; valid until the next frame. Returns the number of mirrors.
 int walk_verify_mirrors(const WalkVerify *verify, const MirrorView **views);
 const int32_t *walk_verify_mirror_items(const WalkVerify *verify, int mirror);

@@ -71,6 +71,15 @@ typedef struct TextureMap {
     double u0, v0;
 } TextureMap;
 
+// Makes the material a mirror that reflects this share, 0 .. 1, of what it does not scatter.
+static inline void material_make_mirror(Material *m, float share) {
+    m->mirror = share;
+    m->gloss = 0;
+    m->reflectance.r *= 1 - share;
+    m->reflectance.g *= 1 - share;
+    m->reflectance.b *= 1 - share;
+}
+
 // A level of a building.
 typedef struct Storey {
     const char *name;

@@ -81,6 +81,10 @@ static Rgb emission_of(Gltf *g, const GltfItem *item) {
                  (float)(scale * factor[2]) * mean.b};
 }
 
+// A metal that is no rougher than this is a mirror: what it shows is blurred by less than half a degree (roughness squared, radians).
+#define MIRROR_METAL 0.9
+#define MIRROR_ROUGHNESS 0.08
+
 static void make_material(Gltf *g, const GltfItem *item, GltfMaterial *out) {
     GltfItem base = gltf_member(g, item, "pbrMetallicRoughness"), glossy = gltf_extension(g, item, GLOSSY);
     double factor[4] = {1, 1, 1, 1}, opacity = 1;
@@ -104,6 +108,15 @@ static void make_material(Gltf *g, const GltfItem *item, GltfMaterial *out) {
                          .emission = emission_of(g, item),
                          .alpha = alpha_of(g, item, factor[3], opacity),
                          .texture = out->picture.texture};
+    if (g->failed) return;
+    // A smooth metal reflects its colour as a mirror and scatters nothing.
+    if (base.json && !json_object_get(base.json, "metallicRoughnessTexture") && material.alpha >= 1 &&
+        gltf_number(g, &base, "metallicFactor", 0, 1, 1) >= MIRROR_METAL &&
+        gltf_number(g, &base, "roughnessFactor", 0, 1, 1) <= MIRROR_ROUGHNESS) {
+        double share = (factor[0] + factor[1] + factor[2]) / 3;
+        material_make_mirror(&material, (float)share);
+        material.reflectance = (Rgb){0, 0, 0};
+    }
     if (g->failed) return;
     out->material = building_add_material(g->arena, g->b, material);
     out->made = true;

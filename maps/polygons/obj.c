@@ -290,8 +290,8 @@ static void read_colour(Reader *r, ObjMaterial *material) {
 typedef struct Drawn {
     ObjMaterial *material;
     char *colours, *mask;  // names of files; NULL: none
-    bool matt;
-    double exponent;
+    bool matt, reflects;
+    double exponent, specular;  // `specular`: the mean Ks
 } Drawn;
 
 static bool same_name(const char *a, const char *b) { return a && b ? strcmp(a, b) == 0 : a == b; }
@@ -369,6 +369,7 @@ static void finish_material(Reader *r, const Drawn *d) {
     if (!m) return;
     // Illumination models 0 and 1 have no highlights, in whatever order the lines come.
     m->shininess = d->matt ? 0 : (float)(fmin(fmax(d->exponent, 0), OBJ_MAX_SHININESS) / OBJ_MAX_SHININESS);
+    if (d->reflects && d->exponent >= OBJ_MIRROR_SHININESS) m->mirror = (float)d->specular;
     if ((!d->colours && !d->mask) || !r->files || !r->files->b) return;
     m->texture = find_picture(r, d);
     if (m->texture > 0)
@@ -406,9 +407,10 @@ static void read_library(Reader *outer, Bytes content) {
         else if (word_is(&r, "Ke"))
             read_emission(&r, m);
         else if (word_is(&r, "Ks") && read_channels(&r, specular))
-            d.matt = d.matt || fmax(specular[0], fmax(specular[1], specular[2])) <= 0;
+            d.matt = d.matt || fmax(specular[0], fmax(specular[1], specular[2])) <= 0,
+            d.specular = fmin(fmax((specular[0] + specular[1] + specular[2]) / 3, 0), 1);
         else if (word_is(&r, "illum") && read_number(&r, &number))
-            d.matt = d.matt || number < 2;
+            d.matt = d.matt || number < 2, d.reflects = number == 3 || number == 5;
         else if (word_is(&r, "Ns") && read_number(&r, &number))
             d.exponent = number;
         else if (word_is(&r, "d") && read_number(&r, &number))

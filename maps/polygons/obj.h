@@ -20,8 +20,14 @@ typedef struct ObjMaterial {
     // The picture shows at texture coordinates (s, t), t upwards, its place (s, t) * scale + offset (`-s`, `-o`).
     Vec2 scale, offset;
     float shininess;  // 0 matt .. 1: a share of the largest exponent
+    // Share of the light that it reflects as a mirror: its mean Ks, where its illumination model reflects rays (3, 5) and its highlights
+    // are as sharp as a mirror's (OBJ_MIRROR_SHININESS); else 0.
+    float mirror;
     bool known;  // by a material library, or by name (obj_materials.h); else it has the colour of `default`
 } ObjMaterial;
+
+// From this exponent on (1000 is the largest) a highlight is 5 degrees wide or less.
+#define OBJ_MIRROR_SHININESS 500
 
 // The text of the note about unknown materials; the count comes before it, their names after it.
 #define OBJ_UNKNOWN_NOTE                                                                                     \

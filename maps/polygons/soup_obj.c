@@ -179,6 +179,7 @@ static int material_of(SoupObj *o, int index) {
             .name = m->name, .reflectance = m->colour, .emission = m->emission, .alpha = m->alpha};
         if (m->texture > 0) texture_put(o->b, m->texture, &material);
         if (material.alpha >= 1) material.gloss = m->shininess;
+        if (material.alpha >= 1 && m->mirror > 0) material_make_mirror(&material, m->mirror);
         if (!m->known) building_tally(&o->unknown, m->name, vec3(0, 0, 0));
         o->materials[index] = building_add_material(o->arena, o->b, material);
     }

@@ -75,7 +75,16 @@ static Piece read_piece(Sh3d *s, const XmlNode *node) {
 
 // ---- materials
 
-static bool is_pane(const char *group) { return strcasestr(group, "window_pane") != NULL; }
+// The kind of a part of a model by the name of its group, as in the program's photos.
+typedef enum PartKind { PART_PLAIN, PART_PANE, PART_MIRROR, PART_KINDS } PartKind;
+
+static PartKind part_kind(const char *group) {
+    if (strcasestr(group, "window_mirror")) return PART_MIRROR;
+    return strcasestr(group, "window_pane") ? PART_PANE : PART_PLAIN;
+}
+
+// A mirror of silvered glass reflects this share.
+static const float SILVERED = 0.88f;
 
 // The piece's own statement about a material: by its key where it has one, else by its name.
 static const XmlNode * override(const XmlNode *piece, const char *name) {
@@ -136,8 +145,9 @@ static void lay_colour(Material *material, Paint *paint, unsigned rgb) {
 // A colour of the piece goes over all but its panes; else a texture of the piece; else what it states of single
 // materials; else its materials' own colours. Likewise its shininess, which counts where it states none of single
 // materials. A picture that replaces another one takes its holes along.
-static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const ObjMaterial *m, bool pane,
+static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const ObjMaterial *m, PartKind kind,
                          bool by_places, bool box) {
+    bool pane = kind == PART_PANE;
     Paint paint = {0};
     Material out = {.name = m->name, .reflectance = m->colour, .alpha = m->alpha};
     double shininess = box ? 0 : (double)m->shininess;
@@ -169,6 +179,7 @@ static Paint piece_paint(Sh3d *s, const Piece *p, const ObjModel *model, const O
     if (speaker) shininess = sh3d_shininess(s, speaker, "shininess", shininess);
     // Panes are glass by their alpha.
     if (out.alpha >= 1) out.gloss = (float)shininess;
+    if (kind == PART_MIRROR) material_make_mirror(&out, SILVERED);
     if (!known) building_tally(&s->unknown_materials, m->name, vec3(p->at.x, p->at.y, p->z));
     if (!paint.pictured) out.texture = 0;
     paint.material = out.alpha < INVISIBLE ? -1 : building_add_material(s->arena, s->b, out);
@@ -260,20 +271,21 @@ static void add_model_face(Sh3d *s, const Piece *p, const Vec3 *placed, const in
 // The faces whose part is `which`; `part` [face_count], NULL: all.
 static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *placed, const int *part,
                       int which, bool box) {
-    Paint *paints = ARENA_ARRAY(s->arena, Paint, 4 * m->material_count);
+    const int kinds = 2 * PART_KINDS;
+    Paint *paints = ARENA_ARRAY(s->arena, Paint, kinds * m->material_count);
     int most = 0;
-    for (int i = 0; i < 4 * m->material_count; i++) paints[i].material = -2;
+    for (int i = 0; i < kinds * m->material_count; i++) paints[i].material = -2;
     for (int i = 0; i < m->face_count; i++)
         most = m->faces[i].corner_count > most ? m->faces[i].corner_count : most;
     Vec2 *at = ARENA_ARRAY(s->arena, Vec2, most);
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
         if (part && part[i] != which) continue;
-        bool pane = is_pane(m->groups[f->group]);
+        PartKind kind = part_kind(m->groups[f->group]);
         bool by_places = obj_places(m, f, at);
-        Paint *paint = &paints[4 * f->material + 2 * pane + by_places];
+        Paint *paint = &paints[kinds * f->material + 2 * (int)kind + by_places];
         if (paint->material == -2)
-            *paint = piece_paint(s, p, m, &m->materials[f->material], pane, by_places, box);
+            *paint = piece_paint(s, p, m, &m->materials[f->material], kind, by_places, box);
         if (paint->material < 0) continue;
         const int *corner = m->corners + f->first_corner;
         const Vec2 *places = find_places(m, f, paint, at) ? at : NULL;

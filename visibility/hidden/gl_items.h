@@ -25,8 +25,8 @@ void gl_items_free(GlItems *items);  // the objects that OpenGL holds
 // The vertices of a run of the scene's list were changed by their owner; they must stay in one plane.
 void gl_items_moved(GlItems *items, int first, int count);
 
-// Clears the buffers and takes up the camera. If `before` is not NULL, the eye lies behind that plane, and only what lies on its
-// positive side is drawn, of polygons that reach farther than GL_ITEMS_REACH from it. Allocates only when the size of the image changes (in OpenGL).
+// Clears the buffers and takes up the camera. If `before` is not NULL, the eye lies behind that plane, and of polygons that reach farther
+// than GL_ITEMS_REACH before it that part is drawn. Allocates only when the size of the image changes (in OpenGL).
 bool gl_items_look(GlItems *items, const Camera *camera, const Plane *before, Error *error);
 // A run of the scene's list to be drawn by the next gl_items_draw; in increasing order.
 void gl_items_add(GlItems *items, int first, int count);

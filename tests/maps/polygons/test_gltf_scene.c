@@ -158,6 +158,37 @@ Test(gltf, materials) {
     arena_free(&arena);
 }
 
+// Proves that smooth metals are mirrors of their colour, and that rough ones, dielectrics and panes are none: share and red reflectance.
+Test(gltf, mirrors) {
+    static const struct {
+        const char *material;
+        float mirror, red;
+    } CASES[] = {
+        {"\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.6,0.3,1],\"roughnessFactor\":0.05}", 0.6f, 0},
+        {"\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.3,1],\"roughnessFactor\":0.2}", 0, 0.8f},
+        {"\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.3,1],\"roughnessFactor\":0,"
+         "\"metallicFactor\":0.5}",
+         0, 0.8f},
+        {"\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.3,1]}", 0, 0.8f},
+        {"\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.3,0.5],"
+         "\"roughnessFactor\":0}",
+         0, 0.8f}};
+    Arena arena = {0};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        GltfDocument d = gltf_usual();
+        d.head = arena_format(&arena, "\"materials\":[{%s}],", CASES[i].material);
+        d.mesh = "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}";
+        Building b;
+        gltf_accept(&arena, &d, &b);
+        const Material *m = &b.materials[0];
+        // Tolerance: single precision.
+        cr_expect(fabsf(m->mirror - CASES[i].mirror) < 1e-6f &&
+                      fabsf(m->reflectance.r - CASES[i].red) < 1e-6f,
+                  "%s: %g %g", CASES[i].material, (double)m->mirror, (double)m->reflectance.r);
+    }
+    arena_free(&arena);
+}
+
 // A texture that is not there, or no picture, costs its colours and is noted.
 Test(gltf, lost_textures) {
     Arena arena = {0};

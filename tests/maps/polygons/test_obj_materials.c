@@ -107,22 +107,27 @@ Test(obj_materials, unknown_names_have_the_default) {
     arena_free(&arena);
 }
 
-// Shininess of libraries: a share of 128 and no more; none where the illumination model or a black Ks says that there
-// are no highlights, in whatever order; and a library's material has nothing of the table's of that name.
+// Shininess of libraries: a share of 128 and no more; none where the illumination model or a black Ks says that there are no highlights,
+// in whatever order. A mirror only where the model reflects rays, and sharply. A library's material has nothing of the table's of that
+// name.
 Test(obj_materials, shininess_of_libraries) {
     static const struct {
         const char *lines;
-        double shininess;
-    } CASES[] = {{"Ns 64\nillum 2\nKs 0.3 0.3 0.3\n", 0.5},
-                 {"Ns 1000\n", 1},
-                 {"Ns -5\n", 0},
-                 {"Ns nan\n", 0},
-                 {"Ns 64\nillum 1\n", 0},
-                 {"illum 0\nNs 64\n", 0},
-                 {"Ks 0 0 0\nNs 64\n", 0},
-                 {"Ns 64\nKs 0\n", 0},
-                 {"Ks 0 0 0.1\nNs 32\n", 0.25},
-                 {"", 0}};
+        double shininess, mirror;
+    } CASES[] = {{"Ns 64\nillum 2\nKs 0.3 0.3 0.3\n", 0.5, 0},
+                 {"Ns 1000\n", 1, 0},
+                 {"Ns -5\n", 0, 0},
+                 {"Ns nan\n", 0, 0},
+                 {"Ns 64\nillum 1\n", 0, 0},
+                 {"illum 0\nNs 64\n", 0, 0},
+                 {"Ks 0 0 0\nNs 64\n", 0, 0},
+                 {"Ns 64\nKs 0\n", 0, 0},
+                 {"Ks 0 0 0.1\nNs 32\n", 0.25, 0},
+                 {"Ks 0.9 0.8 0.7\nillum 3\nNs 900\n", 1, 0.8},
+                 {"Ns 500\nillum 5\nKs 0.5\n", 1, 0.5},
+                 {"Ks 0.9 0.8 0.7\nillum 2\nNs 900\n", 1, 0},
+                 {"Ks 0.9 0.8 0.7\nillum 3\nNs 100\n", 100 / 128.0, 0},
+                 {"", 0, 0}};
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         Arena arena = {0};
         char library[200];
@@ -133,6 +138,7 @@ Test(obj_materials, shininess_of_libraries) {
             read_text(&arena, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl amber\nf 1 2 3\n", &files);
         const ObjMaterial *got = &m.materials[m.faces[0].material];
         cr_expect_float_eq((double)got->shininess, CASES[i].shininess, 1e-6, "case %zu", i);
+        cr_expect_float_eq((double)got->mirror, CASES[i].mirror, 1e-6, "case %zu", i);
         cr_expect(got->known && got->colour.b == MAPS_MAX_COLOUR, "case %zu: white, not amber", i);
         arena_free(&arena);
     }

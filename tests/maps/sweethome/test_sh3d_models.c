@@ -166,6 +166,33 @@ Test(sh3d, shininess_and_unknown_names) {
     }
 }
 
+// Proves that the parts of a model that the program shows as mirrors are mirrors, also on leaves, and no others.
+Test(sh3d, mirrors_of_models) {
+    static const char MODEL[] =
+        "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 4\nusemtl flgrey\ng sweethome3d_window_mirror_1\nf 1 3 2\n"
+        "g sweethome3d_window_mirror_on_hinge_1\nf 1 2 4\ng mirror\nf 1 4 3\ng "
+        "sweethome3d_window_pane\nf 2 3 4\n";
+    HomeEntry entries[] = {{"Home.xml",
+                            "<home wallHeight='250'>" HOME_ROOM
+                            "<pieceOfFurniture name='w' model='1' x='100' y='200' "
+                            "width='10' depth='40' height='20'/></home>",
+                            0},
+                           {"1", MODEL, sizeof MODEL - 1}};
+    entries[0].size = strlen(entries[0].data);
+    Home h = home_of_zip(entries, 2);
+    cr_assert(h.good, "%s", h.error.text);
+    cr_assert_eq(h.b.polygon_count, 4);
+    int mirrors = 0;
+    for (int i = 0; i < 4; i++) {
+        const Material *m = material_of(&h, i);
+        mirrors += m->mirror > 0;
+        // Light that is mirrored is not scattered, too.
+        if (m->mirror > 0) cr_expect_lt(m->mirror + m->reflectance.g, 1);
+    }
+    cr_expect_eq(mirrors, 2);
+    home_free(&h);
+}
+
 // Floors, ceilings and sides of walls are as shiny as the file says.
 Test(sh3d, shininess_of_surfaces) {
     Home h = home_of("<room floorShininess='0.5' floorColor='FF804020' "

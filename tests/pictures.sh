@@ -15,6 +15,12 @@ for view in living kitchen bedroom; do
 done
 montage build/pictures/day-studio.png build/pictures/day-living.png build/pictures/day-kitchen.png build/pictures/day-bedroom.png \
     -tile 2x2 -geometry 600x338+3+3 -depth 8 -colors 200 tests/pictures/homes.png
+for view in studio maze; do
+    "$build/enfilade" walk maps/buildings/mirrors.plan --look fine --size 1200x675 \
+    --offscreen build/pictures/mirrors-$view --tour $view
+done
+montage build/pictures/mirrors-studio/frame-00000.png build/pictures/mirrors-maze/frame-00000.png -tile 2x1 -geometry 600x338+3+3 \
+    -depth 8 -colors 160 tests/pictures/mirrors.png
 "$build/enfilade" plan build/maps/two-rooms.plan --from 1,1,1.5 --width 800 -o build/pictures/plan.svg
 rsvg-convert build/pictures/plan.svg -o tests/pictures/plan.png
 # The film replays a recorded path, which holds for house.plan as it is: after a change record another in the window.

@@ -186,6 +186,7 @@ struct WalkRenderer {
     int flags;                  // of all programs that draw the building, as for walk_program
     const MirrorView *mirrors;  // [mirror_count] of the frame
     int mirror_count;
+    const Camera *camera;      // of the frame
     unsigned char *left_out;   // [polygon_count] the polygons of `inside`
     const MirrorView *inside;  // the mirror whose picture is being drawn; NULL: the frame itself is
 };
@@ -513,7 +514,8 @@ static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, cons
 // Pictures with holes come first, since they hide what is behind them, unlike glass.
 static void draw_panes(const WalkRenderer *w, SceneShader shader, const Camera *camera, bool day) {
     glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    // Alpha stays 1.
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     walk_mesh_bind(w->mesh);
     for (int run = walk_textures_runs(w->textures) - 1; run >= 0; run--) {
         glDepthMask(run > 0);
@@ -542,12 +544,33 @@ static void draw_mirrors(const WalkRenderer *w, const Camera *camera) {
     glDisable(GL_BLEND);
 }
 
+// Clears so that drawing reaches only the samples that the mirror covers: there the depth is the farthest, elsewhere the nearest.
+static void clear_mirror(WalkRenderer *w) {
+    const MirrorView *m = w->inside;
+    set_scissor(w, 1);
+    glClearColor(0, 0, 0, 0);
+    glClearDepth(0);
+    glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+    w->inside = NULL;  // the mirror lies in the very plane before which its picture is drawn
+    use_scene(w, SCENE_LINES, 0, w->camera);
+    w->inside = m;
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthFunc(GL_ALWAYS);
+    glDepthRange(1, 1);
+    walk_mesh_draw_polygons(w->mesh, m->polygons, m->polygon_count);
+    glDepthRange(0, 1);
+    glDepthFunc(GL_LESS);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 static bool begin_frame(WalkRenderer *w, WalkTarget target, Error *error) {
     w->drawn = target;
     if (!walk_targets_bind(&w->targets, target, error)) return false;
-    set_scissor(w, 1);
-    glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
     walk_mesh_bind(w->mesh);
+    if (w->inside)
+        clear_mirror(w);
+    else
+        glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
     return true;
 }
 
@@ -655,6 +678,7 @@ bool walk_renderer_draw(WalkRenderer *w, const Camera *camera, const int *object
     CORE_ASSERT(look < WALK_LOOKS);
     if (!walk_targets_resize(&w->targets, camera->width, camera->height, error)) return false;
     if (look == WALK_BAKED && w->light && w->tone.quantity != FALSE_COLOUR_OFF) w->mirror_count = 0;
+    w->camera = camera;
     for (int i = 0; i < w->mirror_count; i++) {
         if (!draw_inside(w, i, look, error)) return false;
     }

@@ -304,14 +304,16 @@ const char WALK_LINE_FRAGMENT[] = VERSION "uniform vec4 colour;\n"
                                           "out vec4 result;\n"
                                           "void main() { result = colour; }\n";
 
-// The mirror's picture has the pixels of the frame. Light times the share is shown, near a screen's curve, by its root; what the mirror
-// scatters itself stays in the rest (blending GL_ONE, GL_ONE_MINUS_SRC_ALPHA).
+// The mirror's picture has the pixels of the frame; its alpha is the share of a pixel's samples that the mirror covers, by which its
+// colours are multiplied. Light times the mirror's share is shown, near a screen's curve, by its root; what the mirror scatters
+// itself stays in the rest (blending GL_ONE, GL_ONE_MINUS_SRC_ALPHA).
 const char WALK_MIRROR_FRAGMENT[] =
     VERSION "uniform sampler2D image;\n"
             "uniform float share;\n"
             "out vec4 result;\n"
             "void main() {\n"
-            "    result = vec4(sqrt(share) * texelFetch(image, ivec2(gl_FragCoord.xy), 0).rgb, share);\n"
+            "    vec4 seen = texelFetch(image, ivec2(gl_FragCoord.xy), 0);\n"
+            "    result = vec4(sqrt(share) * seen.rgb / max(seen.a, 1.0 / 255.0), share);\n"
             "}\n";
 
 const char WALK_SCREEN_VERTEX[] =

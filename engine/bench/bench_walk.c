@@ -1,47 +1,63 @@
 // bench_walk.c - each way of culling along the automatic tour of each building.
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "engine/bench/bench.h"
 #include "engine/core/clock.h"
 #include "engine/draw/view.h"
 #include "engine/draw/walk_renderer.h"
 #include "engine/gl/gl_context.h"
+#include "engine/scene/light.h"
 #include "engine/tour/tour.h"
 
 typedef struct Sums {
     double polygons, cells, query, frame, portals, objects;
+    double *each;  // [frames] seconds
     int frames;
 } Sums;
 
 // A building, the tour of it, and the query and renderer that show it.
 typedef struct Watch {
-    LoadedScene scene;
+    WalkScene scene;
     TourPath path;
     VisQuery *query;
     Mirrors *mirrors;  // or NULL
     WalkRenderer *renderer;
+    Exposure exposure;
     int cell;  // of the last eye
 } Watch;
+
+// As a window does, the eye adapted to what is in view.
+static void expose(Watch *w, const Camera *camera, const VisResult *v) {
+    const LitLight *light = walk_renderer_lit(w->renderer);
+    if (!light) return;
+    double seen = exposure_meter(walk_renderer_mesh(w->renderer), light, camera, v->objects, v->object_count);
+    exposure_adapt(&w->exposure, seen, light->level, 1);
+    walk_renderer_plain(w->renderer, gl_is_software());
+    walk_renderer_tone(w->renderer, exposure_scale(&w->exposure), FALSE_COLOUR_OFF);
+}
 
 // Draws one frame, and adds its times and counts to the sums, if there are any.
 static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling culling, Sums *sums,
                  Error *error) {
     Camera camera = camera_look(at->eye, at->yaw, at->pitch, at->fov, a->size[0], a->size[1]);
     Eye eye = walk_eye(&camera);
-    w->cell = vis_locate(&w->scene.graph, at->eye, w->cell);
+    w->cell = vis_locate(w->scene.graph, at->eye, w->cell);
     double start = clock_seconds();
     VisResult v = vis_query(w->query, &eye, w->cell, NULL, culling);
     double asked = clock_seconds();
     const MirrorView *mirrors;
     int mirror_count = mirrors_look(w->mirrors, &camera, v.objects, v.object_count, NULL, culling, &mirrors);
     walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
+    expose(w, &camera, &v);
     if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||
         !walk_renderer_finish_scene(w->renderer, error))
         return false;
     walk_renderer_finish();
     if (!sums) return true;
-    sums->frame += clock_seconds() - start;
+    sums->each[sums->frames] = clock_seconds() - start;
+    sums->frame += sums->each[sums->frames];
     sums->query += asked - start;
     sums->polygons += v.polygon_count;
     sums->cells += v.cell_count;
@@ -53,9 +69,10 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling
 
 // Measures frames taken evenly over the tour, each after the frame before it in the tour, as a walk shows them: the contents of
 // the caches after one frame affect the time of the next. The first frame, which has none before it, is drawn twice.
-static bool measure_culling(Watch *w, const BenchArguments *a, Culling culling, Sums *out, Error *error) {
-    *out = (Sums){0};
+static bool measure_culling(Watch *w, const BenchArguments *a, Culling culling, Arena *arena, Sums *out,
+                            Error *error) {
     int count = w->path.frame_count, taken = count < a->frames ? count : a->frames;
+    *out = (Sums){.each = ARENA_ARRAY(arena, double, taken + 1)};
     w->cell = -1;
     for (int i = 0; i < taken; i++) {
         const TourFrame *at = &w->path.frames[(long)i * count / taken];
@@ -65,29 +82,50 @@ static bool measure_culling(Watch *w, const BenchArguments *a, Culling culling, 
     return true;
 }
 
+static int by_time(const void *p, const void *q) {
+    const double *a = p, *b = q;
+    return (*a > *b) - (*a < *b);
+}
+
+// The time that 99 frames of 100 stay below, seconds.
+static double slowest(Sums *s) {
+    qsort(s->each, (size_t)s->frames, sizeof *s->each, by_time);
+    return s->each[(99 * s->frames + 99) / 100 - 1];
+}
+
+static bool load_building(const char *file, const BenchArguments *a, Arena *arena, Watch *out, Error *error) {
+    SceneOptions load = a->load;
+    load.find_light = a->look == WALK_BAKED;
+    load.lamps = load.find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
+    bool good = walk_scene_load(&load, file, arena, &out->scene, error);
+    app_progress_end();
+    if (good && load.find_light && !out->scene.light)
+        return error_set(error, "%s: there is no light to show (enfilade bake, then --light FILE.rad)", file);
+    return good;
+}
+
 static bool bench_building(const char *file, const BenchArguments *a, GlContext *context, Arena *arena,
                            Error *error) {
-    SceneOptions load = a->load;
     Watch watch = {.cell = -1};
     TourOptions options = tour_default_options();
-    if (!app_load(file, &load, arena, &watch.scene, error) || !scene_has_walls(&watch.scene, error))
+    if (!load_building(file, a, arena, &watch, error) || !scene_has_walls(watch.scene.scene, error))
         return false;
-    const CellGraph *graph = &watch.scene.graph;
+    const CellGraph *graph = watch.scene.graph;
     if (!tour_make(graph, "auto", &options, arena, &watch.path, error)) return false;
-    watch.query = vis_query_new(graph, &watch.scene.forest, arena);
-    watch.mirrors = mirrors_new(graph, &watch.scene.forest, arena);
+    watch.query = vis_query_new(graph, watch.scene.forest, arena);
+    watch.mirrors = mirrors_new(graph, watch.scene.forest, arena);
     if (!gl_context_use(context, error)) return false;
     watch.renderer = walk_renderer_new(graph, arena, error);
     if (!watch.renderer) return false;
-    bool good = true;
+    bool good = a->look != WALK_BAKED || walk_renderer_light(watch.renderer, watch.scene.light, arena, error);
     for (int m = 0; m < QUERY_CULLINGS && good; m++) {
         Sums s;
-        good = measure_culling(&watch, a, (Culling)m, &s, error);
+        good = measure_culling(&watch, a, (Culling)m, arena, &s, error);
         if (!good) break;
         double n = s.frames;
-        printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.1f,%.1f\n", bench_name(file), CULLING_NAMES[m], s.frames,
-               graph->polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n, 1e3 * s.frame / n,
-               s.portals / n, s.objects / n);
+        printf("%s,%s,%d,%d,%.1f,%.2f,%.2f,%.3f,%.3f,%.1f,%.1f\n", bench_name(file), CULLING_NAMES[m],
+               s.frames, graph->polygon_count, s.polygons / n, s.cells / n, 1e6 * s.query / n,
+               1e3 * s.frame / n, 1e3 * slowest(&s), s.portals / n, s.objects / n);
         fflush(stdout);
     }
     walk_renderer_free(watch.renderer);
@@ -101,7 +139,7 @@ static bool measure_walk(const BenchArguments *a, Error *error) {
     bool good = context != NULL;
     if (good) {
         puts("building,method,frames,polygons_total,polygons_drawn_mean,cells_visible_mean,query_us_mean,"
-             "frame_ms_mean,portals_tested_mean,objects_tested_mean");
+             "frame_ms_mean,frame_ms_p99,portals_tested_mean,objects_tested_mean");
     }
     for (int i = 0; i < a->file_count && good; i++) {
         Arena building = {0};
@@ -120,8 +158,13 @@ static const Option ROWS[] = {
      .type = OPTION_NAME,
      .at = BENCH_AT(look),
      .names = WALK_LOOK_NAMES,
-     .name_count = WALK_FINE + 1,
+     .name_count = WALK_LOOKS,
      .help = "@ (default fast)"},
+    {.name = "light",
+     .value = "FILE.rad",
+     .type = OPTION_TEXT,
+     .at = BENCH_AT(load.light),
+     .help = "the light of the look baked, as `enfilade walk` has it (default: what is stored)"},
     {.name = "frames",
      .value = "N",
      .type = OPTION_INT,
@@ -135,7 +178,7 @@ const Bench BENCH_WALK = {
     .name = "walk",
     .about =
         "each way of culling along the auto tour of each building: polygons drawn, cells seen, time of the "
-        "query and of the whole frame",
+        "query and of the whole frame, in the mean and the slowest of a hundred",
     BENCH_OPTIONS(ROWS),
     .run = measure_walk,
 };

@@ -249,7 +249,7 @@ bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch
     uint32_t *colour = ARENA_ARRAY(scratch, uint32_t, graph->polygon_count + 1);
     const uint32_t sky = pack(walk_bake_sky());
     for (int y = 0; y < camera->height; y++) {
-        uint32_t *row = out + (size_t)(camera->height - 1 - y) * (size_t)camera->width;
+        uint32_t *row = out + (size_t)y * (size_t)camera->width;
         for (int x = 0; x < camera->width; x++) {
             int p = seen.item[(size_t)y * (size_t)camera->width + (size_t)x];
             if (p >= 0 && colour[p] == 0) {

@@ -20,7 +20,7 @@ typedef struct FirstScene {
 Viewpoint first_view(const FirstScene *scene, double fov, Arena *scratch);
 
 // Draws the view of a camera with the light of walk_bake_plain and neither glass nor shadows: BGRA bytes in `out` [height * width], rows
-// from the bottom. False where the picture cannot be made (hidden_draw).
+// from the top. False where the picture cannot be made (hidden_draw).
 bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch, uint32_t *out,
                    Error *error);
 

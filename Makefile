@@ -57,7 +57,7 @@ flags_coverage := -O1 --coverage
 CFLAGS_ALL = $(base) $(flags_$(config)) $(CFLAGS)
 # The font of the overlay becomes part of the program.
 fonts := /usr/share/fonts/truetype/dejavu
-libs := -lgeos_c -lminizip -lexpat -lpng -lwebp -lassimp -ljansson -lglfw -lOSMesa -lembree3 -lm
+libs := -lgeos_c -lminizip -lexpat -lpng -lwebp -lassimp -ljansson -lglfw -lembree3 -lm
 
 sources := $(foreach l,$(layers),$(wildcard $(l)/*.c))
 # Of one configuration alone; the file says why.

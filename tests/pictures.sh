@@ -9,7 +9,7 @@ for view in living kitchen courtyard study; do
 done
 montage build/pictures/living/frame-00000.png build/pictures/kitchen/frame-00000.png build/pictures/courtyard/frame-00000.png build/pictures/study/frame-00000.png -tile 2x2 -geometry 600x338+3+3 \
     -depth 8 -colors 200 tests/pictures/house.png
-"$build/enfilade" render maps/buildings/studio.plan --size 600x338 -o build/pictures/day-studio.png
+"$build/enfilade" render maps/buildings/studio.plan --view corner --size 600x338 -o build/pictures/day-studio.png
 for view in living kitchen bedroom; do
     "$build/enfilade" render build/maps/house.plan --view $view --size 600x338 -o build/pictures/day-$view.png
 done

@@ -8,12 +8,13 @@
 #include "engine/draw/image.h"
 #include "engine/scene/light.h"
 #include "engine/stills/still.h"
+#include "engine/walk/first_view.h"
 
 typedef struct RenderArguments {
     // Its `light` is the file that was given, or NULL.
     SceneOptions load;
     const char *file, *out;
-    // NULL: the first of the building, or where a walk begins.
+    // NULL: where a walk begins.
     const char *view;
     // `eye`, `look`, `fov` were given.
     bool from, towards, widened;
@@ -47,10 +48,13 @@ typedef struct Render {
 
 // ---- the camera
 
-static bool find_view(const RenderArguments *a, const Building *b, Viewpoint *out, Error *error) {
-    *out = (Viewpoint){.eye = b->start, .yaw = b->start_yaw, .fov = USUAL_FOV};
+static bool find_view(const RenderArguments *a, const LoadedScene *scene, Viewpoint *out, Error *error) {
+    const Building *b = &scene->building;
+    *out = (Viewpoint){.name = "", .fov = USUAL_FOV};
+    if (a->from) return true;
     if (!a->view) {
-        if (b->viewpoint_count > 0) *out = b->viewpoints[0];
+        *out = first_view_of_walk(&scene->graph, &scene->forest);
+        if (!*out->name) out->fov = USUAL_FOV;
         return true;
     }
     char names[512] = "";
@@ -71,7 +75,7 @@ static bool find_view(const RenderArguments *a, const Building *b, Viewpoint *ou
 static bool find_camera(Render *r, Error *error) {
     const RenderArguments *a = r->a;
     Viewpoint v;
-    if (!find_view(a, &r->scene.building, &v, error)) return false;
+    if (!find_view(a, &r->scene, &v, error)) return false;
     if (a->from) v.eye = a->eye;
     if (a->widened) v.fov = a->fov;
     if (a->towards) {
@@ -226,7 +230,7 @@ static const Option ROWS[] = {
      .value = "NAME",
      .type = OPTION_TEXT,
      .at = AT(view),
-     .help = "a stored viewpoint (default: the first, or where a walk begins)"},
+     .help = "a stored viewpoint (default: where a walk begins)"},
     {.name = "eye",
      .value = "X,Y,Z",
      .type = OPTION_POINT,

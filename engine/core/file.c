@@ -50,7 +50,9 @@ static int open_regular(const char *path, struct stat *info, Error *error) {
     return -1;
 }
 
-bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error) {
+// Reads the first `most` bytes of a file of at most `limit` bytes, and tells the size of the whole file.
+static bool read_start(const char *path, size_t limit, size_t most, Arena *arena, Bytes *out, size_t *whole,
+                       Error *error) {
     struct stat info;
     int fd = open_regular(path, &info, error);
     if (fd < 0) return false;
@@ -58,7 +60,8 @@ bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *
     if ((uint64_t)info.st_size > limit) {
         error_set(error, "%s: has %lld bytes (at most %zu are read)", path, (long long)info.st_size, limit);
     } else {
-        out->size = (size_t)info.st_size;
+        *whole = (size_t)info.st_size;
+        out->size = *whole < most ? *whole : most;
         memory_note_read(out->size);
         out->data = arena_alloc(arena, out->size + 1, 1);
         size_t got = 0;
@@ -70,6 +73,11 @@ bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *
     }
     close(fd);
     return good;
+}
+
+bool file_read(const char *path, size_t limit, Arena *arena, Bytes *out, Error *error) {
+    size_t whole;
+    return read_start(path, limit, limit, arena, out, &whole, error);
 }
 
 bool file_make_folder(const char *path, Error *error) {
@@ -471,9 +479,9 @@ static bool check_head(const char *path, const DerivedKind *kind, const DerivedH
     return true;
 }
 
-bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena, Bytes *out,
-                  Error *error) {
-    if (!file_read(path, kind->largest, arena, out, error)) return false;
+static bool read_derived(const char *path, const DerivedKind *kind, uint64_t building, size_t most,
+                         Arena *arena, Bytes *out, size_t *whole, Error *error) {
+    if (!read_start(path, kind->largest, most, arena, out, whole, error)) return false;
     if (out->size < kind->header)
         return error_set(error, "%s: has %zu bytes, less than a %s header", path, out->size, kind->name);
     DerivedHead head;
@@ -481,11 +489,27 @@ bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, 
     return check_head(path, kind, &head, building, error);
 }
 
-bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, size_t body_size,
+bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena, Bytes *out,
+                  Error *error) {
+    size_t whole;
+    return read_derived(path, kind, building, kind->largest, arena, out, &whole, error);
+}
+
+bool derived_read_header(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena,
+                         Bytes *out, size_t *whole, Error *error) {
+    return read_derived(path, kind, building, kind->header, arena, out, whole, error);
+}
+
+bool derived_check_size(const char *path, const DerivedKind *kind, size_t whole, size_t body_size,
                         Error *error) {
     size_t expected = kind->header + body_size;
-    if (file.size != expected)
-        return error_set(error, "%s: has %zu bytes (its header says %zu)", path, file.size, expected);
+    if (whole == expected) return true;
+    return error_set(error, "%s: has %zu bytes (its header says %zu)", path, whole, expected);
+}
+
+bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, size_t body_size,
+                        Error *error) {
+    if (!derived_check_size(path, kind, file.size, body_size, error)) return false;
     DerivedHead head;
     memcpy(&head, file.data, sizeof head);
     if (file_hash(file.data + kind->header, body_size, 0) != head.body)

@@ -93,6 +93,14 @@ bool derived_write(const char *path, const DerivedKind *kind, uint64_t building,
 bool derived_read(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena, Bytes *out,
                   Error *error);
 
+// Reads and checks the header alone, and tells how many bytes the whole file has.
+bool derived_read_header(const char *path, const DerivedKind *kind, uint64_t building, Arena *arena,
+                         Bytes *out, size_t *whole, Error *error);
+
+// Has the file as many bytes as a body of `body_size` makes? The body itself may be damaged all the same.
+bool derived_check_size(const char *path, const DerivedKind *kind, size_t whole, size_t body_size,
+                        Error *error);
+
 // Has the body `body_size` bytes, the length that the caller took from the header, and the checksum of the head?
 bool derived_check_body(const char *path, const DerivedKind *kind, Bytes file, size_t body_size,
                         Error *error);

@@ -127,6 +127,10 @@ double polygon_bend(const Vec3 *vertices, int count, Plane plane) {
 
 bool polygon_is_convex(const Vec3 *vertices, int count, Vec3 n) {
     double turn = 0;
+    // Most polygons of furniture are triangles, which turn once where they turn left at all.
+    if (count == 3 &&
+        vec3_dot(vec3_cross(vec3_sub(vertices[1], vertices[0]), vec3_sub(vertices[2], vertices[1])), n) > 0)
+        return true;
     for (int i = 0; i < count; i++) {
         Vec3 a = vertices[i], b = vertices[(i + 1) % count], c = vertices[(i + 2) % count];
         double sine = polygon_corner_sine(a, b, c, n), cosine_part = vec3_dot(vec3_sub(b, a), vec3_sub(c, b));

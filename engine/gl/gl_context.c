@@ -1,9 +1,14 @@
 // gl_context.c - an OSMesa context with glad's loader, and shader programs.
+//
+// OSMesa is loaded when a context is first opened: with LLVM, of which it is made, it would take as long to load as a house to read, and
+// neither a window nor most commands need it.
 #include "engine/gl/gl_context.h"
 
 #include <glad/gl.h>
 
 #include <GL/osmesa.h>
+#include <dlfcn.h>
+#include <pthread.h>
 #include <string.h>
 
 // OSMesa requires a buffer of its own; all drawing goes to framebuffer objects, so this buffer is as small as possible. Pixels.
@@ -14,12 +19,27 @@ struct GlContext {
     unsigned char pixels[GL_CONTEXT_SIDE * GL_CONTEXT_SIDE * 4];
 };
 
+// OSMesa's functions; NULL where it cannot be loaded.
+static __typeof__(&OSMesaCreateContextAttribs) create_context;
+static __typeof__(&OSMesaDestroyContext) destroy_context;
+static __typeof__(&OSMesaGetCurrentContext) current_context;
+static __typeof__(&OSMesaMakeCurrent) make_current;
+static __typeof__(&OSMesaGetProcAddress) function_of;
+
+static void load_osmesa(void) {
+    void *library = dlopen("libOSMesa.so.8", RTLD_LAZY | RTLD_LOCAL);
+    if (!library) return;
+    *(void **)&create_context = dlsym(library, "OSMesaCreateContextAttribs");
+    *(void **)&destroy_context = dlsym(library, "OSMesaDestroyContext");
+    *(void **)&current_context = dlsym(library, "OSMesaGetCurrentContext");
+    *(void **)&make_current = dlsym(library, "OSMesaMakeCurrent");
+    *(void **)&function_of = dlsym(library, "OSMesaGetProcAddress");
+}
+
 bool gl_context_use(GlContext *context, Error *error) {
-    if (OSMesaGetCurrentContext() == context->osmesa) return true;
-    if (OSMesaMakeCurrent(context->osmesa, context->pixels, GL_UNSIGNED_BYTE, GL_CONTEXT_SIDE,
-                          GL_CONTEXT_SIDE)) {
+    if (current_context() == context->osmesa) return true;
+    if (make_current(context->osmesa, context->pixels, GL_UNSIGNED_BYTE, GL_CONTEXT_SIDE, GL_CONTEXT_SIDE))
         return true;
-    }
     return error_set(error, "OSMesa: the OpenGL context cannot be made current");
 }
 
@@ -38,13 +58,19 @@ GlContext *gl_context_open(Arena *arena, Error *error) {
                                      OSMESA_CONTEXT_MINOR_VERSION,
                                      3,
                                      0};
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, load_osmesa);
+    if (!create_context || !destroy_context || !current_context || !make_current || !function_of) {
+        error_set(error, "OSMesa: libOSMesa.so.8 cannot be loaded");
+        return NULL;
+    }
     GlContext *context = ARENA_ARRAY(arena, GlContext, 1);
-    context->osmesa = OSMesaCreateContextAttribs(attributes, NULL);
+    context->osmesa = create_context(attributes, NULL);
     if (!context->osmesa) {
         error_set(error, "OSMesa: no OpenGL context (3.3 core is needed)");
         return NULL;
     }
-    if (gl_context_use(context, error) && gladLoadGL((GLADloadfunc)OSMesaGetProcAddress)) return context;
+    if (gl_context_use(context, error) && gladLoadGL((GLADloadfunc)function_of)) return context;
     error_set(error, "OSMesa: OpenGL 3.3 core is needed, its functions cannot be loaded");
     gl_context_close(context);
     return NULL;
@@ -52,7 +78,7 @@ GlContext *gl_context_open(Arena *arena, Error *error) {
 
 void gl_context_close(GlContext *context) {
     if (!context || !context->osmesa) return;
-    OSMesaDestroyContext(context->osmesa);
+    destroy_context(context->osmesa);
     context->osmesa = NULL;
 }
 

@@ -48,7 +48,9 @@ typedef struct Filling {
     int *room;  // [cell_count] -1: not part of a room
     Room *rooms;
     int room_count;
-    Box *boxes;        // [polygon_count] of the graph's polygons
+    Box *boxes;  // [polygon_count] of the graph's polygons
+    int *above;  // [above_count] those over the floor of the cell at hand
+    int above_count;
     int *queue, *met;  // [cell_count] `met` holds the last room from which the cell was reached
 } Filling;
 
@@ -212,7 +214,8 @@ static double ceiling_over(const Filling *f, Vec2 p, double half, double from) {
     double low[5] = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY}, lowest = INFINITY;
     square_points(p, half, points);
     Box column = {{p.x - half, p.y - half, from}, {p.x + half, p.y + half, INFINITY}};
-    for (int i = 0; i < f->graph->polygon_count; i++) {
+    for (int n = 0; n < f->above_count; n++) {
+        int i = f->above[n];
         if (!box_overlap(f->boxes[i], column)) continue;
         for (int k = 0; k < 5; k++) {
             double z = height_over(f, i, points[k]);
@@ -313,8 +316,17 @@ static bool is_far(const Place *places, int count, Vec3 p) {
     return true;
 }
 
+static void list_above(Filling *f, const Cell *c) {
+    Box column = c->box;
+    column.max.z = INFINITY;
+    f->above_count = 0;
+    for (int i = 0; i < f->graph->polygon_count; i++)
+        if (box_overlap(f->boxes[i], column)) f->above[f->above_count++] = i;
+}
+
 // Lamps of a cell: one in its middle, or one in the middle of each piece along a long cell.
-static int place_in_cell(const Filling *f, const Cell *c, Place *places, int count) {
+static int place_in_cell(Filling *f, const Cell *c, Place *places, int count) {
+    list_above(f, c);
     Vec2 size = vec2(c->box.max.x - c->box.min.x, c->box.max.y - c->box.min.y), middle = plan_middle(f, c);
     double length = fmax(size.x, size.y), width = fmax(fmin(size.x, size.y), NARROW);
     int pieces = (int)fmin(fmax(round(length / (LONGEST_PIECE * width)), 1), MOST_LAMPS);
@@ -401,6 +413,7 @@ void fill_lamps_add(const CellGraph *graph, bool day, Arena *arena, Building *b,
     f.queue = ARENA_ARRAY(&f.scratch, int, graph->cell_count + 1);
     f.met = ARENA_ARRAY(&f.scratch, int, graph->cell_count + 1);
     f.boxes = ARENA_ARRAY(&f.scratch, Box, graph->polygon_count + 1);
+    f.above = ARENA_ARRAY(&f.scratch, int, graph->polygon_count + 1);
     for (int c = 0; c < graph->cell_count; c++) f.met[c] = -1;
     for (int i = 0; i < graph->polygon_count; i++) f.boxes[i] = box_of_polygon(graph, &graph->polygons[i]);
     find_rooms(&f);

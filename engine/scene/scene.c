@@ -68,13 +68,10 @@ bool scene_spares(const char *const *written, int write_count, const char *const
 // A given file must fit; one that was found and does not fit is passed over with a warning.
 static bool take_light(const char *file, const SceneOptions *options, LoadedScene *scene, Error *error) {
     Error reason;
-    MeshOptions mesh;
-    Arena scratch = {0};
+    Daylight day;
     if (!scene_spares(options->written, options->written_count, &file, 1, error)) return false;
-    float *doors = ARENA_ARRAY(&scratch, float, scene->building.opening_count + 1);
-    bool good = rad_load_options(file, &scene->building, &scratch, &mesh, doors, &reason);
-    arena_free(&scratch);
-    if (good) {
+    if (rad_load_day(file, &scene->building, &day, &reason)) {
+        if (scene->light_count == 0) scene->light_day = day;
         scene->lights[scene->light_count++] = file;
         return true;
     }
@@ -103,24 +100,32 @@ static bool find_lights(const char *path, const SceneOptions *options, Arena *ar
 
 // By day where light is found that was made by day.
 static bool is_day(const LoadedScene *scene) {
-    Error reason;
-    Daylight day;
-    if (daylight_shines(&scene->day) || scene->day_given) return daylight_shines(&scene->day);
-    return scene->light_count > 0 && rad_load_day(scene->lights[0], &scene->building, &day, &reason) &&
-           daylight_shines(&day);
+    return daylight_shines(&scene->day) || (!scene->day_given && daylight_shines(&scene->light_day));
 }
 
-// The cells tell the rooms. They are made once more with the lamps, of which those of a soup are part.
+static bool make_cells(const SceneOptions *options, Arena *arena, LoadedScene *out, Error *error) {
+    double start = clock_seconds();
+    memory_set_stage("making cells");
+    bool good =
+        vis_build_cells(&out->building, &options->vis, arena, &out->graph, error) && memory_within(error);
+    out->cells_seconds += clock_seconds() - start;
+    return good;
+}
+
+// The cells tell the rooms. Where rooms get lamps the cells are made once more with them, of which those of a soup are part; else they
+// stay.
 static bool fill_rooms(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                        Error *error) {
     Building *b = &out->building;
-    Arena scratch = {0};
-    CellGraph graph;
+    Arena cells = {0};
     if (options->fill_lamps == FILL_LAMPS_OFF || b->form == FORM_CELLS) return true;
-    memory_set_stage("making cells");
-    bool good = vis_build_cells(b, &options->vis, &scratch, &graph, error) && memory_within(error);
-    if (good) fill_lamps_add(&graph, is_day(out), arena, b, &out->filled_rooms);
-    arena_free(&scratch);
+    bool good = make_cells(options, &cells, out, error);
+    if (good) fill_lamps_add(&out->graph, is_day(out), arena, b, &out->filled_rooms);
+    if (good && b->fill_lamps == 0)
+        arena_join(arena, &cells);
+    else
+        out->graph = (CellGraph){0};
+    arena_free(&cells);
     Error sentence;
     if (b->fill_lamps == 0 || !out->warn) return good;
     error_set(&sentence, "%s: %d plain lamp%s added in %d room%s without light (--fill-lamps off: none)",
@@ -142,45 +147,39 @@ static bool read_building(const char *path, const SceneOptions *options, Arena *
         (options->find_light && !find_lights(path, options, arena, out, error)))
         return false;
     out->day_given = day_asks(&options->day) || options->day.night;
-    if (options->day.usual && !out->day_given && out->light_count == 0) day_usual(&out->building, &out->day);
+    if (options->day.usual && !out->day_given) {
+        // Stored light that turns out to be damaged is baked anew under its own day.
+        out->day = out->light_day;
+        if (out->light_count == 0) day_usual(&out->building, &out->day);
+    }
     bool good = true;
     if (options->lamps == SCENE_LAMPS_ALL || (options->lamps == SCENE_LAMPS_IF_LIT && out->light_count > 0)) {
         out->lamp_faces = lamp_faces_add(arena, &out->building);
         good = fill_rooms(path, options, arena, out, error);
     }
-    out->read_seconds = clock_seconds() - start;
+    out->read_seconds = clock_seconds() - start - out->cells_seconds;
     return good;
 }
 
 bool scene_load_cells(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                       Error *error) {
     if (!read_building(path, options, arena, out, error)) return false;
-    double start = clock_seconds();
-    memory_set_stage("making cells");
-    if (!vis_build_cells(&out->building, &options->vis, arena, &out->graph, error) || !memory_within(error))
-        return false;
+    if (out->graph.cell_count == 0 && !make_cells(options, arena, out, error)) return false;
     memory_lower_fence();
-    out->cells_seconds = clock_seconds() - start;
     return true;
 }
 
-// The caller's progress, ended where the building takes more memory than there is for it; notes when cells were there.
-typedef struct Watch {
-    const Progress *progress;
-    double cells_made;
-} Watch;
-
+// The caller's progress, ended where the building takes more memory than there is for it.
 static bool report(void *context, const char *stage, double done) {
-    Watch *watch = context;
-    if (watch->cells_made > 0) return progress_report(watch->progress, stage, done) && memory_within(NULL);
-    watch->cells_made = clock_seconds();
-    return true;
+    const Progress *progress = context;
+    return progress_report(progress, stage, done) && memory_within(NULL);
 }
 
 bool scene_load(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out, Error *error) {
-    if (!read_building(path, options, arena, out, error)) return false;
+    if (!scene_load_cells(path, options, arena, out, error)) return false;
     double start = clock_seconds();
-    VisPrepareOptions prepare = {.vis = options->vis, .fresh = options->fresh, .read_only = !options->keep};
+    VisPrepareOptions prepare = {
+        .vis = options->vis, .graph = &out->graph, .fresh = options->fresh, .read_only = !options->keep};
     // In a soup every polygon takes part in the making of cells.
     bool soup = out->building.form == FORM_SOUP;
     const char *lamps = "";
@@ -191,11 +190,9 @@ bool scene_load(const char *path, const SceneOptions *options, Arena *arena, Loa
         arena, arena_format(arena, "%016llx%s.vis", (unsigned long long)out->building.hash, lamps));
     bool there = prepare.file && !options->fresh && access(prepare.file, R_OK) == 0;
     if (options->keep && !there) prepare.read_only = !scene_cache_takes(out, prepare.file, 0);
-    Watch watch = {&options->progress, 0};
-    Progress progress = {report, &watch};
+    Progress wanted = options->progress, progress = {report, &wanted};
     VisPrepared vis;
     if (!vis_prepare(&out->building, &prepare, &progress, arena, &vis, error)) return false;
-    out->graph = vis.graph;
     out->forest = vis.forest;
     out->cached = vis.read;
     out->kept = vis.kept;
@@ -205,8 +202,7 @@ bool scene_load(const char *path, const SceneOptions *options, Arena *arena, Loa
     if (*vis.not_kept.text) warn(out, "%.900s; going on without a cache", vis.not_kept.text);
     if (!memory_within(error)) return false;
     budget_work(path, options->memory, options->work ? options->work : "working on it");
-    out->cells_seconds = watch.cells_made - start;
-    out->trees_seconds = clock_seconds() - watch.cells_made;
+    out->trees_seconds = clock_seconds() - start;
     return true;
 }
 

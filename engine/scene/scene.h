@@ -69,9 +69,10 @@ typedef struct LoadedScene {
     // The day asked for, over this building, or the usual one; all zeros: none.
     Daylight day;
     bool day_given;  // a day or night was asked for: light made under another day does not fit
-    // Files of light whose head fits the building, where it was looked for.
+    // Files of light whose header fits the building, where light was looked for, and the day of the first one.
     const char *lights[SCENE_LIGHTS];
     int light_count;
+    Daylight light_day;
     // The cache cannot be written, and `warn` was told.
     bool no_cache;
     void (*warn)(const char *sentence);

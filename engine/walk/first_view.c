@@ -7,12 +7,13 @@
 
 #include "engine/draw/view.h"
 #include "engine/shade/walk_bake.h"
+#include "engine/sim/door_states.h"
 
 // The picture by which a view is judged, pixels.
 enum { JUDGE_WIDTH = 48, JUDGE_HEIGHT = 27 };
-// A view looks at a wall where its middle is nearer than this, metres, or one polygon fills more than this share of it; it is
-// obstructed where more than this share is nearer than an arm's length.
-static const double MIDDLE_NEAREST = 1.5, ONE_POLYGON = 0.6, ARM = 0.6, ARM_SHARE = 0.3;
+// A view looks at a wall or a door where its middle is nearer than this, metres, which is a step less than the width of a living room,
+// or one polygon fills more than this share of it; it is obstructed where more than this share is nearer than an arm's length.
+static const double MIDDLE_NEAREST = 3.5, ONE_POLYGON = 0.6, ARM = 0.6, ARM_SHARE = 0.3;
 // All around a place: four square views.
 enum { SIDES = 4, SIDE_WIDTH = 32, AROUND = SIDES * SIDE_WIDTH };
 // At most so many places of a room are tried. They lie this far from a corner of a cell, metres: there one sees most of the room.
@@ -236,6 +237,19 @@ Viewpoint first_view(const FirstScene *scene, double fov, Arena *scratch) {
     return view_of_largest_room(scene, fov, vertices, scratch, &room) ? room : start;
 }
 
+Viewpoint first_view_of_walk(const CellGraph *graph, const StabForest *forest) {
+    Arena scratch = {0};
+    const Building *b = graph->building;
+    float *door_open = ARENA_ARRAY(&scratch, float, b->opening_count + 1);
+    for (int i = 0; i < b->opening_count; i++) door_open[i] = (float)b->openings[i].open;
+    walk_clear_views(b, door_open);
+    BodyWorld world = body_world(graph, door_open, &scratch);
+    FirstScene scene = {graph, vis_query_new(graph, forest, &scratch), door_open, &world};
+    Viewpoint first = first_view(&scene, FIRST_VIEW_FOV, &scratch);
+    arena_free(&scratch);
+    return first;
+}
+
 // ---- the first picture
 
 static uint32_t pack(Rgba8 c) { return 0xff000000u | (uint32_t)c.r << 16 | (uint32_t)c.g << 8 | c.b; }
@@ -249,7 +263,7 @@ bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch
     uint32_t *colour = ARENA_ARRAY(scratch, uint32_t, graph->polygon_count + 1);
     const uint32_t sky = pack(walk_bake_sky());
     for (int y = 0; y < camera->height; y++) {
-        uint32_t *row = out + (size_t)(camera->height - 1 - y) * (size_t)camera->width;
+        uint32_t *row = out + (size_t)y * (size_t)camera->width;
         for (int x = 0; x < camera->width; x++) {
             int p = seen.item[(size_t)y * (size_t)camera->width + (size_t)x];
             if (p >= 0 && colour[p] == 0) {

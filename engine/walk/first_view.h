@@ -6,6 +6,9 @@
 #include "engine/sim/body.h"
 #include "visibility/hidden/hidden.h"
 
+// The angle of view of a walk, horizontal, radians.
+#define FIRST_VIEW_FOV (75 * M_PI / 180)
+
 // A building to look at; the caller's.
 typedef struct FirstScene {
     const CellGraph *graph;
@@ -18,9 +21,11 @@ typedef struct FirstScene {
 // has rooms, the largest one, from a place where a body fits, along its longest clear view; else the start. `name` is empty but of a
 // stored viewpoint. `fov`: horizontal, radians.
 Viewpoint first_view(const FirstScene *scene, double fov, Arena *scratch);
+// The same for those who have no walk under way: with the doors as a walk in a window finds them, and FIRST_VIEW_FOV.
+Viewpoint first_view_of_walk(const CellGraph *graph, const StabForest *forest);
 
 // Draws the view of a camera with the light of walk_bake_plain and neither glass nor shadows: BGRA bytes in `out` [height * width], rows
-// from the bottom. False where the picture cannot be made (hidden_draw).
+// from the top. False where the picture cannot be made (hidden_draw).
 bool first_picture(const FirstScene *scene, const Camera *camera, Arena *scratch, uint32_t *out,
                    Error *error);
 

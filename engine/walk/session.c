@@ -10,7 +10,6 @@ static const double LONGEST_STALL = 0.25;
 static const double TURN = 1.8;
 // How long the end of a walk may take, seconds.
 static const double LEAVE_SECONDS = 0.01;
-static const double USUAL_FOV = 75 * M_PI / 180;
 
 SessionOptions session_default_options(void) {
     return (SessionOptions){.pictures = ".", .doors = WALK_DOORS, .culling = CULL_STAB, .look = WALK_LOOKS};
@@ -41,7 +40,7 @@ Session *session_begin(const SessionOptions *options, const SessionLoader *loade
                    .loader = *loader,
                    .arena = arena,
                    .person = {.cell = -1},
-                   .fov = USUAL_FOV,
+                   .fov = FIRST_VIEW_FOV,
                    .culling = options->culling,
                    .false_colour = options->false_colour,
                    .plan = true,

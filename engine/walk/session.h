@@ -36,7 +36,7 @@ typedef struct Session Session;
 
 // A picture of the building before OpenGL has drawn one, BGRA bytes.
 typedef struct SessionPicture {
-    const uint32_t *pixels;  // [height * width] rows from the bottom
+    const uint32_t *pixels;  // [height * width] rows from the top
     int width, height;
 } SessionPicture;
 

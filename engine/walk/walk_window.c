@@ -40,7 +40,8 @@ static void show_picture(Display *display, const SessionPicture *picture) {
     if (size.width < 1 || size.height < 1) return;
     glGenTextures(1, &texture);
     glBindTexture(GL_TEXTURE_2D, texture);
-    // As the renderer's final frame: showing it in its own size is a plain copy.
+    // As the renderer's final frame, whose rows come from the top, too: showing it in its own size is a plain copy. From the bottom a
+    // shader would turn it over, which takes longer to compile than such a picture to draw.
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, picture->width, picture->height, 0, GL_BGRA,
                  GL_UNSIGNED_INT_8_8_8_8_REV, picture->pixels);
     glGenFramebuffers(1, &framebuffer);
@@ -48,7 +49,7 @@ static void show_picture(Display *display, const SessionPicture *picture) {
     glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, display_framebuffer(display));
     bool same = size.width == picture->width && size.height == picture->height;
-    glBlitFramebuffer(0, 0, picture->width, picture->height, 0, 0, size.width, size.height,
+    glBlitFramebuffer(0, 0, picture->width, picture->height, 0, size.height, size.width, 0,
                       GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
     display_present(display);
     glDeleteFramebuffers(1, &framebuffer);

@@ -54,9 +54,10 @@ static void push_polygon(Arena *arena, Building *b, const Vec3 *vertices, int co
     CORE_ASSERT(b->object_count > 0);
     Polygon *p = ARENA_PUSH(arena, b->polygons, b->polygon_count, b->polygon_capacity);
     *p = (Polygon){b->vertex_count, count, material, texture_map};
-    for (int i = 0; i < count; i++) {
-        *ARENA_PUSH(arena, b->vertices, b->vertex_count, b->vertex_capacity) = vertices[i];
-    }
+    b->vertices = arena_room(arena, b->vertices, sizeof *b->vertices, b->vertex_count,
+                             b->vertex_count + count, &b->vertex_capacity);
+    memcpy(b->vertices + b->vertex_count, vertices, (size_t)count * sizeof *vertices);
+    b->vertex_count += count;
     b->objects[b->object_count - 1].polygon_count++;
 }
 

@@ -278,10 +278,14 @@ static void add_faces(Sh3d *s, const Piece *p, const ObjModel *m, const Vec3 *pl
     for (int i = 0; i < m->face_count; i++)
         most = m->faces[i].corner_count > most ? m->faces[i].corner_count : most;
     Vec2 *at = ARENA_ARRAY(s->arena, Vec2, most);
+    int group = -1;
+    PartKind kind = PART_PLAIN;
     for (int i = 0; i < m->face_count; i++) {
         const ObjFace *f = &m->faces[i];
         if (part && part[i] != which) continue;
-        PartKind kind = part_kind(m->groups[f->group]);
+        // The faces of a group mostly follow one another.
+        if (f->group != group) kind = part_kind(m->groups[f->group]);
+        group = f->group;
         bool by_places = obj_places(m, f, at);
         Paint *paint = &paints[kinds * f->material + 2 * (int)kind + by_places];
         if (paint->material == -2)

@@ -320,9 +320,13 @@ static MeshSplits *read_splits(const Header *h, const unsigned char *body, Arena
 
 bool rad_load_day(const char *path, const Building *building, Daylight *out, Error *error) {
     Arena scratch = {0};
+    Bytes start;
+    size_t whole;
     Header h;
-    const unsigned char *body;
-    bool good = read_file(path, building, &scratch, &h, &body, error);
+    bool good = derived_read_header(path, &KIND, building->hash, &scratch, &start, &whole, error);
+    if (good) memcpy(&h, start.data, sizeof h);
+    good = good && check_rest(path, &h, building, error) &&
+           derived_check_size(path, &KIND, whole, sizes_of(&h).total, error);
     if (good) *out = h.day;
     arena_free(&scratch);
     return good;

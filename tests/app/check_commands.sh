@@ -103,17 +103,17 @@ for key in cells portals doors doors_joined polygons stab_nodes leaks; do says o
 # Too little memory: one sentence that names the file, the stage and the way out; nothing is written.
 over() {
     expect 1 "$program" "$@" && sentence
-    says err "^enfilade: $maps/[a-z.]*: $stage takes more than [0-9]* MB of memory (--memory MB allows more)\$"
+    says err "^enfilade: $maps/[a-z0-9.]*: $stage takes more than [0-9]* MB of memory (--memory MB allows more)\$"
     [ ! -e "$work/over" ] || fail "$* left something"
 }
 stage='making cells'
-over info $maps/office.plan --memory 16
-over vis $maps/office.plan --memory 16 -o "$work/over"
-over vis $maps/office.plan --memory 16 --pairs "$work/over"
-over plan $maps/office.plan --memory 16 -o "$work/over"
-over render $maps/office.plan --memory 16 -o "$work/over"
-over bench walk $maps/office.plan --memory 16
-over walk $maps/office.plan --memory 16 --offscreen "$work/over"
+over info $maps/hillside.sh3d --memory 34
+over vis $maps/hillside.sh3d --memory 34 -o "$work/over"
+over vis $maps/hillside.sh3d --memory 34 --pairs "$work/over"
+over plan $maps/hillside.sh3d --memory 34 -o "$work/over"
+over render $maps/hillside.sh3d --memory 34 -o "$work/over"
+over bench walk $maps/hillside.sh3d --memory 34
+over walk $maps/hillside.sh3d --memory 34 --offscreen "$work/over"
 stage=baking
 over bake $maps/house.plan --memory 40 --element 0.1 -o "$work/over"
 expect 0 "$program" info $maps/office.plan --memory 1000

@@ -53,6 +53,15 @@ for key in exposure lamps rays ended_matt ended_escaped ended_faint ended_deep s
 expect 1 "$program" render $maps/two-rooms.plan -o "$work/no/folder/x.png" --size 32x18 --samples 1
 says err 'cannot be written'
 
+# Without a view a still looks where a walk begins: from the start, or where that faces a wall from the first view into a room.
+draw $maps/two-rooms.plan --light "$work/two-rooms.rad" -o "$work/start.png" --size 32x18
+draw $maps/two-rooms.plan --light "$work/two-rooms.rad" -o "$work/said.png" --size 32x18 --eye 0.8,0.8,1.6 --look 1.566044,1.442788,1.6
+python3 tests/app/compare_pictures.py "$work/start.png" "$work/said.png" || fail 'a still does not look where the walk begins'
+sed 's/^start .*/start 0.8,0.8 yaw 225/' $maps/two-rooms.plan >"$work/walled.plan"
+draw "$work/walled.plan" -o "$work/walled.png" --size 32x18
+draw "$work/walled.plan" -o "$work/window.png" --size 32x18 --view window
+same "$work/walled.png" "$work/window.png" 'a still looks at a wall where the walk does not'
+
 # Ctrl-C: no file, no half of one.
 rm -f "$out"
 "$program" render $maps/house.plan --light "$work/house.rad" -o "$out" --samples 4096 >/dev/null 2>"$work/err" &

@@ -39,6 +39,11 @@ class Screen:
         head = struct.unpack(">20I", self.data[:80])
         self.start, self.stride = head[0] + 12 * head[19], head[12]
 
+    def rows(self):
+        """Rows of samples, from the top."""
+        return [self.data[self.start + y * self.stride:self.start + y * self.stride + 4 * SIZE[0]:52]
+                for y in range(5, SIZE[1] - 5, 10)]
+
     def colours(self):
         found = set()
         for y in range(20, SIZE[1] - 20, 23):
@@ -137,6 +142,29 @@ def first_pictures(minute, homes):
             minute.expect(picture <= MOST_SLOWER * bar, f"{name} {kind}: no picture for {picture:.2f} s (bar {bar} s)")
         if found["warm"] > WARM_LONGER * found["cold"] + 0.02:
             print(f"  slow: {name}: a warm start takes {found['warm']:.2f} s, a cold one {found['cold']:.2f} s")
+
+
+def first_picture_is_upright(minute):
+    """The picture that needs no OpenGL shows what the walk shows then: it is nearer to that than it is upside down."""
+    pixels = Screen(minute.screen)
+    while pixels.colours() > 1:
+        time.sleep(0.02)
+    window = subprocess.Popen([minute.program, "walk", minute.house, "--no-bake", "--size", "%dx%d" % SIZE])
+    try:
+        while pixels.colours() <= 6:
+            time.sleep(0.002)
+        first = pixels.rows()
+        for _ in range(100):
+            time.sleep(0.1)
+            if pixels.rows() != first:
+                break
+        then = pixels.rows()
+    finally:
+        window.kill()
+        window.wait()
+    off, turned = (sum(abs(a - b) for row, other in zip(rows, then) for a, b in zip(row, other)) for rows in (first, first[::-1]))
+    minute.expect(first != then, "the walk shows no frame of its own")
+    minute.expect(off < turned / 2, f"the first picture differs by {off} from the next, upside down by {turned}")
 
 
 def first_view(minute):
@@ -278,6 +306,7 @@ def main():
         sys.exit(__doc__)
     minute = Minute(*sys.argv[1:5])
     parts = [("first pictures", lambda: first_pictures(minute, sys.argv[5:])),
+             ("first picture is upright", lambda: first_picture_is_upright(minute)),
              ("first view", lambda: first_view(minute))]
     parts += [(part.__name__.replace("_", " "), lambda part=part: minute.visit(part))
               for part in (hint_and_figures, door_waits, escape_asks, full_screen, idle)]

@@ -106,3 +106,28 @@ Test(fill_lamps, hang_beside_furniture) {
         }
     arena_free(&arena);
 }
+
+// Proves that the cells of a scene are those of its building with all its lamps, whether rooms got some, which makes the cells anew, or
+// none, which keeps those that told the rooms.
+Test(fill_lamps, cells_are_those_of_the_lit_building) {
+    static const char *const LINES[] = {DOOR, LAMP, "inlay glow ceiling 5,1 6,1 6,2 5,2\n",
+                                        "inlay glow ceiling 1,6 2,6 2,7 1,7\n"};
+    for (int lamps = 1; lamps <= 3; lamps += 2) {
+        Arena arena = {0};
+        LoadedScene scene;
+        CellGraph anew, *kept = &scene.graph;
+        Error error = {""};
+        VisOptions options = vis_default_options();
+        load(LINES, 1 + lamps, 0, FILL_LAMPS_ON, &arena, &scene);
+        cr_assert_eq(scene.building.fill_lamps > 0, lamps < 3, "%d", scene.building.fill_lamps);
+        cr_assert(vis_build_cells(&scene.building, &options, &arena, &anew, &error), "%s", error.text);
+        cr_assert(kept->cell_count == anew.cell_count && kept->object_count == anew.object_count &&
+                  kept->polygon_count == anew.polygon_count && kept->vertex_count == anew.vertex_count &&
+                  kept->square_object_count == anew.square_object_count);
+        cr_expect_arr_eq(kept->polygons, anew.polygons, (size_t)anew.polygon_count * sizeof *anew.polygons);
+        cr_expect_arr_eq(kept->vertices, anew.vertices, (size_t)anew.vertex_count * sizeof *anew.vertices);
+        cr_expect_arr_eq(kept->square_objects, anew.square_objects,
+                         (size_t)anew.square_object_count * sizeof *anew.square_objects);
+        arena_free(&arena);
+    }
+}

@@ -211,14 +211,19 @@ static bool is_covered(const Registrar *r, int cell, Box box, int object) {
     return true;
 }
 
-// Registers a polygon, or, `upright`, the prism over and under it within `box`.
-static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_count, Box box, bool upright) {
+// The cells that something within the box can touch, to `near`.
+static void find_near(Registrar *r, Box box) {
+    box_tree_find(&r->cells, box_grow(box, r->builder->graph->touch), r->builder->scratch, &r->near);
+}
+
+// Registers a polygon, or, `upright`, the prism over and under it within `box`; `near` holds all cells that it can touch.
+static void register_near(Registrar *r, int object, const Vec3 *v, int vertex_count, Box box, bool upright) {
     CellGraph *graph = r->builder->graph;
     graph->object_boxes[object] = box_union(graph->object_boxes[object], box);
     box = box_grow(box, graph->touch);
-    box_tree_find(&r->cells, box, r->builder->scratch, &r->near);
     for (int i = 0; i < r->near.count; i++) {
         int c = r->near.items[i];
+        if (!box_overlap(graph->cells[c].box, box)) continue;
         if (is_filled(r, c, object) || is_covered(r, c, box, object)) continue;
         const Plane *planes = r->planes + r->first_plane[c];
         int sides = r->first_plane[c + 1] - r->first_plane[c];
@@ -230,11 +235,23 @@ static void register_shape(Registrar *r, int object, const Vec3 *v, int vertex_c
     }
 }
 
-static void register_polygon(Registrar *r, int object, int polygon) {
+// A piece of furniture is thousands of polygons in one or two cells, which are searched for once.
+static void register_object(Registrar *r, int object) {
+    enum { FEW = 8 };
     const CellGraph *graph = r->builder->graph;
-    const Polygon *p = &graph->polygons[polygon];
-    const Vec3 *v = graph->vertices + p->first_vertex;
-    register_shape(r, object, v, p->vertex_count, bounds(v, p->vertex_count), false);
+    const Polygon *from = graph->polygons + graph->objects[object].first_polygon,
+                  *to = from + graph->objects[object].polygon_count;
+    Box whole = box_empty();
+    for (const Polygon *p = from; p < to; p++)
+        whole = box_union(whole, bounds(graph->vertices + p->first_vertex, p->vertex_count));
+    find_near(r, whole);
+    bool few = r->near.count <= FEW;
+    for (const Polygon *p = from; p < to; p++) {
+        const Vec3 *v = graph->vertices + p->first_vertex;
+        Box box = bounds(v, p->vertex_count);
+        if (!few) find_near(r, box);
+        register_near(r, object, v, p->vertex_count, box, false);
+    }
 }
 
 static void register_leaf(Registrar *r, int object) {
@@ -244,7 +261,8 @@ static void register_leaf(Registrar *r, int object) {
         Box box = bounds(swept.plan[i], 4);
         box.min.z = swept.z0;
         box.max.z = swept.z1;
-        register_shape(r, object, swept.plan[i], 4, box, true);
+        find_near(r, box);
+        register_near(r, object, swept.plan[i], 4, box, true);
     }
 }
 
@@ -325,13 +343,10 @@ void build_squares(CellBuilder *builder) {
             register_surface(&r, i, cell);
             continue;
         }
-        if (object->leaf >= 0 && object->polygon_count > 0) {
+        if (object->leaf >= 0 && object->polygon_count > 0)
             register_leaf(&r, i);
-            continue;
-        }
-        for (int p = object->first_polygon; p < object->first_polygon + object->polygon_count; p++) {
-            register_polygon(&r, i, p);
-        }
+        else
+            register_object(&r, i);
     }
     store(&r);
 }
@@ -452,7 +467,9 @@ void vis_register(const CellGraph *graph, const Polygon *polygons, const Vec3 *v
         for (int p = first[o]; p < first[o + 1]; p++) {
             const Vec3 *v = vertices + polygons[p].first_vertex;
             CORE_ASSERT(polygons[p].vertex_count <= BUILD_MAX_VERTICES);
-            register_shape(&r, o, v, polygons[p].vertex_count, bounds(v, polygons[p].vertex_count), false);
+            Box box = bounds(v, polygons[p].vertex_count);
+            find_near(&r, box);
+            register_near(&r, o, v, polygons[p].vertex_count, box, false);
         }
     }
     store(&r);

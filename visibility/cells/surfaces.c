@@ -29,15 +29,21 @@ static void add_graph_polygon(CellBuilder *builder, const Vec3 *vertices, int co
     Polygon *polygon =
         ARENA_PUSH(builder->arena, graph->polygons, graph->polygon_count, builder->polygon_capacity);
     *polygon = (Polygon){graph->vertex_count, count, material, 0};
-    for (int i = 0; i < count; i++) {
-        *ARENA_PUSH(builder->arena, graph->vertices, graph->vertex_count, builder->vertex_capacity) =
-            vertices[i];
-    }
+    graph->vertices = arena_room(builder->arena, graph->vertices, sizeof *graph->vertices,
+                                 graph->vertex_count, graph->vertex_count + count, &builder->vertex_capacity);
+    memcpy(graph->vertices + graph->vertex_count, vertices, (size_t)count * sizeof *vertices);
+    graph->vertex_count += count;
     graph->objects[graph->object_count - 1].polygon_count++;
 }
 
 static void copy_building(CellBuilder *builder) {
     const Building *b = builder->building;
+    CellGraph *graph = builder->graph;
+    // Room for the surfaces as well: the arrays of a furnished building need not move.
+    builder->polygon_capacity = b->polygon_count + b->polygon_count / 4 + 256;
+    builder->vertex_capacity = b->vertex_count + b->vertex_count / 4 + 1024;
+    graph->polygons = ARENA_ARRAY(builder->arena, Polygon, builder->polygon_capacity);
+    graph->vertices = ARENA_ARRAY(builder->arena, Vec3, builder->vertex_capacity);
     for (int i = 0; i < b->object_count; i++) {
         const Object *from = &b->objects[i];
         Object *object = add_object(builder, from->kind, from->name);
@@ -48,8 +54,7 @@ static void copy_building(CellBuilder *builder) {
         for (int p = from->first_polygon; p < from->first_polygon + from->polygon_count; p++) {
             add_graph_polygon(builder, b->vertices + b->polygons[p].first_vertex, b->polygons[p].vertex_count,
                               b->polygons[p].material);
-            builder->graph->polygons[builder->graph->polygon_count - 1].texture_map =
-                b->polygons[p].texture_map;
+            graph->polygons[graph->polygon_count - 1].texture_map = b->polygons[p].texture_map;
         }
     }
 }

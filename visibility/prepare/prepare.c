@@ -51,11 +51,15 @@ static void read_or_make_forest(const VisPrepareOptions *options, const Progress
 bool vis_prepare(const Building *building, const VisPrepareOptions *options, const Progress *progress,
                  Arena *arena, VisPrepared *out, Error *error) {
     *out = (VisPrepared){0};
-    memory_set_stage("making cells");
-    if (!vis_build_cells(building, &options->vis, arena, &out->graph, error) || !memory_within(error))
-        return false;
-    memory_lower_fence();
-    progress_report(progress, "cells", 1);
+    if (options->graph) {
+        out->graph = *options->graph;
+    } else {
+        memory_set_stage("making cells");
+        if (!vis_build_cells(building, &options->vis, arena, &out->graph, error) || !memory_within(error))
+            return false;
+        memory_lower_fence();
+        progress_report(progress, "cells", 1);
+    }
     read_or_make_forest(options, progress, arena, out);
     return true;
 }

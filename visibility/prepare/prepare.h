@@ -8,6 +8,8 @@
 // How a building is prepared.
 typedef struct VisPrepareOptions {
     VisOptions vis;
+    // The building's cells, where they were made before, by vis_build_cells with the same options; NULL: they are made.
+    const CellGraph *graph;
     // A .vis file of this building: read where it is there, else written; NULL: neither.
     const char *file;
     // Do not read `file`, make it anew.
@@ -33,7 +35,7 @@ typedef struct VisPrepared {
     Error not_read, not_kept;
 } VisPrepared;
 
-// Fails only where no cells can be made (vis_build_cells). Progress is told the stage "cells" once, when these are there.
+// Fails only where no cells can be made (vis_build_cells). Progress is told the stage "cells" once, when they are made.
 bool vis_prepare(const Building *building, const VisPrepareOptions *options, const Progress *progress,
                  Arena *arena, VisPrepared *out, Error *error);
 

@@ -147,7 +147,7 @@ Test(rad_file, refuses_forged_splits) {
     lit_free(s.lit);
 }
 
-// Proves that no changed bit and no missing byte goes unseen, wherever it is.
+// Proves that no changed bit and no missing byte goes unseen, wherever it is; a missing one by the header alone.
 Test(rad_file, refuses_what_is_not_whole) {
     Saved s = save(3);
     Random random = {9};
@@ -168,6 +168,9 @@ Test(rad_file, refuses_what_is_not_whole) {
         error.text[0] = 0;
         cr_assert_not(rad_load(s.path, &s.lit->mesh, s.doors, &scratch, &back, &error), "seed 9, case %d", i);
         cr_assert_neq(error.text[0], 0);
+        Daylight day;
+        if (i % 3 == 0)
+            cr_assert_not(rad_load_day(s.path, s.lit->building, &day, &error), "seed 9, case %d", i);
         arena_free(&scratch);
     }
     lit_free(s.lit);

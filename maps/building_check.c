@@ -477,6 +477,17 @@ static void check_rgb(Check *c, const char *what, int i, Rgb v, float most) {
     }
 }
 
+static void check_bands(Check *c) {
+    const Building *b = c->b;
+    for (int i = 0; i < b->band_count; i++) {
+        const EdgeBand *band = &b->bands[i];
+        if (!index_good(band->edge, b->point_count) || !index_good(band->material, b->material_count) ||
+            !good(band->from) || (i > 0 && band[-1].edge > band->edge))
+            check_fault(c, "band %d: edge %d of %d, from %g m, material %d of %d", i, band->edge,
+                        b->point_count, band->from, band->material, b->material_count);
+    }
+}
+
 static void check_materials_and_storeys(Check *c) {
     const Building *b = c->b;
     for (int i = 0; i < b->material_count; i++) {
@@ -829,6 +840,7 @@ static void check_curved(Check *c) {
 int building_check(const Building *b, Arena *arena, const char **faults, int max) {
     Check c = {.b = b, .arena = arena, .faults = faults, .max = max};
     check_form(&c);
+    check_bands(&c);
     check_materials_and_storeys(&c);
     check_optics(&c);
     check_regions(&c);

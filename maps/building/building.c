@@ -40,6 +40,18 @@ static bool same_map(const TextureMap *a, const TextureMap *b) {
     return vec3_equal(a->u, b->u) && vec3_equal(a->v, b->v) && a->u0 == b->u0 && a->v0 == b->v0;
 }
 
+int building_first_band(const Building *b, int edge) {
+    int low = 0, high = b->band_count;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (b->bands[middle].edge < edge)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 int building_add_texture_map(Arena *arena, Building *b, TextureMap map) {
     if (b->texture_map_count == 0)
         *ARENA_PUSH(arena, b->texture_maps, b->texture_map_count, b->texture_map_capacity) = (TextureMap){0};

@@ -114,6 +114,13 @@ typedef struct Ring {
     int first_point, point_count;
 } Ring;
 
+// From this height on the wall behind a ring's edge is another storey's, with a look of its own.
+typedef struct EdgeBand {
+    int edge;  // as in Building.edge_material
+    double from;
+    int material;
+} EdgeBand;
+
 typedef enum OpeningKind {
     OPENING_DOOR,     // has a leaf: blocks sight and passage while closed, unless glazed
     OPENING_PASSAGE,  // no leaf
@@ -270,6 +277,7 @@ typedef struct Building {
     Vec2 *points;        // of rings, inlays and leak paths
     int *edge_material;  // [point_count] of the wall right of the ring's edge that begins at points[i]
     int *edge_upper;     // [point_count] of that wall above an opening in it; NULL: edge_material
+    EdgeBand *bands;     // [band_count] by edge, then from below
     Opening *openings;
     Leaf *leaves;
     Polygon *polygons;
@@ -294,12 +302,12 @@ typedef struct Building {
     int material_count, texture_count, texture_map_count, storey_count, region_count, ring_count, point_count,
         opening_count, leaf_count, polygon_count, vertex_count, object_count, inlay_count, light_count,
         viewpoint_count, tour_point_count, tour_count, note_count, shape_count, control_count, trim_count,
-        ball_count, beside_count;
+        ball_count, beside_count, band_count;
     // Objects that are lamps added for rooms without light, the last ones; 0 in every file.
     int fill_lamps;
     int material_capacity, texture_capacity, texture_map_capacity, storey_capacity, region_capacity,
-        ring_capacity, point_capacity, edge_capacity, edge_upper_capacity, opening_capacity, leaf_capacity,
-        polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
+        ring_capacity, point_capacity, edge_capacity, edge_upper_capacity, band_capacity, opening_capacity,
+        leaf_capacity, polygon_capacity, vertex_capacity, object_capacity, inlay_capacity, light_capacity,
         viewpoint_capacity, tour_point_capacity, tour_capacity, note_capacity, shape_capacity,
         control_capacity, trim_capacity, ball_capacity, beside_capacity;
     Box world;   // of all free space; beyond it there is nothing
@@ -334,6 +342,9 @@ enum { LEAF_CORNERS = 32 };
 
 // Rounds a coordinate to the grid, metres.
 static inline double maps_snap(double x) { return nearbyint(x * 1000.0) / 1000.0; }
+
+// The first band of a ring's edge in Building.bands, or where it would stand.
+int building_first_band(const Building *b, int edge);
 
 // Readers append with these; all copy their arguments into the arena.
 int building_add_material(Arena *arena, Building *b, Material material);  // or returns an equal one

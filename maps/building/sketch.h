@@ -86,8 +86,12 @@ typedef struct Sketch {
     SketchCutout *cutouts;
     Vec2 *points;
     int *edge_material;  // [point_count], used by walls
+    // How the picture of a material counts lengths (to the right, upwards, 0) from where a surface begins, for readers that begin it
+    // anew on ends and jambs of walls: [lengths_count] by material; all 0: not so.
+    TextureMap *lengths;
     int wall_count, room_count, opening_count, cutout_count, point_count;
     int wall_capacity, room_capacity, opening_capacity, cutout_capacity, point_capacity, edge_capacity;
+    int lengths_count, lengths_capacity;
     double ground;  // height of the ground outdoors
     // The materials of the ground, of walls that name none, and of the edges of slabs.
     int ground_material, outer_material, slab_material;

@@ -872,10 +872,10 @@ def hillside_pieces(h):
     h.piece(GROUND, "Coffee table", round_table("walnut", .45), (7.7, 5.6), 0, size=(.9, .9, .42))
     h.piece(GROUND, "Rug", rug(2.4, 1.7), (7.7, 5.5), 4)
     h.piece(GROUND, "TV", screen_tv(), (6.3, 5.0), 180, entry="tv")
-    h.piece(GROUND, "Stove", (.55, .5, 1.2), (9.3, 7.35), 315, color=colour("black"))
+    h.piece(GROUND, "Stove", (.55, .5, 1.2), (5.9, 7.4), 0, color=colour("black"))
     h.piece(GROUND, "Curtain", curtain(.8, 2.3, 5), (9.6, 2.1), 90, backFaceShown="true", entry="curtain")
     h.piece(GROUND, "Curtain", curtain(.8, 2.3, 5), (9.6, 5.9), 90, backFaceShown="true", entry="curtain", color=colour("sun"))
-    h.piece(GROUND, "Plant", plant(1.5, 18, 3), (9.25, 6.5), 0, backFaceShown="true", entry="plant-high")
+    h.piece(GROUND, "Plant", plant(1.5, 18, 3), (10.6, 1.8), 0, backFaceShown="true", entry="plant-high")
     h.piece(GROUND, "Old piano", piano(), (8.0, 5.0), 0, visible="false")
     h.piece(GROUND, "Garden table", round_table("white", .55), (11.2, 4.0), 0, entry="garden-table")
     for angle in (20, 140, 260):

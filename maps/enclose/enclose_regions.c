@@ -333,6 +333,23 @@ static void trace_root(Tracer *t, int root, int *boundary, int *loop, int *stack
 
 // ---- appending regions
 
+// Outdoors the walls of all storeys stand above each other; from the lower side of its slab on a storey's wall has its own look.
+static void append_bands(Tracer *t, int h, int edge) {
+    Enclosure *e = t->e;
+    Building *b = e->b;
+    int right = half_right(&e->pass.plan, h), layers = b->storey_count + 1;
+    if (right < 0) return;
+    const int *material = &t->material[(size_t)h * (size_t)layers];
+    int below = material[0];
+    for (int s = 0; s < b->storey_count; s++) {
+        const Spot *spot = spot_at(e, s, right);
+        if ((spot->wall == NO_WALL && spot->hole[0] < 0) || material[s + 1] == below) continue;
+        below = material[s + 1];
+        *ARENA_PUSH(e->arena, b->bands, b->band_count, b->band_capacity) =
+            (EdgeBand){edge, b->storeys[s].floor - b->storeys[s].slab, below};
+    }
+}
+
 static void append_ring(Tracer *t, const Loop *loop, const Span *span) {
     Enclosure *e = t->e;
     const Plan *p = &e->pass.plan;
@@ -346,6 +363,7 @@ static void append_ring(Tracer *t, const Loop *loop, const Span *span) {
         if (t->gone[v]) continue;
         int material = t->material[(size_t)h * layers + (size_t)layer];
         if (span->kind == SPAN_SHAFT) material = e->sketch->slab_material;
+        if (span->kind == SPAN_OUTDOORS) append_bands(t, h, b->point_count);
         enclose_push_point(e, enclose_metres(e, p->vertices[v]), material);
         b->rings[b->ring_count - 1].point_count++;
     }

@@ -114,6 +114,7 @@ static void read_room(Sh3d *s, const XmlNode *node) {
     room.open_above = !sh3d_flag(node, "ceilingVisible", true);
     Sh3dFrame floor = room_frame(s, &room, false), ceiling = room_frame(s, &room, true);
     room.floor_material = sh3d_material(s, node, "floor", s->floor_material, &floor);
+    sh3d_keep_lengths(s, room.floor_material, sh3d_texture_of(s, node, "floor"));
     room.ceiling_material = sh3d_material(s, node, "ceiling", s->ceiling_material, &ceiling);
     if (room.point_count < 3) {
         building_note(s->arena, s->b, NOTE_DROPPED, vec3(first.x, first.y, 0),
@@ -325,6 +326,7 @@ static bool enclose(Sketch *sketch, Arena *arena, Building *b, Error *error) {
     b->start = vec3(0, 0, 0);
     b->start_yaw = 0;
     if (!maps_enclose(sketch, b, arena, error)) return false;
+    sh3d_finish_edges(sketch, arena, b);
     if (inside(b, observer)) {
         b->start = observer;
         b->start_yaw = yaw;

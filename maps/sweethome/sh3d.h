@@ -122,6 +122,18 @@ void sh3d_find_ceilings(
 void sh3d_add_walls(Sh3d *s);            // outlines into the sketch, low walls into the building
 void sh3d_add_sloped_ceilings(Sh3d *s);  // call after rooms and walls are read
 
+// ---- sh3d_edges.c
+
+// Remembers how the material of a wall or floor counts lengths along its texture (Sketch.lengths).
+void sh3d_keep_lengths(Sh3d *s, int material, const XmlNode *texture);
+bool sh3d_has_lengths(const Sketch *sketch, int material);
+// To the right from `from` towards `to`, and upwards in absolute heights.
+Sh3dFrame sh3d_frame_from(Vec2 from, Vec2 to);
+// The material with its picture begun anew, in the frame of an end; without lengths the material itself.
+int sh3d_begun_anew(Arena *arena, Building *b, const Sketch *sketch, int material, const Sh3dFrame *frame);
+// Jambs, floors of doorways and sides of stairwells; call after maps_enclose.
+void sh3d_finish_edges(const Sketch *sketch, Arena *arena, Building *b);
+
 // ---- sh3d_models.c
 
 // The model that a piece, door or window names, read once; NULL: none, or not usable.

@@ -12,6 +12,7 @@ static const double MOST_TRIES = 1e8;  // boards times openings: real homes have
 typedef struct Board {
     Sh3d *s;
     const Sh3dWall *wall, *wide;
+    const Sh3dWall *widened;  // all walls, as `wide`
     const XmlNode *node;
     bool left;
     double top;  // absolute height
@@ -30,15 +31,49 @@ static void add_quad(const Board *b, Vec3 p, Vec3 q, Vec3 r, Vec3 t, int materia
     building_add_polygon(b->s->arena, b->s->b, b->left ? left : right, 4, material);
 }
 
+// The material of the board's surface that counts pictures as the frame says.
+static int board_material(const Board *b, const Sh3dFrame *frame) {
+    bool own = sh3d_texture_of(b->s, b->node, "") || xml_get(b->node, "color");
+    return sh3d_material(b->s, own ? b->node : b->wall->node,
+                         own       ? ""
+                         : b->left ? "leftSide"
+                                   : "rightSide",
+                         b->s->wall_material, frame);
+}
+
+// An end of a board, from p to q as seen from the right of the wall; its picture begins anew, at its left as one looks at it.
+static void add_end(const Board *b, Vec2 p, Vec2 q, double top) {
+    double foot = b->wall->floor;
+    if (vec2_length(vec2_sub(q, p)) < MAPS_GRID) return;
+    Sh3dFrame frame = sh3d_frame_from(b->left ? q : p, b->left ? p : q);
+    add_quad(b, at(p, foot), at(q, foot), at(q, top), at(p, top), board_material(b, &frame));
+}
+
 // A piece from the points `from` to `to` of the board's face and the wall's side behind; its ends are shown where asked for.
 static void add_piece(const Board *b, const Vec2 from[2], const Vec2 to[2], double top, bool begins,
                       bool ends, int material) {
     double foot = b->wall->floor;
     add_quad(b, at(from[0], foot), at(to[0], foot), at(to[0], top), at(from[0], top), material);
     add_quad(b, at(from[0], top), at(to[0], top), at(to[1], top), at(from[1], top), material);
-    if (begins)
-        add_quad(b, at(from[1], foot), at(from[0], foot), at(from[0], top), at(from[1], top), material);
-    if (ends) add_quad(b, at(to[0], foot), at(to[1], foot), at(to[1], top), at(to[0], top), material);
+    if (begins) add_end(b, from[1], from[0], top);
+    if (ends) add_end(b, to[0], to[1], top);
+}
+
+// Whether the board ends in the open: no board of the wall that is joined there has the same corner, as high or higher.
+static bool ends_open(const Board *b, int end) {
+    int other = b->wall->joined[end], n = b->wall->side_count;
+    if (other < 0) return true;
+    Vec2 corner = (b->left ? b->wide->left : b->wide->right)[end ? n - 1 : 0];
+    for (int left = 0; left < 2; left++) {
+        const Sh3dWall *w = &b->widened[other];
+        const XmlNode *node = sh3d_board(w, left);
+        const Vec2 *side = left ? w->left : w->right;
+        if (!node || w->floor + sh3d_length(b->s, node, "height", NAN) < b->top - MAPS_GRID) continue;
+        if (vec2_length(vec2_sub(side[0], corner)) < MAPS_GRID ||
+            vec2_length(vec2_sub(side[w->side_count - 1], corner)) < MAPS_GRID)
+            return false;
+    }
+    return true;
 }
 
 static int by_low(const void *a, const void *b) {
@@ -82,7 +117,7 @@ static void add_straight(const Board *b, int material) {
     const Vec2 *face = b->left ? b->wide->left : b->wide->right, *side = b->left ? w->left : w->right;
     Vec2 from[2] = {face[0], side[0]}, end[2] = {face[1], side[1]}, to[2];
     double length = vec2_length(vec2_sub(w->end, w->start)), reached = -INFINITY;
-    bool begins = w->joined[0] < 0, open_end = false;
+    bool begins = ends_open(b, 0);
     Cut cuts[MOST_CUTS];
     int count = find_cuts(b, cuts);
     for (int i = 0; i < count; i++) {
@@ -100,8 +135,7 @@ static void add_straight(const Board *b, int material) {
         points_at(b, reached, from);
         begins = true;
     }
-    open_end = w->joined[1] < 0;
-    if (reached < length) add_piece(b, from, end, b->top, begins, open_end, material);
+    if (reached < length) add_piece(b, from, end, b->top, begins, ends_open(b, 1), material);
 }
 
 static bool in_opening(const Board *b, Vec2 p) {
@@ -125,22 +159,19 @@ static void add_arc(const Board *b, const int *materials) {
     for (int i = 0; i + 1 < n; i++) {
         if (in_opening(b, vec2_scale(vec2_add(side[i], side[i + 1]), 0.5))) continue;
         Vec2 from[2] = {face[i], side[i]}, to[2] = {face[i + 1], side[i + 1]};
-        add_piece(b, from, to, b->top, i == 0 && b->wall->joined[0] < 0, i + 2 == n && b->wall->joined[1] < 0,
+        add_piece(b, from, to, b->top, i == 0 && ends_open(b, 0), i + 2 == n && ends_open(b, 1),
                   materials[i]);
     }
 }
 
 // The material of a board along each chord: [side_count - 1].
 static int *board_materials(const Board *b) {
-    Sh3d *s = b->s;
     const Sh3dWall *w = b->wall;
-    const char *wall_side = b->left ? "leftSide" : "rightSide";
-    bool own = sh3d_texture_of(s, b->node, "") || xml_get(b->node, "color");
-    int *out = ARENA_ARRAY(s->arena, int, w->side_count);
+    int *out = ARENA_ARRAY(b->s->arena, int, w->side_count);
     for (int i = 0; i + 1 < w->side_count; i++) {
         Sh3dFrame f =
             w->side_count == 2 ? sh3d_side_frame(b->wide, b->left) : sh3d_chord_frame(b->wide, b->left, i);
-        out[i] = sh3d_material(s, own ? b->node : w->node, own ? "" : wall_side, s->wall_material, &f);
+        out[i] = board_material(b, &f);
     }
     return out;
 }
@@ -155,7 +186,7 @@ void sh3d_add_baseboards(Sh3d *s) {
     for (int i = 0; i < s->wall_count && !s->failed; i++) {
         for (int left = 0; left < 2; left++) {
             const Sh3dWall *w = &s->walls[i];
-            Board b = {s, w, &wide[i], sh3d_board(w, left), left, w->floor};
+            Board b = {s, w, &wide[i], wide, sh3d_board(w, left), left, w->floor};
             if (!b.node || wide[i].beyond[left] < MAPS_GRID) continue;
             b.top += fmin(sh3d_length(s, b.node, "height", NAN), fmin(w->top[0], w->top[1]) - w->floor);
             if (s->failed || b.top < w->floor + MAPS_GRID) continue;

@@ -352,12 +352,16 @@ static ObjModel stair_model(Arena *arena, int steps, double rise) {
     return m;
 }
 
-// The lowest storey whose floor lies above the stair's foot and within reach of its top, or -1.
+// Whether a storey's floor lies above the stair's foot and within reach of its top.
+static bool leads_to(const Sh3d *s, const Piece *p, int storey) {
+    double floor = s->b->storeys[storey].floor;
+    return floor > p->z + SH3D_SAME_HEIGHT && floor <= p->z + p->height + STAIR_REACH;
+}
+
+// The lowest of these storeys, or -1.
 static int storey_above(const Sh3d *s, const Piece *p) {
-    for (int i = 0; i < s->b->storey_count; i++) {
-        double floor = s->b->storeys[i].floor;
-        if (floor > p->z + SH3D_SAME_HEIGHT && floor <= p->z + p->height + STAIR_REACH) return i;
-    }
+    for (int i = 0; i < s->b->storey_count; i++)
+        if (leads_to(s, p, i)) return i;
     return -1;
 }
 
@@ -370,10 +374,10 @@ static ObjModel plain_stair(Sh3d *s, const Piece *p) {
     return stair_model(s->arena, steps, p->height > 0 ? rise / p->height : 1);
 }
 
+// Between levels a few steps apart the stair may lead to any: the floors of all are cut.
 static void add_cutout(Sh3d *s, const Piece *p) {
     const char *path = xml_get(p->node, "staircaseCutOutShape");
-    int storey = path ? storey_above(s, p) : -1;
-    if (storey < 0) return;
+    if (!path || storey_above(s, p) < 0) return;
     Vec2 shape[SH3D_MAX_SHAPE] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
     int count = sh3d_shape(path, shape, SH3D_MAX_SHAPE);
     if (count < 3) {
@@ -381,15 +385,20 @@ static void add_cutout(Sh3d *s, const Piece *p) {
         memcpy(shape, (Vec2[]){{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 4 * sizeof(Vec2));
         count = 4;
     }
-    SketchCutout cutout = {storey, s->sketch->point_count, count, sh3d_place(s, p->node, "stair")};
     double c = cos(p->angle), sn = sin(p->angle);
+    int first = s->sketch->point_count;
     for (int i = 0; i < count; i++) {
         // The square's y counts from the back to the front.
         double x = (shape[i].x - 0.5) * (p->mirrored ? -p->width : p->width),
                y = (0.5 - shape[i].y) * p->depth;
         sh3d_add_point(s, vec2(p->at.x + c * x - sn * y, p->at.y + sn * x + c * y), -1);
     }
-    *ARENA_PUSH(s->arena, s->sketch->cutouts, s->sketch->cutout_count, s->sketch->cutout_capacity) = cutout;
+    for (int i = 0; i < s->b->storey_count; i++) {
+        if (!leads_to(s, p, i)) continue;
+        SketchCutout cutout = {i, first, count, sh3d_place(s, p->node, "stair")};
+        *ARENA_PUSH(s->arena, s->sketch->cutouts, s->sketch->cutout_count, s->sketch->cutout_capacity) =
+            cutout;
+    }
 }
 
 // ---- pieces

@@ -350,12 +350,14 @@ static void paint_wall(Sh3d *s, Sh3dWall *w) {
         for (int i = 0; i < w->side_count; i++) {
             Material m = s->b->materials[material];
             chords[i] = material;
+            sh3d_keep_lengths(s, material, texture);
             if (is_straight(w) || i + 1 == w->side_count || m.texture_map == 0) continue;
             TextureMap map;
             frame = sh3d_chord_frame(w, left, i);
             if (sh3d_map(s, texture, &frame, &map)) {
                 m.texture_map = building_add_texture_map(s->arena, s->b, map);
                 chords[i] = sh3d_push_material(s, m);
+                sh3d_keep_lengths(s, chords[i], texture);
             }
         }
         if (left)
@@ -413,6 +415,21 @@ bool sh3d_read_walls(Sh3d *s) {
 
 // ---- into the sketch and the building
 
+// The two halves of an end that joins no wall, each with the picture of its side begun anew, from the right side to the left one at
+// the wall's end and back at its start. Returns false where no picture is there.
+static bool end_materials(Sh3d *s, const Sh3dWall *w, int end, int out[2]) {
+    int last = w->side_count - 1, at = end ? last : 0, chord = end && last > 0 ? last - 1 : 0;
+    int right = w->right_material[chord], left = w->left_material[chord];
+    if (w->joined[end] >= 0 || (!sh3d_has_lengths(s->sketch, right) && !sh3d_has_lengths(s->sketch, left)))
+        return false;
+    Vec2 axis = end ? w->end : w->start;
+    Sh3dFrame before = sh3d_frame_from(end ? w->right[at] : w->left[at], axis),
+              after = sh3d_frame_from(axis, end ? w->left[at] : w->right[at]);
+    out[0] = sh3d_begun_anew(s->arena, s->b, s->sketch, end ? right : left, &before);
+    out[1] = sh3d_begun_anew(s->arena, s->b, s->sketch, end ? left : right, &after);
+    return true;
+}
+
 // A wall that bounds rooms, or may bound them.
 static void add_to_sketch(Sh3d *s, const Sh3dWall *w) {
     Sketch *k = s->sketch;
@@ -421,12 +438,18 @@ static void add_to_sketch(Sh3d *s, const Sh3dWall *w) {
     // The room is a prism as high as its highest point, so the walls that bound it are as high, a knee wall too.
     const Storey *storey = &s->b->storeys[w->storey];
     double top = fmax(w->bounding ? storey->floor + storey->height : w->floor, fmax(w->top[0], w->top[1]));
-    SketchWall wall = {w->storey, k->point_count,          2 * n,    w->floor,
+    SketchWall wall = {w->storey, k->point_count,          0,        w->floor,
                        top,       atan2(along.y, along.x), w->place, w->top_material};
-    // The ends take the left side's material; they show only where nothing is joined.
-    for (int i = 0; i < n; i++)
-        sh3d_add_point(s, w->right[i], i + 1 < n ? w->right_material[i] : w->left_material[n - 1]);
-    for (int i = n - 1; i >= 0; i--) sh3d_add_point(s, w->left[i], w->left_material[i > 0 ? i - 1 : n - 1]);
+    int start[2], end[2];
+    bool starts = end_materials(s, w, 0, start), ends = end_materials(s, w, 1, end);
+    // Ends without pictures take the left side's material; they show only where nothing is joined.
+    for (int i = 0; i + 1 < n; i++) sh3d_add_point(s, w->right[i], w->right_material[i]);
+    sh3d_add_point(s, w->right[n - 1], ends ? end[0] : w->left_material[n - 1]);
+    if (ends) sh3d_add_point(s, w->end, end[1]);
+    for (int i = n - 1; i > 0; i--) sh3d_add_point(s, w->left[i], w->left_material[i - 1]);
+    sh3d_add_point(s, w->left[0], starts ? start[0] : w->left_material[n - 1]);
+    if (starts) sh3d_add_point(s, w->start, start[1]);
+    wall.point_count = k->point_count - wall.first_point;
     *ARENA_PUSH(s->arena, k->walls, k->wall_count, k->wall_capacity) = wall;
 }
 
@@ -463,8 +486,17 @@ static void add_low(Sh3d *s, const Sh3dWall *w) {
                  at_height(w->left[i + 1], top_at(w, i + 1, w->left[i + 1])),
                  at_height(w->left[i], top_at(w, i, w->left[i])), w->top_material);
     }
-    add_side(s, w, w->right[n - 1], n - 1, w->left[n - 1], n - 1, w->left_material[n - 1]);
-    add_side(s, w, w->left[0], 0, w->right[0], 0, w->left_material[n - 1]);
+    for (int end = 1; end >= 0; end--) {
+        int at = end ? n - 1 : 0, halves[2];
+        Vec2 axis = end ? w->end : w->start, from = end ? w->right[at] : w->left[at],
+             to = end ? w->left[at] : w->right[at];
+        if (end_materials(s, w, end, halves)) {
+            add_side(s, w, from, at, axis, at, halves[0]);
+            add_side(s, w, axis, at, to, at, halves[1]);
+        } else {
+            add_side(s, w, from, at, to, at, w->left_material[n - 1]);
+        }
+    }
     Vec2 along = vec2_sub(w->end, w->start);
     building_set_proxy(s->b, atan2(along.y, along.x));
 }

@@ -11,10 +11,10 @@ typedef struct CellBuilder {
     Arena *arena;  // of the result
     Arena *scratch;
     CellGraph *graph;
-    int *edge_material;  // [plan_count] of the wall on a cell's edge
-    int *edge_upper;     // [plan_count] of the wall above a portal there
-    bool *edge_outer;    // [plan_count] the edge lies on the world's border: nothing stands there
-    int plan_capacity, edge_capacity, upper_capacity, outer_capacity, portal_capacity, portal_vertex_capacity;
+    int *
+        ring_edge;  // [plan_count] the edge of a region's ring that a cell's edge is, -1: a cut through the region
+    bool *edge_outer;  // [plan_count] the edge lies on the world's border: nothing stands there
+    int plan_capacity, edge_capacity, outer_capacity, portal_capacity, portal_vertex_capacity;
     int polygon_capacity, vertex_capacity, object_capacity;
 } CellBuilder;
 

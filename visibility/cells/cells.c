@@ -30,14 +30,9 @@ static void add_edge(CellBuilder *builder, const Region *region, int point, int 
     const Building *b = builder->building;
     CellGraph *graph = builder->graph;
     Vec2 a = b->points[point], end = b->points[next];
-    int edge = ring_edge(b, region, point, next), count = graph->plan_count;
-    *ARENA_PUSH(builder->scratch, builder->edge_material, count, builder->edge_capacity) =
-        edge >= 0 ? b->edge_material[edge] : -1;
-    count = graph->plan_count;
-    *ARENA_PUSH(builder->scratch, builder->edge_upper, count, builder->upper_capacity) =
-        edge < 0        ? -1
-        : b->edge_upper ? b->edge_upper[edge]
-                        : b->edge_material[edge];
+    int count = graph->plan_count;
+    *ARENA_PUSH(builder->scratch, builder->ring_edge, count, builder->edge_capacity) =
+        ring_edge(b, region, point, next);
     count = graph->plan_count;
     *ARENA_PUSH(builder->scratch, builder->edge_outer, count, builder->outer_capacity) =
         region->kind == REGION_OUTDOORS && on_border(&b->world, a, end);

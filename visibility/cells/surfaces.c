@@ -100,24 +100,39 @@ static void add_wall(CellBuilder *builder, int cell, Vec2 a, Vec2 b, double z0, 
     add_surface(builder, cell, quad, 4, material);
 }
 
+// A wall behind a ring's edge: one quad for each look that it has at its heights.
+static void add_bands(CellBuilder *builder, int cell, int edge, Vec2 a, Vec2 b, Span span, int material) {
+    const Building *at = builder->building;
+    double from = span.z0;
+    for (int i = building_first_band(at, edge); i < at->band_count && at->bands[i].edge == edge; i++) {
+        double to = fmin(fmax(at->bands[i].from, from), span.z1);
+        add_wall(builder, cell, a, b, from, to, material);
+        material = at->bands[i].material;
+        from = to;
+    }
+    add_wall(builder, cell, a, b, from, span.z1, material);
+}
+
 static void add_walls(CellBuilder *builder, int c) {
     CellGraph *graph = builder->graph;
+    const Building *at = builder->building;
     const Cell *cell = &graph->cells[c];
     Span *spans = ARENA_ARRAY(builder->scratch, Span, cell->way_count);
     for (int i = 0; i < cell->edge_count; i++) {
         int edge = cell->first_edge + i;
         if (builder->edge_outer[edge]) continue;
         Vec2 a = graph->plan[edge], b = graph->plan[cell->first_edge + (i + 1) % cell->edge_count];
-        int count = portal_spans(graph, cell, a, b, spans), material = builder->edge_material[edge],
-            upper = builder->edge_upper[edge];
+        int count = portal_spans(graph, cell, a, b, spans), ring = builder->ring_edge[edge],
+            material = ring < 0 ? 0 : at->edge_material[ring],
+            upper = ring >= 0 && at->edge_upper ? at->edge_upper[ring] : material;
         if (material < 0) material = 0;
         if (upper < 0) upper = 0;
         double from = cell->z0;
         for (int s = 0; s < count; s++) {
-            add_wall(builder, c, a, b, from, spans[s].z0, material);
+            add_bands(builder, c, ring, a, b, (Span){from, spans[s].z0}, material);
             from = spans[s].z1;
         }
-        add_wall(builder, c, a, b, from, cell->z1, count > 0 ? upper : material);
+        add_bands(builder, c, ring, a, b, (Span){from, cell->z1}, count > 0 ? upper : material);
     }
 }
 

@@ -11,216 +11,85 @@
 #include "engine/core/polygon.h"
 #include "maps/building/texture.h"
 #include "maps/maps.h"
+#include "tests/maps/sweethome/corners.h"
 #include "tests/support/home_fixture.h"
+#include "tests/support/support.h"
 
-// The bar of the project: texture corners within 2 cm of the program's.
-static const double NEAR = 0.02;
-// Ends of walls, jambs and ends of baseboards, metres wide at most: there the program starts pictures anew at each half of the wall's
-// thickness, while ours go on round the corner.
-static const double NARROW = 0.075;
+enum { KINDS = 5 };
 
-// Backs of baseboards, which the program draws, lie a centimetre or more behind our boards' faces, metres.
-static const double SAME_PLANE = 0.002;
-// Narrower triangles, of mouldings, lie nearer to their neighbours than figures can tell apart, metres.
-static const double SLIVER = 0.005;
-
-typedef struct Triangle {
-    char kind[16];
-    int width, height;  // of the picture
-    Vec3 p[3];
-    Vec2 place[3];
-} Triangle;
-
-// A surface of the building and how far it is from the triangle.
-typedef struct Surface {
-    int material, map;
-    double off;
-} Surface;
-
-typedef struct Search {
-    const Building *b;
-    const Triangle *t;
-    Vec3 middle, n;
-    bool sized;  // the picture has the sides that the figures say
-    Surface best;
-    double worst;  // of the best
-} Search;
-
-static bool read_triangle(FILE *file, Triangle *t) {
-    char line[512];
-    if (!fgets(line, sizeof line, file)) return false;
-    double v[15];
-    int used = 0;
-    cr_assert_eq(sscanf(line, "%15s %dx%d%n", t->kind, &t->width, &t->height, &used), 3, "%s", line);
-    for (int i = 0, at = used, more; i < 15; i++, at += more)
-        cr_assert_eq(sscanf(line + at, "%lf%n", &v[i], &more), 1, "%s", line);
-    for (int i = 0; i < 3; i++) {
-        t->p[i] = vec3(v[5 * i], v[5 * i + 1], v[5 * i + 2]);
-        t->place[i] = vec2(v[5 * i + 3], v[5 * i + 4]);
-    }
-    return true;
-}
-
-// The gradient of a quantity known at the corners, in the triangle's plane.
-static Vec3 gradient(const Triangle *t, double a, double b, double c) {
-    Vec3 x = vec3_sub(t->p[1], t->p[0]), y = vec3_sub(t->p[2], t->p[0]);
-    double xx = vec3_dot(x, x), xy = vec3_dot(x, y), yy = vec3_dot(y, y), det = xx * yy - xy * xy;
-    return vec3_add(vec3_scale(x, ((b - a) * yy - (c - a) * xy) / det),
-                    vec3_scale(y, ((c - a) * xx - (b - a) * xy) / det));
-}
-
-// How far apart two places in a picture that repeats are, metres; `gradient` is repetitions a metre. Half a texel of `side` is nothing: so
-// much may a single map for a face of four corners be off, and where a picture is drawn out to a streak metres mean nothing.
-static double apart(double a, double b, double gradient, int side) {
-    double off = fabs(a - b - nearbyint(a - b));
-    return off < 0.5 / side ? 0 : off / gradient;
-}
-
-// The farthest that our picture lies from the program's at a corner, metres.
-static double error_of(const Building *b, const Triangle *t, int map) {
-    double along_u = vec3_length(gradient(t, t->place[0].x, t->place[1].x, t->place[2].x)),
-           along_v = vec3_length(gradient(t, t->place[0].y, t->place[1].y, t->place[2].y)), worst = 0;
-    const TextureMap *m = &b->texture_maps[map];
-    for (int i = 0; i < 3; i++) {
-        double u = vec3_dot(m->u, t->p[i]) + m->u0, v = vec3_dot(m->v, t->p[i]) + m->v0;
-        worst = fmax(worst, hypot(apart(u, t->place[i].x, along_u, t->width),
-                                  apart(v, t->place[i].y, along_v, t->height)));
-    }
-    return worst;
-}
-
-static void consider(Search *s, int material, int map, double off) {
-    if (material < 0) return;
-    const Material *m = &s->b->materials[material];
-    if (map == 0) map = m->texture_map;
-    if (m->texture == 0 || map == 0) return;
-    const Texture *texture = &s->b->textures[m->texture];
-    if (s->sized && (texture->width != s->t->width || texture->height != s->t->height)) return;
-    double worst = error_of(s->b, s->t, map);
-    if (off > (strcmp(s->t->kind, "board") == 0 ? SAME_PLANE : NEAR)) return;
-    // The nearest; of those in one place the best.
-    if (off > s->best.off + 1e-3 || (off > s->best.off - 1e-3 && worst >= s->worst)) return;
-    s->best = (Surface){material, map, off};
-    s->worst = worst;
-}
-
-static void search_regions(Search *s) {
-    const Building *b = s->b;
-    Vec3 c = s->middle;
-    for (int i = 0; i < b->region_count; i++) {
-        const Region *r = &b->regions[i];
-        bool inside = false;
-        for (int k = r->first_ring; k < r->first_ring + r->ring_count; k++) {
-            const Ring *ring = &b->rings[k];
-            const Vec2 *p = &b->points[ring->first_point];
-            inside ^= ring_contains(p, ring->point_count, vec2(c.x, c.y));
-            for (int e = 0; e < ring->point_count && fabs(s->n.z) < 0.1 && c.z > r->z0 && c.z < r->z1; e++) {
-                Vec2 a = p[e], along = vec2_sub(p[(e + 1) % ring->point_count], a),
-                     to = vec2_sub(vec2(c.x, c.y), a);
-                double length = vec2_length(along), t = vec2_dot(to, along) / length;
-                if (fabs(along.x * s->n.x + along.y * s->n.y) > 0.05 * length || t < 0 || t > length)
-                    continue;
-                consider(s, b->edge_material[ring->first_point + e], 0, fabs(vec2_cross(along, to)) / length);
-            }
-        }
-        bool ground = strcmp(s->t->kind, "ground") == 0;
-        if (ground ? r->kind != REGION_OUTDOORS : !inside || fabs(s->n.z) < 0.9) continue;
-        consider(s, r->floor_material, 0, ground ? 0 : fabs(c.z - r->z0));
-        if (!ground) consider(s, r->ceiling_material, 0, fabs(c.z - r->z1));
+// Every triangle that can be seen shows what the program shows; of each kind there are at least so many.
+static void expect_same(const char *home, const char *figures, bool sized, const int least[KINDS]) {
+    CornersTally tallies[KINDS] = {
+        {.kind = "wall"}, {.kind = "board"}, {.kind = "room"}, {.kind = "piece"}, {.kind = "ground"}};
+    corners_compare(home, figures, sized, tallies, KINDS);
+    for (int i = 0; i < KINDS; i++) {
+        const CornersTally *t = &tallies[i];
+        if (getenv("CORNERS_LIST"))
+            printf("%s: %s: %d the same, %d unseen, %d missing, %d off\n", home, t->kind, t->same, t->unseen,
+                   t->missing, t->off);
+        cr_expect_geq(t->same, least[i], "%s: %s: %d the same", home, t->kind, t->same);
+        cr_expect_eq(t->missing + t->off, 0, "%s: %s: %d missing, %d off", home, t->kind, t->missing, t->off);
     }
 }
 
-static void search_polygons(Search *s) {
-    const Building *b = s->b;
-    for (int i = 0; i < b->polygon_count; i++) {
-        const Polygon *p = &b->polygons[i];
-        const Vec3 *v = &b->vertices[p->first_vertex];
-        Plane plane = plane_of_polygon(v, p->vertex_count);
-        double off = fabs(vec3_dot(plane.n, s->middle) - plane.d);
-        bool inside = off < NEAR && fabs(vec3_dot(plane.n, s->n)) > 0.99;
-        for (int k = 0; inside && k < p->vertex_count; k++) {
-            Vec3 edge = vec3_sub(v[(k + 1) % p->vertex_count], v[k]);
-            inside = vec3_dot(vec3_cross(plane.n, edge), vec3_sub(s->middle, v[k])) > -1e-6;
-        }
-        if (inside) consider(s, p->material, p->texture_map, off);
-    }
-}
-
-// The triangles of a kind that have a surface of ours, and those that have none.
-typedef struct Tally {
-    const char *kind;
-    int found, missing;
-} Tally;
-
-static void compare_triangle(const Building *b, const Triangle *t, bool sized, const char *home,
-                             Tally *tally) {
-    Vec3 n = vec3_cross(vec3_sub(t->p[1], t->p[0]), vec3_sub(t->p[2], t->p[0]));
-    double size = vec3_length(n), wide = 0, longest = 0;
-    for (int i = 0; i < 3; i++) {
-        Vec3 side = vec3_sub(t->p[i], t->p[(i + 1) % 3]);
-        wide = fmax(wide, hypot(side.x, side.y));
-        longest = fmax(longest, vec3_length(side));
-    }
-    bool board = strcmp(t->kind, "board") == 0;
-    if (size < 1e-9 || size < SLIVER * longest || ((board || strcmp(t->kind, "wall") == 0) && wide < NARROW))
-        return;
-    Search s = {.b = b,
-                .t = t,
-                .n = vec3_scale(n, 1 / size),
-                .sized = sized,
-                .best = {-1, 0, NEAR},
-                .worst = INFINITY};
-    s.middle = vec3_scale(vec3_add(vec3_add(t->p[0], t->p[1]), t->p[2]), 1.0 / 3);
-    if (!board) search_regions(&s);
-    search_polygons(&s);
-    tally->found += s.best.material >= 0;
-    tally->missing += s.best.material < 0;
-    cr_expect(s.best.material < 0 || s.worst < NEAR,
-              "%s: %s with a picture of %d x %d at (%.2f, %.2f, %.2f) lies %.3f m off", home, t->kind,
-              t->width, t->height, s.middle.x, s.middle.y, s.middle.z, s.worst);
-}
-
-// Compares a home with its figures, kind by kind. `sized`: its pictures have sides of their own.
-static void compare(const char *home, const char *figures, bool sized, Tally *tallies, int count) {
+// Proves that every way of laying pictures is the program's. textures.sh3d: both sides of walls, straight and along arcs, their ends and
+// jambs, with angle, scale, offset and either orientation; baseboards; floors and ceilings, stretched over their room too; pieces as a
+// whole, turned, mirrored and laid down; single materials; models' own pictures; the ground. attic.sh3d, made and saved by the
+// program: walls of two storeys above each other, sloped tops and ceilings, a stairwell, a tilted piece. hillside.sh3d and villa.sh3d:
+// floors of rooms of many shapes, and a floor over levels a few steps apart with a hole. Their sums say how much of each kind is there.
+Test(sh3d_textures, lie_as_in_sweet_home_3d) {
+    static const struct {
+        const char *name;
+        bool sized;
+        int least[KINDS];
+    } HOMES[] = {{"textures", true, {222, 16, 8, 108, 22}},
+                 {"attic", true, {204, 52, 59, 60, 29}},
+                 {"hillside", false, {0, 0, 28, 0, 0}},
+                 {"villa", false, {0, 0, 52, 0, 0}}};
     Arena arena = {0};
-    Building b = {0};
-    Error error;
-    cr_assert(maps_read(home, &arena, &b, &error), "%s", error.text);
-    FILE *file = fopen(figures, "r");
-    cr_assert(file, "%s", figures);
-    Triangle t;
-    while (read_triangle(file, &t)) {
-        for (int i = 0; i < count; i++)
-            if (strcmp(t.kind, tallies[i].kind) == 0) compare_triangle(&b, &t, sized, home, &tallies[i]);
-    }
-    fclose(file);
+    for (int i = 0; i < 4; i++)
+        expect_same(arena_format(&arena, "maps/buildings/%s.sh3d", HOMES[i].name),
+                    arena_format(&arena, "tests/maps/sweethome/%s.corners", HOMES[i].name), HOMES[i].sized,
+                    HOMES[i].least);
     arena_free(&arena);
 }
 
-// Proves that every way of laying pictures is the program's: both sides of walls, straight and along arcs, with angle, scale, offset and
-// either orientation; baseboards; floors and ceilings, stretched over their room too; pieces as a whole, turned, mirrored and laid
-// down; single materials; models' own pictures; the ground. Walls' missing triangles are mitres inside the corners, boards' their backs.
-Test(sh3d_textures, lie_as_in_sweet_home_3d) {
-    Tally tallies[] = {{"wall", 0, 0}, {"board", 0, 0}, {"room", 0, 0}, {"piece", 0, 0}, {"ground", 0, 0}};
-    compare("maps/buildings/textures.sh3d", "tests/maps/sweethome/textures.corners", true, tallies, 5);
-    static const int LEAST[][2] = {{178, 32}, {10, 10}, {8, 0}, {108, 0}, {22, 0}};
-    for (int i = 0; i < 5; i++) {
-        cr_expect_geq(tallies[i].found, LEAST[i][0], "%s: %d", tallies[i].kind, tallies[i].found);
-        cr_expect_leq(tallies[i].missing, LEAST[i][1], "%s: %d", tallies[i].kind, tallies[i].missing);
-    }
-}
-
-// The same of a home by a stranger, of which walls, rooms and a tenth of the pieces' triangles are kept as figures. Pieces lack the faces
-// of leaves, which ours have closed.
+// The same of a home by a stranger, of which walls, rooms and a tenth of the pieces' triangles are kept as figures.
 Test(sh3d_textures, lie_so_in_a_real_home) {
     const char *home = "../shared/data/sh3d/textured-room.sh3d";
     if (access(home, R_OK) != 0) cr_skip("no %s", home);
-    Tally tallies[] = {{"wall", 0, 0}, {"room", 0, 0}, {"piece", 0, 0}};
-    compare(home, "tests/maps/sweethome/textured-room.corners", false, tallies, 3);
-    cr_expect_eq(tallies[0].missing + tallies[1].missing, 0);
-    cr_expect_geq(tallies[0].found, 60);
-    cr_expect_eq(tallies[1].found, 4);
-    cr_expect_geq(tallies[2].found, 20);
+    expect_same(home, "tests/maps/sweethome/textured-room.corners", false, (const int[]){90, 0, 4, 20, 0});
+}
+
+// The counts of the comparison for one kind of figures, which are given as text.
+static CornersTally tally_of(const char *kind, const char *figures) {
+    Arena arena = {0};
+    Error error;
+    CornersTally tally = {.kind = kind};
+    char *path = arena_format(&arena, "%s/figures", support_folder(&arena));
+    cr_assert(file_write(path, figures, strlen(figures), &error), "%s", error.text);
+    corners_compare("maps/buildings/textures.sh3d", path, true, &tally, 1);
+    arena_free(&arena);
+    return tally;
+}
+
+// Proves that the comparison sees what it is to see: a picture that lies 3 cm off (of 50 cm, 0.06); one where no surface of ours is; and
+// that a triangle is unseen behind a solid alone, not where that has a gap, nor where it ends before the triangle does.
+Test(sh3d_textures, the_comparison_notices) {
+#define NORTH "wall 32x64 1.06 -1.06 0 "
+#define REST " 6.94 -1.06 0 11.76 1 6.94 -1.06 2.5 11.76 -1.5\n"
+#define HOLDS " 0 0 0.5 -2 7.5 -2 7.5 0 0.5 0\n"
+#define AWAY "wall 32x64 1.06 -1.26 0 0 1 6.94 -1.26 0 11.76 1 6.94 -1.26 2.5 11.76 -1.5\n"
+    CornersTally same = tally_of("wall", NORTH "0 1" REST), moved = tally_of("wall", NORTH "0.06 1" REST),
+                 away = tally_of("wall", AWAY), hidden = tally_of("wall", "solid 0 3" HOLDS AWAY),
+                 gap = tally_of("wall", "solid 0 3" HOLDS "gap 0 3" HOLDS AWAY),
+                 half = tally_of("wall", "solid 0 1" HOLDS AWAY);
+    cr_expect(same.same == 1 && same.off + same.missing + same.unseen == 0);
+    cr_expect(moved.off == 1 && moved.same == 0);
+    cr_expect(away.missing == 1 && away.same == 0);
+    cr_expect(hidden.unseen == 1 && hidden.missing == 0);
+    cr_expect(gap.missing == 1 && gap.unseen == 0);
+    cr_expect(half.missing == 1 && half.unseen == 0);
 }
 
 // Proves that images that are missing, cut short or too large in their header cost one sentence and leave the colour that the home states,
@@ -297,12 +166,9 @@ Test(sh3d_textures, holes) {
     arena_free(&arena);
 }
 
-// Any home: HOME_FILE with figures HOME_CORNERS.
+// Any home: HOME_FILE with figures HOME_CORNERS. CORNERS_LIST tells what is compared, and each fault.
 Test(sh3d_textures, lie_so_in_a_given_home) {
     const char *home = getenv("HOME_FILE"), *figures = getenv("HOME_CORNERS");
     if (!home || !figures) cr_skip("no home is given");
-    Tally tallies[] = {{"wall", 0, 0}, {"board", 0, 0}, {"room", 0, 0}, {"piece", 0, 0}, {"ground", 0, 0}};
-    compare(home, figures, false, tallies, 5);
-    for (int i = 0; i < 5; i++)
-        fprintf(stderr, "%s: %d found, %d missing\n", tallies[i].kind, tallies[i].found, tallies[i].missing);
+    expect_same(home, figures, false, (const int[KINDS]){0});
 }

@@ -164,7 +164,7 @@ def first_picture_is_upright(minute):
         window.wait()
     off, turned = (sum(abs(a - b) for row, other in zip(rows, then) for a, b in zip(row, other)) for rows in (first, first[::-1]))
     minute.expect(first != then, "the walk shows no frame of its own")
-    minute.expect(off < turned / 2, f"the first picture differs by {off} from the next, upside down by {turned}")
+    minute.expect(off < turned, f"the first picture differs by {off} from the next, upside down by {turned}")
 
 
 def first_view(minute):

@@ -543,7 +543,7 @@ class Home:
         a.update(more)
         self.add(kind, a, children)
 
-    def light(self, level, name, obj, at, power, source=(.5, .5, .3), angle=0, tint="FFFFE8C8", diameter=None, size=None, **more):
+    def light(self, level, name, obj, at, power, source=(.5, .5, .3), angle=0, tint="00FFE8C8", diameter=None, size=None, **more):
         spots = [{"x": x, "y": y, "z": z, "color": tint} for x, y, z in ([source] if source else [])]
         self.piece(level, name, obj, at, angle, size, "light", [tag("lightSource", {**a, **({"diameter": diameter} if diameter else {})})
                                                                 for a in spots], power=power, **more)
@@ -602,8 +602,8 @@ class Home:
         self.environment += [self.camera("cameraPath", at, yaw) for at, yaw in points]
 
     def xml(self, ground):
-        body = tag("environment", {"groundColor": ground, "skyColor": "FFCCE4FC", "lightColor": "FFD0D0D0",
-                                   "ceillingLightColor": "FFD0D0D0"},
+        body = tag("environment", {"groundColor": ground, "skyColor": "FFCCE4FC", "lightColor": "00D0D0D0",
+                                   "ceillingLightColor": "00D0D0D0"},
                    self.environment)
         body += tag("compass", {"x": -100., "y": 50., "diameter": 100., "northDirection": 0.4, "longitude": 0.12, "latitude": 0.84,
                                 "timeZone": "Europe/Berlin"})
@@ -727,7 +727,7 @@ def flat():
     for x, y, name in ((2.3, 2.4, "Living"), (6.4, 2.4, "Dining"), (9.9, 2.4, "Bed"), (7.5, 5.65, "Corridor"), (2.0, 7.6, "Kitchen"),
                        (4.6, 7.4, "Bath"), (7.5, 7.8, "Child")):
         h.light(None, name + " lamp", (.45, .45, .35), (x, y, 2.6), .7, (.5, .5, .2), color=colour("shade"))
-    h.light(None, "Floor lamp", (.35, .35, 1.6), (.4, .9), .5, (.5, .5, .9), tint="FFFFD8A0", color=colour("brass"))
+    h.light(None, "Floor lamp", (.35, .35, 1.6), (.4, .9), .5, (.5, .5, .9), tint="00FFD8A0", color=colour("brass"))
     h.light(None, "Reading lamp", (.15, .15, .4), (11.1, 2.1, .5), .3, (.5, .5, .8), color=colour("brass"))
     h.light(None, "Lava lamp", (.12, .12, .4), (5.2, 4.5, .9), .2, None, color=colour("red"))  # without a source
     h.add("dimensionLine", {"xStart": 0., "yStart": 60., "xEnd": 460., "yEnd": 60., "offset": 40.})
@@ -909,8 +909,8 @@ def hillside_pieces(h):
                                               (ROOF, "Bedroom", 2.2, 4.0, 2.2, .6, .7), (ROOF, "Landing", 5.25, 4.0, 2.2, .6, .6),
                                               (ROOF, "Child", 8.0, 3.6, 1.9, .4, .7), (ROOF, "Bath", 8.0, 4.9, 1.9, .4, .7)):
         h.light(level, name + " lamp", pendant(drop), (x, y, z), power, (.5, .5, .1), diameter=.3, entry="pendant-%d" % round(100 * drop))
-    h.light(GROUND, "Floor lamp", floor_lamp(), (4.75, 7.35), .6, (.5, .5, .9), tint="FFFFD8A0", entry="floor-lamp")
-    h.light(ROOF, "Reading lamp", floor_lamp(), (.55, 3.65, .5), .3, (.5, .5, .9), tint="FFFFD8A0", entry="floor-lamp", size=(.16, .16, .5))
+    h.light(GROUND, "Floor lamp", floor_lamp(), (4.75, 7.35), .6, (.5, .5, .9), tint="00FFD8A0", entry="floor-lamp")
+    h.light(ROOF, "Reading lamp", floor_lamp(), (.55, 3.65, .5), .3, (.5, .5, .9), tint="00FFD8A0", entry="floor-lamp", size=(.16, .16, .5))
 
 
 def hillside():
@@ -1053,9 +1053,9 @@ def villa_pieces(h):
                         (4.5, -1.0, .5), (8.0, 2.6, .4)):
         h.light(None, "Pendant", pendant(.5), (x, y, 2.0), power, (.5, .5, .1), diameter=.3)
     for x, y in ((7.9, 3.6), (3.1, 2.5), (-4.2, 3.4), (9.6, 8.7)):
-        h.light(None, "Floor lamp", floor_lamp(), (x, y), .5, (.5, .5, .9), tint="FFFFD8A0")
+        h.light(None, "Floor lamp", floor_lamp(), (x, y), .5, (.5, .5, .9), tint="00FFD8A0")
     for y in (.7, 3.3):
-        h.light(None, "Table lamp", floor_lamp(), (14.2, y, .5), .3, (.5, .5, .9), tint="FFFFD8A0", size=(.2, .2, .45), entry="floor-lamp")
+        h.light(None, "Table lamp", floor_lamp(), (14.2, y, .5), .3, (.5, .5, .9), tint="00FFD8A0", size=(.2, .2, .45), entry="floor-lamp")
 
 
 def villa():

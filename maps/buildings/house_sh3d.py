@@ -485,7 +485,7 @@ class Home:
             return
         (x, y, z), flux = lights[0]
         top = max(flux)
-        colour = "FF%02X%02X%02X" % tuple(round(255 * f / top) for f in flux)
+        colour = "00%02X%02X%02X" % tuple(round(255 * f / top) for f in flux)
         size = [max(1e-6, b - a) for a, b in zip(obj.low, obj.high)]
         source = tag("lightSource", {"x": (x - obj.low[0]) / size[0], "y": 1 - (y - obj.low[1]) / size[1],
                                      "z": min(1.0, max(0.0, (z - obj.low[2]) / size[2])), "color": colour})
@@ -503,7 +503,7 @@ class Home:
             extra["power"] = 0.3
         self.piece(level, s, "ceiling panel" if ceiling else "rug", self.bare("box", obj), obj, at, {}, extra,
                    "light" if ceiling else "pieceOfFurniture",
-                   [tag("lightSource", {"x": 0.5, "y": 0.5, "z": 0.0, "color": "FFFFFFFF"})] if ceiling else ())
+                   [tag("lightSource", {"x": 0.5, "y": 0.5, "z": 0.0, "color": "00FFFFFF"})] if ceiling else ())
 
     def camera(self, attribute, floor, at, o, name=None):
         a = {"attribute": attribute, "lens": "PINHOLE", "x": 100 * at[0], "y": -100 * at[1],
@@ -518,7 +518,7 @@ class Home:
     def xml(self):
         h = self.house
         self.lines += tag("environment", {"groundColor": "FF" + h.ground[0], "skyColor": "FFCCE4FC",
-                                          "lightColor": "FFD0D0D0", "ceillingLightColor": "FFD0D0D0"},
+                                          "lightColor": "00D0D0D0", "ceillingLightColor": "00D0D0D0"},
                           [self.camera("cameraPath", f, at, o) for f, at, o in h.tour])
         self.lines += self.camera("observerCamera", h.start[0], h.start[1], h.start[2])
         for name, floor, at, o in h.views:

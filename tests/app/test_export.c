@@ -4,6 +4,8 @@
 #include <jansson.h>
 
 #include "engine/app/export_glb.h"
+#include "engine/core/polygon.h"
+#include "maps/building/texture.h"
 #include "maps/maps.h"
 #include "radiosity/show/reconstruct.h"
 #include "tests/support/lit_fixture.h"
@@ -178,6 +180,133 @@ Test(export, colours_are_light) {
     }
     cr_assert_eq(darkest, (float)low_light, "%g, not %g", (double)darkest, low_light);
     cr_assert_eq(brightest, (float)high_light, "%g, not %g", (double)brightest, high_light);
+    json_decref(json);
+    arena_free(&arena);
+    lit_free(lit);
+}
+
+// ---- pictures
+
+// The bytes of an accessor.
+static const void *values(const json_t *json, const unsigned char *binary, const json_t *accessor) {
+    const json_t *view =
+        json_array_get(json_object_get(json, "bufferViews"), (size_t)number(accessor, "bufferView"));
+    return binary + (size_t)number(view, "byteOffset") + (size_t)number(accessor, "byteOffset");
+}
+
+static const json_t *item(const json_t *json, const char *list, double index) {
+    return json_array_get(json_object_get(json, list), (size_t)index);
+}
+
+// A triangle as exported, in the building's space.
+typedef struct Pictured {
+    Vec3 p[3];
+    Vec2 place[3];
+    const char *image;
+} Pictured;
+
+static Vec3 translation(const json_t *node) {
+    const json_t *t = json_object_get(node, "translation");
+    return vec3(json_number_value(json_array_get(t, 0)), json_number_value(json_array_get(t, 1)),
+                json_number_value(json_array_get(t, 2)));
+}
+
+// How far a triangle's places lie from where the picture of a polygon has its corners, in repetitions, whole ones apart; INFINITY: the
+// triangle is not of that polygon, or lies otherwise than `texture_at` reads the picture.
+static double places_off(const CellGraph *graph, int polygon, const Pictured *t) {
+    const Building *b = graph->building;
+    const Polygon *p = &graph->polygons[polygon];
+    const Material *m = &b->materials[p->material];
+    const Texture *texture = &b->textures[m->texture];
+    int at = p->texture_map ? p->texture_map : m->texture_map;
+    if (m->texture == 0 || at == 0 || strcmp(texture->name, t->image) != 0) return INFINITY;
+    const Vec3 *v = graph->vertices + p->first_vertex;
+    Plane plane = plane_of_polygon(v, p->vertex_count);
+    Vec3 middle = vec3_scale(vec3_add(t->p[0], vec3_add(t->p[1], t->p[2])), 1.0 / 3);
+    if (fabs(vec3_dot(plane.n, middle) - plane.d) > 1e-4) return INFINITY;
+    for (int k = 0; k < p->vertex_count; k++) {
+        Vec3 edge = vec3_sub(v[(k + 1) % p->vertex_count], v[k]);
+        if (vec3_dot(vec3_cross(plane.n, edge), vec3_sub(middle, v[k])) < 0) return INFINITY;
+    }
+    double worst = 0;
+    for (int i = 0; i < 3; i++) {
+        const TextureMap *map = &b->texture_maps[at];
+        double u = t->place[i].x - vec3_dot(map->u, t->p[i]) - map->u0,
+               w = t->place[i].y - vec3_dot(map->v, t->p[i]) - map->v0;
+        worst = fmax(worst, hypot(u - nearbyint(u), w - nearbyint(w)));
+        Texel here = texture_at(b, p->material, p->texture_map, t->p[i], 1e-6),
+              there = texture_read(texture, t->place[i].x, t->place[i].y, 0);
+        double share = (double)there.colour.g * (double)m->reflectance.g / (double)texture->mean.g;
+        // Between texels colours change by 64 a repetition at most, of 1e-4 of one.
+        if (fabs((double)here.colour.g - share) > 0.01) worst = INFINITY;
+    }
+    return worst;
+}
+
+static double best_of(const CellGraph *graph, const Pictured *t) {
+    double best = INFINITY;
+    for (int i = 0; i < graph->polygon_count; i++) best = fmin(best, places_off(graph, i, t));
+    return best;
+}
+
+// Checks the triangles of a primitive; returns their number.
+static int check_pictured(const Lit *lit, const json_t *json, const unsigned char *binary, Vec3 from,
+                          const json_t *primitive) {
+    const json_t *attributes = json_object_get(primitive, "attributes"),
+                 *places = json_object_get(attributes, "TEXCOORD_0");
+    if (!places) return 0;
+    const json_t *indices = item(json, "accessors", number(primitive, "indices"));
+    const json_t *base = json_object_get(
+        json_object_get(item(json, "materials", number(primitive, "material")), "pbrMetallicRoughness"),
+        "baseColorTexture");
+    const json_t *texture = item(json, "textures", number(base, "index"));
+    Pictured t = {
+        .image = json_string_value(json_object_get(item(json, "images", number(texture, "source")), "name"))};
+    const float *position = values(json, binary, item(json, "accessors", number(attributes, "POSITION")));
+    const float *place = values(json, binary, item(json, "accessors", json_number_value(places)));
+    const uint32_t *index = values(json, binary, indices);
+    int count = (int)number(indices, "count") / 3;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            uint32_t at = index[3 * i + k];
+            const float *p = position + 3 * at;
+            t.p[k] = vec3_add(from, vec3((double)p[0], (double)p[1], (double)p[2]));
+            t.place[k] = vec2((double)place[2 * at], (double)place[2 * at + 1]);
+        }
+        double off = best_of(&lit->graph, &t);
+        cr_assert_lt(off, 1e-4, "%s at (%.2f, %.2f, %.2f) lies %g repetitions off", t.image, t.p[0].x,
+                     t.p[0].y, t.p[0].z, off);
+    }
+    return count;
+}
+
+// Proves that pictures leave with the building as they lie on it: each corner of every exported triangle that shows one has, as
+// TEXCOORD_0, the place of `texture_at` in it, whole repetitions apart. 1e-4 repetitions: places are floats, a hundred repetitions
+// from the picture's beginning at most.
+Test(export, pictures_lie_as_here) {
+    Lit *lit = lit_new();
+    Arena arena = {0};
+    Error error = {""};
+    *lit->building = (Building){0};
+    cr_assert(maps_read("maps/buildings/attic.sh3d", &lit->arena, lit->building, &error), "%s", error.text);
+    lit->building->materials[0].emission = (Rgb){1, 1, 1};
+    lit_finish(lit, 2, 2);
+    Written w = write_lit(lit, 0);
+    const unsigned char *binary;
+    json_t *json = document_of(support_read(&arena, w.path), &binary), *node;
+    Vec3 root = translation(item(json, "nodes", 0));
+    size_t i;
+    int count = 0;
+    json_array_foreach(json_object_get(json, "nodes"), i, node) {
+        const json_t *mesh = json_object_get(node, "mesh");
+        Vec3 from = vec3_add(vec3(root.x, -root.z, root.y), i > 0 ? translation(node) : vec3(0, 0, 0));
+        size_t k;
+        json_t *primitive;
+        if (mesh)
+            json_array_foreach(json_object_get(item(json, "meshes", json_number_value(mesh)), "primitives"),
+                               k, primitive) count += check_pictured(lit, json, binary, from, primitive);
+    }
+    cr_assert_gt(count, 500, "%d triangles", count);
     json_decref(json);
     arena_free(&arena);
     lit_free(lit);

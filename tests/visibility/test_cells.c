@@ -202,3 +202,47 @@ Test(cells, inlays_keep_their_area) {
     cr_expect_float_eq(area[0][1] + blue, 27, 1e-9);
     arena_free(&arena);
 }
+
+// The material of the surface in the middle of a ring's edge at height z, -1: none stands there.
+static int surface_at(const CellGraph *g, Vec2 a, Vec2 b, double z) {
+    Vec3 at = vec3((a.x + b.x) / 2, (a.y + b.y) / 2, z);
+    for (int i = 0; i < g->polygon_count; i++) {
+        const Polygon *p = &g->polygons[i];
+        const Vec3 *v = g->vertices + p->first_vertex;
+        Plane plane = plane_of_polygon(v, p->vertex_count);
+        bool inside = fabs(plane.n.z) < 0.5 && fabs(vec3_dot(plane.n, at) - plane.d) < 1e-6;
+        for (int k = 0; inside && k < p->vertex_count; k++) {
+            Vec3 edge = vec3_sub(v[(k + 1) % p->vertex_count], v[k]);
+            inside = vec3_dot(vec3_cross(plane.n, edge), vec3_sub(at, v[k])) > 0;
+        }
+        if (inside) return p->material;
+    }
+    return -1;
+}
+
+// Proves that an outer wall has the look of each storey at its own heights: 1 mm below and above each band's beginning.
+Test(cells, walls_look_as_their_storeys) {
+    Arena arena = {0};
+    Building b = {0};
+    Error error;
+    CellGraph g;
+    VisOptions options = vis_default_options();
+    cr_assert(maps_read("maps/buildings/attic.sh3d", &arena, &b, &error), "%s", error.text);
+    cr_assert(vis_build_cells(&b, &options, &arena, &g, &error), "%s", error.text);
+    int seen = 0;
+    for (int i = 0; i < b.band_count; i++) {
+        const EdgeBand *band = &b.bands[i];
+        int ring = 0;
+        while (band->edge >= b.rings[ring].first_point + b.rings[ring].point_count) ring++;
+        int first = b.rings[ring].first_point,
+            next = first + (band->edge - first + 1) % b.rings[ring].point_count;
+        Vec2 from = b.points[band->edge], to = b.points[next];
+        int below = surface_at(&g, from, to, band->from - 0.001),
+            above = surface_at(&g, from, to, band->from + 0.001);
+        cr_expect(above < 0 || above == band->material, "band %d: material %d", i, above);
+        cr_expect(below < 0 || below == b.edge_material[band->edge], "band %d: material %d below", i, below);
+        seen += below >= 0 && above >= 0 && below != above;
+    }
+    cr_expect_geq(seen, 4, "%d bands", seen);
+    arena_free(&arena);
+}

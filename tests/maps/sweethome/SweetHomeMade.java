@@ -86,11 +86,9 @@ public class SweetHomeMade {
         new CatalogPieceOfFurniture(name, entry("label"), entry(model + "/box.obj"), width, depth, height, true, false));
   }
 
-  static HomePieceOfFurniture opening(String name, float width, float height, float up) throws Exception {
-    HomePieceOfFurniture p = new HomeDoorOrWindow(new CatalogDoorOrWindow(null, name, null, entry("label"), null, entry("plain/box.obj"), width,
-        6, height, up, false, 1f, 0f, new Sash[0], null, null, true, null, null));
-    p.setModelMaterials(new HomeMaterial[] {new HomeMaterial("skin", null, picture("crate", 80, 80, .1f, .2f, .3f, .6f), null)});
-    return p;
+  static HomePieceOfFurniture opening(String name, String model, float width, float height, float up) throws Exception {
+    return new HomeDoorOrWindow(new CatalogDoorOrWindow(null, name, null, entry("label"), null, entry(model + "/box.obj"), width, 6, height, up,
+        false, 1f, 0f, new Sash[0], null, null, true, null, null));
   }
 
   static Camera camera(String name, float x, float y, float z, float degrees, float down) {
@@ -126,9 +124,11 @@ public class SweetHomeMade {
     for (int i = 0; i < 3; i++) System.arraycopy(rest[i], 0, bow, 22 + 2 * i, 2);
     room(level, "Bow room", fitted("plan"), fitted("grid"), bow);
     // Not in the south wall: where a wall begins at a round one, and has an opening, the program starts its picture anew by rounding errors.
-    place(opening("Front door", 90, 205, 0), level, 0, 400, 90);
-    place(opening("Window", 140, 110, 90), level, 0, 180, 90);
-    place(opening("Window", 120, 120, 80), level, 540, 0, 180);
+    HomePieceOfFurniture door = opening("Front door", "plain", 90, 205, 0);
+    door.setModelMaterials(new HomeMaterial[] {new HomeMaterial("skin", null, picture("crate", 80, 80, .1f, .2f, .3f, .6f), null)});
+    place(door, level, 0, 400, 90);
+    place(opening("Window", "leaf", 140, 110, 90), level, 0, 180, 90);
+    place(opening("Window", "leaf", 120, 120, 80), level, 540, 0, 180);
     HomePieceOfFurniture stair = piece("Stairs", "crate", 90, 230, 262);
     stair.setStaircaseCutOutShape("M0,0 v1 h1 v-1 z");
     place(stair, level, 325, 140, 0);
@@ -153,7 +153,7 @@ public class SweetHomeMade {
     join(north, east, east2, south, west, west2);
     room(level, "Attic", picture("tiles", 30, 30, .2f, .2f, .25f, 1.1f), picture("oak", 120, 30, 0, 0, 1.2f, .8f), 15, 15, 685, 15, 685, 250, 685,
         485, 15, 485, 15, 250);
-    place(opening("Gable window", 90, 100, 70), level, 700, 250, 90);
+    place(opening("Gable window", "leaf", 90, 100, 70), level, 700, 250, 90);
     HomePieceOfFurniture cupboard = piece("Cupboard", "leaf", 80, 50, 120);
     place(cupboard, level, 520, 330, 200);
   }
@@ -169,13 +169,13 @@ public class SweetHomeMade {
     home.getEnvironment().setGroundTexture(picture("lawn", 150, 40, .1f, .7f, .35f, 2));
     home.getEnvironment().setSkyTexture(picture("sky", 100, 100, .3f, 0, 0, 1));
     home.getEnvironment().setAllLevelsVisible(true);
-    home.setStoredCameras(Arrays.asList(camera("Hall", 60, 450, 165, 235, 8), camera("Bow room", 420, 300, 165, 245, 12),
+    home.setStoredCameras(Arrays.asList(camera("Hall", 640, 455, 165, 100, 8), camera("Bow room", 420, 300, 165, 245, 12),
         camera("Attic", 60, 400, 420, 250, 5), camera("Garden", -350, 850, 250, 220, 3)));
     ObserverCamera o = home.getObserverCamera();
-    o.setX(60);
-    o.setY(450);
+    o.setX(640);
+    o.setY(455);
     o.setZ(165);
-    o.setYaw((float) Math.toRadians(235));
+    o.setYaw((float) Math.toRadians(100));
     o.setTime(1718971200000L);
     home.getCompass().setTimeZone("Europe/Paris");
     home.getCompass().setLatitude((float) Math.toRadians(48.9));

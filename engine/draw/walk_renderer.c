@@ -14,68 +14,18 @@
 #include "engine/draw/smooth.h"
 #include "engine/draw/walk_lit.h"
 #include "engine/draw/walk_mesh.h"
+#include "engine/draw/walk_programs.h"
 #include "engine/draw/walk_shaders.h"
 #include "engine/draw/walk_targets.h"
 #include "engine/gl/gl_context.h"
 #include "engine/gl/gl_math.h"
 #include "engine/shade/walk_shade.h"
 
-typedef struct LitLook {
-    unsigned lit, numbers;  // programs
-    unsigned pictured;      // of elements with pictures, 0: none has
-    unsigned scale;         // the scale of false colours, a texture
-} LitLook;
-
 // How the light is shown.
 typedef struct LitTone {
     double exposure;       // the factor of radiosities, m^2/W
     FalseColour quantity;  // shown instead, unless it is FALSE_COLOUR_OFF
 } LitTone;
-
-// ---- programs, their uniforms, and the scale of false colours as a texture.
-
-static unsigned make_scale(void) {
-    enum { COLOURS = 256 };
-    uint8_t texels[COLOURS][4];
-    unsigned texture;
-    for (int i = 0; i < COLOURS; i++) {
-        Rgb c = false_colour_at((i + 0.5) / COLOURS);
-        texels[i][0] = (uint8_t)lrintf(255 * c.r);
-        texels[i][1] = (uint8_t)lrintf(255 * c.g);
-        texels[i][2] = (uint8_t)lrintf(255 * c.b);
-        texels[i][3] = 255;
-    }
-    glActiveTexture(GL_TEXTURE0 + WALK_UNIT_FREE);
-    glGenTextures(1, &texture);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOURS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    return texture;
-}
-
-// `flags` as for walk_program, of programs without pictures.
-static bool lit_look_new(LitLook *out, bool pictures, int flags, Error *error) {
-    *out = (LitLook){.lit = walk_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, flags, error)};
-    if (out->lit) out->numbers = walk_program(WALK_FALSE_VERTEX, WALK_FALSE_FRAGMENT, flags, error);
-    if (out->numbers && pictures)
-        out->pictured = walk_program(WALK_LIT_VERTEX, WALK_LIT_FRAGMENT, flags | SHADER_PICTURES, error);
-    if (!out->numbers || (pictures && !out->pictured)) return false;
-    glUseProgram(out->numbers);
-    glUniform1i(glGetUniformLocation(out->numbers, "materials"), WALK_UNIT_LAMPS);
-    glUniform1i(glGetUniformLocation(out->numbers, "scale"), WALK_UNIT_FREE);
-    out->scale = make_scale();
-    return true;
-}
-
-static void lit_look_free(LitLook *look) {
-    glDeleteProgram(look->lit);
-    glDeleteProgram(look->numbers);
-    glDeleteProgram(look->pictured);
-    glDeleteTextures(1, &look->scale);
-}
 
 static void set_number(unsigned program, const char *name, double x) {
     glUniform1f(glGetUniformLocation(program, name), (float)x);
@@ -110,9 +60,6 @@ static unsigned lit_look_use(const LitLook *look, const LitTone *tone, LightRang
     return program;
 }
 
-// Nothing nearer than this is drawn, metres: it is less than a head's distance from any wall; depth, a float of 1 - near/z,
-// is then good to a fifth of a millimetre at 10 m.
-#define WALK_NEAR 0.05
 // Surfaces of cells are drawn a trifle farther than they lie, so that things on them, or let into them, show: by this
 // share of their slope a pixel (a rasteriser rounds vertices to a 256th) and this many roundings of depth. Pictures in mirrors are drawn
 // nearer than the mirror by as much.
@@ -127,41 +74,6 @@ static unsigned lit_look_use(const LitLook *look, const LitTone *tone, LightRang
 
 const char *const WALK_LOOK_NAMES[WALK_LOOKS] = {"fast", "fine", "baked"};
 
-typedef enum SceneShader {
-    SCENE_THINGS,    // fast
-    SCENE_SURFACES,  // fast
-    SCENE_PANES,     // fast
-    SCENE_DEPTH,     // fine
-    SCENE_FINE,
-    SCENE_FINE_PANES,
-    SCENE_LINES,
-    SCENE_MIRROR,  // what is seen in a mirror
-    SCENE_SHADERS
-} SceneShader;
-
-// A program that draws the building, and the locations of its uniforms; -1 for uniforms that it lacks.
-typedef struct SceneProgram {
-    unsigned program;
-    int clip, eye, size, colour, day, before, share;
-} SceneProgram;
-
-// Places of what tells the sky of baked light.
-typedef enum SkyPlace {
-    SKY_LIT,
-    SKY_SUN,
-    SKY_GROUND,
-    SKY_OVERHEAD,
-    SKY_GRADATION,
-    SKY_INDICATRIX,
-    SKY_SUN_SHINES,
-    SKY_PLACES
-} SkyPlace;
-
-typedef struct SkyProgram {
-    unsigned program;
-    int forward, right, up, day, strength, start, lit[SKY_PLACES];
-} SkyProgram;
-
 struct WalkRenderer {
     WalkTextures *textures;
     WalkMesh *mesh;
@@ -169,21 +81,15 @@ struct WalkRenderer {
     WalkLit *next;          // light on another mesh, which is being uploaded; NULL: there is none
     const LitLight *light;  // the newest state that is uploaded whole, or NULL
     bool plain;             // one sample a pixel
-    LitLook lit_look;
     LitTone tone;
     WalkTargets targets;
     WalkTarget drawn;  // the frame that the scene is in
-    SceneProgram scene[SCENE_SHADERS],
-        pictured[SCENE_SHADERS];  // without and with pictures; programs may be 0
-    SkyProgram sky, pictured_sky;
-    unsigned occlusion, blur;  // programs
-    int occlusion_tangents;
+    WalkPrograms programs;
     bool software;  // OpenGL draws with the processor
     Smoother smoother;
     Arena frame_arena;
     uint32_t *frame;            // as large as the smoother's
     unsigned no_vertices;       // the vertex array for programs that make their own vertices
-    int flags;                  // of all programs that draw the building, as for walk_program
     const MirrorView *mirrors;  // [mirror_count] of the frame
     int mirror_count;
     const Camera *camera;      // of the frame
@@ -193,102 +99,20 @@ struct WalkRenderer {
 
 // ---- set-up
 
-static bool make_scene_program(SceneProgram *out, unsigned program) {
-    if (program == 0) return false;
-    *out = (SceneProgram){program,
-                          glGetUniformLocation(program, "clip"),
-                          glGetUniformLocation(program, "eye"),
-                          glGetUniformLocation(program, "size"),
-                          glGetUniformLocation(program, "colour"),
-                          glGetUniformLocation(program, "day"),
-                          glGetUniformLocation(program, "mirror"),
-                          glGetUniformLocation(program, "share")};
-    glUseProgram(program);
-    glUniform1i(glGetUniformLocation(program, "lamps"), WALK_UNIT_LAMPS);
-    glUniform1i(glGetUniformLocation(program, "atlas"), WALK_UNIT_ATLAS);
-    glUniform1i(glGetUniformLocation(program, "occlusion"), WALK_UNIT_FREE);
-    glUniform1i(glGetUniformLocation(program, "image"), WALK_UNIT_FREE);
-    return true;
-}
-
-static bool make_scene_programs(WalkRenderer *w, Error *error) {
-    static const struct {
-        const char *vertex, *fragment;
-    } SHADERS[SCENE_SHADERS] = {
-        [SCENE_THINGS] = {WALK_THING_VERTEX, WALK_THING_FRAGMENT},
-        [SCENE_SURFACES] = {WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT},
-        [SCENE_PANES] = {WALK_THING_VERTEX, WALK_PANE_FRAGMENT},
-        [SCENE_DEPTH] = {WALK_LINE_VERTEX, WALK_DEPTH_FRAGMENT},
-        [SCENE_FINE] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
-        [SCENE_FINE_PANES] = {WALK_FINE_VERTEX, WALK_FINE_FRAGMENT},
-        [SCENE_LINES] = {WALK_LINE_VERTEX, WALK_LINE_FRAGMENT},
-        [SCENE_MIRROR] = {WALK_LINE_VERTEX, WALK_MIRROR_FRAGMENT},
-    };
-    for (int i = 0; i < SCENE_SHADERS; i++) {
-        const char *vertex = SHADERS[i].vertex, *fragment = SHADERS[i].fragment;
-        if (i == SCENE_MIRROR && !(w->flags & SHADER_MIRRORS)) continue;
-        if (!make_scene_program(&w->scene[i], walk_program(vertex, fragment, w->flags, error))) return false;
-    }
-    // The programs of polygons with pictures. Pictures with holes are among the panes.
-    static const struct {
-        SceneShader shader;
-        const char *vertex, *fragment;
-        bool cut_out;
-    } PICTURED[] = {{SCENE_THINGS, WALK_THING_VERTEX, WALK_THING_FRAGMENT, false},
-                    {SCENE_SURFACES, WALK_BAKED_VERTEX, WALK_BAKED_FRAGMENT, false},
-                    {SCENE_PANES, WALK_THING_VERTEX, WALK_THING_FRAGMENT, true},
-                    {SCENE_FINE, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, false},
-                    {SCENE_FINE_PANES, WALK_FINE_VERTEX, WALK_FINE_FRAGMENT, true}};
-    for (size_t i = 0; i < sizeof PICTURED / sizeof *PICTURED && walk_textures_runs(w->textures) > 1; i++) {
-        int flags = w->flags | SHADER_PICTURES | (PICTURED[i].cut_out ? SHADER_CUT_OUT : 0);
-        unsigned program = walk_program(PICTURED[i].vertex, PICTURED[i].fragment, flags, error);
-        if (!make_scene_program(&w->pictured[PICTURED[i].shader], program)) return false;
-    }
-    return true;
-}
-
-static bool make_sky_program(SkyProgram *out, unsigned program) {
-    static const char *const LIT[SKY_PLACES] = {"lit",       "sun",        "lit_ground", "overhead",
-                                                "gradation", "indicatrix", "sun_shines"};
-    *out = (SkyProgram){.program = program,
-                        .forward = glGetUniformLocation(program, "forward"),
-                        .right = glGetUniformLocation(program, "right"),
-                        .up = glGetUniformLocation(program, "up"),
-                        .day = glGetUniformLocation(program, "day"),
-                        .strength = glGetUniformLocation(program, "strength"),
-                        .start = glGetUniformLocation(program, "start")};
-    for (int i = 0; i < SKY_PLACES; i++) out->lit[i] = glGetUniformLocation(program, LIT[i]);
-    return program != 0;
-}
-
-static bool make_programs(WalkRenderer *w, Error *error) {
-    if (!make_scene_programs(w, error)) return false;
-    unsigned sky = gl_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, error);
-    if (!sky || !make_sky_program(&w->sky, sky)) return false;
-    if (walk_textures_has_sky(w->textures)) {
-        sky = walk_program(WALK_SCREEN_VERTEX, WALK_SKY_FRAGMENT, SHADER_PICTURES, error);
-        if (!sky || !make_sky_program(&w->pictured_sky, sky)) return false;
-    }
-    w->occlusion = gl_program(WALK_SCREEN_VERTEX, WALK_OCCLUSION_FRAGMENT, error);
-    w->blur = w->occlusion ? gl_program(WALK_SCREEN_VERTEX, WALK_BLUR_FRAGMENT, error) : 0;
-    if (!w->blur) return false;
-    w->occlusion_tangents = glGetUniformLocation(w->occlusion, "tangents");
-    glUseProgram(w->occlusion);
-    glUniform1i(glGetUniformLocation(w->occlusion, "depth"), WALK_UNIT_FREE);
-    glUniform1f(glGetUniformLocation(w->occlusion, "near"), (float)WALK_NEAR);
-    glUseProgram(w->blur);
-    glUniform1i(glGetUniformLocation(w->blur, "source"), WALK_UNIT_FREE);
+static bool make_programs(WalkRenderer *w, const Building *b, Error *error) {
+    int flags =
+        (mirrors_in(b) ? SHADER_MIRRORS : 0) | (walk_textures_runs(w->textures) > 1 ? SHADER_PICTURES : 0);
     glGenVertexArrays(1, &w->no_vertices);
-    return lit_look_new(&w->lit_look, walk_textures_runs(w->textures) > 1, w->flags, error);
+    return walk_programs_new(flags, walk_textures_has_sky(w->textures), &w->programs, error);
 }
 
 WalkRenderer *walk_renderer_new(const CellGraph *graph, Arena *arena, Error *error) {
     WalkRenderer *w = ARENA_ARRAY(arena, WalkRenderer, 1);
     w->software = gl_is_software();
-    w->flags = mirrors_in(graph->building) ? SHADER_MIRRORS : 0;
     w->left_out = ARENA_ARRAY(arena, unsigned char, graph->polygon_count + 1);
     w->textures = walk_textures_new(graph->building, arena, error);
-    if (w->textures && make_programs(w, error)) w->mesh = walk_mesh_new(graph, w->textures, arena, error);
+    if (w->textures && make_programs(w, graph->building, error))
+        w->mesh = walk_mesh_new(graph, w->textures, arena, error);
     if (w->mesh && gl_check("uploading a building", error)) return w;
     walk_renderer_free(w);
     return NULL;
@@ -348,14 +172,8 @@ void walk_renderer_free(WalkRenderer *w) {
     walk_textures_free(w->textures);
     smooth_free(&w->smoother);
     arena_free(&w->frame_arena);
-    unsigned programs[] = {w->sky.program, w->pictured_sky.program, w->occlusion, w->blur};
-    for (int i = 0; i < 4; i++) glDeleteProgram(programs[i]);
-    for (int i = 0; i < SCENE_SHADERS; i++) {
-        glDeleteProgram(w->scene[i].program);
-        glDeleteProgram(w->pictured[i].program);
-    }
+    walk_programs_free(&w->programs);
     glDeleteVertexArrays(1, &w->no_vertices);
-    lit_look_free(&w->lit_look);
 }
 
 void walk_renderer_pose(WalkRenderer *w, const float *door_open) {
@@ -370,7 +188,7 @@ static void set_vector(int place, Vec3 v) { glUniform3f(place, (float)v.x, (floa
 // Draws from here on what lies before the plane of the mirror whose picture is being drawn, everything where there is none: some OpenGL
 // (Mesa 22) clips by a program's distance even while that is off. `place` of the uniform `mirror` of the program in use.
 static void keep_before(const WalkRenderer *w, int place) {
-    if (!(w->flags & SHADER_MIRRORS)) return;
+    if (!(w->programs.flags & SHADER_MIRRORS)) return;
     Plane plane = w->inside ? w->inside->before : (Plane){{0, 0, 0}, -1};
     double offset = vec3_dot(plane.n, walk_mesh_origin(w->mesh)) - plane.d;
     glUniform4f(place, (float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)offset);
@@ -380,7 +198,7 @@ static void keep_before(const WalkRenderer *w, int place) {
 // `run` as in walk_textures.h.
 static const SceneProgram *use_scene(const WalkRenderer *w, SceneShader shader, int run,
                                      const Camera *camera) {
-    const SceneProgram *program = run > 0 ? &w->pictured[shader] : &w->scene[shader];
+    const SceneProgram *program = run > 0 ? &w->programs.pictured[shader] : &w->programs.scene[shader];
     glUseProgram(program->program);
     mat4 clip = GLM_MAT4_ZERO_INIT;
     gl_clip_matrix(camera, WALK_NEAR, true, clip);
@@ -454,12 +272,12 @@ static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) 
     set_scissor(w, WALK_COARSE);
     if (!walk_targets_bind(t, WALK_TARGET_OCCLUSION, error)) return false;
     use_texture(t->texture[WALK_TARGET_DEPTH]);
-    glUseProgram(w->occlusion);
-    glUniform2f(w->occlusion_tangents, (float)camera->tan_x, (float)camera->tan_y);
-    draw_screen(w, w->occlusion);
+    glUseProgram(w->programs.occlusion);
+    glUniform2f(w->programs.occlusion_tangents, (float)camera->tan_x, (float)camera->tan_y);
+    draw_screen(w, w->programs.occlusion);
     if (!walk_targets_bind(t, WALK_TARGET_BLUR, error)) return false;
     use_texture(t->texture[WALK_TARGET_OCCLUSION]);
-    draw_screen(w, w->blur);
+    draw_screen(w, w->programs.blur);
     glEnable(GL_DEPTH_TEST);
     return true;
 }
@@ -493,7 +311,7 @@ static double sky_luminance(const WalkRenderer *w, const Daylight *lit) {
 static void draw_sky(const WalkRenderer *w, const Camera *camera, bool day, const Daylight *lit) {
     bool shines = lit && daylight_shines(lit);
     bool picture = (day || shines) && walk_textures_has_sky(w->textures);
-    const SkyProgram *sky = picture ? &w->pictured_sky : &w->sky;
+    const SkyProgram *sky = picture ? &w->programs.pictured_sky : &w->programs.sky;
     glUseProgram(sky->program);
     glUniform1f(sky->day, day);
     glUniform1i(sky->lit[SKY_LIT], shines);
@@ -599,7 +417,7 @@ static void draw_lit(const WalkRenderer *w, const Camera *camera, bool surfaces)
     walk_lit_bind(w->lit);
     for (int run = 0; run < walk_textures_runs(w->textures); run++) {
         unsigned program =
-            lit_look_use(&w->lit_look, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
+            lit_look_use(&w->programs.lit, &w->tone, w->light->ranges[w->tone.quantity], &clip[0][0],
                          vec3_sub(camera->eye, walk_mesh_origin(w->mesh)), walk_lit_faded(w->lit), run > 0);
         keep_before(w, glGetUniformLocation(program, "mirror"));
         if (run > 0) walk_textures_bind(w->textures, run);

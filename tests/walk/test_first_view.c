@@ -1,8 +1,8 @@
 // test_first_view.c - where a walk begins, and what its first picture shows.
 #include <criterion/criterion.h>
 
-#include "engine/draw/walk_bake.h"
 #include "engine/scene/scene.h"
+#include "engine/shade/walk_bake.h"
 #include "engine/walk/first_view.h"
 
 static void load(const char *path, Arena *arena, LoadedScene *out) {

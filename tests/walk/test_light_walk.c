@@ -2,6 +2,7 @@
 #include <criterion/criterion.h>
 #include <dirent.h>
 #include <stdatomic.h>
+#include <unistd.h>
 
 #include "engine/scene/light.h"
 #include "engine/walk/session_state.h"
@@ -46,6 +47,12 @@ static void frame(Walked *w) {
     cr_assert(session_draw(w->session, 64, 36, 1, &error), "%s", error.text);
 }
 
+// A frame at the pace of a window: frames without a pause would take the bake's core.
+static void frame_in_time(Walked *w) {
+    frame(w);
+    usleep(1000000 / 60);
+}
+
 static void leave(Walked *w) {
     session_free(w->session);
     display_close(w->display);
@@ -53,7 +60,7 @@ static void leave(Walked *w) {
 }
 
 static void walk_until_lit(Walked *w) {
-    while (session_light_arriving(w->session)) frame(w);
+    while (session_light_arriving(w->session)) frame_in_time(w);
     for (int i = 0; i < 120; i++) frame(w);
 }
 
@@ -97,7 +104,7 @@ Test(light_thread, arrives_as_a_bake_of_its_own, .timeout = 300) {
 Test(light_thread, arrives_without_a_cache, .timeout = 300) {
     Walked w;
     walk_in(&w, "build/maps/two-rooms.plan", WALK_LOOKS, "/dev/null", USUAL);
-    while (session_light_arriving(w.session)) frame(&w);
+    while (session_light_arriving(w.session)) frame_in_time(&w);
     frame(&w);
     cr_expect(strstr(w.session->message, "no cache to keep it in"), "%s", w.session->message);
     for (int i = 0; i < 120; i++) frame(&w);
@@ -197,7 +204,7 @@ Test(light_thread, a_walk_is_left_in_a_bake, .timeout = 300) {
         walk_in(&w, "build/maps/two-rooms.plan", WALK_FAST, NULL, (SessionLoader){load_counted, c});
         bool whole = k == LEFT - 1;
         while (session_light_arriving(w.session) && (whole || atomic_load(&c->asked) < SPACING * k))
-            frame(&w);
+            frame_in_time(&w);
         session_free(w.session);
         atomic_store(&c->left, true);
         w.session = NULL;

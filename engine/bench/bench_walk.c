@@ -96,6 +96,7 @@ static double slowest(Sums *s) {
 static bool load_building(const char *file, const BenchArguments *a, Arena *arena, Watch *out, Error *error) {
     SceneOptions load = a->load;
     load.find_light = a->look == WALK_BAKED;
+    load.fill_lamps = load.find_light ? FILL_LAMPS_ON : FILL_LAMPS_OFF;
     load.lamps = load.find_light ? SCENE_LAMPS_IF_LIT : SCENE_LAMPS_NONE;
     bool good = walk_scene_load(&load, file, arena, &out->scene, error);
     app_progress_end();

@@ -48,7 +48,7 @@ static bool draw(Watch *w, const TourFrame *at, const BenchArguments *a, Culling
     VisResult v = vis_query(w->query, &eye, w->cell, NULL, culling);
     double asked = clock_seconds();
     const MirrorView *mirrors;
-    int mirror_count = mirrors_look(w->mirrors, &camera, v.objects, v.object_count, NULL, culling, &mirrors);
+    int mirror_count = mirrors_look(w->mirrors, &camera, &v, NULL, culling, &mirrors);
     walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
     expose(w, &camera, &v);
     if (!walk_renderer_draw(w->renderer, &camera, v.objects, v.object_count, a->look, error) ||

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "engine/core/polygon.h"
+#include "engine/draw/view.h"
 
 // Polygons belong to one mirror if they lie this near its plane, metres: what is seen in it is then off by a tenth of a millimetre.
 #define ONE_PLANE 5e-5
@@ -101,6 +102,7 @@ static void gather_mirror(Mirrors *m, const MirrorPolygon *all, int total, int f
     Plane plane = plane_of(m->graph, like->polygon);
     Mirror mirror = {.first = m->polygon_count, .leaf = like->leaf, .share = like->share};
     double area = 0;
+    Box box = box_empty();
     for (int i = first; i < total; i++) {
         const MirrorPolygon *p = &all[i];
         if (p->leaf != like->leaf || p->share != like->share || p->distance > like->distance + NEAR_PLANES)
@@ -110,9 +112,11 @@ static void gather_mirror(Mirrors *m, const MirrorPolygon *all, int total, int f
         m->polygons[mirror.first + mirror.count] = p->polygon;
         m->object_of[mirror.first + mirror.count++] = p->object;
         const Polygon *polygon = &m->graph->polygons[p->polygon];
-        area += polygon_area(m->graph->vertices + polygon->first_vertex, polygon->vertex_count);
+        const Vec3 *corners = m->graph->vertices + polygon->first_vertex;
+        area += polygon_area(corners, polygon->vertex_count);
+        for (int k = 0; k < polygon->vertex_count; k++) box = box_add(box, corners[k]);
     }
-    if (area < MIRROR_SMALLEST) return;
+    if (area < MIRROR_SMALLEST || area < MIRROR_NARROWEST * vec3_length(vec3_sub(box.max, box.min))) return;
     m->mirrors[m->count++] = mirror;
     m->polygon_count += mirror.count;
 }
@@ -296,12 +300,23 @@ static Eye mirror_eye(const MirrorView *v) {
                  .start_count = v->cell_count};
 }
 
-int mirrors_look(Mirrors *m, const Camera *camera, const int *objects, int object_count,
-                 const float *door_open, Culling culling, const MirrorView **views) {
+// Marks what the camera sees. Other ways of culling than by stab trees leave more, hidden mirrors among it, and these must not take the
+// place of mirrors that are seen: then the same is asked once more.
+static void mark_visible(Mirrors *m, const Camera *camera, VisResult visible, const float *door_open,
+                         Culling culling) {
+    if (visible.eye_cell >= 0 && culling != CULL_STAB) {
+        Eye eye = walk_eye(camera);
+        visible = vis_query(m->query, &eye, visible.eye_cell, door_open, CULL_STAB);
+    }
+    m->view++;
+    for (int i = 0; i < visible.object_count; i++) m->drawn[visible.objects[i]] = m->view;
+}
+
+int mirrors_look(Mirrors *m, const Camera *camera, const VisResult *visible, const float *door_open,
+                 Culling culling, const MirrorView **views) {
     *views = NULL;
     if (!m) return 0;
-    m->view++;
-    for (int i = 0; i < object_count; i++) m->drawn[objects[i]] = m->view;
+    mark_visible(m, camera, *visible, door_open, culling);
     int count = 0;
     for (int i = 0; i < m->count; i++) {
         MirrorView view;

@@ -10,8 +10,10 @@
 
 // Materials of a smaller mirror share are drawn as if they had none.
 #define MIRROR_LEAST 0.2f
-// A mirror of less area shows no picture, m^2: a facet of something round, or less than a shaving mirror.
+// A mirror of less area shows no picture, m^2: a facet of something round, or less than a shaving mirror. Nor does one whose area is
+// less than its length times this, metres: the edge of a sheet.
 #define MIRROR_SMALLEST 0.02
+#define MIRROR_NARROWEST 0.05
 // A mirror also shows things up to this far behind its plane, metres, so that no gap shows along walls that the mirror touches.
 // Floats are good to it in a building a kilometre long.
 #define MIRROR_SLACK 1e-4
@@ -40,10 +42,10 @@ typedef struct MirrorView {
 Mirrors *mirrors_new(const CellGraph *graph, const StabForest *forest, Arena *arena);
 void mirrors_free(Mirrors *mirrors);  // NULL is allowed
 
-// The mirrors among `objects` (as vis_query returns them) that the camera sees, the largest in the picture first: returns how many, at
-// most MIRRORS_SHOWN, 0 for NULL. Mirrors on leaves stand as `door_open` has them. What is seen in each is found by `culling`.
-// `views` stays valid until the next call.
-int mirrors_look(Mirrors *mirrors, const Camera *camera, const int *objects, int object_count,
-                 const float *door_open, Culling culling, const MirrorView **views);
+// The mirrors that the camera sees, the largest in the picture first: returns how many, at most MIRRORS_SHOWN, 0 for NULL. `visible` is
+// what vis_query found for the camera by `culling`. Mirrors on leaves stand as `door_open` has them. What is seen in each is found by
+// `culling`, too, but which mirrors are shown does not depend on it. `views` stays valid until the next call.
+int mirrors_look(Mirrors *mirrors, const Camera *camera, const VisResult *visible, const float *door_open,
+                 Culling culling, const MirrorView **views);
 
 #endif

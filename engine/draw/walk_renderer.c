@@ -256,13 +256,34 @@ static void set_scissor(const WalkRenderer *w, int share) {
               (m->bottom - m->top) / share + 2);
 }
 
+// Clears so that drawing reaches only the samples that the mirror covers: there the depth is the farthest, elsewhere the nearest.
+static void clear_mirror(WalkRenderer *w) {
+    const MirrorView *m = w->inside;
+    set_scissor(w, 1);
+    glClearColor(0, 0, 0, 0);
+    glClearDepth(0);
+    glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
+    w->inside = NULL;  // the mirror lies in the very plane before which its picture is drawn
+    use_scene(w, SCENE_LINES, 0, w->camera);
+    w->inside = m;
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthFunc(GL_ALWAYS);
+    glDepthRange(1, 1);
+    walk_mesh_draw_polygons(w->mesh, m->polygons, m->polygon_count);
+    glDepthRange(0, 1);
+    glDepthFunc(GL_LESS);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 // Draws the depth of the solid surfaces, then the open share of each pixel.
 static bool draw_occlusion(WalkRenderer *w, const Camera *camera, Error *error) {
     WalkTargets *t = &w->targets;
     if (!walk_targets_bind(t, WALK_TARGET_DEPTH, error)) return false;
-    glClear(GL_DEPTH_BUFFER_BIT);  // all of it: a pixel asks for those around it
-    set_scissor(w, 1);
     walk_mesh_bind(w->mesh);
+    // All of it, since a pixel asks for those around it. Beside a mirror nothing is far or near enough to count.
+    glClearDepth(w->inside ? 0 : 1);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    if (w->inside) clear_mirror(w);
     use_scene(w, SCENE_DEPTH, 0, camera);
     walk_mesh_draw(w->mesh, WALK_THINGS, WALK_ALL_RUNS);
     set_offset(true);
@@ -360,25 +381,6 @@ static void draw_mirrors(const WalkRenderer *w, const Camera *camera) {
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     glDisable(GL_BLEND);
-}
-
-// Clears so that drawing reaches only the samples that the mirror covers: there the depth is the farthest, elsewhere the nearest.
-static void clear_mirror(WalkRenderer *w) {
-    const MirrorView *m = w->inside;
-    set_scissor(w, 1);
-    glClearColor(0, 0, 0, 0);
-    glClearDepth(0);
-    glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
-    w->inside = NULL;  // the mirror lies in the very plane before which its picture is drawn
-    use_scene(w, SCENE_LINES, 0, w->camera);
-    w->inside = m;
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    glDepthFunc(GL_ALWAYS);
-    glDepthRange(1, 1);
-    walk_mesh_draw_polygons(w->mesh, m->polygons, m->polygon_count);
-    glDepthRange(0, 1);
-    glDepthFunc(GL_LESS);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
 static bool begin_frame(WalkRenderer *w, WalkTarget target, Error *error) {

@@ -105,8 +105,8 @@ bool session_draw(Session *s, int width, int height, double scale, Error *error)
     WalkRenderer *renderer = s->shown->renderer;
     walk_renderer_pose(renderer, s->shown->doors.open);
     const MirrorView *mirrors;
-    int mirror_count = mirrors_look(s->shown->mirrors, &camera, s->visible.objects, s->visible.object_count,
-                                    s->shown->doors.open, s->culling, &mirrors);
+    int mirror_count =
+        mirrors_look(s->shown->mirrors, &camera, &s->visible, s->shown->doors.open, s->culling, &mirrors);
     walk_renderer_mirrors(renderer, mirrors, mirror_count);
     if (!walk_renderer_draw(renderer, &camera, s->visible.objects, s->visible.object_count, s->look, error))
         return false;

@@ -250,8 +250,7 @@ bool walk_verify_frame(WalkVerify *v, const Camera *camera, int cell, const floa
         return false;
     }
     out->missing_polygons = walk_verify_missing(v, &v->unculled, &out->missing);
-    v->view_count = mirrors_look(v->mirrors, camera, out->visible.objects, out->visible.object_count,
-                                 door_open, culling, &v->views);
+    v->view_count = mirrors_look(v->mirrors, camera, &out->visible, door_open, culling, &v->views);
     if (!compare_glass(v, camera, out, error)) return false;
     for (int i = 0; i < v->view_count; i++) {
         if (!compare_mirror(v, i, out, error)) return false;

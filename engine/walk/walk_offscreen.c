@@ -171,8 +171,8 @@ static bool draw_frame(Walk *w, const Camera *camera, Frame *out, Error *error) 
     double asked = clock_seconds();
     walk_renderer_pose(w->renderer, w->door_open);
     const MirrorView *mirrors;
-    int mirror_count = mirrors_look(w->mirrors, camera, out->visible.objects, out->visible.object_count,
-                                    w->door_open, w->options->culling, &mirrors);
+    int mirror_count =
+        mirrors_look(w->mirrors, camera, &out->visible, w->door_open, w->options->culling, &mirrors);
     walk_renderer_mirrors(w->renderer, mirrors, mirror_count);
     expose(w, camera, &out->visible);
     if (!walk_renderer_draw(w->renderer, camera, out->visible.objects, out->visible.object_count,

@@ -182,8 +182,7 @@ Test(mirrors, show_what_is_seen_along_reflected_rays, .timeout = 120) {
         VisResult seen = vis_query(s.query, &eye, vis_locate(&s.graph, camera.eye, -1), NULL, CULL_STAB);
         const uint8_t *plain = renderer_check_picture(&s, &camera, CULL_STAB, WALK_FAST);
         const MirrorView *views;
-        int count = mirrors_look(mirrors, &camera, seen.objects, seen.object_count, NULL, CULL_STAB, &views),
-            compared = 0;
+        int count = mirrors_look(mirrors, &camera, &seen, NULL, CULL_STAB, &views), compared = 0;
         for (int i = 0; i < count; i++) {
             walk_renderer_mirrors(s.renderer, &views[i], 1);
             const uint8_t *shown = renderer_check_picture(&s, &camera, CULL_STAB, WALK_FAST);
@@ -198,7 +197,7 @@ Test(mirrors, show_what_is_seen_along_reflected_rays, .timeout = 120) {
 
 // ---- which polygons are mirrors
 
-// Proves that facets, slight gloss and glass are no mirrors, that polygons in one plane are one mirror, and that its back shows nothing.
+// Proves that facets, edges of sheets, slight gloss and glass are no mirrors, that polygons in one plane are one mirror, and that its back shows nothing.
 Test(mirrors, are_flat_and_large) {
     static const char PLAN[] = "plan 1\n"
                                "material silver reflectance 0.04 mirror 0.88\n"
@@ -210,6 +209,7 @@ Test(mirrors, are_flat_and_large) {
                                "  cylinder silver 0 0.5 0,0 radius 0.02 sides 24\n"
                                "  box 1,0.3,0 1.1,0.4,0.1 silver\n"
                                "  box -1,-1,0 -0.9,-0.9,2 glass\n"
+                               "  poly silver 2,0.5,0 2.03,0.5,0 2.03,0.5,2 2,0.5,2\n"
                                "  poly silver 2,0,0 2.5,0,0 2.5,0,1 2,0,1\n"
                                "  poly silver 2.6,0,0 3,0,0 3,0,1 2.6,0,1\n"
                                "end\n"
@@ -232,7 +232,7 @@ Test(mirrors, are_flat_and_large) {
         Eye eye = walk_eye(&camera);
         VisResult seen = vis_query(query, &eye, vis_locate(&graph, camera.eye, -1), NULL, CULL_STAB);
         const MirrorView *views;
-        int count = mirrors_look(mirrors, &camera, seen.objects, seen.object_count, NULL, CULL_STAB, &views);
+        int count = mirrors_look(mirrors, &camera, &seen, NULL, CULL_STAB, &views);
         cr_assert_eq(count, side < 0 ? 1 : 0);
         if (count > 0) cr_assert_eq(views[0].polygon_count, 2);
     }

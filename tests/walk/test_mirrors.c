@@ -197,7 +197,8 @@ Test(mirrors, show_what_is_seen_along_reflected_rays, .timeout = 120) {
 
 // ---- which polygons are mirrors
 
-// Proves that facets, edges of sheets, slight gloss and glass are no mirrors, that polygons in one plane are one mirror, and that its back shows nothing.
+// Proves that facets, edges of sheets, slight gloss and glass are no mirrors, that polygons in one plane are one mirror, and that its
+// back shows nothing.
 Test(mirrors, are_flat_and_large) {
     static const char PLAN[] = "plan 1\n"
                                "material silver reflectance 0.04 mirror 0.88\n"

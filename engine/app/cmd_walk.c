@@ -298,7 +298,8 @@ static void print_walk(const Arguments *a, const WalkTotals *t) {
                t->frames, t->random_frames, t->mismatched_pixels, t->missing_polygons);
     }
     if (t->mirrors > 0)
-        printf("mirrors     %ld views in them, %ld pixels, among these\n", t->mirrors, t->mirror_pixels);
+        printf("mirrors     %ld views in mirrors, of %ld pixels, were compared, too\n", t->mirrors,
+               t->mirror_pixels);
     if (t->raycast_frames > 0) {
         printf("rays        %d frames: %ld polygons seen that are not drawn\n", t->raycast_frames,
                t->raycast_missing);

@@ -19,9 +19,7 @@
 
 typedef struct Mirror {
     int first, count;  // in Mirrors.polygons
-    int *cells;        // [cell_count] that its objects touch
-    int cell_count;
-    int leaf;  // with which it moves, or -1
+    int leaf;          // with which it moves, or -1
     float share;
 } Mirror;
 
@@ -33,7 +31,10 @@ struct Mirrors {
     Vec3 *corners;              // room for one polygon's
     int *ahead;                 // [polygon_count] polygons that the camera is before: each view's together
     unsigned *drawn;            // [object_count] the last view in which the object was drawn
-    unsigned view;
+    // Cells that an object of a mirror touches: those of object o are cells[cell_first[o]] .. cells[cell_first[o + 1] - 1].
+    int *cell_first, *cells;
+    unsigned *listed;  // [cell_count] the last list of cells in which the cell is
+    unsigned view, lists;
     int count, polygon_count;
     Arena arena;  // of the last view
     MirrorView views[MIRRORS_SHOWN];
@@ -121,38 +122,48 @@ static void gather_mirror(Mirrors *m, const MirrorPolygon *all, int total, int f
     m->polygon_count += mirror.count;
 }
 
-static bool has_object(const Mirrors *m, const Mirror *mirror, int object) {
-    for (int i = mirror->first; i < mirror->first + mirror->count; i++) {
-        if (m->object_of[i] == object) return true;
-    }
-    return false;
+// Counts the cell for the object, or, in the second pass, writes it. `last` [object_count] tells the last cell of each object of a mirror,
+// -2 for others.
+static void touch_cell(Mirrors *m, int *last, int object, int cell, bool write) {
+    if (last[object] == -2 || last[object] == cell) return;
+    last[object] = cell;
+    if (write) m->cells[m->cell_first[object]] = cell;
+    m->cell_first[object]++;
 }
 
-// Is one of the mirror's objects among the cell's surfaces or in its squares?
-static bool touches_cell(const Mirrors *m, const Mirror *mirror, int cell) {
+static void touch_cells(Mirrors *m, int *last, bool write) {
     const CellGraph *graph = m->graph;
-    for (int o = graph->surface_first[cell]; o < graph->surface_first[cell + 1]; o++) {
-        if (has_object(m, mirror, o)) return true;
-    }
-    const SquareGrid *grid = &graph->grids[cell];
-    int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
-    for (int k = graph->square_first[grid->first_square]; k < end; k++) {
-        if (has_object(m, mirror, graph->square_objects[k])) return true;
-    }
-    return false;
-}
-
-static void list_cells(Mirrors *m, Mirror *mirror, Arena *arena) {
-    const CellGraph *graph = m->graph;
-    int capacity = 0;
-    Box box = box_empty();
-    for (int i = mirror->first; i < mirror->first + mirror->count; i++)
-        box = box_union(box, graph->object_boxes[m->object_of[i]]);
-    box = box_grow(box, graph->touch);
+    for (int o = 0; o < graph->object_count; o++) last[o] = -2;
+    for (int i = 0; i < m->polygon_count; i++) last[m->object_of[i]] = -1;
     for (int c = 0; c < graph->cell_count; c++) {
-        if (box_overlap(graph->cells[c].box, box) && touches_cell(m, mirror, c))
-            *ARENA_PUSH(arena, mirror->cells, mirror->cell_count, capacity) = c;
+        const SquareGrid *grid = &graph->grids[c];
+        int end = graph->square_first[grid->first_square + grid->nx * grid->ny];
+        for (int o = graph->surface_first[c]; o < graph->surface_first[c + 1]; o++)
+            touch_cell(m, last, o, c, write);
+        for (int k = graph->square_first[grid->first_square]; k < end; k++)
+            touch_cell(m, last, graph->square_objects[k], c, write);
     }
+}
+
+// The cells among whose surfaces or in whose squares each object is.
+static void list_cells(Mirrors *m, Arena *arena) {
+    int objects = m->graph->object_count, total = 0;
+    Arena scratch = {0};
+    int *last = ARENA_ARRAY(&scratch, int, objects + 1);
+    m->cell_first = ARENA_ARRAY(arena, int, objects + 1);
+    touch_cells(m, last, false);
+    for (int o = 0; o <= objects; o++) {
+        int count = m->cell_first[o];
+        m->cell_first[o] = total;
+        total += count;
+    }
+    m->cells = ARENA_ARRAY(arena, int, total + 1);
+    touch_cells(m, last, true);
+    // Writing has moved each beginning to the next one's.
+    for (int o = objects; o > 0; o--) m->cell_first[o] = m->cell_first[o - 1];
+    m->cell_first[0] = 0;
+    m->listed = ARENA_ARRAY(arena, unsigned, m->graph->cell_count + 1);
+    arena_free(&scratch);
 }
 
 Mirrors *mirrors_new(const CellGraph *graph, const StabForest *forest, Arena *arena) {
@@ -173,7 +184,7 @@ Mirrors *mirrors_new(const CellGraph *graph, const StabForest *forest, Arena *ar
     }
     arena_free(&scratch);
     if (m->count == 0) return NULL;
-    for (int i = 0; i < m->count; i++) list_cells(m, &m->mirrors[i], arena);
+    list_cells(m, arena);
     int most = 0;
     for (int i = 0; i < m->polygon_count; i++) {
         int corners = graph->polygons[m->polygons[i]].vertex_count;
@@ -243,19 +254,33 @@ static Camera reflect_camera(Plane plane, const Camera *c) {
     return image;
 }
 
+// The cells that those objects of the mirror touch which the camera sees, each once.
+static void list_start(Mirrors *m, const Mirror *mirror, MirrorView *out) {
+    int *cells = NULL, capacity = 0;
+    m->lists++;
+    for (int i = mirror->first; i < mirror->first + mirror->count; i++) {
+        int object = m->object_of[i];
+        if (m->drawn[object] != m->view) continue;
+        for (int k = m->cell_first[object]; k < m->cell_first[object + 1]; k++) {
+            if (m->listed[m->cells[k]] == m->lists) continue;
+            m->listed[m->cells[k]] = m->lists;
+            *ARENA_PUSH(&m->arena, cells, out->cell_count, capacity) = m->cells[k];
+        }
+    }
+    out->cells = cells;
+}
+
 // The mirror as the camera sees it, without what is seen in it; false where none of it can be seen. `ahead` gets its polygons.
 static bool see_mirror(Mirrors *m, const Mirror *mirror, const Camera *camera, const float *door_open,
                        int *ahead, MirrorView *out) {
     int count = pose_polygon(m, mirror, m->polygons[mirror->first], door_open);
     Plane plane = plane_of_polygon(m->corners, count);
-    if (mirror->cell_count == 0 || plane_distance(plane, camera->eye) < EYE_CLEARANCE) return false;
+    if (plane_distance(plane, camera->eye) < EYE_CLEARANCE) return false;
     *out = (MirrorView){.camera = *camera,
                         .before = {plane.n, plane.d - MIRROR_SLACK},
                         .left = camera->width,
                         .top = camera->height,
                         .polygons = ahead,
-                        .cells = mirror->cells,
-                        .cell_count = mirror->cell_count,
                         .share = mirror->share};
     for (int i = mirror->first; i < mirror->first + mirror->count; i++) {
         int object = m->object_of[i];
@@ -263,8 +288,9 @@ static bool see_mirror(Mirrors *m, const Mirror *mirror, const Camera *camera, c
         cover_polygon(m, pose_polygon(m, mirror, m->polygons[i], door_open), out);
         ahead[out->polygon_count++] = m->polygons[i];
     }
+    list_start(m, mirror, out);
     out->camera = reflect_camera(plane, camera);
-    return out->left < out->right && out->top < out->bottom;
+    return out->cell_count > 0 && out->left < out->right && out->top < out->bottom;
 }
 
 static long pixels_of(const MirrorView *v) { return (long)(v->right - v->left) * (v->bottom - v->top); }
@@ -317,6 +343,7 @@ int mirrors_look(Mirrors *m, const Camera *camera, const VisResult *visible, con
     *views = NULL;
     if (!m) return 0;
     mark_visible(m, camera, *visible, door_open, culling);
+    arena_reset(&m->arena);
     int count = 0;
     for (int i = 0; i < m->count; i++) {
         MirrorView view;
@@ -324,7 +351,6 @@ int mirrors_look(Mirrors *m, const Camera *camera, const VisResult *visible, con
         if (see_mirror(m, mirror, camera, door_open, m->ahead + mirror->first, &view))
             count = keep_view(m->views, count, &view);
     }
-    arena_reset(&m->arena);
     for (int i = 0; i < count; i++) {
         MirrorView *view = &m->views[i];
         Eye eye = mirror_eye(view);

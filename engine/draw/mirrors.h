@@ -33,7 +33,7 @@ typedef struct MirrorView {
     int left, top, right, bottom;  // all pixels of the mirror lie in [left, right) x [top, bottom)
     const int *polygons;           // [polygon_count] of the graph: the mirror's own that the camera is before
     const int *objects;            // [object_count] to draw, increasing
-    const int *cells;              // [cell_count] that the mirror touches, in which the view begins
+    const int *cells;  // [cell_count] that what is seen of the mirror touches: the view begins there
     int polygon_count, object_count, cell_count;
     float share;  // of the light that it reflects, MIRROR_LEAST .. 1
 } MirrorView;

@@ -238,8 +238,8 @@ static int add_objects(WalkLit *lit, Vec3 eye, const int *objects, int count, co
         const Object *o = &graph->objects[objects[k]];
         if ((o->kind == OBJECT_SURFACE) != surfaces) continue;
         for (int p = o->first_polygon; p < o->first_polygon + o->polygon_count; p++) {
-            // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
             if (left_out && left_out[p]) continue;
+            // As in the other looks: where two surfaces lie back to back, each is seen only from inside its own cell.
             if (lit->run[p] != run || (surfaces && plane_distance(mesh->plane[p], eye) <= 0)) continue;
             int indices = mesh->first_index[p + 1] - mesh->first_index[p];
             memcpy(lit->list + at, mesh->index + mesh->first_index[p], (size_t)indices * sizeof *lit->list);

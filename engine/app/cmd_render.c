@@ -226,6 +226,7 @@ static const Option ROWS[] = {
     OPTION_MAP(AT(load.map)),
     OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
+    OPTION_LAMPS(AT(load.lamp_state), ""),
     {.name = "view",
      .value = "NAME",
      .type = OPTION_TEXT,

@@ -55,6 +55,7 @@ static const Option ROWS[] = {
              "FILE` left in the user's cache, where there is one; one that does not fit is passed over)"},
     OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
+    OPTION_LAMPS(AT(load.lamp_state), ""),
     {.name = "false-colour",
      .value = "Q",
      .type = OPTION_NAME,

@@ -154,6 +154,14 @@ int options_ending(const char *path, const char *const *endings, int count);
         .help = "plain ceiling lamps in rooms that no lamp lights, by day in rooms without windows: @ "      \
                 "(default on)"                                                                               \
     }
+#define OPTION_LAMPS(field, more)                                                                            \
+    {                                                                                                        \
+        .name = "lamps", .value = "SPEC", .type = OPTION_TEXT, .at = (field),                                \
+        .help = "which lamps are on: parts WHO=STATE with commas between them, or @FILE, a part a line; "    \
+                "WHO is a number of `info --lamps`, a lamp, a room or `all`, STATE is `on`, `off`, a share " \
+                "as 0.4 or 40%, a colour as #ffd8a8, or both as 40%#ffd8a8; without `=` all are meant" more  \
+                " (default on)"                                                                              \
+    }
 #define OPTION_JSON(field)                                                                                   \
     { .name = "json", .type = OPTION_FLAG, .at = (field), .help = "one JSON object on standard output" }
 #define OPTION_THREADS(field)                                                                                \

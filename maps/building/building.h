@@ -43,6 +43,7 @@ typedef struct Material {
     const char *name;
     Rgb reflectance;  // linear, 0 .. 0.99 (MAPS_MAX_REFLECTANCE); of a texture its mean
     Rgb emission;     // radiant exitance, W/m^2
+    Rgb full;  // of a lamp that can be switched (lamps.h): its emission when it is fully lit; 0: of no such lamp
     // 1 opaque, whatever its texture; below 1 seen through, never an occluder; of a texture with holes the mean. At a point it is in
     // proportion to the opacity of the texture there and its mean.
     float alpha;

@@ -188,4 +188,10 @@ static inline bool mesh_emits(const Mesh *mesh, int face) {
     return e.r + e.g + e.b > 0;
 }
 
+// Is a face part of a lamp, lit or not? Meshes and rows ask this: they are the same for all states of the lamps.
+static inline bool mesh_is_lamp(const Mesh *mesh, int face) {
+    Rgb full = mesh_material(mesh, face)->full;
+    return full.r + full.g + full.b > 0 || mesh_emits(mesh, face);
+}
+
 #endif

@@ -72,14 +72,14 @@ struct ShootRows {
     bool *there;    // [patch_count]
     bool *strong;   // [patch_count]
     bool *fine;     // [patch_count] the row has as many directions as those of lamps
-    bool full;
+    bool full, settled;
     long long made;
 };
 
 // A lamp's light is not one of many as the light of walls is: its samples err alone. Where lamps are very many, they are.
 static int lamp_resolution(const Mesh *mesh, const RadOptions *options) {
     int lamps = 0, detail = options->lamp_detail, resolution = options->form_factor.resolution;
-    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_emits(mesh, mesh->patches[p].face);
+    for (int p = 0; p < mesh->patch_count; p++) lamps += mesh_is_lamp(mesh, mesh->patches[p].face);
     while (detail > 1 && (double)lamps * detail * detail > MOST_LAMP_WORK) detail /= 2;
     while (detail > 1 && resolution * detail > FORM_FACTOR_FINEST) detail--;
     return detail > 1 ? resolution * detail : resolution;
@@ -358,7 +358,7 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
         int cell = mesh->patches[p].cell < 0 ? cells : mesh->patches[p].cell;
         double mean = fmax(light[cell] / area[cell], DIM * all / all_area);
         strength[p].times =
-            mean > 0 && !mesh_emits(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
+            mean > 0 && !mesh_is_lamp(mesh, mesh->patches[p].face) ? strength[p].times / mean : 0;
     }
     qsort(strength, (size_t)count, sizeof *strength, strongest_first);
     for (int i = 0; i < MOST_STRONG * count && strength[i].times > STRONG; i++)
@@ -367,6 +367,9 @@ void shoot_rows_find_strong(ShootRows *rows, const RadSolution *solution) {
 }
 
 const bool *shoot_rows_strong(const ShootRows *rows) { return rows->strong; }
+
+void shoot_rows_settle(ShootRows *rows) { rows->settled = true; }
+bool shoot_rows_settled(const ShootRows *rows) { return rows->settled; }
 
 static void make_row(void *context, int index, int thread) {
     ShootRows *rows = context;
@@ -378,7 +381,7 @@ static void make_row(void *context, int index, int thread) {
     const View *view = viewer_look(maker->viewer, &from, rows->options->culling);
     if (now) maker->seconds_visibility += now() - start;
     maker->faces += view->face_count;
-    bool lamp = rows->fine[slot->patch] || mesh_emits(rows->mesh, patch->face);
+    bool lamp = rows->fine[slot->patch] || mesh_is_lamp(rows->mesh, patch->face);
     panes_seen(&rows->mesh->panes, rows->forest, patch->cell, rows->mesh->faces[patch->face].plane,
                &maker->panes);
     FormFactor *form_factor = lamp                  ? maker->of_lamps

@@ -558,6 +558,39 @@ void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
     for (int c = 0; c < 3; c++) irradiance[c] = fmax(irradiance[c], 0);
 }
 
+GatherRow gather_row_new(Gatherer *self, const ViewPoint *from, Arena *arena) {
+    CORE_ASSERT(self->options.reflected && !self->near && !self->samples);
+    const View *view = viewer_look(self->viewer, from, self->options.culling);
+    Plane before = {from->normal, vec3_dot(from->normal, from->eye)};
+    panes_seen(&self->scene.mesh->panes, self->scene.forest, from->cell, before, &self->panes);
+    const Row *row = form_factor_row(self->rows, view);
+    int *element = ARENA_ARRAY(arena, int, row->count + 1);
+    float *share = ARENA_ARRAY(arena, float, row->count + 1);
+    for (int i = 0; i < row->count; i++) {
+        element[i] = row->element[i];
+        share[i] = row->factor[i];
+        if (self->panes.count > 0)
+            share[i] *= (float)panes_transmit(&self->panes, view->eye,
+                                              element_centroid(self->scene.mesh, row->element[i]));
+    }
+    return (GatherRow){row->count, element, share, row->sky_light, row->ground_light};
+}
+
+void gather_along(const Gatherer *self, const GatherRow *row, double irradiance[3]) {
+    const Daylight *day = &self->scene.solution->day;
+    double below[3];
+    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (int i = 0; i < row->count; i++) {
+        const double *mean = self->leaving[row->element[i]].mean;
+        for (int c = 0; c < 3; c++) irradiance[c] += (double)row->share[i] * mean[c];
+    }
+    daylight_below(day, below);
+    for (int c = 0; c < 3; c++) {
+        irradiance[c] += M_PI * (row->sky * day->zenith[c] + row->ground * below[c]);
+        irradiance[c] = fmax(irradiance[c], 0);
+    }
+}
+
 int gather_cell(const CellGraph *graph, Vec3 point, Vec3 normal, int hint) {
     return vis_locate(graph, vec3_add(point, vec3_scale(normal, IN_FRONT)), hint);
 }

@@ -25,6 +25,7 @@ struct LitStates {
     const WalkLight *light;
     DrawnLamp *lamps;  // [count]
     int count;
+    int *like;  // [mesh->lamp_count] a vertex near the polygon of a lamp; -1: not looked for yet
     RadSolution sum;
     Arena *arena;
 };
@@ -33,6 +34,8 @@ LitStates *lit_states_new(const LitMesh *mesh, const WalkLight *light, Arena *ar
     LitStates *s = ARENA_ARRAY(arena, LitStates, 1);
     *s = (LitStates){.mesh = mesh, .light = light, .count = light->states->lamps->count, .arena = arena};
     s->lamps = ARENA_ARRAY(arena, DrawnLamp, s->count + 1);
+    s->like = ARENA_ARRAY(arena, int, mesh->lamp_count + 1);
+    for (int i = 0; i < mesh->lamp_count; i++) s->like[i] = -1;
     s->sum = *light->solution;
     s->sum.node = arena_alloc(arena, (size_t)s->sum.node_count + 1, sizeof *s->sum.node);
     s->sum.radiosity = arena_alloc(arena, (size_t)s->sum.element_count + 1, sizeof *s->sum.radiosity);
@@ -106,6 +109,38 @@ static void add_differences(LitStates *s, const Rgb *lit, double sign) {
     }
 }
 
+// The vertex nearest to a lamp's polygon, of any other polygon that reflects.
+static int vertex_near(const LitMesh *mesh, int polygon) {
+    const Building *b = mesh->mesh->graph->building;
+    const LitVertex *own = &mesh->vertex[mesh->first_vertex[polygon]];
+    int nearest = mesh->first_vertex[polygon];
+    float least = INFINITY;
+    for (int v = 0; v < lit_vertex_count(mesh); v++) {
+        const LitVertex *other = &mesh->vertex[v];
+        Rgb rho = b->materials[other->material].reflectance, full = b->materials[other->material].full;
+        float off = 0;
+        if (full.r + full.g + full.b > 0 || !(rho.r + rho.g + rho.b > 0)) continue;
+        for (int c = 0; c < 3; c++)
+            off += (other->position[c] - own->position[c]) * (other->position[c] - own->position[c]);
+        if (off >= least) continue;
+        least = off;
+        nearest = v;
+    }
+    return nearest;
+}
+
+// A lamp that is made of light alone would be black without it: it looks like what it hangs from.
+static void show_dark_lamp(LitStates *s, int index, LitLight *out) {
+    const LitMesh *mesh = s->mesh;
+    int polygon = mesh->lamp[index], first = mesh->first_vertex[polygon],
+        end = mesh->first_vertex[polygon + 1];
+    Rgb rho = mesh_material(mesh->mesh, mesh->mesh->face_of[polygon])->reflectance;
+    if (first == end || rho.r + rho.g + rho.b > 0) return;
+    if (s->like[index] < 0) s->like[index] = vertex_near(mesh, polygon);
+    for (int v = first; v < end; v++)
+        memcpy(out->vertex[v], out->vertex[s->like[index]], sizeof *out->vertex);
+}
+
 void lit_states_fill(LitStates *s, const Rgb *lit, LitLight *out) {
     const RadSolution *base = s->light->solution;
     memcpy(s->sum.node, base->node, (size_t)base->node_count * sizeof *base->node);
@@ -116,5 +151,6 @@ void lit_states_fill(LitStates *s, const Rgb *lit, LitLight *out) {
     for (int i = 0; i < s->mesh->lamp_count; i++) {
         Rgb share = lit[s->light->states->lamps->of_polygon[s->mesh->lamp[i]]];
         out->on[i] = share.r + share.g + share.b > 0;
+        if (!out->on[i]) show_dark_lamp(s, i, out);
     }
 }

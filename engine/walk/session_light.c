@@ -158,6 +158,13 @@ int session_lamp(const Session *s) {
 
 static float brightest(Rgb lit) { return fmaxf(fmaxf(lit.r, lit.g), lit.b); }
 
+int session_dark_lamps(const Session *s, int *count) {
+    int dark = 0;
+    *count = s->shown->lit ? lamps_of(s)->count : 0;
+    for (int i = 0; i < *count; i++) dark += !(brightest(s->shown->lit[i]) > 0);
+    return dark;
+}
+
 const char *session_lamp_prompt(const Session *s, int lamp, Arena *arena) {
     return arena_format(arena, "switch %s %s", brightest(s->shown->lit[lamp]) > 0 ? "off" : "on",
                         lamps_of(s)->lamps[lamp].name);

@@ -169,6 +169,8 @@ void session_change_colours(Session *s);
 
 // The lamp that the eye looks at, -1: none, or none that could be switched.
 int session_lamp(const Session *s);
+// How many of the building's lamps, [*count], are off.
+int session_dark_lamps(const Session *s, int *count);
 const char *session_lamp_prompt(const Session *s, int lamp, Arena *arena);
 // Switches the lamp chosen in the list, or the one looked at, or all of the room; or makes it brighter by so many tenths.
 void session_switch_lamps(Session *s);

@@ -211,7 +211,7 @@ static bool read_each(const Header *h, const unsigned char *from, Arena *arena, 
                 if (!((*power[k])[c] >= 0 && isfinite((*power[k])[c]))) return false;
         }
     }
-    s->each = each;
+    s->each = h->each_count > 0 ? each : NULL;
     s->each_count = h->each_count;
     return rest.left == 0;
 }

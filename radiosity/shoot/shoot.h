@@ -58,7 +58,7 @@ struct RadSolution {
     double (*radiosity)[3];
     // [element_count] the part of `radiosity` that came straight from lamps, as it was shot; the light of the sky is not in it.
     double (*direct)[3];
-    // [element_count] the part of `radiosity` that came straight from sun and sky
+    // [element_count] the part of `radiosity` that came straight from sun and sky; NULL on a mesh that only shows light, like `sun`
     double (*daylight)[3];
     // [patch_count] if `gathered`: the irradiance by reflected light and by sky and ground, gathered along each patch's row once the light
     // is shot. An element has few samples of each shot, and errs with them; a row has all its samples for this one sum. A .rad file does

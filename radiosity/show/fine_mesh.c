@@ -251,6 +251,7 @@ RadSolution fine_light(const FineMesh *fine, const RadSolution *solution, Arena 
     const Mesh *mesh = &fine->mesh;
     Arena scratch = {0};
     RadSolution out = *solution;
+    out.daylight = out.sun = NULL;
     out.element_count = mesh->element_count;
     out.patch_count = mesh->patch_count;
     out.node = NULL;

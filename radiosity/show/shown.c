@@ -95,6 +95,7 @@ bool shown_fill(const Mesh *mesh, const RadSolution *solution, const Mesh *finer
     if (good) {
         *out = *solution;
         out->shown = NULL;
+        out->daylight = out->sun = NULL;
         out->element_count = finer->element_count;
         out->patch_count = finer->patch_count;
         out->radiosity = arena_alloc(arena, (size_t)finer->element_count + 1, sizeof *out->radiosity);

@@ -40,8 +40,8 @@ Test(each_lamp, lamps_are_found) {
     lamps3_free(l);
 }
 
-// Proves that no lamp's light is lost or made: what it emits is absorbed, escapes, or is less than a tenth of the residual; and that the
-// powers of all lamps are those of all light together, as far as both are shot.
+// Proves that no lamp's light is lost or made: what it emits is absorbed, escapes, or is less than a tenth of the residual; and that
+// the powers of all lamps are those of all light together, as far as both are shot.
 Test(each_lamp, power_is_kept) {
     static const double RESIDUAL = 1e-4;
     Lamps3 *l = lamps3_load(false);
@@ -63,8 +63,8 @@ Test(each_lamp, power_is_kept) {
     lamps3_free(l);
 }
 
-// Proves that the sum of all lamps is shown as all light together is: to a thousandth, to which each lamp's light is rounded, in the mean and
-// twice that at nodes, whose rows may have been made finer since all light was shot.
+// Proves that the sum of all lamps is shown as all light together is: to a thousandth, to which each lamp's light is rounded, in the mean
+// and twice that at nodes, whose rows may have been made finer since all light was shot.
 static void check_sum(bool day) {
     Lamps3 *l = lamps3_load(day);
     lamps3_bake(l, 1e-5, 2);

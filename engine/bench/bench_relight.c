@@ -92,13 +92,13 @@ static void add_errors(Errors *e, double (*light)[3], double (*truth)[3], double
     }
 }
 
-static int by_size(const void *a, const void *b) {
+static int smaller_first(const void *a, const void *b) {
     float p = *(const float *)a, q = *(const float *)b;
     return (p > q) - (p < q);
 }
 
 static void print_row(Relit *r, const char *change, const char *method, double seconds, Errors *e) {
-    qsort(e->off, e->count, sizeof *e->off, by_size);
+    qsort(e->off, e->count, sizeof *e->off, smaller_first);
     text_append(r->csv, "%s,%s,%s,%.2f,%.2f,%.1f,%.5f,%.6f,%d,%d,%.2f\n", bench_name(r->file), change, method,
                 1e3 * seconds, 1e3 * seconds, r->bake_seconds / seconds,
                 e->count > 0 ? (double)e->off[(size_t)(0.99 * (double)(e->count - 1))] : 0,

@@ -544,6 +544,7 @@ static int take_probes(const char *file, void *arguments, Error *error) {
 #define AT(field) offsetof(Arguments, to.field)
 static const Option ROWS[] = {
     OPTION_MAP(AT(load.map)),
+    OPTION_PHOTOMETRY(AT(load.photometry)),
     {.name = "o",
      .value = "OUT.rad",
      .type = OPTION_OTHER,

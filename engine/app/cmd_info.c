@@ -1,4 +1,5 @@
 // cmd_info.c - `enfilade info FILE`: the parts of a building. Stab trees are not made: on a large map that is most of the work.
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -11,6 +12,7 @@ typedef struct Arguments {
 
 static const Option ROWS[] = {
     OPTION_MAP(offsetof(Arguments, load.map)),
+    OPTION_PHOTOMETRY(offsetof(Arguments, load.photometry)),
     OPTION_MEMORY(offsetof(Arguments, load.memory), "what fits the file"),
     {.name = "lamps",
      .type = OPTION_FLAG,
@@ -68,6 +70,24 @@ static void print_lamps(const Lamps *lamps) {
     if (lamps->count == 0) printf("  no lamps\n");
 }
 
+// The photometric files of lamps. A table that sends more or less than the file's ratio of light output says is told.
+static void print_photometry(const Building *b) {
+    static const double OFF = 0.05;
+    for (int i = 1; i < b->photometry_count; i++) {
+        const Photometry *t = &b->photometries[i];
+        double lumens = photometry_lumens(t);
+        int lamps = 0;
+        for (int k = 0; k < b->light_count; k++) lamps += b->lights[k].photometry == i;
+        printf("  photometry %s: %d light%s, %.4g lm, %.3g %% of it upwards; %d angles in %d plane%s",
+               t->name, lamps, lamps == 1 ? "" : "s", lumens, 100 * t->lumens[PHOTOMETRY_ABOVE] / lumens,
+               t->gamma_count, t->plane_count > 1 ? t->plane_count - 1 : 1, t->plane_count > 1 ? "s" : "");
+        if (t->size[0] > 0) printf("; opening %.3g x %.3g m", t->size[0], t->size[1]);
+        if (t->stated > 0 && fabs(lumens / t->stated - 1) > OFF)
+            printf("; its light output ratio says %.4g lm", t->stated);
+        putchar('\n');
+    }
+}
+
 int cmd_info(int argc, char **argv) {
     Arguments a = {.load = app_scene_options()};
     const char *file;
@@ -103,6 +123,7 @@ int cmd_info(int argc, char **argv) {
         }
         json_decref(counts);
         print_doors(&scene.building, &arena);
+        print_photometry(&scene.building);
     }
     if (!a.lamps) app_print_notes(&scene.building, 1000);
     arena_free(&arena);

@@ -224,6 +224,7 @@ static const Option ROWS[] = {
      .at = AT(out),
      .help = "where to write; @"},
     OPTION_MAP(AT(load.map)),
+    OPTION_PHOTOMETRY(AT(load.photometry)),
     OPTION_DAYLIGHT(AT(load.day), "default: stored light as it is, else a day as --day has it"),
     OPTION_FILL_LAMPS(AT(load.fill_lamps)),
     OPTION_LAMPS(AT(load.lamp_state), ""),

@@ -28,6 +28,7 @@ typedef struct Arguments {
 static const Option ROWS[] = {
     {.type = OPTION_HEADING, .help = "In both:"},
     OPTION_MAP(AT(load.map)),
+    OPTION_PHOTOMETRY(AT(load.photometry)),
     OPTION_MEMORY(
         AT(load.memory),
         "what fits the file to open it, then three quarters of the machine's; OpenGL's own is not counted"),

@@ -5,6 +5,7 @@
 
 #include "engine/core/arena.h"
 #include "engine/core/error.h"
+#include "engine/core/text.h"
 #include "engine/scene/day.h"
 
 // Exit codes.
@@ -22,6 +23,7 @@ typedef struct Option {
     enum {
         OPTION_FLAG,       // bool; there is no value
         OPTION_TEXT,       // const char *
+        OPTION_TEXTS,      // TextList: the option may be repeated
         OPTION_OUTPUT,     // const char *: a file to write, whose ending, if it has one, is among `names`
         OPTION_INT,        // int, low to high
         OPTION_SEED,       // uint64_t, low to high
@@ -90,6 +92,12 @@ int options_ending(const char *path, const char *const *endings, int count);
     {                                                                                                        \
         .name = "map", .value = "NAME", .type = OPTION_TEXT, .at = (field),                                  \
         .help = "one map of a file that holds several (default: the first)"                                  \
+    }
+#define OPTION_PHOTOMETRY(field)                                                                             \
+    {                                                                                                        \
+        .name = "photometry", .value = "NAME=FILE", .type = OPTION_TEXTS, .at = (field),                     \
+        .help = "lamps of this name send their light as the photometric file says, IES or EULUMDAT (.ldt); " \
+                "may be given for several names"                                                             \
     }
 #define OPTION_MEMORY(field, text)                                                                           \
     {                                                                                                        \

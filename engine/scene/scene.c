@@ -12,6 +12,7 @@
 #include "engine/scene/lamp_state.h"
 #include "maps/building/lamp_faces.h"
 #include "maps/maps.h"
+#include "maps/photometry/photometry_file.h"
 #include "radiosity/shoot/shoot.h"
 #include "visibility/prepare/prepare.h"
 
@@ -136,12 +137,19 @@ static bool fill_rooms(const char *path, const SceneOptions *options, Arena *are
     return good;
 }
 
+static bool take_photometry(const SceneOptions *options, Arena *arena, Building *b, Error *error) {
+    for (int i = 0; i < options->photometry.count; i++)
+        if (!photometry_for_name(options->photometry.text[i], arena, b, error)) return false;
+    return true;
+}
+
 static bool read_building(const char *path, const SceneOptions *options, Arena *arena, LoadedScene *out,
                           Error *error) {
     *out = (LoadedScene){.warn = options->warn};
     double start = clock_seconds();
     budget_open(path, options->memory, options->gentle);
     if (!maps_read_map(path, options->map, arena, &out->building, error) ||
+        !take_photometry(options, arena, &out->building, error) ||
         !scene_spares(options->written, options->written_count, out->building.beside,
                       out->building.beside_count, error) ||
         !day_over(&options->day, &out->building, &out->day, error) ||

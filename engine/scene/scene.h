@@ -3,6 +3,7 @@
 #ifndef SCENE_SCENE_H
 #define SCENE_SCENE_H
 
+#include "engine/core/text.h"
 #include "engine/scene/day.h"
 #include "engine/scene/fill_lamps.h"
 #include "radiosity/mesh/lamps.h"
@@ -28,6 +29,8 @@ typedef struct SceneOptions {
     const char *lamp_state;
     // One of a file that holds several maps; NULL: the first.
     const char *map;
+    // Each `NAME=FILE`: photometric files for lamps by their names, beside those that the building has.
+    TextList photometry;
     // Look for stored light: `light`, a .rad file that must fit, or, where that is NULL, beside the building and in the cache.
     bool find_light;
     const char *light;

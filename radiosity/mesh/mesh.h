@@ -154,6 +154,12 @@ static inline const Material *mesh_material(const Mesh *mesh, int face) {
     return &mesh->graph->building->materials[mesh->faces[face].material];
 }
 
+// How the light of a face leaves where a photometric file tells it; NULL: by Lambert's cosine. What has a spread reflects nothing.
+static inline const LampSpread *mesh_spread(const Mesh *mesh, int face) {
+    int spread = mesh_material(mesh, face)->spread;
+    return spread > 0 ? &mesh->graph->building->spreads[spread] : NULL;
+}
+
 // Sets Mesh.reflectance, once the elements are made; mesh_build does.
 void mesh_find_reflectances(Mesh *mesh, Arena *arena);
 

@@ -44,6 +44,16 @@ static uint64_t rest_hash(const Header *h) {
     return file_hash(from, (size_t)((const char *)(h + 1) - from), VERSION);
 }
 
+static uint64_t spread_hash(const LampSpread *spread, uint64_t hash) {
+    const Photometry *t = spread->table;
+    size_t angles = (size_t)t->gamma_count, values = angles * (size_t)t->plane_count;
+    hash = file_hash(t->gamma, angles * sizeof *t->gamma, hash);
+    hash = file_hash(t->candela, values * sizeof *t->candela, hash);
+    if (t->plane_count > 1) hash = file_hash(t->plane, (size_t)t->plane_count * sizeof *t->plane, hash);
+    hash = file_hash(&spread->turn, sizeof spread->turn, hash);
+    return file_hash(&spread->side, sizeof spread->side, hash);
+}
+
 static uint64_t mesh_hash(const Mesh *mesh) {
     uint64_t hash = file_hash(mesh->vertices, (size_t)mesh->vertex_count * sizeof *mesh->vertices, VERSION);
     hash = file_hash(mesh->corners, (size_t)mesh->corner_count * sizeof *mesh->corners, hash);
@@ -58,6 +68,8 @@ static uint64_t mesh_hash(const Mesh *mesh) {
         const Material *m = mesh_material(mesh, f);
         Rgb full = m->full.r + m->full.g + m->full.b > 0 ? m->full : m->emission;
         hash = file_hash(&full, sizeof full, file_hash(&m->reflectance, sizeof m->reflectance, hash));
+        const LampSpread *spread = mesh_spread(mesh, f);
+        if (spread) hash = spread_hash(spread, hash);
     }
     return hash;
 }

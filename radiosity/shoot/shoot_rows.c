@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "engine/core/parallel.h"
+#include "radiosity/factors/lamp_spread.h"
 #include "radiosity/factors/near_pairs.h"
 #include "radiosity/mesh/lines.h"
 
@@ -27,10 +28,11 @@ typedef struct Maker {
     Arena arena, kept;
     Viewer *viewer;
     FormFactor *form_factor, *of_lamps, *of_small;
-    NearPairs *near;    // NULL: patches are points
-    char *block;        // where its next kept row goes
-    size_t block_left;  // bytes
-    size_t kept_bytes;  // of all its blocks
+    NearPairs *near;      // NULL: patches are points
+    SpreadRows *spreads;  // of lamps by candela tables; NULL: there are none
+    char *block;          // where its next kept row goes
+    size_t block_left;    // bytes
+    size_t kept_bytes;    // of all its blocks
     long long kept_count, made_bytes, faces;
     Panes panes;  // before the patch whose row is made
     double seconds_visibility;
@@ -73,6 +75,7 @@ struct ShootRows {
     bool *strong;   // [patch_count]
     bool *fine;     // [patch_count] the row has as many directions as those of lamps
     bool full, settled;
+    bool any_spread;  // lamps send their light by candela tables
     long long made;
 };
 
@@ -123,6 +126,7 @@ static void equip_maker(void *context, int index, int thread) {
     if (of_lamps.resolution != usual.resolution)
         maker->of_lamps = form_factor_new(method, rows->mesh, &of_lamps, &maker->arena);
     maker->of_small = form_factor_new(method, rows->mesh, &of_small, &maker->arena);
+    if (rows->any_spread) maker->spreads = spread_rows_new(rows->mesh, &of_lamps, &maker->arena);
 }
 
 ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const float *door_open,
@@ -145,6 +149,7 @@ ShootRows *shoot_rows_new(const Mesh *mesh, const StabForest *forest, const floa
     rows->of_lamps.resolution = lamp_resolution(mesh, options);
     rows->of_small = rows->usual;
     rows->of_small.resolution = small_resolution(options);
+    for (int f = 0; f < mesh->face_count; f++) rows->any_spread = rows->any_spread || mesh_spread(mesh, f);
     rows->threads = parallel_threads(options->threads);
     rows->makers = ARENA_ARRAY(arena, Maker, rows->threads);
     parallel_for(rows->threads, rows->threads + SHARED, share_or_equip, rows);
@@ -168,6 +173,7 @@ void shoot_rows_end(ShootRows *rows) {
         Maker *maker = &rows->makers[t];
         if (maker->of_lamps != maker->form_factor) form_factor_end(maker->of_lamps);
         form_factor_end(maker->of_small);
+        if (maker->spreads) spread_rows_end(maker->spreads);
         form_factor_end(maker->form_factor);
         arena_free(&rows->makers[t].arena);
         arena_free(&rows->makers[t].kept);
@@ -387,8 +393,10 @@ static void make_row(void *context, int index, int thread) {
     FormFactor *form_factor = lamp                  ? maker->of_lamps
                               : patch->area < SMALL ? maker->of_small
                                                     : maker->form_factor;
-    const Row *row = form_factor_row(form_factor, view);
-    if (maker->near) row = near_pairs_row(maker->near, slot->patch, row);
+    bool spread = mesh_spread(rows->mesh, patch->face) != NULL;
+    const Row *row = spread ? spread_row(maker->spreads, maker->viewer, rows->options->culling, slot->patch)
+                            : form_factor_row(form_factor, view);
+    if (maker->near && !spread) row = near_pairs_row(maker->near, slot->patch, row);
     Runs runs = count_runs(rows, row);
     size_t bytes = row_bytes(runs.count, row->count);
     maker->made_bytes += (long long)bytes;

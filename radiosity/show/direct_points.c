@@ -11,7 +11,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
-#include "radiosity/factors/analytic.h"
+#include "radiosity/factors/lamp_spread.h"
 #include "radiosity/factors/view.h"
 #include "radiosity/shoot/sunlight.h"
 
@@ -38,7 +38,8 @@ typedef struct Blocker {
 typedef struct Facing {
     int face, first, count;  // of its corners, in Worker.corner
     Plane plane;
-    double emitted[3];  // W/m^2
+    double emitted[3];         // W/m^2
+    const LampSpread *spread;  // NULL: by Lambert's cosine
     int first_blocker,
         blocker_count;  // of a patch: in Worker.blocker, those that are not wholly behind the face
 } Facing;
@@ -234,6 +235,7 @@ static void take_facing(const Direct *d, Worker *w, const Frame *frame, const Ve
     Facing *facing = &w->facing[w->facing_count++];
     *facing = (Facing){.face = face, .first = corners, .count = count, .plane = plane};
     rgb_doubles(mesh_material(d->mesh, face)->emission, facing->emitted);
+    facing->spread = mesh_spread(d->mesh, face);
 }
 
 static void put_before(Worker *w, Before before) {
@@ -450,16 +452,20 @@ static int find_occluders(Worker *w, const Facing *facing, const Vec3 *lamp, Vec
 
 // The share of the light from the point, about z, that meets the lamp's face; below 0: a face hides all of it.
 static double share_in_sight(Worker *w, const Before *before, const Facing *facing, Vec3 point) {
+    SpreadSight by_table =
+        spread_sight(facing->spread, LAMP_SPREAD_OFF, w->frame->x, w->frame->y, w->frame->z);
     AnalyticSight sight = {0};
     Panes panes = {w->panes + before->first_pane, NULL, before->pane_count};
     const Vec3 *lamp = move_lamp(w, w->corner + facing->first, facing->count, point);
     int occluders = find_occluders(w, facing, lamp, point);
     w->report.direct_pairs++;
     if (occluders < 0) return -1;
-    if (occluders == 0 && panes.count == 0) return analytic_point(lamp, facing->count);
+    if (occluders == 0 && panes.count == 0 && !facing->spread) return analytic_point(lamp, facing->count);
     w->report.direct_cut += occluders > 0;
     analytic_visible(lamp, facing->count, rank_of(facing->face, facing->plane, point), w->occluder, occluders,
-                     analytic_sight_add, &sight);
+                     facing->spread ? spread_sight_add : analytic_sight_add,
+                     facing->spread ? (void *)&by_table : &sight);
+    if (facing->spread) sight = by_table.sight;
     if (panes.count == 0 || !(sight.area > 0)) return sight.share;
     // Panes of glass weaken all that is in sight as they do on the line to its middle.
     Vec3 middle = vec3_add(point, vec3_scale(sight.moment, 1 / sight.area));

@@ -206,4 +206,20 @@ same "$work/given/frame-00000.png" "$work/beside/frame-00000.png" 'the light in 
 cp "$work/short.rad" "$cached" && rm "$work/lit.rad"
 show dark && says err "passed over: $cached: has 3000 bytes"
 cmp -s "$work/given/frame-00000.png" "$work/dark/frame-00000.png" && fail 'damaged light is shown'
+# Photometric files: by option, beside a home by the lamp's name; told by info; light of their own, the same on any number of threads.
+seeds=tests/seeds
+expect 0 "$program" info $maps/two-rooms.plan --photometry lamp=$seeds/panel.ldt
+says out 'photometry tests/seeds/panel.ldt: 1 light, 25[0-9]* lm, 0 % of it upwards; 4 angles in 8 planes; opening 0.6 x 0.6 m'
+bake 0 -o "$work/panel.rad" --photometry lamp=$seeds/panel.ldt --threads 1
+bake 0 -o "$work/panel.2.rad" --photometry lamp=$seeds/panel.ldt --threads 2 --no-cull
+same "$work/panel.rad" "$work/panel.2.rad" 'the light of a photometric file depends on threads or culling'
+cmp -s "$work/panel.rad" "$work/1.rad" && fail 'a photometric file changes nothing'
+bake 1 -o "$work/x.rad" --photometry nobody=$seeds/panel.ldt && sentence && says err 'no lamp of build/maps/two-rooms.plan is called `nobody`'
+bake 1 -o "$work/x.rad" --photometry lamp=$seeds/room.obj && sentence && says err 'room.obj:2: the type of luminaire is'
+bake 1 -o "$work/x.rad" --photometry lamp && sentence && says err 'allowed NAME=FILE'
+# Light made with the file fits with it alone.
+expect 1 "$program" walk $maps/two-rooms.plan --light "$work/panel.rad" --offscreen "$work/lit"
+expect 0 "$program" render $maps/two-rooms.plan --light "$work/panel.rad" --photometry lamp=$seeds/panel.ldt -o "$work/x.png" --size 32x24 --samples 1
+cp maps/buildings/house.sh3d "$work/home.sh3d" && cp $seeds/spot.ies "$work/pendant.ies" && cp $seeds/room.obj "$work/table-lamp.ldt"
+expect 0 "$program" info "$work/home.sh3d" && says out 'pendant.ies: 3 lights' && says err 'passed over: .*table-lamp.ldt:2:'
 exit $bad

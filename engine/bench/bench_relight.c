@@ -15,8 +15,8 @@
 
 static const char HEAD[] =
     "building,change,method,ms_90,ms_whole,speedup,error_p99,error_mean,lamps,elements,mb\n";
-// Random states; and those of them that are also shot, which takes long.
-enum { STATES = 200, SHOT = 3, APART = STATES / SHOT + 1 };
+// Random states; and those of them that are also shot, which takes minutes.
+enum { STATES = 200, SHOT = 1, APART = STATES / SHOT + 1 };
 // The truth: unshot light of each lamp, as a share of its own. A tenth of this residual (each_lamp.h).
 static const double TRUTH = 1e-5;
 // Light below this share of the brightest state of an element counts as that much.

@@ -1,6 +1,7 @@
 // bench_relight.c - how soon light follows the lamps, and how right it is then: sums of the light of each lamp, all light shot anew along
 // rows that are kept, and all from nothing, against lamps of which each is shot to a millionth.
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -98,12 +99,15 @@ static int smaller_first(const void *a, const void *b) {
 }
 
 static void print_row(Relit *r, const char *change, const char *method, double seconds, Errors *e) {
+    size_t before = r->csv->size;
     qsort(e->off, e->count, sizeof *e->off, smaller_first);
     text_append(r->csv, "%s,%s,%s,%.2f,%.2f,%.1f,%.5f,%.6f,%d,%d,%.2f\n", bench_name(r->file), change, method,
                 1e3 * seconds, 1e3 * seconds, r->bake_seconds / seconds,
                 e->count > 0 ? (double)e->off[(size_t)(0.99 * (double)(e->count - 1))] : 0,
                 e->count > 0 ? e->sum / (double)e->count : 0, r->scene.lamps.count, r->mesh.element_count,
                 (double)each_lamp_bytes(&r->solution) / (1 << 20));
+    fputs(r->csv->data + before, stdout);
+    fflush(stdout);
 }
 
 // ---- states

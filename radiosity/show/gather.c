@@ -542,8 +542,10 @@ static void add_samples(Gatherer *self, const View *view, bool means, Near *near
 }
 
 void gather(Gatherer *self, const ViewPoint *from, double irradiance[3]) {
-    const View *view = viewer_look(self->viewer, from, self->options.culling);
-    bool one = self->samples == self->rows;
+    // Lamps and the sun ask for all faces, samples for those that they may see.
+    bool one = self->samples == self->rows, few = (one || !self->samples) && self->options.reflected;
+    const View *view = few ? form_factor_look(self->rows, self->viewer, from, self->options.culling)
+                           : viewer_look(self->viewer, from, self->options.culling);
     Near near = {0};
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     Plane before = {from->normal, vec3_dot(from->normal, from->eye)};

@@ -912,16 +912,14 @@ static inline void find_squares(Sampler *s, const View *view, int block, uint64_
     }
 }
 
-// The element of a direction whose square has none or several, because of rounding or a slanted edge (mesh_element_at).
-static int element_beside(const Sampler *s, const View *view, int block, int at) {
+// The element of a direction whose square has none or several, because of rounding or a slanted edge. `side` and `up`: the samples' axes.
+static int element_beside(const Sampler *s, const View *view, Vec3 side, Vec3 up, int block, int at) {
     const SampleBlock *b = &s->blocks[block];
     int row = at / LANES, lane = at % LANES, face = s->items[block].face[row][lane];
     double x = (double)b->x[row][lane], y = (double)b->y[row][lane], z = (double)b->z[row][lane];
     double distance = 1 / (double)s->items[block].near[row][lane];
-    Vec3 side, up;
-    sampler_axes(s, view, &side, &up);
     Vec3 w = vec3_add(vec3_scale(side, x), vec3_add(vec3_scale(up, y), vec3_scale(view->z, z)));
-    return mesh_element_at(s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
+    return lines_element_at(&s->outlines, s->mesh, face, vec3_add(view->eye, vec3_scale(w, distance)));
 }
 
 // The share of the samples in `run`, a bit for each place of a block.
@@ -934,8 +932,10 @@ static double share_of(const Sampler *s, int block, uint64_t run) {
 }
 
 static void add_beside(const Sampler *s, const View *view, int block, uint64_t run, RowSum *sum) {
+    Vec3 side, up;
+    sampler_axes(s, view, &side, &up);
     for (; run; run &= run - 1) {
-        int element = element_beside(s, view, block, __builtin_ctzll(run));
+        int element = element_beside(s, view, side, up, block, __builtin_ctzll(run));
         row_add(sum, element, share_of(s, block, run & -run));
     }
 }

@@ -137,8 +137,12 @@ static const double ONE_PLANE = 1e-8;
 #define ROUNDING (8 * 0x1p-24f)
 // The coefficients of faces nearer than this, metres, count as at this distance: otherwise all directions of these faces would be ties.
 #define NEAREST 1e-3f
-// By how much, 1/m, rounding may change the difference of the 1 / distances of two faces.
+// By how much, 1/m, rounding may change the difference of the 1 / distances of two faces, whatever the faces.
 static const float TIE = ROUNDING * (1 / NEAREST);
+// The same of two faces, of which this is the one with the larger coefficients.
+static float tie_within(const Form *near) {
+    return ROUNDING * fminf(near->abs_x + near->abs_y + near->abs_z, 1 / NEAREST);
+}
 
 static const ViewFace *view_face(const SamplerView *of, int face) {
     return &of->view->faces[of->sampler->view_index[face]];
@@ -360,15 +364,25 @@ static inline Lane form_at(const Form *f, const SampleBlock *b, int row, bool fl
     return lane_multiply_add(lane_of(f->z), b->z[row], lane_multiply_add(lane_of(f->y), y, across));
 }
 
-// Among the directions `tied` in a row, which see another face (`before`) at the same distance, returns those that see the new face.
-static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before) {
+// Among the directions `tied` in a row, which see another face (`before`) at about the same distance, returns those that see the new face.
+// `nearer`: the difference of the 1 / distances, which decides where it is more than rounding of these two faces.
+static LaneInt settle_row(const Drawing *d, const SampleBlock *b, int row, LaneInt tied, LaneInt before,
+                          Lane nearer) {
     LaneInt wins = {0};
     for (unsigned left = lane_mask(tied); left;) {
         int other = before[__builtin_ctz(left)];
-        unsigned same = lane_mask(before == lane_int_of(other)) & left;
-        left &= ~same;
+        LaneInt these = tied & (before == lane_int_of(other));
+        left &= ~lane_mask(these);
+        if (other < 0) {
+            wins |= these;
+            continue;
+        }
+        Form near = near_form(&d->of->sampler->frame, view_face(d->of, other));
+        float tie = fmaxf(tie_within(&d->near), tie_within(&near));
+        wins |= these & (nearer > tie);
+        unsigned same = lane_mask(these & (lane_abs(nearer) <= tie));
         // Mostly the two faces lie in one plane, and the order is the same for all directions.
-        int all = other < 0 ? 1 : sampler_tie_of_planes(d->of, d->face, other);
+        int all = same ? sampler_tie_of_planes(d->of, d->face, other) : 0;
         for (; same; same &= same - 1) {
             int i = __builtin_ctz(same);
             Vec3 w = vec3((double)b->x[row][i], (double)b->y[row][i], (double)b->z[row][i]);
@@ -386,7 +400,7 @@ static __attribute__((noinline)) void settle(const SampleBlock *b, ItemBlock *it
         LaneInt before = items->face[row];
         LaneInt tied = ~outside[row] & (lane_abs(value - items->near[row]) <= d->tie) & (before != d->face);
         if (lane_mask(tied) == 0) continue;
-        LaneInt wins = settle_row(d, b, row, tied, before);
+        LaneInt wins = settle_row(d, b, row, tied, before, value - items->near[row]);
         items->near[row] = lane_choose(wins, value, items->near[row]);
         items->face[row] = lane_choose_int(wins, lane_int_of(d->face), before);
     }
